@@ -1,0 +1,85 @@
+"""What every controller is: the five moments of its life, and what it is given in each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rclpy.node import Node
+
+    from tutorial.body import Body
+
+__all__ = ["ControllerConfig", "ControllerIO", "SimpleController"]
+
+
+@dataclass(frozen=True)
+class ControllerConfig:
+    """What a controller is given when it joins a body.
+
+    Attributes:
+        body: the displayed body; it belongs to the main thread.
+        node: the program's ROS 2 node; its callbacks run on the executor's thread.
+        call_later: ``call_later(function, *args)``, from any thread: run the function on the main thread. Every call is
+            kept, in order; those that still wait when the controller leaves its body do not run.
+        call_latest: ``call_latest(key, function, *args)``, as `call_later`, but a call of the same key that still waits is
+            replaced.
+    """
+
+    body: Body
+    node: Node
+    call_later: Callable[..., None]
+    call_latest: Callable[..., None]
+
+
+class ControllerIO:
+    """A controller's access to the simulated copy of its body; it belongs to the thread that steps the simulation.
+
+    Attributes:
+        body: the simulated body.
+        time_step: [s].
+        step: how many steps have been simulated since the start.
+    """
+
+    __slots__ = ("_step_ns", "body", "step", "time_step")
+
+    def __init__(self, body: Body, time_step: float) -> None:
+        self.body = body
+        self.time_step = time_step
+        self.step = 0
+        self._step_ns = round(time_step * 1e9)
+
+    @property
+    def time_ns(self) -> int:
+        """Simulated time since the start [ns], an exact multiple of the time step."""
+        return self.step * self._step_ns
+
+    @property
+    def time(self) -> float:
+        """Simulated time since the start [s]."""
+        return self.time_ns / 1e9
+
+
+class SimpleController:
+    """Base of all controllers, named and cut as in the original. Each method is called on the thread that its line names.
+
+    A controller of a displayed body is configured and unconfigured; one in a simulated world is also initialized, asked
+    for control at every step, and stopped.
+    """
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Join a body: make publishers and subscriptions. Main thread."""
+
+    def initialize(self, io: ControllerIO) -> None:
+        """Get ready for the first step, at every start of the simulation. Simulation thread."""
+
+    def control(self) -> None:
+        """Read sensors and set actuators, before every step. Simulation thread."""
+
+    def stop(self) -> None:
+        """Let go, when the simulation stops. Simulation thread."""
+
+    def unconfigure(self) -> None:
+        """Leave the body: destroy what `configure` made. Main thread."""

@@ -1,0 +1,35 @@
+"""Step 3: show the joint states that another program publishes."""
+
+from __future__ import annotations
+
+from sensor_msgs.msg import JointState
+
+from tutorial.controller import ControllerConfig, SimpleController
+from tutorial.joints import JointReport, match_joints
+
+
+class JointStateSubscriber(SimpleController):
+    """Show the joint states that another program publishes."""
+
+    def configure(self, config: ControllerConfig) -> None:  # main thread, when the controller joins a body
+        """Subscribe to the topic that is named after the body."""
+        self.body = config.body
+        self.call_later = config.call_later
+        self.report: JointReport | None = None
+        topic = f"{self.body.name}/joint_state"
+        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+
+    def on_joint_state(self, message: JointState) -> None:  # executor's thread: post and return
+        """Hand the message to the main thread."""
+        self.call_later(self.update, message)
+
+    def update(self, message: JointState) -> None:  # main thread: the only one that may touch the body
+        """Move the body's joints to where the message says."""
+        positions, self.report = match_joints(self.body.joint_ranges, message, after=self.report)
+        self.body.set_joint_positions(positions)
+        self.body.calc_forward_kinematics()
+        self.body.notify_change(self.report)
+
+    def unconfigure(self) -> None:  # main thread; calls still queued will not run any more
+        """Stop listening."""
+        self.subscription.destroy()

@@ -1,0 +1,79 @@
+"""Step 1: drive the tank with the joystick."""
+
+from __future__ import annotations
+
+from sensor_msgs.msg import Joy
+
+from tutorial.body import Joint
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+from tutorial.handoff import Latest
+
+STEP_AT_FULL_STICK = 0.002  # [rad] by which a reference angle moves in one simulation step
+P_GAIN = 200.0  # [N.m/rad]
+D_GAIN = 50.0  # [N.m.s/rad]
+
+
+class TankController(SimpleController):
+    """Drive the tracks with the left stick, aim the turret and its barrel with the right one."""
+
+    def configure(self, config: ControllerConfig) -> None:  # main thread
+        """Listen to the joystick."""
+        self.joy = Latest(Joy())
+        self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
+
+    def on_joy(self, message: Joy) -> None:  # executor's thread: put and return
+        """Keep the newest state of the joystick."""
+        self.joy.put(message)
+
+    def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
+        """Look up the tracks and the joints of the simulated tank."""
+        self.track_l = io.body.actuator("TRACK_L")
+        self.track_r = io.body.actuator("TRACK_R")
+        self.turret = AimedJoint(io.body.joint("TURRET_Y"), io.time_step)
+        self.barrel = AimedJoint(io.body.joint("TURRET_P"), io.time_step)
+
+    def control(self) -> None:  # simulation thread, every step
+        """Turn the sticks into track speeds [m/s] and joint torques [N.m]."""
+        left_x, left_y, right_x, right_y = sticks(self.joy.get())
+
+        self.track_l.ctrl = 2.0 * left_y - left_x
+        self.track_r.ctrl = 2.0 * left_y + left_x
+
+        self.turret.aim(-right_x)  # its axis points down, so a positive angle is a turn to the right
+        self.barrel.aim(right_y)
+
+    def unconfigure(self) -> None:  # main thread
+        """Stop listening."""
+        self.subscription.destroy()
+
+
+class AimedJoint:
+    """One joint that a stick moves: a reference angle, and a PD control that holds the joint there."""
+
+    def __init__(self, joint: Joint, time_step: float) -> None:
+        self.joint = joint
+        self.time_step = time_step
+        self.q_ref = self.q_prev = joint.position
+
+    def aim(self, stick: float) -> None:
+        """Move the reference by the stick, within the joint's range, and set the torque that follows it."""
+        lower, upper = self.joint.range
+        q_ref = min(max(self.q_ref + STEP_AT_FULL_STICK * stick, lower), upper)
+        dq_ref = (q_ref - self.q_ref) / self.time_step
+
+        q = self.joint.position
+        dq = (q - self.q_prev) / self.time_step
+        self.joint.effort = P_GAIN * (q_ref - q) + D_GAIN * (dq_ref - dq)
+
+        self.q_ref, self.q_prev = q_ref, q
+
+
+def sticks(message: Joy) -> tuple[float, float, float, float]:
+    """Left x, left y, right x, right y, each in [-1, 1] with its dead zone; an axis that the message lacks is 0."""
+    left_x, left_y, right_x, right_y = [*message.axes, 0.0, 0.0, 0.0, 0.0][:4]
+    return dead_zone(left_x, 0.2), dead_zone(left_y, 0.2), dead_zone(right_x, 0.15), dead_zone(right_y, 0.15)
+
+
+def dead_zone(axis: float, width: float) -> float:
+    """Zero near the middle, where a stick at rest never quite is."""
+    return axis if abs(axis) > width else 0.0

@@ -1,0 +1,238 @@
+"""Handing work from one thread to another: the first of the two ideas that the tutorial is about.
+
+A callback arrives on whatever thread its source has: ROS 2's executor, a widget's, a timer's. It may not touch what
+belongs to another thread; it leaves the news where the owner finds it, and returns. There are two deliveries:
+
+- a *snapshot*, of which only the newest counts: `Latest`, and `CallScope.call_latest`;
+- an *event*, of which none may be lost: `CallScope.call_later`.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+import threading
+from collections import deque
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from tutorial.errors import WrongThreadError
+
+if TYPE_CHECKING:
+    import asyncio
+    from collections.abc import Callable, Hashable
+    from types import FrameType
+
+__all__ = ["CallQueue", "CallScope", "Latest", "ThreadGuard"]
+
+T = TypeVar("T")
+
+_log = logging.getLogger(__name__)
+
+
+class Latest(Generic[T]):
+    """A value under a lock: one thread puts the newest, another takes it.
+
+    What is put is handed over, not copied: the giver leaves it alone from then on, and the taker copies what it keeps.
+
+    Args:
+        value: what `get` returns until something is put.
+    """
+
+    __slots__ = ("_lock", "_value")
+
+    def __init__(self, value: T) -> None:
+        self._lock = threading.Lock()
+        self._value = value
+
+    def put(self, value: T) -> None:
+        """Replace the value. Any thread."""
+        with self._lock:
+            self._value = value
+
+    def get(self) -> T:
+        """Return the newest value. Any thread."""
+        with self._lock:
+            return self._value
+
+
+class CallQueue:
+    """Calls that any thread may post and that run on the main thread's event loop, in the order in which they were posted.
+
+    Underneath is one locked queue, and one `call_soon_threadsafe` that wakes the loop when the queue stops being empty.
+    One turn of the loop runs what was queued when the turn began, so calls that post calls cannot hold it.
+
+    Args:
+        loop: the main thread's loop.
+    """
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._lock = threading.Lock()
+        self._waiting: deque[_Call] = deque()
+        self._newest: dict[tuple[CallScope, Hashable], _Call] = {}
+        self._awake = False
+        self._closed = False
+
+    def __len__(self) -> int:
+        """How many calls wait, those of closed scopes included."""
+        return len(self._waiting)
+
+    def scope(self, owner: str) -> CallScope:
+        """Make a front for one poster, which can be closed without closing the queue.
+
+        Args:
+            owner: who will post, for the log.
+        """
+        return CallScope(self, owner)
+
+    def close(self) -> None:
+        """Drop what waits; from now on posting is a counted no-op. Idempotent, any thread."""
+        with self._lock:
+            self._closed = True
+            self._waiting.clear()
+            self._newest.clear()
+
+    def _post(self, call: _Call, key: Hashable | None = None) -> None:
+        """Queue a call, or replace the waiting one of the same key, or count that it came too late."""
+        with self._lock:
+            if self._closed or call.scope.closed or not self._wake():
+                call.scope.refused += 1
+                return
+            if key is not None:
+                call.slot = (call.scope, key)
+                waiting = self._newest.setdefault(call.slot, call)
+                if waiting is not call:
+                    waiting.replace(call)
+                    return
+            self._waiting.append(call)
+
+    def _wake(self) -> bool:
+        """Ask the loop for a turn unless one is coming; False when the loop is gone. Holds the lock."""
+        if not self._awake:
+            try:
+                self._loop.call_soon_threadsafe(self._turn)
+            except RuntimeError:  # the loop was closed before the queue
+                return False
+            self._awake = True
+        return True
+
+    def _turn(self) -> None:
+        """Run what waits now; what comes in meanwhile gets a turn of its own. Main thread."""
+        for _ in range(len(self._waiting)):
+            call = self._next()
+            if call is None:
+                break
+            call.run()
+        with self._lock:
+            self._awake = False
+            if self._waiting:
+                self._wake()
+
+    def _next(self) -> _Call | None:
+        with self._lock:
+            if not self._waiting:
+                return None
+            call = self._waiting.popleft()
+            if call.slot is not None:
+                del self._newest[call.slot]
+            return call
+
+
+class CallScope:
+    """One poster's front of a `CallQueue`: what it has posted does not run any more once the scope is closed.
+
+    Attributes:
+        owner: who posts.
+        closed: whether `close` was called.
+        refused: how many calls came too late.
+    """
+
+    def __init__(self, queue: CallQueue, owner: str) -> None:
+        self._queue = queue
+        self.owner = owner
+        self.closed = False
+        self.refused = 0
+
+    def call_later(self, function: Callable[..., object], *args: object) -> None:
+        """From any thread: run ``function(*args)`` on the main thread. Every call is kept, in order."""
+        self._queue._post(_Call(self, function, args, sys._getframe(1)))
+
+    def call_latest(self, key: Hashable, function: Callable[..., object], *args: object) -> None:
+        """As `call_later`, but a waiting call of the same key is replaced, and keeps its place in the queue.
+
+        Args:
+            key: what the call is about, for instance the name of a body; not None.
+            function: what to run.
+            args: what to run it with.
+        """
+        self._queue._post(_Call(self, function, args, sys._getframe(1)), key)
+
+    def close(self) -> None:
+        """What still waits will not run; from now on posting is a counted no-op. Idempotent, any thread."""
+        self.closed = True
+
+
+class _Call:
+    """One posted call, and where it was posted."""
+
+    __slots__ = ("args", "frame_code", "frame_line", "function", "scope", "slot", "thread")
+
+    def __init__(
+        self, scope: CallScope, function: Callable[..., object], args: tuple[object, ...], frame: FrameType
+    ) -> None:
+        self.scope = scope
+        self.function = function
+        self.args = args
+        self.frame_code = frame.f_code
+        self.frame_line = frame.f_lineno
+        self.thread = threading.current_thread().name
+        self.slot: tuple[CallScope, Hashable] | None = None
+
+    def replace(self, newer: _Call) -> None:
+        """Become the newer call, in this one's place."""
+        self.function, self.args = newer.function, newer.args
+        self.frame_code, self.frame_line, self.thread = newer.frame_code, newer.frame_line, newer.thread
+
+    def run(self) -> None:
+        if self.scope.closed:
+            return
+        try:
+            self.function(*self.args)
+        except Exception:
+            _log.exception(
+                "%s: a call that was posted at %s:%d on the thread %r failed",
+                self.scope.owner,
+                self.frame_code.co_filename,
+                self.frame_line,
+                self.thread,
+            )
+
+
+class ThreadGuard:
+    """Remembers the thread it was made on, and raises when another one comes by.
+
+    Args:
+        what: what is guarded, as it should appear in the error, for instance ``"the body 'Tank'"``.
+    """
+
+    __slots__ = ("_ident", "_thread", "_what")
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._thread = threading.current_thread()
+        self._ident = threading.get_ident()
+
+    def check(self, action: str) -> None:
+        """Pass on the owner's thread, raise on any other.
+
+        Args:
+            action: what was about to be done, for instance ``"set_joint_positions"``.
+
+        Raises:
+            WrongThreadError: called on another thread than the one that made the guard.
+        """
+        if threading.get_ident() != self._ident:
+            raise WrongThreadError(
+                f"{action} was called on the thread {threading.current_thread().name!r}, but {self._what} belongs to the "
+                f"thread {self._thread.name!r}. Post the call instead: call_later(f, message)."
+            )
