@@ -1,0 +1,248 @@
+"""A robot, or any other body: a MuJoCo model with its state, and the joints by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import inf
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+from tutorial.errors import TutorialError, did_you_mean
+from tutorial.handoff import ThreadGuard
+from tutorial.world import Placement, compose
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from tutorial.joints import JointReport
+
+__all__ = ["Actuator", "Body", "Joint"]
+
+SHOWN_GROUPS = 3  # MuJoCo's convention: groups 0 to 2 are shown, the others are inner workings
+ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+
+
+class Joint:
+    """A hinge or slide joint of a body, as `sensor_msgs/JointState` sees it.
+
+    Attributes:
+        name: without the body's prefix.
+        range: ``(lower, upper)`` [rad or m]; infinite where the joint has no limit.
+    """
+
+    __slots__ = ("_ctrl_adr", "_data", "_dof_adr", "_guard", "_qpos_adr", "name", "range")
+
+    def __init__(
+        self, name: str, model: mujoco.MjModel, data: mujoco.MjData, joint_id: int, guard: ThreadGuard | None
+    ) -> None:
+        self.name = name
+        limited = model.jnt_limited[joint_id]
+        self.range: tuple[float, float] = tuple(model.jnt_range[joint_id].tolist()) if limited else (-inf, inf)
+        self._data = data
+        self._guard = guard
+        self._qpos_adr = int(model.jnt_qposadr[joint_id])
+        self._dof_adr = int(model.jnt_dofadr[joint_id])
+        motors = np.flatnonzero(
+            (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (model.actuator_trnid[:, 0] == joint_id)
+        )
+        self._ctrl_adr = int(motors[0]) if len(motors) else None
+
+    @property
+    def position(self) -> float:
+        """Position [rad or m]. Setting it moves a displayed body's joint, on the thread that the body belongs to."""
+        return float(self._data.qpos[self._qpos_adr])
+
+    @position.setter
+    def position(self, value: float) -> None:
+        if self._guard:
+            self._guard.check("Joint.position")
+        self._data.qpos[self._qpos_adr] = value
+
+    @property
+    def velocity(self) -> float:
+        """Velocity [rad/s or m/s]."""
+        return float(self._data.qvel[self._dof_adr])
+
+    @property
+    def effort(self) -> float:
+        """Torque or force [N.m or N] that the motor applied in the last step. Setting it commands the motor's next one.
+
+        Raises:
+            TutorialError: set on a joint that has no motor.
+        """
+        return float(self._data.qfrc_actuator[self._dof_adr])
+
+    @effort.setter
+    def effort(self, value: float) -> None:
+        if self._ctrl_adr is None:
+            raise TutorialError(f"the joint {self.name!r} has no motor. Give it an actuator in the model.")
+        self._data.ctrl[self._ctrl_adr] = value
+
+
+class Actuator:
+    """An actuator of a body that is not a joint's motor, such as a track.
+
+    Attributes:
+        name: without the body's prefix.
+    """
+
+    __slots__ = ("_adr", "_data", "name")
+
+    def __init__(self, name: str, data: mujoco.MjData, adr: int) -> None:
+        self.name = name
+        self._data = data
+        self._adr = adr
+
+    @property
+    def ctrl(self) -> float:
+        """The control signal, in the unit that the model gives it; for a track its surface speed [m/s]."""
+        return float(self._data.ctrl[self._adr])
+
+    @ctrl.setter
+    def ctrl(self, value: float) -> None:
+        self._data.ctrl[self._adr] = value
+
+
+class Body:
+    """A named part of a MuJoCo model and its state.
+
+    A displayed body has a model and a state of its own and belongs to the thread that made it, the main thread. A simulated
+    body is a part of the world that the simulation has composed, and belongs to whoever steps that.
+
+    Args:
+        name: the body's name. Its elements are called ``name/element`` in the model.
+        model: the model.
+        data: its state.
+        guard: who may move the displayed body; None for a simulated one.
+
+    Attributes:
+        name, model, data: as given.
+        joints: the hinge and slide joints of groups 0 to 2, in the model's order. Those of higher groups (MuJoCo hides
+            them) are inner workings, such as the wheels in a track.
+        joint_names: their names, a tuple.
+        joint_ranges: a mapping from their names to their ranges ``(lower, upper)`` [rad or m].
+        qpos_slice: which part of MuJoCo's ``qpos`` is this body's.
+        qpos: a view on it, shape (nq,).
+    """
+
+    def __init__(
+        self, name: str, model: mujoco.MjModel, data: mujoco.MjData, guard: ThreadGuard | None = None
+    ) -> None:
+        self.name = name
+        self.model = model
+        self.data = data
+        self._guard = guard
+        self._prefix = f"{name}/"
+        self.joints = tuple(self._find_joints())
+        self.joint_names = tuple(joint.name for joint in self.joints)
+        self.joint_ranges: Mapping[str, tuple[float, float]] = {joint.name: joint.range for joint in self.joints}
+        self.qpos_slice = self._find_qpos()
+        self.qpos: NDArray[np.float64] = data.qpos[self.qpos_slice]
+        self._by_name = {joint.name: joint for joint in self.joints}
+        self._observers: list[Callable[[JointReport | None], object]] = []
+
+    @classmethod
+    def displayed(cls, placement: Placement) -> Body:
+        """Make a body that is shown, from its model file. It belongs to the calling thread.
+
+        Raises:
+            TutorialError: the model does not load.
+        """
+        model = compose([placement])
+        body = cls(placement.name, model, mujoco.MjData(model), ThreadGuard(f"the body {placement.name!r}"))
+        body.calc_forward_kinematics()
+        return body
+
+    def __repr__(self) -> str:
+        return f"Body({self.name!r}, joints={list(self.joint_names)})"
+
+    def joint(self, name: str) -> Joint:
+        """Find a joint by name.
+
+        Raises:
+            TutorialError: the body has no such joint; the text names the nearest.
+        """
+        try:
+            return self._by_name[name]
+        except KeyError:
+            hint = did_you_mean(name, self.joint_names)
+            raise TutorialError(f"the body {self.name!r} has no joint {name!r}.{hint}") from None
+
+    def actuator(self, name: str) -> Actuator:
+        """Find an actuator by name.
+
+        Raises:
+            TutorialError: the body has no such actuator; the text names the nearest.
+        """
+        adr = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_ACTUATOR, self._prefix + name)
+        if adr < 0:
+            names = (self.model.actuator(i).name for i in range(self.model.nu))
+            mine = [n.removeprefix(self._prefix) for n in names if n.startswith(self._prefix)]
+            raise TutorialError(f"the body {self.name!r} has no actuator {name!r}.{did_you_mean(name, mine)}")
+        return Actuator(name, self.data, adr)
+
+    def set_joint_positions(self, positions: Mapping[str, float]) -> None:
+        """Move joints of a displayed body; the others stay where they are.
+
+        Args:
+            positions: by joint name [rad or m].
+
+        Raises:
+            WrongThreadError: called on another thread than the main thread.
+            TutorialError: there is no such joint.
+        """
+        self._check("set_joint_positions")
+        for name, position in positions.items():
+            self.joint(name).position = position
+
+    def calc_forward_kinematics(self) -> None:
+        """Compute where the links are, from the joints' positions.
+
+        Raises:
+            WrongThreadError: called on another thread than the main thread.
+        """
+        self._check("calc_forward_kinematics")
+        mujoco.mj_kinematics(self.model, self.data)
+
+    def notify_change(self, report: JointReport | None = None) -> None:
+        """Tell whoever displays the body that it has changed.
+
+        Args:
+            report: what joint matching made of the message that changed it.
+
+        Raises:
+            WrongThreadError: called on another thread than the main thread.
+        """
+        self._check("notify_change")
+        for observer in tuple(self._observers):
+            observer(report)
+
+    def on_change(self, observer: Callable[[JointReport | None], object]) -> None:
+        """Have ``observer(report)`` called, on the main thread, whenever the body has changed."""
+        self._observers.append(observer)
+
+    def _check(self, action: str) -> None:
+        if self._guard:
+            self._guard.check(action)
+
+    def _joint_ids(self) -> list[int]:
+        return [i for i in range(self.model.njnt) if self.model.joint(i).name.startswith(self._prefix)]
+
+    def _find_joints(self) -> list[Joint]:
+        model = self.model
+        return [
+            Joint(model.joint(i).name.removeprefix(self._prefix), model, self.data, i, self._guard)
+            for i in self._joint_ids()
+            if int(model.jnt_type[i]) in ONE_DOF and model.jnt_group[i] < SHOWN_GROUPS
+        ]
+
+    def _find_qpos(self) -> slice:
+        """MuJoCo numbers an attached body's joints in one run, so its part of ``qpos`` is one slice."""
+        ids = self._joint_ids()
+        if not ids:
+            return slice(0, 0)
+        adr = self.model.jnt_qposadr
+        end = adr[ids[-1] + 1] if ids[-1] + 1 < self.model.njnt else self.model.nq
+        return slice(int(adr[ids[0]]), int(end))
