@@ -1,0 +1,48 @@
+# Everything that the README and CONTRIBUTING tell you to type. It needs make and Python 3.11, 3.12 or 3.13, nothing else.
+#
+#   make demo [DURATION=20]   step 3 as a whole: joystick, simulation and viewer
+#   make test                 the tests
+#   make lab                  JupyterLab on the notebooks
+#   make install              .venv with everything that these need; quick when nothing has changed
+#   make bench | lint | clean
+
+PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3 python; do \
+	$$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && echo $$p && break; done)
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+DURATION ?=
+PYTEST_ARGS ?=
+
+.PHONY: demo test lab install bench lint clean
+
+demo: install
+	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
+
+test: install
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lab: install
+	@$(BIN)/tank lab
+
+bench: install
+	$(BIN)/python -m pytest bench -p no:cacheprovider --benchmark-only --benchmark-disable-gc --benchmark-columns=median,iqr,rounds -s
+
+lint: .venv/lint
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+install: .venv/install
+
+.venv/install: pyproject.toml constraints.txt
+	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 is needed and none was found. Install one, or say which: make PYTHON=/path/to/python3.12"; exit 1; }
+	$(PYTHON) -m venv --clear .venv
+	$(PIP) install --progress-bar off -q -c constraints.txt -e ".[gamepad,test]"
+	@touch $@
+
+.venv/lint: .venv/install
+	$(PIP) install --progress-bar off -q -c constraints.txt -e ".[lint]"
+	@touch $@
+
+clean:
+	rm -rf .venv .hypothesis .mypy_cache .pytest_cache .ruff_cache
