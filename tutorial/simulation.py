@@ -82,6 +82,7 @@ class Simulation:
         self._step = 0
         self._initialized = False
         self._thread: threading.Thread | None = None
+        self._stepping = threading.Lock()  # held for a batch of steps
         self._stopping = threading.Event()
         self._finished = threading.Event()
         self.error: ControllerError | None = None
@@ -168,6 +169,18 @@ class Simulation:
         """
         return self._finished.wait(timeout)
 
+    def release(self, body: str) -> None:
+        """Let the controllers of a body go; the body itself stays in the world. Any thread, also while it is running.
+
+        Args:
+            body: the body's name.
+        """
+        with self._stepping:
+            leaving = [controller for controller, io in self._controllers if io.body.name == body]
+            self._controllers = [(c, io) for c, io in self._controllers if io.body.name != body]
+        if self._initialized:
+            _stop_all(leaving)
+
     def copy_to(self, bodies: Iterable[Body]) -> float:
         """Move displayed bodies to where the newest snapshot has them. Main thread.
 
@@ -215,15 +228,16 @@ class Simulation:
             time.sleep(REST)
 
     def _run_steps(self, count: int) -> None:
-        model, data, controllers, mj_step = self.model, self.data, self._controllers, mujoco.mj_step
+        model, data, mj_step = self.model, self.data, mujoco.mj_step
         controller: SimpleController | None = None
         try:
-            for _ in range(count):
-                for controller, io in controllers:
-                    io.step = self._step
-                    controller.control()
-                mj_step(model, data)
-                self._step += 1
+            with self._stepping:
+                for _ in range(count):
+                    for controller, io in self._controllers:
+                        io.step = self._step
+                        controller.control()
+                    mj_step(model, data)
+                    self._step += 1
         except Exception as error:
             raise self._controller_error(controller, error) from error
 
@@ -245,11 +259,7 @@ class Simulation:
         if not self._initialized:
             return
         self._initialized = False
-        for controller, _ in self._controllers:
-            try:
-                controller.stop()
-            except Exception:
-                _log.exception("%s failed in stop()", type(controller).__name__)
+        _stop_all(controller for controller, _ in self._controllers)
 
     def _controller_error(self, controller: SimpleController | None, error: Exception) -> ControllerError:
         name = type(controller).__name__
@@ -262,6 +272,14 @@ class Simulation:
 
     def _snap(self) -> Snapshot:
         return Snapshot(self.time, self.data.qpos.copy())
+
+
+def _stop_all(controllers: Iterable[SimpleController]) -> None:
+    for controller in controllers:
+        try:
+            controller.stop()
+        except Exception:
+            _log.exception("%s failed in stop()", type(controller).__name__)
 
 
 class _Pace:

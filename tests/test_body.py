@@ -1,0 +1,110 @@
+"""A body: its joints by name, and whose it is."""
+
+from __future__ import annotations
+
+import math
+import threading
+from pathlib import Path
+
+import pytest
+
+from tutorial.body import Body
+from tutorial.errors import TutorialError, WrongThreadError
+from tutorial.world import Placement
+
+MODELS = Path(__file__).parent.parent / "project" / "models"
+
+
+@pytest.fixture
+def tank():
+    return Body.displayed(Placement("Tank", MODELS / "tank.xml", (-2.0, -0.5, 0.1)))
+
+
+def test_the_tanks_joints_are_its_turrets(tank):
+    assert tank.joint_names == ("TURRET_Y", "TURRET_P")
+    assert tank.joint_ranges["TURRET_P"] == pytest.approx((math.radians(-10), math.radians(45)))
+
+
+def test_another_name_changes_no_joints_name():
+    other = Body.displayed(Placement("Panzer", MODELS / "tank.xml"))
+    assert other.joint_names == ("TURRET_Y", "TURRET_P")
+
+
+def test_another_model_has_its_own_joints():
+    crane = Body.displayed(Placement("Crane", MODELS / "crane.xml"))
+    assert len(crane.joint_names) == 3
+    assert not set(crane.joint_names) & {"TURRET_Y", "TURRET_P"}
+
+
+def test_positions_are_set_by_name_and_the_links_follow(tank):
+    before = tank.data.xquat.copy()
+    tank.set_joint_positions({"TURRET_P": 0.25})
+    tank.calc_forward_kinematics()
+    assert tank.joint("TURRET_P").position == 0.25
+    assert tank.joint("TURRET_Y").position == 0.0
+    assert not (tank.data.xquat == before).all()
+
+
+def test_an_unknown_joint_is_named_with_the_nearest(tank):
+    with pytest.raises(TutorialError, match=r"the body 'Tank' has no joint 'TURET_Y'\. Did you mean 'TURRET_Y'\?"):
+        tank.joint("TURET_Y")
+    with pytest.raises(TutorialError, match="no joint 'X'"):
+        tank.set_joint_positions({"X": 0.0})
+
+
+def test_an_unknown_actuator_is_named_with_the_nearest(tank):
+    with pytest.raises(TutorialError, match=r"no actuator 'TRACK_X'\. Did you mean 'TRACK_[LR]'\?"):
+        tank.actuator("TRACK_X")
+
+
+def test_observers_hear_of_a_change(tank):
+    heard = []
+    tank.on_change(heard.append)
+    tank.notify_change()
+    assert heard == [None]
+
+
+@pytest.mark.parametrize(
+    ("action", "touch"),
+    [
+        ("set_joint_positions", lambda body: body.set_joint_positions({"TURRET_Y": 1.0})),
+        ("calc_forward_kinematics", lambda body: body.calc_forward_kinematics()),
+        ("notify_change", lambda body: body.notify_change()),
+        ("Joint.position", lambda body: setattr(body.joint("TURRET_Y"), "position", 1.0)),
+    ],
+)
+def test_another_thread_may_not_touch_it(tank, action, touch):
+    errors = []
+
+    def callback():
+        try:
+            touch(tank)
+        except WrongThreadError as error:
+            errors.append(str(error))
+
+    thread = threading.Thread(target=callback, name="executor")
+    thread.start()
+    thread.join()
+    assert errors == [
+        f"{action} was called on the thread 'executor', but the body 'Tank' belongs to the thread 'MainThread'. "
+        "Post the call instead: call_later(f, message)."
+    ]
+    assert tank.joint("TURRET_Y").position == 0.0
+
+
+def test_a_model_that_does_not_load_says_what_mujoco_says(tmp_path):
+    model = tmp_path / "broken.xml"
+    model.write_text("<mujoco><worldbody><geom type='cube'/></worldbody></mujoco>")
+    with pytest.raises(TutorialError, match=r"broken\.xml' does not load\. MuJoCo says: .*cube"):
+        Body.displayed(Placement("Broken", model))
+
+
+def test_a_joint_without_a_motor_says_so(tmp_path):
+    model = tmp_path / "door.xml"
+    model.write_text(
+        "<mujoco><worldbody><body><joint name='HINGE'/><geom size='.1'/></body></worldbody></mujoco>"
+    )
+    door = Body.displayed(Placement("Door", model))
+    with pytest.raises(TutorialError, match="the joint 'HINGE' has no motor"):
+        door.joint("HINGE").effort = 1.0
+    assert door.joint("HINGE").range == (-math.inf, math.inf)

@@ -1,0 +1,11 @@
+"""The tank tutorial: learn ROS 2 by building a tank, step by step, in the browser.
+
+Importing this package promises an ``rclpy``: the real one where ROS 2 is installed, else the embedded one of
+``tutorial/underlay``.
+"""
+
+from tutorial._backend import choose, ros_backend
+
+__all__ = ["ros_backend"]
+
+choose()

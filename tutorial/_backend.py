@@ -1,0 +1,64 @@
+"""Which ROS 2 is in use: the real one if there is one, else the underlay.
+
+In ROS words an underlay is what a workspace falls back on.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Literal, cast
+
+from tutorial.errors import TutorialError, did_you_mean
+
+__all__ = ["choose", "ros_backend"]
+
+Backend = Literal["rclpy", "underlay"]
+
+UNDERLAY = Path(__file__).parent / "underlay"
+
+
+def ros_backend() -> Backend:
+    """Say which ROS 2 this process uses: ``"rclpy"``, a real one, or ``"underlay"``, the embedded one."""
+    return choose()
+
+
+@cache
+def choose() -> Backend:
+    """Decide once, and make ``import rclpy`` and the messages work accordingly.
+
+    The environment variable ``TUTORIAL_ROS`` decides by hand. Otherwise a real rclpy wins; one that is there but broken
+    raises its own error when it is imported, instead of being hidden by the underlay.
+
+    Raises:
+        TutorialError: ``TUTORIAL_ROS`` names neither.
+    """
+    wanted = os.environ.get("TUTORIAL_ROS", "")
+    if wanted not in ("", "rclpy", "underlay"):
+        raise TutorialError(f"TUTORIAL_ROS is {wanted!r}.{did_you_mean(wanted, ('rclpy', 'underlay'))}")
+    backend = wanted or ("rclpy" if real_rclpy_exists() else "underlay")
+    if backend == "underlay":
+        join_underlay(first=wanted == "underlay")
+    return cast(Backend, backend)
+
+
+def real_rclpy_exists() -> bool:
+    """Whether an rclpy other than ours can be found; it is not imported."""
+    spec = find_spec("rclpy")
+    return spec is not None and not (spec.origin and Path(spec.origin).is_relative_to(UNDERLAY))
+
+
+def join_underlay(*, first: bool) -> None:
+    """Put the underlay on the import path.
+
+    Args:
+        first: before anything installed, because the user asked for it; else behind, so that real packages win.
+    """
+    if str(UNDERLAY) not in sys.path:
+        sys.path.insert(0 if first else len(sys.path), str(UNDERLAY))
+    from _rosidl import finder  # noqa: PLC0415  (importable only now)
+
+    finder.install(first=first)

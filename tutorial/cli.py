@@ -1,0 +1,346 @@
+"""The command ``tank``."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+import signal
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import AsyncExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from tqdm import tqdm
+
+from tutorial.errors import TutorialError
+
+if TYPE_CHECKING:
+    from tutorial.joystick import JoySource
+    from tutorial.project import Project
+    from tutorial.view import View
+
+__all__ = ["main"]
+
+LINGER = 30.0  # [s] that launched processes wait for each other at the end of a run with a duration
+INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
+
+duration_option = click.option(
+    "--duration",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    envvar="TANK_DURATION",
+    help="End by itself after so many seconds; without it, Ctrl-C ends the run.",
+)
+linger_option = click.option(
+    "--linger",
+    type=click.FloatRange(min=0),
+    default=0.0,
+    metavar="SECONDS",
+    envvar="TANK_LINGER",
+    help="After the duration, wait so long at most for the others to end first.",
+)
+report_option = click.option(
+    "--report",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    envvar="TANK_REPORT",
+    help="Write what was measured to DIR/NODE.json.",
+)
+headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS", help="Show no 3D view.")
+
+
+def main() -> None:
+    """Run the command that the shell was given, and exit with its status."""
+    words, ros_args = _split(sys.argv[1:])
+    logging.basicConfig(format="[%(levelname)s] %(message)s", level=logging.INFO)
+    try:
+        status = tank.main(args=words, prog_name="tank", standalone_mode=False, obj=ros_args)
+    except click.exceptions.Exit as end:
+        status = end.exit_code
+    except click.ClickException as error:
+        error.show()
+        status = error.exit_code
+    except TutorialError as error:
+        click.echo(f"Error: {error}", err=True)
+        status = 1
+    except (KeyboardInterrupt, click.Abort):
+        status = INTERRUPTED
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="tank-tutorial", prog_name="tank")
+def tank() -> None:
+    """Learn ROS 2 by building a tank, step by step.
+
+    Every command takes ROS 2's arguments after --ros-args, such as -r __node:=viewer.
+    """
+
+
+@tank.command()
+@click.argument("project")
+@duration_option
+@linger_option
+@headless_option
+@report_option
+@click.option("--port", type=click.IntRange(1, 65535), help="Show the 3D view on this port; else the first free from 7000.")
+@click.option(
+    "--robot",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="MODEL",
+    help="Put this model in the place of the project's robot; the body is called after the file.",
+)
+@click.pass_obj
+def run(
+    ros_args: list[str],
+    project: str,
+    duration: float | None,
+    linger: float,
+    headless: bool,
+    report: Path | None,
+    port: int | None,
+    robot: Path | None,
+) -> int:
+    """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
+    from tutorial.paths import find_project
+    from tutorial.project import Project
+
+    loaded = Project.load(find_project(project))
+    if robot is not None:
+        loaded = loaded.with_robot(robot)
+    click.echo(loaded.tree())
+    return _until_asked(_host(loaded, ros_args, duration, linger, headless, report, port), duration)
+
+
+@tank.command()
+@click.option("--drive", metavar="FILE", help="Publish this drive, whether or not there is a gamepad.")
+@duration_option
+@linger_option
+@report_option
+@click.pass_obj
+def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: float, report: Path | None) -> int:
+    """Publish a gamepad on /joy; where there is none, a scripted drive."""
+    from tutorial.joystick import JoyPublisher
+    from tutorial.record import make_record, write_record
+
+    source = _joy_source(drive)
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    with _node("joy", ros_args) as thread, _bar(duration) as progress:
+        seconds = JoyPublisher(thread.node, source).run(duration, linger, stop, progress)
+        if report is not None:
+            write_record(make_record(thread.node.get_name(), seconds, thread.node.meters), report)
+    return INTERRUPTED if stop.is_set() and duration is not None else 0
+
+
+@tank.command()
+@click.argument("step")
+@duration_option
+@headless_option
+@report_option
+def launch(step: str, duration: float | None, headless: bool, report: Path | None) -> int:
+    """Run a launch file: STEP is a path, or the name of one of the tutorial's, such as step3."""
+    return _launch(step, duration, headless, report)
+
+
+@tank.command()
+@duration_option
+@headless_option
+def demo(duration: float | None, headless: bool) -> int:
+    """Run step 3 as a whole, and end with a table of what went over the topics."""
+    from rich.console import Console
+
+    from tutorial.demo import read_records, summary
+
+    if duration is None and not sys.stdin.isatty():
+        duration = 20.0
+    click.echo("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.")
+    click.echo("Look at the two addresses that the simulation and the viewer print.")
+    click.echo(f"It ends after {duration:g} s." if duration else "Ctrl-C ends it.")
+    with tempfile.TemporaryDirectory(prefix="tank-") as directory:
+        status = _launch("step3", duration, headless, Path(directory))
+        records = read_records(Path(directory))
+    if records:
+        Console(width=None if sys.stdout.isatty() else 140).print(summary(records))
+    return status
+
+
+@tank.command()
+@click.argument("jupyter_args", nargs=-1, type=click.UNPROCESSED)
+def lab(jupyter_args: tuple[str, ...]) -> None:
+    """Open JupyterLab on the notebooks; JUPYTER_ARGS after -- go to it."""
+    from tutorial.paths import HOME
+
+    os.chdir(HOME)
+    command = [sys.executable, "-m", "jupyterlab", "--notebook-dir", str(HOME / "notebooks"), *jupyter_args]
+    os.execv(sys.executable, command)
+
+
+def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Part ROS 2's arguments, from ``--ros-args`` to ``--`` or the end, from the command's own."""
+    own: list[str] = []
+    ros: list[str] = []
+    into = own
+    for word in words:
+        if word == "--ros-args":
+            into = ros
+        if word == "--" and into is ros:
+            ros.append(word)
+            into = own
+        else:
+            into.append(word)
+    return own, ros
+
+
+def _until_asked(program: Awaitable[None], duration: float | None) -> int:
+    """Run a program on a fresh event loop until it ends or is asked to, by Ctrl-C or SIGTERM."""
+    asked = False
+
+    async def body() -> None:
+        nonlocal asked
+        task = asyncio.ensure_future(program)
+
+        def ask() -> None:
+            nonlocal asked
+            asked = True
+            task.cancel()
+
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            loop.add_signal_handler(number, ask)
+        try:
+            await task
+        except asyncio.CancelledError:
+            if not asked:
+                raise
+
+    asyncio.run(body())
+    return INTERRUPTED if asked and duration is not None else 0
+
+
+async def _host(
+    project: Project,
+    ros_args: list[str],
+    duration: float | None,
+    linger: float,
+    headless: bool,
+    report: Path | None,
+    port: int | None,
+) -> None:
+    """Run a project on the event loop that is running."""
+    from tutorial.host import Host
+    from tutorial.record import write_record
+
+    async with AsyncExitStack() as stack:
+        view = None if headless else stack.enter_context(_served_view(project.path.stem, port))
+        with _clear_ros_errors():
+            host = await stack.enter_async_context(Host(project, ros_args, view))
+        progress = stack.enter_context(_bar(duration))
+        try:
+            await host.run(duration, linger, progress)
+        finally:
+            if report is not None:
+                write_record(host.record(), report)
+
+
+@contextmanager
+def _served_view(title: str, port: int | None) -> Iterator[View]:
+    from tutorial.scene import Scene
+    from tutorial.view import View
+    from tutorial.web import SceneServer
+
+    scene = Scene()
+    with SceneServer(scene, port=port, title=title) as server:
+        click.echo(f"look at {server.url}")
+        yield View(scene)
+
+
+@contextmanager
+def _node(name: str, ros_args: list[str]) -> Iterator[Any]:
+    from tutorial.ros import NodeThread
+
+    with _clear_ros_errors():
+        thread = NodeThread(name, ros_args)
+    with thread:
+        yield thread
+
+
+@contextmanager
+def _clear_ros_errors() -> Iterator[None]:
+    """Turn what rclpy raises about names and arguments into an error without a traceback."""
+    from rclpy.exceptions import NameValidationException
+
+    try:
+        yield
+    except NameValidationException as error:
+        raise TutorialError(str(error)) from error
+    except RuntimeError as error:
+        raise TutorialError(f"ROS 2 says: {error}") from error
+
+
+def _joy_source(drive: str | None) -> JoySource:
+    from tutorial.joystick import Gamepad, ScriptedDrive
+    from tutorial.paths import find_drive
+
+    gamepad = None if drive else Gamepad.find()
+    if gamepad is not None:
+        click.echo(f"gamepad: {gamepad.name}")
+        return gamepad
+    path = find_drive(drive or "tour")
+    click.echo(f"scripted drive: {path.name}" if drive else f"no gamepad is connected; scripted drive: {path.name}")
+    return ScriptedDrive(path)
+
+
+def _launch(step: str, duration: float | None, headless: bool, report: Path | None) -> int:
+    """Run a launch file in this terminal; its processes learn duration and the rest from their environment."""
+    from tutorial.launcher import Launcher, load_launch_file
+    from tutorial.paths import find_launch_file
+
+    environment = {}
+    if duration is not None:
+        environment |= {"TANK_DURATION": str(duration), "TANK_LINGER": str(LINGER)}
+    if headless:
+        environment["TANK_HEADLESS"] = "1"
+    if report is not None:
+        environment["TANK_REPORT"] = str(report.absolute())
+    launcher = Launcher(load_launch_file(find_launch_file(step)), environment)
+    status = asyncio.run(_with_bar(launcher.run, duration))
+    return INTERRUPTED if launcher.interrupted and duration is not None and not status else status
+
+
+async def _with_bar(job: Callable[[], Awaitable[int]], duration: float | None) -> int:
+    """Show a progress bar while a job runs."""
+    began = time.monotonic()
+    with _bar(duration, shown=True) as progress:
+        task = asyncio.ensure_future(job())
+        while not task.done():
+            progress(time.monotonic() - began)
+            await asyncio.wait([task], timeout=0.5)
+        return task.result()
+
+
+@contextmanager
+def _bar(duration: float | None, shown: bool = False) -> Iterator[Callable[[float], object]]:
+    """Make a progress bar over some seconds, on stderr; what is printed meanwhile stands above it.
+
+    Args:
+        duration: its length [s]; None for no bar.
+        shown: whether to show it on what is no terminal, too.
+    """
+    disable = duration is None or not (shown or sys.stderr.isatty())
+    total = duration or 0.0
+    interval = 0.1 if sys.stderr.isatty() else 2.0
+    form = "{percentage:3.0f}% |{bar:40}| {n:.0f} of {total:.0f} s"
+    with tqdm(total=total, bar_format=form, mininterval=interval, disable=disable, leave=True, ascii=" =") as bar:
+
+        def progress(seconds: float) -> None:
+            bar.update(min(seconds, total) - bar.n)
+
+        yield progress

@@ -1,0 +1,285 @@
+"""One running program: a node, a main loop, the items of a project, and a view of them."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Sequence
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from tutorial.body import Body
+from tutorial.controller import ControllerConfig, SimpleController
+from tutorial.errors import TutorialError, did_you_mean
+from tutorial.handoff import CallQueue, CallScope
+from tutorial.joints import JointReport, JointTally
+from tutorial.record import make_record
+from tutorial.ros import NodeThread
+from tutorial.simulation import Simulation
+
+if TYPE_CHECKING:
+    from tutorial.project import BodyItem, Project
+    from tutorial.view import View
+
+__all__ = ["Host"]
+
+FRAME = 1 / 30  # [s] between two frames of the view
+QUIET = 0.3  # [s] without a message, after which nothing more is taken to be on its way
+COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages
+
+_log = logging.getLogger(__name__)
+
+
+class Host:
+    """A program that runs a project: it simulates, or displays, as the project says.
+
+    It belongs to the thread that makes it, the main thread, whose event loop must be running: ``async with Host(project)``
+    in a script's `asyncio.run`, or in a notebook's cell.
+
+    Args:
+        project: what to run.
+        ros_args: command line arguments, of which ROS 2 takes those after ``--ros-args``. The node is called ``tank``
+            unless it is remapped.
+        view: where to draw; None to show nothing.
+
+    Attributes:
+        bodies: the displayed bodies by name.
+        simulation: the simulated copy of them, or None for a program that only displays.
+        node: the program's node.
+
+    Raises:
+        TutorialError: a controller does not fit its body.
+    """
+
+    def __init__(self, project: Project, ros_args: Sequence[str] | None = None, view: View | None = None) -> None:
+        self._calls = CallQueue(asyncio.get_running_loop())
+        self._view = view
+        self._items: dict[str, _Item] = {}
+        self.simulation: Simulation | None = None
+        self._ros = NodeThread("tank", ros_args)
+        self.node = self._ros.node
+        self._seconds = 0.0
+        self._namesakes_said = 1
+        self._namesakes_looked = 0.0
+        self._closed = False
+        try:
+            for item in project.bodies:
+                self._add(item)
+            if project.time_step is not None:
+                self.simulation = self._simulation(project, project.time_step)
+        except BaseException:
+            self.close()
+            raise
+
+    async def __aenter__(self) -> Host:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def bodies(self) -> dict[str, Body]:
+        """The displayed bodies by name."""
+        return {name: item.body for name, item in self._items.items()}
+
+    async def run(
+        self,
+        duration: float | None = None,
+        linger: float = 0.0,
+        progress: Callable[[float], object] | None = None,
+    ) -> None:
+        """Run for a while. The event loop stays free: posted calls run, and the view is drawn, meanwhile.
+
+        Args:
+            duration: how long [s], in simulated time where the project simulates; None to go on until cancelled.
+            linger: a program that displays waits, after its duration, at most so long [s] for those who publish to it to go,
+                and for what they have sent to be shown.
+            progress: called with the seconds that have passed, about as often as a frame is drawn.
+
+        Raises:
+            ControllerError: a controller raised an exception; the simulation has stopped.
+        """
+        began = time.monotonic()
+        if self.simulation is not None:
+            self.simulation.start(duration)
+        try:
+            while not self._over(began, duration, linger):
+                self._frame()
+                if progress is not None:
+                    progress(self.seconds if self.simulation else time.monotonic() - began)
+                await asyncio.sleep(FRAME)
+        finally:
+            if self.simulation is not None:
+                self.simulation.stop()
+            self._seconds = time.monotonic() - began
+            self._frame()
+        if self.simulation is not None and self.simulation.error is not None:
+            raise self.simulation.error
+
+    @property
+    def seconds(self) -> float:
+        """How long the program has run [s]: simulated time where it simulates."""
+        return self.simulation.time if self.simulation is not None else self._seconds
+
+    def remove(self, name: str) -> None:
+        """Delete a displayed body: its controllers leave it, and what they have posted does not run any more.
+
+        Raises:
+            TutorialError: there is no such body.
+        """
+        if name not in self._items:
+            raise TutorialError(f"there is no body {name!r}.{did_you_mean(name, self._items)}")
+        if self.simulation is not None:
+            self.simulation.release(name)
+        self._items.pop(name).close()
+        if self._view is not None:
+            self._view.remove(name)
+
+    def record(self) -> dict[str, Any]:
+        """Sum the run up: see `tutorial.record.make_record`. Where joint states are published, the last of them count."""
+        tally = JointTally()
+        joints: dict[str, float] = {}
+        for item in self._items.values():
+            tally.merge(item.tally)
+            joints.update({joint.name: joint.position for joint in item.body.joints})
+        for meter in self.node.meters:
+            if meter.direction == "published" and hasattr(meter.last, "position"):
+                joints.update(zip(meter.last.name, meter.last.position))
+        return make_record(self.node.get_name(), self.seconds, self.node.meters, joints, tally)
+
+    def close(self) -> None:
+        """Let everything go: the simulation, the controllers, the node. Idempotent."""
+        if self._closed:
+            return
+        self._closed = True
+        if self.simulation is not None:
+            self.simulation.stop()
+        for item in self._items.values():
+            item.close()
+        self._calls.close()
+        self._ros.close()
+
+    def _add(self, item: BodyItem) -> None:
+        body = Body.displayed(item.placement)
+        added = _Item(body)
+        self._items[body.name] = added
+        body.on_change(added.changed)
+        if self._view is not None:
+            self._view.add(body.name, body.model)
+        for controller_class in item.controllers:
+            added.attach(controller_class, self.node, self._calls)
+
+    def _simulation(self, project: Project, time_step: float) -> Simulation:
+        pairs = [(item.body.name, c) for item in self._items.values() for c in item.controllers]
+        return Simulation((item.placement for item in project.bodies), pairs, time_step)
+
+    def _over(self, began: float, duration: float | None, linger: float) -> bool:
+        if self.simulation is not None:
+            return not self.simulation.running
+        elapsed = self._seconds = time.monotonic() - began
+        if duration is None or elapsed < duration:
+            return False
+        return elapsed >= duration + linger or self._drained()
+
+    def _drained(self) -> bool:
+        """Whether nobody publishes to this program any more, and what was sent has been shown."""
+        received = [meter for meter in self.node.meters if meter.direction == "received"]
+        return (
+            not any(self.node.count_publishers(meter.topic) for meter in received)
+            and all(meter.idle > QUIET for meter in received)
+            and not len(self._calls)
+        )
+
+    def _frame(self) -> None:
+        """Show what has changed. Main thread."""
+        self._look_for_namesakes()
+        if self.simulation is not None:
+            self.simulation.copy_to(self.bodies.values())
+        if self._view is None:
+            return
+        for name, item in self._items.items():
+            if item.take_dirty():
+                self._view.update(name, item.body.data)
+        self._view.line("  |  ".join(filter(None, (item.line() for item in self._items.values()))))
+        self._view.flush()
+
+    def _look_for_namesakes(self) -> None:
+        """Say in plain words when another node has this node's name."""
+        if time.monotonic() - self._namesakes_looked < 1.0:
+            return
+        self._namesakes_looked = time.monotonic()
+        count = self._ros.namesakes()
+        if count > self._namesakes_said:
+            name = self.node.get_fully_qualified_name()
+            _log.warning(
+                "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name: "
+                "--ros-args -r __node:=viewer",
+                count,
+                name,
+            )
+        self._namesakes_said = max(count, 1)
+
+
+class _Item:
+    """A body of the project with its controllers, and what is known of its messages."""
+
+    def __init__(self, body: Body) -> None:
+        self.body = body
+        self.controllers: list[SimpleController] = []
+        self.tally = JointTally()
+        self._scopes: list[CallScope] = []
+        self._dirty = True
+        self._report: JointReport | None = None
+        self._shown_at = 0.0
+        self._complained_at = -COMPLAIN_EVERY
+
+    def attach(self, controller_class: type[SimpleController], node: Any, calls: CallQueue) -> None:
+        """Make a controller and have it join the body."""
+        name = controller_class.__name__
+        scope = calls.scope(f"{name} of {self.body.name}")
+        controller = controller_class()
+        try:
+            controller.configure(ControllerConfig(self.body, node, scope.call_later, scope.call_latest))
+        except TutorialError:
+            raise
+        except Exception as error:
+            raise TutorialError(f"{name} could not join {self.body.name}: {type(error).__name__}: {error}") from error
+        self.controllers.append(controller)
+        self._scopes.append(scope)
+
+    def changed(self, report: JointReport | None) -> None:
+        """Note that the body is to be drawn, and what its message was like."""
+        self._dirty = True
+        if report is None:
+            return
+        self._report, self._shown_at = report, time.monotonic()
+        self.tally.add(report)
+        if not report.clean and self._shown_at - self._complained_at >= COMPLAIN_EVERY:
+            self._complained_at = self._shown_at
+            _log.warning("%s: %s", self.body.name, report)
+
+    def take_dirty(self) -> bool:
+        """Whether the body has changed since this was last asked."""
+        dirty, self._dirty = self._dirty, False
+        return dirty
+
+    def line(self) -> str:
+        """What stands below the view: the last report, and the age of the data."""
+        if self._report is None:
+            return ""
+        return f"{self.body.name}: {self._report} ({time.monotonic() - self._shown_at:.1f} s ago)"
+
+    def close(self) -> None:
+        """Have the controllers leave: first what they have posted is dropped, then they let go."""
+        for scope in self._scopes:
+            scope.close()
+        for controller in self.controllers:
+            try:
+                controller.unconfigure()
+            except Exception:
+                _log.exception("%s of %s failed in unconfigure()", type(controller).__name__, self.body.name)
+        self._scopes.clear()
+        self.controllers.clear()

@@ -1,0 +1,192 @@
+"""The joystick: a gamepad, or a drive that is written down in a file, published as `sensor_msgs/Joy`."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from bisect import bisect_right
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Protocol
+
+from sensor_msgs.msg import Joy
+
+from tutorial.ros import MeteredNode
+from tutorial.yamlfile import YamlFile
+
+__all__ = ["Gamepad", "JoyPublisher", "JoySource", "ScriptedDrive"]
+
+RATE = 50  # [Hz]
+NEUTRAL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+SCHEMA: dict[str, Any] = {
+    "type": "object",
+    "description": "a mapping with the key 'drive'",
+    "required": ["drive"],
+    "additionalProperties": False,
+    "properties": {
+        "repeat": {"type": "boolean", "description": "true or false"},
+        "drive": {
+            "type": "array",
+            "minItems": 1,
+            "description": "a list of moments such as {time: 1.0, axes: [0.0, 0.5]}",
+            "items": {
+                "type": "object",
+                "description": "a moment such as {time: 1.0, axes: [0.0, 0.5]}",
+                "required": ["time", "axes"],
+                "additionalProperties": False,
+                "properties": {
+                    "time": {"type": "number", "minimum": 0, "description": "seconds since the drive began"},
+                    "axes": {
+                        "type": "array",
+                        "maxItems": 6,
+                        "items": {"type": "number", "minimum": -1, "maximum": 1, "description": "a number from -1 to 1"},
+                        "description": "[left x, left y, right x, right y], each from -1 to 1; left and forward positive",
+                    },
+                },
+            },
+        },
+    },
+}
+
+
+class JoySource(Protocol):
+    """What can be published as a joystick."""
+
+    def read(self, seconds: float) -> tuple[list[float], list[int]]:
+        """Return axes and buttons, as of the ROS 2 joy package's ``game_controller_node``.
+
+        Args:
+            seconds: since somebody began to listen [s].
+        """
+
+
+class ScriptedDrive:
+    """A drive that is written down in a YAML file: from each time on, these axes.
+
+    Args:
+        path: the file. With ``repeat: true`` it begins anew at the time of its last moment.
+
+    Raises:
+        TutorialError: the file is missing or malformed; the text names the line and the mend.
+    """
+
+    def __init__(self, path: Path) -> None:
+        file = YamlFile(path, SCHEMA, "drive")
+        moments = file.data["drive"]
+        self._times = [float(moment["time"]) for moment in moments]
+        self._axes = [[float(axis) for axis in moment["axes"]] for moment in moments]
+        for i in range(1, len(moments)):
+            if self._times[i] <= self._times[i - 1]:
+                raise file.error(
+                    ("drive", i, "time"), f"{self._times[i]} is not later than {self._times[i - 1]}. Put the moments in order."
+                )
+        self._period = self._times[-1] if file.data.get("repeat") else 0.0
+
+    def read(self, seconds: float) -> tuple[list[float], list[int]]:
+        """Return the axes at this time of the drive; it has no buttons."""
+        if self._period:
+            seconds %= self._period
+        i = bisect_right(self._times, seconds) - 1
+        return (self._axes[i] if i >= 0 else list(NEUTRAL)), []
+
+
+class Gamepad:
+    """A gamepad, through SDL's game controllers, which know where every make has its sticks (pygame-ce).
+
+    Args:
+        controller: pygame's controller.
+    """
+
+    def __init__(self, controller: Any) -> None:
+        self._controller = controller
+
+    @classmethod
+    def find(cls) -> Gamepad | None:
+        """Return the first gamepad that is connected; None where there is none, or no pygame."""
+        os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
+        os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+        try:
+            import pygame  # noqa: PLC0415 - an optional extra
+            from pygame._sdl2 import controller  # noqa: PLC0415
+        except ImportError:
+            return None
+        pygame.display.init()  # events are SDL's video subsystem's
+        controller.init()
+        for i in range(controller.get_count()):
+            if controller.is_controller(i):
+                return cls(controller.Controller(i))
+        return None
+
+    @property
+    def name(self) -> str:
+        """What the gamepad calls itself."""
+        return str(self._controller.name)
+
+    def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad lives in the present
+        """Return what the hands do now. SDL has right and backward positive; ROS 2 has left and forward."""
+        import pygame  # noqa: PLC0415
+
+        pygame.event.pump()
+        raw = [self._controller.get_axis(axis) / 32767 for axis in range(6)]
+        axes = [-axis + 0.0 for axis in raw[:4]] + raw[4:]
+        buttons = [int(self._controller.get_button(button)) for button in range(15)]
+        return [max(-1.0, min(axis, 1.0)) for axis in axes], buttons
+
+
+class JoyPublisher:
+    """Publishes a joystick on ``joy`` at 50 Hz.
+
+    A scripted drive begins when somebody listens, so that nothing of it is lost. In the end the sticks are let go.
+
+    Args:
+        node: the node to publish with.
+        source: the joystick.
+    """
+
+    def __init__(self, node: MeteredNode, source: JoySource) -> None:
+        self._node = node
+        self._source = source
+        self._publisher = node.create_publisher(Joy, "joy", 1)
+
+    def run(
+        self,
+        duration: float | None,
+        linger: float,
+        stop: threading.Event,
+        progress: Callable[[float], object] | None = None,
+    ) -> float:
+        """Publish until it is time to stop.
+
+        Args:
+            duration: how long [s]; None for until `stop`.
+            linger: after the duration, go on for at most so long [s] while somebody listens.
+            stop: set it to stop, from any thread.
+            progress: called with the seconds that have passed.
+
+        Returns:
+            How long it has published [s].
+        """
+        began = time.monotonic()
+        heard_at: float | None = None
+        tick = 0
+        while not stop.wait(max(0.0, began + tick / RATE - time.monotonic())):
+            elapsed = time.monotonic() - began
+            listeners = self._publisher.get_subscription_count()
+            if duration is not None and elapsed >= duration and (not listeners or elapsed >= duration + linger):
+                break
+            if heard_at is None and listeners:
+                heard_at = elapsed
+            self._publish(*self._source.read(elapsed - heard_at if heard_at is not None else 0.0))
+            if progress is not None:
+                progress(elapsed)
+            tick = max(tick + 1, int(elapsed * RATE))
+        self._publish(list(NEUTRAL), [])
+        return time.monotonic() - began
+
+    def _publish(self, axes: list[float], buttons: list[int]) -> None:
+        message = Joy(axes=axes, buttons=buttons)
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        message.header.frame_id = "joy"
+        self._publisher.publish(message)

@@ -1,0 +1,206 @@
+"""Runs a ROS 2 launch file where there is no ROS 2, and says what each process says."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import runpy
+import shutil
+import signal
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import datetime
+from importlib import import_module
+from itertools import cycle
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, TextIO
+
+from honcho.colour import get_colours
+from honcho.printer import Message, Printer
+
+from tutorial import lifeline
+from tutorial.errors import TutorialError
+
+if TYPE_CHECKING:
+    from launch.actions import ExecuteProcess
+
+__all__ = ["Launcher", "load_launch_file"]
+
+PATIENCE = 8.0  # [s] from asking a process to stop to killing it
+UNDERLAY = Path(__file__).parent / "underlay"
+
+
+def load_launch_file(path: Path) -> list[ExecuteProcess]:
+    """Read the list of processes from a launch file.
+
+    It is run with the tutorial's own `launch`, also beside a real ROS 2, so that what ``tank launch`` does does not depend on
+    what is installed.
+
+    Raises:
+        TutorialError: it fails, or uses more of `launch` than the tutorial has.
+    """
+    with _own_launch() as launch:
+        try:
+            description = runpy.run_path(str(path))["generate_launch_description"]()
+        except ImportError as error:
+            raise TutorialError(f"{path} uses more than LaunchDescription and ExecuteProcess: {error}. Run it with a real "
+                                f"ROS 2: ros2 launch {path}") from error  # fmt: skip
+        except KeyError:
+            raise TutorialError(f"{path} has no function generate_launch_description().") from None
+        except Exception as error:
+            raise TutorialError(f"{path} failed: {type(error).__name__}: {error}") from error
+        execute_process = launch.actions.ExecuteProcess
+    entities = list(description.entities)
+    for entity in entities:
+        if not isinstance(entity, execute_process):
+            raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
+    return entities
+
+
+class Launcher:
+    """Starts processes, prints their output with their names in front, and sees to it that they end together.
+
+    When one fails, the others are stopped: asked first, killed if they don't. None outlives the launcher, even when it is
+    killed: see `tutorial.lifeline`.
+
+    Args:
+        processes: what to start.
+        environment: variables to add to the processes' environment.
+        output: where to print.
+    """
+
+    def __init__(
+        self, processes: Sequence[ExecuteProcess], environment: Mapping[str, str], output: TextIO | None = None
+    ) -> None:
+        self._processes = processes
+        self._environment = environment
+        self._printer = Printer(output or sys.stdout, width=max(len(_name(p)) for p in processes))
+        self._running: dict[str, asyncio.subprocess.Process] = {}
+        self._stop = asyncio.Event()
+        self.interrupted = False
+
+    async def run(self) -> int:
+        """Run the processes to their end.
+
+        Returns:
+            The exit status: that of the process that failed first, 0 when none did.
+        """
+        loop = asyncio.get_running_loop()
+        signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        for number in signals:
+            loop.add_signal_handler(number, self._interrupt)
+        read_end, write_end = os.pipe()
+        try:
+            for process, colour in zip(self._processes, cycle(get_colours())):
+                self._running[_name(process)] = await self._start(process, read_end)
+            return await self._see_through(dict(zip(self._running, get_colours())))
+        finally:
+            os.close(read_end)
+            os.close(write_end)
+            for number in signals:
+                loop.remove_signal_handler(number)
+
+    def _interrupt(self) -> None:
+        self.interrupted = True
+        self._stop.set()
+
+    async def _start(self, process: ExecuteProcess, read_end: int) -> asyncio.subprocess.Process:
+        environment = {**os.environ, "PYTHONUNBUFFERED": "1", **self._environment, **(process.additional_env or {})}
+        environment["PATH"] = os.pathsep.join((str(Path(sys.executable).parent), environment.get("PATH", os.defpath)))
+        command = [str(word) for word in process.cmd]
+        command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
+        return await asyncio.create_subprocess_exec(
+            *(sys.executable, "-S", "-I", lifeline.__file__, str(read_end), *command),
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+            pass_fds=(read_end,),
+            start_new_session=True,
+            env=environment,
+            cwd=process.cwd,
+        )
+
+    async def _see_through(self, colours: Mapping[str, str]) -> int:
+        """Print and wait; at the first failure, or when asked to, stop all."""
+        watchers = {
+            asyncio.create_task(self._follow(name, process, colours[name])): name for name, process in self._running.items()
+        }
+        stopper = asyncio.create_task(self._stop.wait())
+        status = 0
+        waiting: set[asyncio.Task[int]] = set(watchers)
+        stopped: asyncio.Task[None] | None = None
+        while waiting:
+            done, _ = await asyncio.wait({*waiting, *([] if stopped else [stopper])}, return_when=asyncio.FIRST_COMPLETED)
+            for task in done & waiting:
+                waiting.discard(task)
+                if task.result() and not status and not self._stop.is_set():
+                    status = task.result()
+                    self._say(watchers[task], f"failed with exit status {status}; the others are stopped", None)
+                    self._stop.set()
+            if self._stop.is_set() and stopped is None:
+                stopped = asyncio.create_task(self._stop_all())
+        stopper.cancel()
+        if stopped is not None:
+            await stopped
+        return status
+
+    async def _follow(self, name: str, process: asyncio.subprocess.Process, colour: str) -> int:
+        """Print a process's lines until it has ended; return its exit status."""
+        assert process.stdout is not None
+        while line := await _read_line(process.stdout):
+            self._say(name, line, colour)
+        status = await process.wait()
+        del self._running[name]
+        return status if status >= 0 else 128 - status
+
+    async def _stop_all(self) -> None:
+        """Ask every process group that is left to stop, and kill what hasn't in time."""
+        _signal_groups(self._running.values(), signal.SIGINT)
+        for _ in range(round(PATIENCE / 0.1)):
+            if not self._running:
+                return
+            await asyncio.sleep(0.1)
+        for name in self._running:
+            self._say(name, f"did not stop within {PATIENCE:g} s and is killed", None)
+        _signal_groups(self._running.values(), signal.SIGKILL)
+
+    def _say(self, name: str, line: str, colour: str | None) -> None:
+        self._printer.write(Message(type="line", data=line, time=datetime.now(), name=name, colour=colour))
+
+
+async def _read_line(stream: asyncio.StreamReader) -> str:
+    """Read one line, or the part of an overlong one that fits; empty at the end."""
+    try:
+        return (await stream.readline()).decode("utf-8", "replace")
+    except ValueError:  # longer than the reader's buffer, which is emptied
+        return "...\n"
+
+
+def _signal_groups(processes: Iterable[asyncio.subprocess.Process], number: signal.Signals) -> None:
+    for process in tuple(processes):
+        try:
+            os.killpg(process.pid, number)
+        except ProcessLookupError:
+            continue
+
+
+def _name(process: ExecuteProcess) -> str:
+    return process.name or Path(str(process.cmd[0])).name
+
+
+@contextmanager
+def _own_launch() -> Iterator[ModuleType]:
+    """Make ``import launch`` mean the tutorial's own, for a while."""
+    hidden = {name: sys.modules.pop(name) for name in tuple(sys.modules) if name.split(".")[0] == "launch"}
+    sys.path.insert(0, str(UNDERLAY))
+    try:
+        import_module("launch.actions")
+        yield sys.modules["launch"]
+    finally:
+        sys.path.remove(str(UNDERLAY))
+        for name in tuple(sys.modules):
+            if name.split(".")[0] == "launch":
+                del sys.modules[name]
+        sys.modules.update(hidden)

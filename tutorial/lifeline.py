@@ -1,0 +1,47 @@
+"""Runs a command that ends when the launcher does, even when that is killed: ``python lifeline.py FD COMMAND...``.
+
+The launcher holds the other end of the pipe FD and never writes. When it is gone, whatever ended it, the system closes its
+end; reading from this end then returns, and the command is asked to stop, and killed if it doesn't. The command and this
+process are one process group, which the launcher can signal as a whole; signals that ask are the command's business.
+
+Standard library only, and run by its path: starting it costs next to nothing.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+
+PATIENCE = 5.0  # [s] from asking to killing
+
+
+def main() -> int:
+    """Run the command, and return its exit status; 128 + n where signal n ended it."""
+    fd, *command = sys.argv[1:]
+    for asking in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(asking, lambda *_: None)  # a handler, unlike SIG_IGN, is not inherited by the command
+    try:
+        process = subprocess.Popen(command)
+    except OSError as error:
+        print(f"{command[0]} could not be started: {error.strerror}", file=sys.stderr)  # noqa: T201
+        return 127
+    threading.Thread(target=_watch, args=(int(fd), process), daemon=True).start()
+    status = process.wait()
+    return status if status >= 0 else 128 - status
+
+
+def _watch(fd: int, process: subprocess.Popen[bytes]) -> None:
+    """Wait for the launcher's end, then end the group."""
+    os.read(fd, 1)
+    os.killpg(0, signal.SIGINT)
+    try:
+        process.wait(PATIENCE)
+    finally:
+        os.killpg(0, signal.SIGKILL)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

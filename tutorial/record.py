@@ -1,0 +1,67 @@
+"""The record of a run: one JSON file for each process, and what the demo's table is made of."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from tutorial import ros_backend
+from tutorial.joints import JointTally
+from tutorial.ros import TopicMeter
+
+__all__ = ["make_record", "write_record"]
+
+
+def make_record(
+    node: str,
+    seconds: float,
+    meters: Iterable[TopicMeter],
+    joints: Mapping[str, float] | None = None,
+    tally: JointTally | None = None,
+) -> dict[str, Any]:
+    """Sum up what a process did.
+
+    Args:
+        node: its node's name.
+        seconds: how long it ran; simulated time, where it simulates [s].
+        meters: what its node has counted.
+        joints: where its joints are in the end [rad or m].
+        tally: what joint matching found, where joint states are shown.
+
+    Returns:
+        A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``.
+    """
+    return {
+        "node": node,
+        "ros": ros_backend(),
+        "seconds": round(seconds, 3),
+        "joints": dict(joints or {}),
+        "topics": {meter.topic: _topic(meter, tally) for meter in meters},
+        "report": (tally or JointTally()).as_dict(),
+    }
+
+
+def write_record(record: Mapping[str, Any], directory: Path) -> Path:
+    """Write a record to ``directory/<node>.json``; the directory is made where there is none.
+
+    Returns:
+        Where it was written.
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    path = directory / f"{record['node']}.json"
+    path.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+    return path
+
+
+def _topic(meter: TopicMeter, tally: JointTally | None) -> dict[str, Any]:
+    counts = {meter.direction: meter.count}
+    if meter.direction == "received" and tally is not None and tally.messages:
+        counts["applied"] = tally.messages
+    return {
+        "type": meter.type_name,
+        **counts,
+        "rate_hz": round(meter.rate, 2),
+        "latency_ms": meter.latency_ms(),
+    }

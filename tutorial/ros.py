@@ -1,0 +1,196 @@
+"""A ROS 2 node on a thread of its own, and what it counts about its topics."""
+
+from __future__ import annotations
+
+import inspect
+import logging
+import math
+import statistics
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from types import TracebackType
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+__all__ = ["MeteredNode", "NodeThread", "TopicMeter"]
+
+LATENCIES_KEPT = 10_000
+
+_log = logging.getLogger(__name__)
+
+
+class TopicMeter:
+    """Counts the messages of one topic that a program publishes or receives.
+
+    Attributes:
+        topic: its full name.
+        type_name: its type, such as ``sensor_msgs/msg/Joy``.
+        direction: ``"published"`` or ``"received"``.
+        count: how many messages so far.
+        last: the newest of them.
+    """
+
+    def __init__(self, topic: str, message_type: type, direction: str) -> None:
+        self.topic = topic
+        self.type_name = f"{message_type.__module__.split('.')[0]}/msg/{message_type.__name__}"
+        self.direction = direction
+        self.count = 0
+        self.last: Any = None
+        self._first_at = self._last_at = 0.0
+        self._latencies_ns: deque[int] = deque(maxlen=LATENCIES_KEPT)
+
+    def add(self, message: Any, latency_ns: int | None = None) -> None:
+        """Count one message.
+
+        Args:
+            message: the message.
+            latency_ns: from its publication to its callback [ns], where that is known.
+        """
+        self._last_at = time.monotonic()
+        if self.count == 0:
+            self._first_at = self._last_at
+        self.count += 1
+        self.last = message
+        if latency_ns is not None:
+            self._latencies_ns.append(latency_ns)
+
+    @property
+    def idle(self) -> float:
+        """How long ago the last message was [s]; infinite before the first."""
+        return time.monotonic() - self._last_at if self.count else math.inf
+
+    @property
+    def rate(self) -> float:
+        """Messages per second between the first and the last one [Hz]; 0 before there are two."""
+        span = self._last_at - self._first_at
+        return (self.count - 1) / span if self.count > 1 and span > 0 else 0.0
+
+    def latency_ms(self) -> dict[str, float | None]:
+        """Return median and 99th percentile of the time from publication to callback [ms]; None where nothing is known."""
+        if len(self._latencies_ns) < 2:
+            return {"median": None, "p99": None}
+        milliseconds = [ns / 1e6 for ns in self._latencies_ns]
+        p99 = statistics.quantiles(milliseconds, n=100, method="inclusive")[98]
+        return {"median": round(statistics.median(milliseconds), 3), "p99": round(p99, 3)}
+
+
+class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
+    """A node that counts what goes over the topics it makes. In everything else it is rclpy's.
+
+    Attributes:
+        meters: one for each topic and direction, in the order in which they were made.
+    """
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        self.meters: list[TopicMeter] = []
+        super().__init__(*args, **kwargs)
+        self.meters.clear()  # rclpy's own topics, such as /parameter_events
+
+    def create_publisher(self, msg_type: type, topic: str, *args: Any, **kwargs: Any) -> Any:
+        """Create a publisher, as rclpy does, that counts what it publishes."""
+        publisher = super().create_publisher(msg_type, topic, *args, **kwargs)
+        meter = self._meter(publisher.topic_name, msg_type, "published")
+        publish = publisher.publish
+
+        def metered(message: Any) -> None:
+            publish(message)
+            meter.add(message)
+
+        publisher.publish = metered
+        return publisher
+
+    def create_subscription(
+        self, msg_type: type, topic: str, callback: Callable[..., Any], *args: Any, **kwargs: Any
+    ) -> Any:
+        """Create a subscription, as rclpy does, that counts what it receives and how long it took."""
+        meter: TopicMeter | None = None
+        wants_info = _takes_two(callback)
+
+        def metered(message: Any, info: dict[str, int]) -> None:
+            if meter is not None:
+                meter.add(message, time.time_ns() - info["source_timestamp"])
+            if wants_info:
+                callback(message, info)
+            else:
+                callback(message)
+
+        subscription = super().create_subscription(msg_type, topic, metered, *args, **kwargs)
+        meter = self._meter(subscription.topic_name, msg_type, "received")
+        return subscription
+
+    def _meter(self, topic: str, message_type: type, direction: str) -> TopicMeter:
+        meter = TopicMeter(topic, message_type, direction)
+        self.meters.append(meter)
+        return meter
+
+
+class NodeThread:
+    """A node whose callbacks run on a thread of its own, with a context and an executor of its own.
+
+    Args:
+        name: the node's name, unless it is remapped.
+        args: command line arguments, of which ROS 2 takes those after ``--ros-args``.
+
+    Attributes:
+        node: the node.
+    """
+
+    def __init__(self, name: str, args: Sequence[str] | None = None) -> None:
+        self._context = Context()
+        rclpy.init(args=list(args or ()), context=self._context)
+        try:
+            self.node = MeteredNode(name, context=self._context)
+            self._executor = SingleThreadedExecutor(context=self._context)
+            self._executor.add_node(self.node)
+        except BaseException:
+            self._context.try_shutdown()
+            raise
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
+        self._thread.start()
+
+    def __enter__(self) -> NodeThread:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def namesakes(self) -> int:
+        """Return how many nodes in the domain have this node's full name, this one included."""
+        mine = (self.node.get_name(), self.node.get_namespace())
+        return self.node.get_node_names_and_namespaces().count(mine)
+
+    def close(self) -> None:
+        """End the thread, then the executor, the node and the context, in this order. Idempotent."""
+        if self._stopping.is_set():
+            return
+        self._stopping.set()
+        self._executor.wake()
+        self._thread.join()
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.try_shutdown()
+
+    def _spin(self) -> None:
+        while not self._stopping.is_set():
+            try:
+                self._executor.spin_once(timeout_sec=0.5)
+            except Exception:
+                if self._stopping.is_set() or not self._context.ok():
+                    return
+                _log.exception("a callback of the node %r failed; the others go on", self.node.get_name())
+
+
+def _takes_two(callback: Callable[..., Any]) -> bool:
+    """Whether a callback wants ``(message, info)`` rather than ``(message)``, found out as rclpy does."""
+    try:
+        inspect.signature(callback).bind(object(), object())
+    except (TypeError, ValueError):
+        return False
+    return True
