@@ -36,10 +36,10 @@ class YamlFile:
         self.path = path
         self._root = self._compose(_read(path, what))
         self.data: Any = yaml.SafeLoader.construct_document(yaml.SafeLoader(""), self._root)  # type: ignore[no-untyped-call]
-        validator = jsonschema.Draft202012Validator(schema)
-        error = jsonschema.exceptions.best_match(validator.iter_errors(self.data))
-        if error is not None:
-            raise self._explain(error)
+        errors = list(jsonschema.Draft202012Validator(schema).iter_errors(self.data))
+        if errors:  # a mistyped key explains why the right one is missing, so it comes first
+            mistyped = [error for error in errors if error.validator == "additionalProperties"]
+            raise self._explain(mistyped[0] if mistyped else jsonschema.exceptions.best_match(errors))
 
     def error(self, where: Iterable[str | int], text: str) -> TutorialError:
         """Make an error about one place in the file.

@@ -1,0 +1,133 @@
+"""Project files: what they say, and what is said when they are wrong."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from tutorial.controllers.joint_state_subscriber import JointStateSubscriber
+from tutorial.errors import TutorialError
+from tutorial.paths import HOME, find_launch_file, find_project
+from tutorial.project import Project, controller_names, find_controller
+
+STEPS = ("step1", "step2", "step3")
+
+
+@pytest.fixture
+def write(tmp_path):
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "tank.xml").write_text("<mujoco/>")
+
+    def write(text):
+        path = tmp_path / "project.yaml"
+        path.write_text(textwrap.dedent(text))
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_the_steps_projects_load(step):
+    assert Project.load(find_project(step)).bodies
+
+
+def test_the_item_tree_is_drawn_as_in_the_original():
+    assert Project.load(find_project("step3")).tree() == "+ Tank\n  - JointStateSubscriber"
+    assert Project.load(find_project("step2")).tree().splitlines() == [
+        "+ World",
+        "  + Labo",
+        "  + Tank",
+        "    - TankController",
+        "    - JointStatePublisher",
+        "  + Simulator (1 ms)",
+    ]
+
+
+def test_every_controller_file_holds_the_controller_that_it_is_called_after():
+    names = controller_names()
+    assert {"TankController", "JointStatePublisher", "JointStateSubscriber"} <= set(names)
+    for name in names:
+        assert find_controller(name).__name__ == name
+
+
+def test_another_robot_takes_the_place_of_the_one_with_controllers():
+    crane = HOME / "project" / "models" / "crane.xml"
+    swapped = Project.load(find_project("step3")).with_robot(crane)
+    assert swapped.tree() == "+ Crane\n  - JointStateSubscriber"
+    assert swapped.bodies[0].controllers == (JointStateSubscriber,)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "line 1: the file is empty."),
+        ("bodies: [", "line 1: this is not YAML:"),
+        ("bodies:\n  - name: Tank\n   model: x", "line 3: this is not YAML:"),
+        ("- 1", "line 1: [1] is not of type 'object'. Expected is a mapping with the keys 'bodies'"),
+        ("simulator: {}", "line 1: 'bodies' is a required property."),
+        ("bodies: Tank", "line 1: bodies: 'Tank' is not of type 'array'. Expected is a list of bodies"),
+        ("bodies: []", "line 1: bodies: [] should be non-empty. Expected is a list of bodies"),
+        ("bodies:\n  - name: Tank\n", "line 2: bodies[0]: 'model' is a required property."),
+        (
+            "bodies:\n  - name: Tank\n    model: models/tank.xml\n    contollers: []",
+            "line 4: 'contollers' is not known here. Did you mean 'controllers'?",
+        ),
+        ("bodys: []", "line 1: 'bodys' is not known here. Did you mean 'bodies'?"),
+        (
+            "bodies:\n  - name: Tank\n    model: models/tank.xml\n    position: [1, 2]",
+            "line 4: bodies[0] position: [1, 2] is too short. Expected is three numbers [x, y, z] in metres.",
+        ),
+        (
+            "bodies:\n  - name: Tank\n    model: models/tank.xml\n    position: [1, 2, a]",
+            "line 4: bodies[0] position[2]: 'a' is not of type 'number'.",
+        ),
+        ("bodies:\n  - name: My Tank\n    model: models/tank.xml", "line 2: bodies[0] name: 'My Tank' does not match"),
+        (
+            "bodies:\n  - name: Tank\n    model: models/tnak.xml",
+            "line 3: there is no model 'models/tnak.xml'. Did you mean 'models/tank.xml'?",
+        ),
+        (
+            "bodies:\n  - name: Tank\n    model: models/tank.xml\n    controllers:\n      - TankControler",
+            "line 5: there is no controller 'TankControler'. Did you mean 'TankController'?",
+        ),
+        (
+            "bodies:\n  - {name: T, model: models/tank.xml}\n  - {name: T, model: models/tank.xml}",
+            "line 3: there is a body 'T' already. Give this one another name.",
+        ),
+        (
+            "simulator:\n  time_step: 1\nbodies:\n  - {name: T, model: models/tank.xml}",
+            "line 2: simulator time_step: 1 is greater than the maximum of 0.01. Expected is a time step in seconds",
+        ),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_line_and_the_mend(write, text, said):
+    path = write(text)
+    with pytest.raises(TutorialError) as info:
+        Project.load(path)
+    assert str(info.value).startswith(f"{path}, {said}")
+
+
+def test_a_missing_file_is_named_with_the_nearest(tmp_path):
+    (tmp_path / "step3.yaml").write_text("")
+    with pytest.raises(TutorialError, match=r"there is no project '.*stp3\.yaml'\. Did you mean 'step3\.yaml'\?"):
+        find_project(str(tmp_path / "stp3.yaml"))
+    with pytest.raises(TutorialError, match=r"there is no project 'stp3'\. Did you mean 'step3'\?"):
+        find_project("stp3")
+    with pytest.raises(TutorialError, match=r"there is no launch file 'step33'\. Did you mean 'step3'\?"):
+        find_launch_file("step33")
+
+
+def test_a_file_that_is_no_text_is_said(tmp_path):
+    path = tmp_path / "project.yaml"
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(TutorialError, match="not a text file in UTF-8"):
+        Project.load(path)
+
+
+def test_the_steps_have_all_their_files():
+    for step in STEPS:
+        assert find_project(step) == HOME / "project" / f"{step}.yaml"
+        assert find_launch_file(step) == HOME / "launch_py" / f"{step}.launch.py"
+        assert Path(find_project(step)).is_file()
