@@ -101,9 +101,7 @@ def test_a_model_that_does_not_load_says_what_mujoco_says(tmp_path):
 
 def test_a_joint_without_a_motor_says_so(tmp_path):
     model = tmp_path / "door.xml"
-    model.write_text(
-        "<mujoco><worldbody><body><joint name='HINGE'/><geom size='.1'/></body></worldbody></mujoco>"
-    )
+    model.write_text("<mujoco><worldbody><body><joint name='HINGE'/><geom size='.1'/></body></worldbody></mujoco>")
     door = Body.displayed(Placement("Door", model))
     with pytest.raises(TutorialError, match="the joint 'HINGE' has no motor"):
         door.joint("HINGE").effort = 1.0

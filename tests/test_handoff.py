@@ -250,6 +250,6 @@ class TestThreadGuard:
         thread.start()
         thread.join()
         assert errors == [
-            "set_joint_positions was called on the thread 'executor', but the body 'Tank' belongs to the thread 'MainThread'. "
-            "Post the call instead: call_later(f, message)."
+            "set_joint_positions was called on the thread 'executor', but the body 'Tank' belongs to the thread "
+            "'MainThread'. Post the call instead: call_later(f, message)."
         ]

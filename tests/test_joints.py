@@ -177,4 +177,11 @@ def test_the_tally_sums_up():
         _, report = match_joints(TANK, joint_state(name, position, stamp), after=report)
         tally.add(report)
     assert tally.messages == 3
-    assert tally.as_dict() == {"matched": 3, "unknown": 1, "non_finite": 1, "short": 1, "duplicate": 1, "late": 1}
+    assert tally.as_dict() == {
+        "matched": 3,
+        "unknown": 1,
+        "non_finite": 1,
+        "short": 1,
+        "duplicate": 1,
+        "late": 1,
+    }

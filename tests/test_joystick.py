@@ -30,7 +30,9 @@ def test_the_axes_are_held_from_each_moment_on(write):
 
 
 def test_a_drive_may_repeat(write):
-    drive = ScriptedDrive(write("repeat: true\ndrive:\n- {time: 0, axes: [0.1]}\n- {time: 1, axes: [0.2]}\n- {time: 2, axes: []}"))
+    drive = ScriptedDrive(
+        write("repeat: true\ndrive:\n- {time: 0, axes: [0.1]}\n- {time: 1, axes: [0.2]}\n- {time: 2, axes: []}")
+    )
     assert drive.read(0.5)[0] == drive.read(2.5)[0] == drive.read(200.5)[0] == [0.1]
     assert drive.read(1.5)[0] == drive.read(3.5)[0] == [0.2]
 
@@ -46,9 +48,15 @@ def test_the_tour_loads_and_moves_every_stick():
     [
         ("drive: 3", "line 1: drive: 3 is not of type 'array'. Expected is a list of moments"),
         ("drives: []", "line 1: 'drives' is not known here. Did you mean 'drive'?"),
-        ("drive:\n- {time: 0, axes: [2]}", "line 2: drive[0] axes[0]: 2 is greater than the maximum of 1. Expected is a number"),
+        (
+            "drive:\n- {time: 0, axes: [2]}",
+            "line 2: drive[0] axes[0]: 2 is greater than the maximum of 1. Expected is a number",
+        ),
         ("drive:\n- {time: -1, axes: [0]}", "line 2: drive[0] time: -1 is less than the minimum of 0."),
-        ("drive:\n- {time: 1, axes: [0]}\n- {time: 1, axes: [0]}", "line 3: 1.0 is not later than 1.0. Put the moments in order."),
+        (
+            "drive:\n- {time: 1, axes: [0]}\n- {time: 1, axes: [0]}",
+            "line 3: 1.0 is not later than 1.0. Put the moments in order.",
+        ),
         ("drive:\n- {time: 1, axis: [0]}", "line 2: 'axis' is not known here. Did you mean 'axes'?"),
     ],
 )

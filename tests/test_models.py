@@ -286,9 +286,7 @@ def test_a_minute_of_random_driving():
 
 
 def test_the_crane_keeps_its_pose_and_obeys_its_motors():
-    model = compose(
-        [Placement("Labo", MODELS / "labo.xml"), Placement("Crane", MODELS / "crane.xml", (1, 1, 0))]
-    )
+    model = compose([Placement("Labo", MODELS / "labo.xml"), Placement("Crane", MODELS / "crane.xml", (1, 1, 0))])
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, 2000)
     np.testing.assert_allclose(data.qpos, 0, atol=1e-3)

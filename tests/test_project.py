@@ -65,7 +65,7 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers():
         ("", "line 1: the file is empty."),
         ("bodies: [", "line 1: this is not YAML:"),
         ("bodies:\n  - name: Tank\n   model: x", "line 3: this is not YAML:"),
-        ("- 1", "line 1: [1] is not of type 'object'. Expected is a mapping with the keys 'bodies'"),
+        ("- 1", "line 1: [1] is not of type 'object'. Expected is a mapping with the key 'bodies'"),
         ("simulator: {}", "line 1: 'bodies' is a required property."),
         ("bodies: Tank", "line 1: bodies: 'Tank' is not of type 'array'. Expected is a list of bodies"),
         ("bodies: []", "line 1: bodies: [] should be non-empty. Expected is a list of bodies"),
@@ -83,7 +83,10 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers():
             "bodies:\n  - name: Tank\n    model: models/tank.xml\n    position: [1, 2, a]",
             "line 4: bodies[0] position[2]: 'a' is not of type 'number'.",
         ),
-        ("bodies:\n  - name: My Tank\n    model: models/tank.xml", "line 2: bodies[0] name: 'My Tank' does not match"),
+        (
+            "bodies:\n  - name: My Tank\n    model: models/tank.xml",
+            "line 2: bodies[0] name: 'My Tank' does not match",
+        ),
         (
             "bodies:\n  - name: Tank\n    model: models/tnak.xml",
             "line 3: there is no model 'models/tnak.xml'. Did you mean 'models/tank.xml'?",

@@ -88,7 +88,9 @@ class TestAdvance:
                     raise ValueError("mine")
 
         simulation = Simulation([TANK], [("Tank", Broken())])
-        with pytest.raises(ControllerError, match="Broken failed at 0.003 s of simulated time: ValueError: mine") as info:
+        with pytest.raises(
+            ControllerError, match=r"Broken failed at 0\.003 s of simulated time: ValueError: mine"
+        ) as info:
             simulation.advance(1.0)
         assert isinstance(info.value.__cause__, ValueError)
 

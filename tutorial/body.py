@@ -108,8 +108,8 @@ class Actuator:
 class Body:
     """A named part of a MuJoCo model and its state.
 
-    A displayed body has a model and a state of its own and belongs to the thread that made it, the main thread. A simulated
-    body is a part of the world that the simulation has composed, and belongs to whoever steps that.
+    A displayed body has a model and a state of its own and belongs to the thread that made it, the main thread. A
+    simulated body is a part of the world that the simulation has composed, and belongs to whoever steps that.
 
     Args:
         name: the body's name. Its elements are called ``name/element`` in the model.
@@ -127,9 +127,7 @@ class Body:
         qpos: a view on it, shape (nq,).
     """
 
-    def __init__(
-        self, name: str, model: mujoco.MjModel, data: mujoco.MjData, guard: ThreadGuard | None = None
-    ) -> None:
+    def __init__(self, name: str, model: mujoco.MjModel, data: mujoco.MjData, guard: ThreadGuard | None = None) -> None:
         self.name = name
         self.model = model
         self.data = data

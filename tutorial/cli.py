@@ -10,8 +10,8 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Awaitable, Callable, Iterator, Sequence
-from contextlib import AsyncExitStack, contextmanager
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -89,7 +89,11 @@ def tank() -> None:
 @linger_option
 @headless_option
 @report_option
-@click.option("--port", type=click.IntRange(1, 65535), help="Show the 3D view on this port; else the first free from 7000.")
+@click.option(
+    "--port",
+    type=click.IntRange(1, 65535),
+    help="Show the 3D view on this port; else the first free from 7000.",
+)
 @click.option(
     "--robot",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -114,7 +118,6 @@ def run(
     loaded = Project.load(find_project(project))
     if robot is not None:
         loaded = loaded.with_robot(robot)
-    click.echo(loaded.tree())
     return _until_asked(_host(loaded, ros_args, duration, linger, headless, report, port), duration)
 
 
@@ -239,9 +242,14 @@ async def _host(
     from tutorial.record import write_record
 
     async with AsyncExitStack() as stack:
-        view = None if headless else stack.enter_context(_served_view(project.path.stem, port))
+        view, url = None, None
+        if not headless:
+            view, url = await stack.enter_async_context(_served_view(project.path.stem, port))
         with _clear_ros_errors():
             host = await stack.enter_async_context(Host(project, ros_args, view))
+        click.echo(project.tree())
+        if url is not None:
+            click.echo(f"look at {url}")
         progress = stack.enter_context(_bar(duration))
         try:
             await host.run(duration, linger, progress)
@@ -250,16 +258,16 @@ async def _host(
                 write_record(host.record(), report)
 
 
-@contextmanager
-def _served_view(title: str, port: int | None) -> Iterator[View]:
+@asynccontextmanager
+async def _served_view(title: str, port: int | None) -> AsyncIterator[tuple[View, str]]:
+    """Serve a view, and yield it with its address."""
     from tutorial.scene import Scene
     from tutorial.view import View
     from tutorial.web import SceneServer
 
     scene = Scene()
-    with SceneServer(scene, port=port, title=title) as server:
-        click.echo(f"look at {server.url}")
-        yield View(scene)
+    async with SceneServer(scene, port=port, title=title) as server:
+        yield View(scene), server.url
 
 
 @contextmanager
@@ -275,12 +283,15 @@ def _node(name: str, ros_args: list[str]) -> Iterator[Any]:
 @contextmanager
 def _clear_ros_errors() -> Iterator[None]:
     """Turn what rclpy raises about names and arguments into an error without a traceback."""
+    from rclpy._rclpy_pybind11 import UnknownROSArgsError
     from rclpy.exceptions import NameValidationException
 
     try:
         yield
     except NameValidationException as error:
         raise TutorialError(str(error)) from error
+    except UnknownROSArgsError as error:
+        raise TutorialError(f"ROS 2 does not know the arguments {error}") from error
     except RuntimeError as error:
         raise TutorialError(f"ROS 2 says: {error}") from error
 
@@ -303,7 +314,7 @@ def _launch(step: str, duration: float | None, headless: bool, report: Path | No
     from tutorial.launcher import Launcher, load_launch_file
     from tutorial.paths import find_launch_file
 
-    environment = {}
+    environment: dict[str, str] = {}
     if duration is not None:
         environment |= {"TANK_DURATION": str(duration), "TANK_LINGER": str(LINGER)}
     if headless:
@@ -334,13 +345,32 @@ def _bar(duration: float | None, shown: bool = False) -> Iterator[Callable[[floa
         duration: its length [s]; None for no bar.
         shown: whether to show it on what is no terminal, too.
     """
-    disable = duration is None or not (shown or sys.stderr.isatty())
+    terminal = sys.stderr.isatty()
+    disable = duration is None or not (shown or terminal)
     total = duration or 0.0
-    interval = 0.1 if sys.stderr.isatty() else 2.0
     form = "{percentage:3.0f}% |{bar:40}| {n:.0f} of {total:.0f} s"
-    with tqdm(total=total, bar_format=form, mininterval=interval, disable=disable, leave=True, ascii=" =") as bar:
+    out: Any = sys.stderr if terminal else _Lines()
+    with tqdm(
+        total=total,
+        bar_format=form,
+        mininterval=0.1 if terminal else 2.0,
+        disable=disable,
+        ascii=" =",
+        file=out,
+    ) as bar:
 
         def progress(seconds: float) -> None:
             bar.update(min(seconds, total) - bar.n)
 
         yield progress
+
+
+class _Lines:
+    """Where a progress bar goes that nobody can watch growing: one line each time, into the log."""
+
+    def write(self, text: str) -> None:
+        if text.strip():
+            print(text.strip(), file=sys.stderr)
+
+    def flush(self) -> None:
+        sys.stderr.flush()

@@ -24,8 +24,8 @@ class ControllerConfig:
         node: the program's ROS 2 node; its callbacks run on the executor's thread.
         call_later: ``call_later(function, *args)``, from any thread: run the function on the main thread. Every call is
             kept, in order; those that still wait when the controller leaves its body do not run.
-        call_latest: ``call_latest(key, function, *args)``, as `call_later`, but a call of the same key that still waits is
-            replaced.
+        call_latest: ``call_latest(key, function, *args)``, as `call_later`, but a call of the same key that still
+            waits is replaced.
     """
 
     body: Body
@@ -63,7 +63,8 @@ class ControllerIO:
 
 
 class SimpleController:
-    """Base of all controllers, named and cut as in the original. Each method is called on the thread that its line names.
+    """Base of all controllers, named and cut as in the original. Each method is called on the thread that its line
+    names.
 
     A controller of a displayed body is configured and unconfigured; one in a simulated world is also initialized, asked
     for control at every step, and stopped.

@@ -56,7 +56,7 @@ class Latest(Generic[T]):
 
 
 class CallQueue:
-    """Calls that any thread may post and that run on the main thread's event loop, in the order in which they were posted.
+    """Calls that any thread may post, and that run on the main thread's event loop in the order of their posting.
 
     Underneath is one locked queue, and one `call_soon_threadsafe` that wakes the loop when the queue stops being empty.
     One turn of the loop runs what was queued when the turn began, so calls that post calls cannot hold it.
@@ -198,7 +198,7 @@ class _Call:
             return
         try:
             self.function(*self.args)
-        except Exception:
+        except Exception:  # noqa: BLE001 - whatever it is, the other calls go on
             _log.exception(
                 "%s: a call that was posted at %s:%d on the thread %r failed",
                 self.scope.owner,
@@ -233,6 +233,6 @@ class ThreadGuard:
         """
         if threading.get_ident() != self._ident:
             raise WrongThreadError(
-                f"{action} was called on the thread {threading.current_thread().name!r}, but {self._what} belongs to the "
-                f"thread {self._thread.name!r}. Post the call instead: call_later(f, message)."
+                f"{action} was called on the thread {threading.current_thread().name!r}, but {self._what} belongs "
+                f"to the thread {self._thread.name!r}. Post the call instead: call_later(f, message)."
             )

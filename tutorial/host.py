@@ -34,8 +34,8 @@ _log = logging.getLogger(__name__)
 class Host:
     """A program that runs a project: it simulates, or displays, as the project says.
 
-    It belongs to the thread that makes it, the main thread, whose event loop must be running: ``async with Host(project)``
-    in a script's `asyncio.run`, or in a notebook's cell.
+    It belongs to the thread that makes it, the main thread, whose event loop must be running: ``async with
+    Host(project)`` in a script's `asyncio.run`, or in a notebook's cell.
 
     Args:
         project: what to run.
@@ -66,6 +66,8 @@ class Host:
         try:
             for item in project.bodies:
                 self._add(item)
+            if view is not None and project.camera is not None:
+                view.look_at(project.camera.position, project.camera.target)
             if project.time_step is not None:
                 self.simulation = self._simulation(project, project.time_step)
         except BaseException:
@@ -95,8 +97,8 @@ class Host:
 
         Args:
             duration: how long [s], in simulated time where the project simulates; None to go on until cancelled.
-            linger: a program that displays waits, after its duration, at most so long [s] for those who publish to it to go,
-                and for what they have sent to be shown.
+            linger: a program that displays waits, after its duration, at most so long [s] for those who publish to it
+                to go, and for what they have sent to be shown.
             progress: called with the seconds that have passed, about as often as a frame is drawn.
 
         Raises:
@@ -139,7 +141,7 @@ class Host:
             self._view.remove(name)
 
     def record(self) -> dict[str, Any]:
-        """Sum the run up: see `tutorial.record.make_record`. Where joint states are published, the last of them count."""
+        """Sum the run up; where joint states are published, the last of them count. See `tutorial.record`."""
         tally = JointTally()
         joints: dict[str, float] = {}
         for item in self._items.values():
@@ -279,7 +281,7 @@ class _Item:
         for controller in self.controllers:
             try:
                 controller.unconfigure()
-            except Exception:
+            except Exception:  # noqa: BLE001 - whatever it is, the others still have to leave
                 _log.exception("%s of %s failed in unconfigure()", type(controller).__name__, self.body.name)
         self._scopes.clear()
         self.controllers.clear()

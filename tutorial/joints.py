@@ -1,8 +1,8 @@
 """Matching joints by name: the second of the two ideas that the tutorial is about.
 
-In a ``sensor_msgs/JointState`` the names identify the joints; position, velocity and effort are each as long as ``name``, or
-empty. A viewer that takes "the i-th entry is my i-th joint" for granted shows nothing, or the wrong thing, as soon as a
-publisher sends its joints in another order, or only some of them.
+In a ``sensor_msgs/JointState`` the names identify the joints; position, velocity and effort are each as long as
+``name``, or empty. A viewer that takes "the i-th entry is my i-th joint" for granted shows nothing, or the wrong
+thing, as soon as a publisher sends its joints in another order, or only some of them.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ __all__ = ["JointReport", "JointTally", "match_joints"]
 
 LATE_WITHIN_NS = 1_000_000_000  # a stamp that steps back further than this is a publisher that was started again
 FINITE = sys.float_info.max
+SLACK = 1e-3  # [rad or m] beyond a range that is not worth a word: simulated limits are soft
 NAMES_KEPT = 3  # of each finding, so that a report stays small whatever comes in
 
 
@@ -156,8 +157,8 @@ def match_joints(
             again; and the names that it has looked up need not be looked up again.
 
     Returns:
-        The positions by joint [rad or m], to be applied as they are, and the report. A joint is missing from the positions
-        when the message says nothing usable about it; then it stays where it is.
+        The positions by joint [rad or m], to be applied as they are, and the report. A joint is missing from the
+        positions when the message says nothing usable about it; then it stays where it is.
     """
     position = message.position
     plan = after.plan if after is not None else None
@@ -204,8 +205,8 @@ def _make_plan(body: Mapping[str, tuple[float, float]] | Sequence[str], names: l
         names=names,
         length=length,
         joints=tuple(places),
-        lows=tuple(max(low, -FINITE) for low, _ in ranges),
-        highs=tuple(min(high, FINITE) for _, high in ranges),
+        lows=tuple(max(low - SLACK, -FINITE) for low, _ in ranges),
+        highs=tuple(min(high + SLACK, FINITE) for _, high in ranges),
         indices=() if indices == tuple(range(len(indices))) else indices,
         unknown=Finding.of([name for name in names if name not in known]),
         duplicate=Finding.of([name for name, count in counts.items() if count > 1]),

@@ -41,8 +41,13 @@ SCHEMA: dict[str, Any] = {
                     "axes": {
                         "type": "array",
                         "maxItems": 6,
-                        "items": {"type": "number", "minimum": -1, "maximum": 1, "description": "a number from -1 to 1"},
-                        "description": "[left x, left y, right x, right y], each from -1 to 1; left and forward positive",
+                        "items": {
+                            "type": "number",
+                            "minimum": -1,
+                            "maximum": 1,
+                            "description": "a number from -1 to 1",
+                        },
+                        "description": "[left x, left y, right x, right y], each from -1 to 1",
                     },
                 },
             },
@@ -80,7 +85,8 @@ class ScriptedDrive:
         for i in range(1, len(moments)):
             if self._times[i] <= self._times[i - 1]:
                 raise file.error(
-                    ("drive", i, "time"), f"{self._times[i]} is not later than {self._times[i - 1]}. Put the moments in order."
+                    ("drive", i, "time"),
+                    f"{self._times[i]} is not later than {self._times[i - 1]}. Put the moments in order.",
                 )
         self._period = self._times[-1] if file.data.get("repeat") else 0.0
 

@@ -35,8 +35,8 @@ UNDERLAY = Path(__file__).parent / "underlay"
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
     """Read the list of processes from a launch file.
 
-    It is run with the tutorial's own `launch`, also beside a real ROS 2, so that what ``tank launch`` does does not depend on
-    what is installed.
+    It is run with the tutorial's own `launch`, also beside a real ROS 2, so that what ``tank launch`` does does not
+    depend on what is installed.
 
     Raises:
         TutorialError: it fails, or uses more of `launch` than the tutorial has.
@@ -45,8 +45,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
         try:
             description = runpy.run_path(str(path))["generate_launch_description"]()
         except ImportError as error:
-            raise TutorialError(f"{path} uses more than LaunchDescription and ExecuteProcess: {error}. Run it with a real "
-                                f"ROS 2: ros2 launch {path}") from error  # fmt: skip
+            mend = f"Run it with a real ROS 2: ros2 launch {path}"
+            raise TutorialError(f"{path} uses more than the tutorial's launch has: {error}. {mend}") from error
         except KeyError:
             raise TutorialError(f"{path} has no function generate_launch_description().") from None
         except Exception as error:
@@ -62,7 +62,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
 class Launcher:
     """Starts processes, prints their output with their names in front, and sees to it that they end together.
 
-    When one fails, the others are stopped: asked first, killed if they don't. None outlives the launcher, even when it is
+    When one fails, the others are stopped: asked first, killed if they don't. None outlives the launcher, even when it
+        is
     killed: see `tutorial.lifeline`.
 
     Args:
@@ -72,11 +73,15 @@ class Launcher:
     """
 
     def __init__(
-        self, processes: Sequence[ExecuteProcess], environment: Mapping[str, str], output: TextIO | None = None
+        self,
+        processes: Sequence[ExecuteProcess],
+        environment: Mapping[str, str],
+        output: TextIO | None = None,
     ) -> None:
         self._processes = processes
         self._environment = environment
         self._printer = Printer(output or sys.stdout, width=max(len(_name(p)) for p in processes))
+        self._colours = dict(zip(map(_name, processes), cycle(get_colours())))
         self._running: dict[str, asyncio.subprocess.Process] = {}
         self._stop = asyncio.Event()
         self.interrupted = False
@@ -93,9 +98,9 @@ class Launcher:
             loop.add_signal_handler(number, self._interrupt)
         read_end, write_end = os.pipe()
         try:
-            for process, colour in zip(self._processes, cycle(get_colours())):
+            for process in self._processes:
                 self._running[_name(process)] = await self._start(process, read_end)
-            return await self._see_through(dict(zip(self._running, get_colours())))
+            return await self._see_through()
         finally:
             os.close(read_end)
             os.close(write_end)
@@ -107,7 +112,12 @@ class Launcher:
         self._stop.set()
 
     async def _start(self, process: ExecuteProcess, read_end: int) -> asyncio.subprocess.Process:
-        environment = {**os.environ, "PYTHONUNBUFFERED": "1", **self._environment, **(process.additional_env or {})}
+        environment = {
+            **os.environ,
+            "PYTHONUNBUFFERED": "1",
+            **self._environment,
+            **(process.additional_env or {}),
+        }
         environment["PATH"] = os.pathsep.join((str(Path(sys.executable).parent), environment.get("PATH", os.defpath)))
         command = [str(word) for word in process.cmd]
         command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
@@ -122,22 +132,22 @@ class Launcher:
             cwd=process.cwd,
         )
 
-    async def _see_through(self, colours: Mapping[str, str]) -> int:
+    async def _see_through(self) -> int:
         """Print and wait; at the first failure, or when asked to, stop all."""
-        watchers = {
-            asyncio.create_task(self._follow(name, process, colours[name])): name for name, process in self._running.items()
-        }
+        watchers = {asyncio.create_task(self._follow(name, process)): name for name, process in self._running.items()}
         stopper = asyncio.create_task(self._stop.wait())
         status = 0
         waiting: set[asyncio.Task[int]] = set(watchers)
         stopped: asyncio.Task[None] | None = None
         while waiting:
-            done, _ = await asyncio.wait({*waiting, *([] if stopped else [stopper])}, return_when=asyncio.FIRST_COMPLETED)
+            done, _ = await asyncio.wait(
+                {*waiting, *([] if stopped else [stopper])}, return_when=asyncio.FIRST_COMPLETED
+            )
             for task in done & waiting:
                 waiting.discard(task)
                 if task.result() and not status and not self._stop.is_set():
                     status = task.result()
-                    self._say(watchers[task], f"failed with exit status {status}; the others are stopped", None)
+                    self._say(watchers[task], f"failed with exit status {status}; the others are stopped")
                     self._stop.set()
             if self._stop.is_set() and stopped is None:
                 stopped = asyncio.create_task(self._stop_all())
@@ -146,11 +156,11 @@ class Launcher:
             await stopped
         return status
 
-    async def _follow(self, name: str, process: asyncio.subprocess.Process, colour: str) -> int:
+    async def _follow(self, name: str, process: asyncio.subprocess.Process) -> int:
         """Print a process's lines until it has ended; return its exit status."""
         assert process.stdout is not None
         while line := await _read_line(process.stdout):
-            self._say(name, line, colour)
+            self._say(name, line, self._colours[name])
         status = await process.wait()
         del self._running[name]
         return status if status >= 0 else 128 - status
@@ -163,10 +173,10 @@ class Launcher:
                 return
             await asyncio.sleep(0.1)
         for name in self._running:
-            self._say(name, f"did not stop within {PATIENCE:g} s and is killed", None)
+            self._say(name, f"did not stop within {PATIENCE:g} s and is killed")
         _signal_groups(self._running.values(), signal.SIGKILL)
 
-    def _say(self, name: str, line: str, colour: str | None) -> None:
+    def _say(self, name: str, line: str, colour: str | None = None) -> None:
         self._printer.write(Message(type="line", data=line, time=datetime.now(), name=name, colour=colour))
 
 

@@ -1,8 +1,9 @@
 """Runs a command that ends when the launcher does, even when that is killed: ``python lifeline.py FD COMMAND...``.
 
-The launcher holds the other end of the pipe FD and never writes. When it is gone, whatever ended it, the system closes its
-end; reading from this end then returns, and the command is asked to stop, and killed if it doesn't. The command and this
-process are one process group, which the launcher can signal as a whole; signals that ask are the command's business.
+The launcher holds the other end of the pipe FD and never writes. When it is gone, whatever ended it, the system closes
+its end; reading from this end then returns, and the command is asked to stop, and killed if it doesn't. The command
+and this process are one process group, which the launcher can signal as a whole; signals that ask are the command's
+business.
 
 Standard library only, and run by its path: starting it costs next to nothing.
 """

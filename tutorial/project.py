@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pkgutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -15,13 +15,27 @@ from tutorial.errors import TutorialError, did_you_mean
 from tutorial.world import Placement
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["BodyItem", "Project", "controller_names", "find_controller"]
+__all__ = ["BodyItem", "Camera", "Project", "controller_names", "find_controller"]
 
-_NAME = {"type": "string", "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "description": "a name of letters, digits and _"}
+Point = tuple[float, float, float]
+
+_NAME = {
+    "type": "string",
+    "pattern": "^[A-Za-z][A-Za-z0-9_]*$",
+    "description": "a name of letters, digits and _",
+}
+
+_POINT = {
+    "type": "array",
+    "items": {"type": "number"},
+    "minItems": 3,
+    "maxItems": 3,
+    "description": "three numbers [x, y, z] in metres",
+}
 
 SCHEMA: dict[str, Any] = {
     "type": "object",
-    "description": "a mapping with the keys 'bodies' and, if it simulates, 'simulator'",
+    "description": "a mapping with the key 'bodies' and, if it simulates, 'simulator'",
     "required": ["bodies"],
     "additionalProperties": False,
     "properties": {
@@ -38,6 +52,13 @@ SCHEMA: dict[str, Any] = {
                 }
             },
         },
+        "camera": {
+            "type": "object",
+            "description": "a mapping with 'position' and 'target'",
+            "required": ["position", "target"],
+            "additionalProperties": False,
+            "properties": {"position": _POINT, "target": _POINT},
+        },
         "bodies": {
             "type": "array",
             "minItems": 1,
@@ -49,14 +70,11 @@ SCHEMA: dict[str, Any] = {
                 "additionalProperties": False,
                 "properties": {
                     "name": _NAME,
-                    "model": {"type": "string", "description": "the path of a model, seen from the project file"},
-                    "position": {
-                        "type": "array",
-                        "items": {"type": "number"},
-                        "minItems": 3,
-                        "maxItems": 3,
-                        "description": "three numbers [x, y, z] in metres",
+                    "model": {
+                        "type": "string",
+                        "description": "the path of a model, seen from the project file",
                     },
+                    "position": _POINT,
                     "controllers": {
                         "type": "array",
                         "items": {"type": "string", "description": "the name of a controller"},
@@ -67,6 +85,19 @@ SCHEMA: dict[str, Any] = {
         },
     },
 }
+
+
+@dataclass(frozen=True)
+class Camera:
+    """From where the 3D view is looked at, to begin with.
+
+    Attributes:
+        position: of the camera [m], (x, y, z).
+        target: what is in the middle of the picture [m], (x, y, z).
+    """
+
+    position: Point
+    target: Point
 
 
 @dataclass(frozen=True)
@@ -90,11 +121,13 @@ class Project:
         path: the file that it comes from.
         bodies: its bodies.
         time_step: of the simulation [s]; None for a program that only displays.
+        camera: where the view begins; None to leave it to the view.
     """
 
     path: Path
     bodies: tuple[BodyItem, ...]
     time_step: float | None = None
+    camera: Camera | None = None
 
     @classmethod
     def load(cls, path: str | Path) -> Project:
@@ -104,18 +137,22 @@ class Project:
             path: the file; models are looked for beside it.
 
         Raises:
-            TutorialError: it is missing, malformed, or names a controller or a model that there is not; the text names the
-                line and the mend.
+            TutorialError: it is missing, malformed, or names a controller or a model that there is not; the text names
+                the line and the mend.
         """
         file = YamlFile(Path(path), SCHEMA, "project")
         items = [_body_item(file, i, entry) for i, entry in enumerate(file.data["bodies"])]
         names = [item.placement.name for item in items]
         for i, name in enumerate(names):
             if name in names[:i]:
-                raise file.error(("bodies", i, "name"), f"there is a body {name!r} already. Give this one another name.")
+                raise file.error(
+                    ("bodies", i, "name"), f"there is a body {name!r} already. Give this one another name."
+                )
         simulator = file.data.get("simulator")
         time_step = None if simulator is None else float(simulator.get("time_step", 0.001))
-        return cls(file.path, tuple(items), time_step)
+        camera = file.data.get("camera")
+        looks_from = None if camera is None else Camera(_point(camera["position"]), _point(camera["target"]))
+        return cls(file.path, tuple(items), time_step, looks_from)
 
     def with_robot(self, model: Path, name: str | None = None) -> Project:
         """Put another model in the place of the body that carries the controllers.
@@ -129,7 +166,9 @@ class Project:
         """
         robots = [item for item in self.bodies if item.controllers]
         if len(robots) != 1:
-            raise TutorialError(f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace.")
+            raise TutorialError(
+                f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
+            )
         placement = replace(robots[0].placement, name=name or model.stem.capitalize(), model=model)
         swapped = replace(robots[0], placement=placement)
         return replace(self, bodies=tuple(swapped if item is robots[0] else item for item in self.bodies))
@@ -154,7 +193,9 @@ class Project:
 def controller_names() -> dict[str, str]:
     """Map the names of the library's controllers to their modules: ``tank_controller.py`` holds ``TankController``."""
     modules = (module.name for module in pkgutil.iter_modules(controllers.__path__))
-    return {"".join(word.capitalize() for word in name.split("_")): f"{controllers.__name__}.{name}" for name in modules}
+    return {
+        "".join(word.capitalize() for word in name.split("_")): f"{controllers.__name__}.{name}" for name in modules
+    }
 
 
 def find_controller(name: str) -> type[SimpleController]:
@@ -173,7 +214,9 @@ def find_controller(name: str) -> type[SimpleController]:
 def _body_item(file: YamlFile, index: int, entry: Mapping[str, Any]) -> BodyItem:
     model = file.path.parent / entry["model"]
     if not model.is_file():
-        others = [str(p.relative_to(file.path.parent)) for p in model.parent.glob("*.xml")] if model.parent.is_dir() else []
+        others = (
+            [str(p.relative_to(file.path.parent)) for p in model.parent.glob("*.xml")] if model.parent.is_dir() else []
+        )
         hint = did_you_mean(entry["model"], others)
         raise file.error(("bodies", index, "model"), f"there is no model {entry['model']!r}.{hint}")
     classes = []
@@ -182,5 +225,9 @@ def _body_item(file: YamlFile, index: int, entry: Mapping[str, Any]) -> BodyItem
             classes.append(find_controller(name))
         except TutorialError as error:
             raise file.error(("bodies", index, "controllers", i), str(error)) from None
-    position = tuple(map(float, entry.get("position", (0.0, 0.0, 0.0))))
-    return BodyItem(Placement(entry["name"], model, position), tuple(classes))  # type: ignore[arg-type]
+    return BodyItem(Placement(entry["name"], model, _point(entry.get("position", (0, 0, 0)))), tuple(classes))
+
+
+def _point(numbers: Sequence[float]) -> Point:
+    x, y, z = map(float, numbers)
+    return x, y, z

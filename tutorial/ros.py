@@ -72,7 +72,7 @@ class TopicMeter:
         return (self.count - 1) / span if self.count > 1 and span > 0 else 0.0
 
     def latency_ms(self) -> dict[str, float | None]:
-        """Return median and 99th percentile of the time from publication to callback [ms]; None where nothing is known."""
+        """Return median and 99th percentile of the time from publication to callback [ms]; None where unknown."""
         if len(self._latencies_ns) < 2:
             return {"median": None, "p99": None}
         milliseconds = [ns / 1e6 for ns in self._latencies_ns]
@@ -94,7 +94,7 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
 
     def create_publisher(self, msg_type: type, topic: str, *args: Any, **kwargs: Any) -> Any:
         """Create a publisher, as rclpy does, that counts what it publishes."""
-        publisher = super().create_publisher(msg_type, topic, *args, **kwargs)
+        publisher: Any = super().create_publisher(msg_type, topic, *args, **kwargs)
         meter = self._meter(publisher.topic_name, msg_type, "published")
         publish = publisher.publish
 
@@ -158,7 +158,9 @@ class NodeThread:
     def __enter__(self) -> NodeThread:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.close()
 
     def namesakes(self) -> int:
@@ -181,7 +183,7 @@ class NodeThread:
         while not self._stopping.is_set():
             try:
                 self._executor.spin_once(timeout_sec=0.5)
-            except Exception:
+            except Exception:  # noqa: BLE001 - a callback may raise anything
                 if self._stopping.is_set() or not self._context.ok():
                     return
                 _log.exception("a callback of the node %r failed; the others go on", self.node.get_name())

@@ -6,7 +6,7 @@ import logging
 import sys
 import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -53,8 +53,8 @@ class Snapshot:
 class Simulation:
     """A copy of some bodies in one MuJoCo world, and the controllers that move them.
 
-    It can be stepped at once, with `advance`, or in real time on a thread of its own, with `start` and `stop`; in both cases
-    controllers see only the copy, through the `ControllerIO` that they are initialized with.
+    It can be stepped at once, with `advance`, or in real time on a thread of its own, with `start` and `stop`; in both
+    cases controllers see only the copy, through the `ControllerIO` that they are initialized with.
 
     Args:
         placements: the bodies.
@@ -149,7 +149,7 @@ class Simulation:
         self._let_go()
 
     def restart(self) -> None:
-        """Go back to the beginning: time 0, the initial pose, controllers initialized anew. Goes on running if it was."""
+        """Go back to time 0 and the initial pose, with controllers initialized anew; and go on, if it was running."""
         running = self.running
         self.stop()
         mujoco.mj_resetData(self.model, self.data)
@@ -278,7 +278,7 @@ def _stop_all(controllers: Iterable[SimpleController]) -> None:
     for controller in controllers:
         try:
             controller.stop()
-        except Exception:
+        except Exception:  # noqa: BLE001 - whatever it is, the others still have to stop
             _log.exception("%s failed in stop()", type(controller).__name__)
 
 

@@ -33,8 +33,8 @@ class Placement:
 def compose(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco.MjModel:
     """Make one world of several bodies.
 
-    MuJoCo's options belong to the world: whatever the parts ask for, the composed model has this time step, the gravity of
-    the original (9.80665 m/s^2) and the integrator ``implicitfast``.
+    MuJoCo's options belong to the world: whatever the parts ask for, the composed model has this time step, the
+    gravity of the original (9.80665 m/s^2) and the integrator ``implicitfast``.
 
     Args:
         placements: the bodies, each attached with the prefix ``name/``.

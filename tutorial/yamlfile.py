@@ -35,7 +35,7 @@ class YamlFile:
     def __init__(self, path: Path, schema: dict[str, Any], what: str) -> None:
         self.path = path
         self._root = self._compose(_read(path, what))
-        self.data: Any = yaml.SafeLoader.construct_document(yaml.SafeLoader(""), self._root)  # type: ignore[no-untyped-call]
+        self.data: Any = yaml.SafeLoader.construct_document(yaml.SafeLoader(""), self._root)
         errors = list(jsonschema.Draft202012Validator(schema).iter_errors(self.data))
         if errors:  # a mistyped key explains why the right one is missing, so it comes first
             mistyped = [error for error in errors if error.validator == "additionalProperties"]
@@ -74,21 +74,22 @@ class YamlFile:
 
     def _explain(self, error: jsonschema.ValidationError) -> TutorialError:
         where = list(error.absolute_path)
+        schema: Any = error.schema
+        instance: Any = error.instance
         if error.validator == "additionalProperties":
-            known = error.schema["properties"]
-            key = next(key for key in error.instance if key not in known)
-            return TutorialError(
-                f"{self.path}, line {self._key_line(where, key)}: {key!r} is not known here.{did_you_mean(str(key), known)}"
-            )
+            known = schema["properties"]
+            key = next(key for key in instance if key not in known)
+            line = self._key_line(where, key)
+            return TutorialError(f"{self.path}, line {line}: {key!r} is not known here.{did_you_mean(str(key), known)}")
         place = "".join(f"[{step}]" if isinstance(step, int) else f" {step}" for step in where).strip()
-        mend = error.schema.get("description")
+        mend = schema.get("description")
         text = f"{place}: {error.message}." if place else f"{error.message}."
         return self.error(where, text + (f" Expected is {mend}." if mend else ""))
 
     def _key_line(self, where: Sequence[str | int], key: object) -> int:
         node = self._root
         for step in where:
-            node = node.value[step] if isinstance(step, int) else dict((k.value, v) for k, v in node.value)[step]
+            node = node.value[step] if isinstance(step, int) else {k.value: v for k, v in node.value}[step]
         return next(int(k.start_mark.line) + 1 for k, _ in node.value if k.value == str(key))
 
 

@@ -1,0 +1,82 @@
+"""A browser for the tests that need to see what a learner sees."""
+
+import asyncio
+import io
+import os
+import shutil
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.async_api import Page, async_playwright
+
+NAMES = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
+ARGUMENTS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+PATIENCE = 60.0
+
+
+def chromium() -> str:
+    """The path of a Chromium. Without one, the test is skipped and says why; in CI (CI=true) it fails."""
+    path = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, NAMES)), None)
+    if path is not None:
+        return path
+    reason = f"there is no Chromium on PATH ({', '.join(NAMES)}), and CHROMIUM is not set"
+    if os.environ.get("CI") == "true":
+        pytest.fail(reason)
+    pytest.skip(reason)
+
+
+@asynccontextmanager
+async def open_browser(path: str, width: int = 800, height: int = 600) -> AsyncIterator[Page]:
+    """A page in a browser without a window, that draws WebGL in software."""
+    async with async_playwright() as playwright:
+        browser = await playwright.chromium.launch(executable_path=path, args=ARGUMENTS)
+        try:
+            page = await browser.new_page(viewport={"width": width, "height": height})
+            page.set_default_timeout(PATIENCE * 1000)
+            yield page
+        finally:
+            await browser.close()
+
+
+class Witness:
+    """Takes down what a page says and asks for."""
+
+    def __init__(self, page: Page) -> None:
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        page.on("console", self._on_console)
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("request", lambda request: self.requests.append(request.url))
+        page.on("websocket", lambda socket: self.requests.append(socket.url))
+
+    def _on_console(self, message) -> None:
+        if message.type in ("error", "warning"):
+            self.complaints.append(message.text)
+
+
+async def until(condition: Callable[[], Awaitable[bool]], what: str, patience: float = PATIENCE) -> None:
+    """Wait until it is so, as long as it takes on a busy machine, and fail if it never is."""
+    deadline = time.monotonic() + patience
+    while not await condition():
+        if time.monotonic() > deadline:
+            pytest.fail(f"after {patience:.0f} s it still was not so: {what}")
+        await asyncio.sleep(0.05)
+
+
+async def pixels(page: Page, selector: str) -> np.ndarray:
+    """What an element looks like: (height, width, 3), 0 to 255."""
+    picture = await page.locator(selector).screenshot()
+    return np.asarray(Image.open(io.BytesIO(picture)).convert("RGB")).astype(int)
+
+
+def red_spot(picture: np.ndarray) -> tuple[float, float] | None:
+    """The middle of all that is red, (x, y) in pixels from the left top; None if there is next to nothing."""
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    rows, columns = np.nonzero((red > 90) & (red > 2.5 * green) & (red > 2.5 * blue))
+    if len(rows) < 20:
+        return None
+    return float(columns.mean()), float(rows.mean())

@@ -1,0 +1,99 @@
+"""What a beginner would mistype: a clear error, a status that is not 0, and never a traceback."""
+
+from __future__ import annotations
+
+import socket
+
+import pytest
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("lanch step3", "No such command 'lanch'. Did you mean 'launch'?"),
+        ("run", "Missing argument 'PROJECT'"),
+        ("run stp3", "there is no project 'stp3'. Did you mean 'step3'?"),
+        ("run nowhere/step3.yaml", "there is no project 'nowhere/step3.yaml'"),
+        ("launch step33", "there is no launch file 'step33'. Did you mean 'step3'?"),
+        ("run step3 --duration -1", "-1.0 is not in the range x>0"),
+        ("run step3 --duration ten", "'ten' is not a valid float"),
+        ("run step3 --durration 1", "No such option '--durration'. Did you mean '--duration'?"),
+        ("joy --drive tuor", "there is no drive 'tuor'. Did you mean 'tour'?"),
+        ("run step3 --headless --robot nothing.xml", "there is no model 'nothing.xml'"),
+        ("run step3 --headless --ros-args -r garbage", "Couldn't parse remap rule: '-r garbage'"),
+        ("run step3 --headless --ros-args --nonsense", "ROS 2 does not know the arguments ['--nonsense']"),
+        (
+            "run step3 --headless --ros-args -r __node:=bad-name",
+            "node name must not contain characters other than",
+        ),
+        ("joy --ros-args -r __ns:=/bad-ns", "namespace must not contain characters other than"),
+    ],
+)
+def test_a_mistake_is_a_clear_error(program, command, said):
+    running = program(*command.split())
+    assert running.ends() not in (0, None)
+    assert said in running.output
+    assert "Traceback" not in running.output
+
+
+def test_a_malformed_project_is_named_with_its_line(program, tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text("bodies:\n  - name: Tank\n    modle: tank.xml\n")
+    running = program("run", path)
+    assert running.ends() == 1
+    assert f"Error: {path}, line 3: 'modle' is not known here. Did you mean 'model'?" in running.output
+
+
+def test_a_model_that_does_not_load_is_explained_in_mujocos_words(program, tmp_path):
+    (tmp_path / "tank.xml").write_text("<mujoco><worldbody><geom type='cube'/></worldbody></mujoco>")
+    path = tmp_path / "mine.yaml"
+    path.write_text("bodies:\n  - {name: Tank, model: tank.xml}\n")
+    running = program("run", path, "--headless")
+    assert running.ends() == 1
+    assert "does not load. MuJoCo says:" in running.output
+    assert "cube" in running.output
+    assert "Traceback" not in running.output
+
+
+def test_a_port_that_is_in_use_is_said(program):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        running = program("run", "step3", "--port", port)
+        assert running.ends() == 1
+    assert f"the 3D view cannot have port {port}: another program uses it already" in running.output
+
+
+def test_a_controller_that_raises_ends_the_run_and_says_where(program, tmp_path):
+    model = tmp_path / "box.xml"
+    model.write_text("<mujoco><worldbody><body><freejoint/><geom size='.1'/></body></worldbody></mujoco>")
+    path = tmp_path / "mine.yaml"
+    path.write_text("simulator: {}\nbodies:\n  - {name: Box, model: box.xml, controllers: [TankController]}\n")
+    running = program("run", path, "--headless")
+    assert running.ends() == 1
+    assert (
+        "TankController failed at 0.000 s of simulated time: TutorialError: the body 'Box' has no actuator 'TRACK_L'"
+        in (running.output)
+    )
+
+
+def test_ctrl_c_is_how_a_run_without_a_duration_ends(program):
+    running = program("run", "step2", "--headless")
+    running.says("+ Simulator")
+    running.asks_to_stop()
+    assert running.ends() == 0
+    running.leaves_nothing()
+
+
+def test_ctrl_c_before_the_duration_is_over_is_an_interruption(program):
+    running = program("run", "step2", "--duration", 300)
+    running.says("look at http://127.0.0.1:")
+    running.asks_to_stop()
+    assert running.ends() == 130
+    running.leaves_nothing()
+
+
+def test_the_tree_and_the_address_are_printed(program):
+    running = program("run", "step3", "--duration", 0.5)
+    assert running.ends() == 0
+    assert "+ Tank\n  - JointStateSubscriber\n" in running.output
+    assert "look at http://127.0.0.1:" in running.output
