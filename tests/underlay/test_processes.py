@@ -1,0 +1,136 @@
+"""Several processes: messages, the node graph, signals."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from rclpy.context import Context
+from rclpy.node import Node
+from std_msgs.msg import String
+
+Start = Callable[[str], subprocess.Popen[str]]
+SpinUntil = Callable[[Callable[[], object]], None]
+
+TALKER = """
+import rclpy
+from std_msgs.msg import String
+rclpy.init(args=["--ros-args", "-r", "__node:=talker", "-r", "__ns:=/far", "-r", "chatter:=/words"])
+node = rclpy.create_node("unnamed")
+publisher = node.create_publisher(String, "chatter", 10)
+node.create_timer(0.02, lambda: publisher.publish(String(data="hello")))
+try:
+    print("ready", flush=True)
+    rclpy.spin(node)
+except BaseException as error:
+    print(type(error).__name__, rclpy.ok(), flush=True)
+"""
+
+
+def test_messages_and_graph_across_processes(node: Node, spin_until: SpinUntil, start: Start) -> None:
+    received: list[str] = []
+    node.create_subscription(String, "/words", lambda message: received.append(message.data), 10)
+    start(TALKER)
+    spin_until(lambda: len(received) > 3)
+    assert set(received) == {"hello"}
+    spin_until(lambda: ("talker", "/far") in node.get_node_names_and_namespaces())
+    assert node.count_publishers("/words") == 1
+    assert ("/words", ["std_msgs/msg/String"]) in node.get_topic_names_and_types()
+    spin_until(lambda: node.get_publishers_info_by_topic("/words")[0].node_name == "talker")
+    info = node.get_publishers_info_by_topic("/words")[0]
+    assert (info.node_namespace, info.topic_type) == ("/far", "std_msgs/msg/String")
+    assert info.topic_type_hash.startswith("RIHS01_df668c74")
+    assert info.qos_profile.depth == 10
+    topics = dict(node.get_publisher_names_and_types_by_node("talker", "/far"))
+    assert topics.keys() == {"/words", "/rosout", "/parameter_events"}
+
+
+def test_killed_node_leaves_the_graph(node: Node, spin_until: SpinUntil, start: Start) -> None:
+    process = start(TALKER)
+    spin_until(lambda: "talker" in node.get_node_names())
+    process.kill()
+    spin_until(lambda: "talker" not in node.get_node_names())
+
+
+def test_node_that_ends_leaves_the_graph_at_once(node: Node, spin_until: SpinUntil, start: Start) -> None:
+    process = start(TALKER)
+    spin_until(lambda: "talker" in node.get_node_names())
+    process.send_signal(signal.SIGTERM)
+    process.wait(30)
+    began = time.monotonic()
+    spin_until(lambda: "talker" not in node.get_node_names())
+    assert time.monotonic() - began < 5
+
+
+@pytest.mark.parametrize(
+    ("number", "ending"),
+    [(signal.SIGINT, "KeyboardInterrupt False\n"), (signal.SIGTERM, "ExternalShutdownException False\n")],
+)
+def test_signals_end_the_spin(start: Start, number: signal.Signals, ending: str) -> None:
+    process = start(TALKER)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(number)
+    output, errors = process.communicate(timeout=60)
+    assert (output, errors, process.returncode) == (ending, "", 0)
+
+
+def test_exit_while_another_thread_spins(start: Start) -> None:
+    process = start(
+        "import rclpy, threading\n"
+        "rclpy.init(args=[])\n"
+        "node = rclpy.create_node('x')\n"
+        "threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()\n"
+    )
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert "Fatal" not in errors
+
+
+def test_too_many_processes_is_said(domain: int, start: Start) -> None:
+    join = f"""
+import sys
+import rclpy._domain
+rclpy._domain.MAX_PARTICIPANTS = 1
+participant = rclpy._domain.join({domain})
+print("in", flush=True)
+sys.stdin.read()
+"""
+    for _ in range(4):
+        process = start(join)
+        assert process.stdout is not None
+        if process.stdout.readline() != "in\n":
+            break
+    _, errors = process.communicate(timeout=60)
+    assert "too many ROS 2 programs are running on this machine (1 is the limit here)" in errors
+
+
+def _count(what: str) -> int:
+    return len(list(Path(f"/proc/self/{what}").iterdir()))
+
+
+def test_start_and_shutdown_leaves_nothing_behind(domain: int) -> None:
+    def resources() -> tuple[int, int, int]:
+        return threading.active_count(), _count("task"), _count("fd")
+
+    def once() -> None:
+        with Context() as context:
+            node = Node("x", context=context)
+            node.create_subscription(String, "x", print, 10)
+            node.create_publisher(String, "x", 10).publish(String())
+
+    if not Path("/proc/self/task").is_dir():
+        pytest.skip("counts what Linux lists in /proc")
+    arguments, sys.argv = sys.argv, ["pytest"]
+    once()
+    before = resources()
+    for _ in range(50):
+        once()
+    sys.argv = arguments
+    assert resources() == before

@@ -1,0 +1,211 @@
+"""Publishers, subscriptions, timers and executors within one process."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from rclpy._wire import Payload
+from rclpy.context import Context
+from rclpy.duration import Duration
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.task import Future
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+SpinUntil = Callable[[Callable[[], object]], None]
+
+
+def test_message_arrives_as_it_was_sent(node: Node, spin_until: SpinUntil) -> None:
+    received: list[Any] = []
+    node.create_subscription(JointState, "joint_state", received.append, 10)
+    publisher = node.create_publisher(JointState, "/Tank/joint_state", 10)
+    sent = JointState(name=["TURRET_Y"], position=[0.25])
+    publisher.publish(sent)
+    spin_until(lambda: received)
+    assert received == [sent]
+
+
+def test_callback_runs_on_the_thread_that_spins(node: Node, spin_until: SpinUntil) -> None:
+    threads: list[int] = []
+    node.create_subscription(String, "x", lambda _: threads.append(threading.get_ident()), 10)
+    publisher = node.create_publisher(String, "x", 10)
+    other = threading.Thread(target=publisher.publish, args=(String(),))
+    other.start()
+    other.join()
+    spin_until(lambda: threads)
+    assert threads == [threading.get_ident()]
+
+
+def test_message_info(node: Node, spin_until: SpinUntil) -> None:
+    received: list[dict[str, int]] = []
+    node.create_subscription(String, "x", lambda _, info: received.append(info), 10)
+    before = time.time_ns()
+    node.create_publisher(String, "x", 10).publish(String())
+    spin_until(lambda: received)
+    assert before <= received[0]["source_timestamp"] <= received[0]["received_timestamp"] <= time.time_ns()
+
+
+def test_serialized_messages(node: Node, spin_until: SpinUntil) -> None:
+    received: list[bytes] = []
+    node.create_subscription(String, "x", received.append, 10, raw=True)
+    node.create_publisher(String, "x", 10).publish(bytes.fromhex("000100000300000068690000"))
+    spin_until(lambda: received)
+    assert received[0].startswith(bytes.fromhex("0001000003000000686900"))
+
+
+def test_busy_topic_does_not_starve_a_quiet_one(node: Node, executor: SingleThreadedExecutor) -> None:
+    order: list[str] = []
+    node.create_subscription(String, "busy", lambda _: order.append("busy"), 100)
+    node.create_subscription(String, "quiet", lambda _: order.append("quiet"), 100)
+    busy, quiet = node.create_publisher(String, "busy", 100), node.create_publisher(String, "quiet", 100)
+    for _ in range(20):
+        busy.publish(String())
+    quiet.publish(String())
+    for _ in range(2):
+        executor.spin_once(timeout_sec=10.0)
+    assert sorted(order) == ["busy", "quiet"]
+
+
+def test_late_subscription_receives_what_is_kept(node: Node, spin_until: SpinUntil) -> None:
+    kept = QoSProfile(depth=2, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    publisher = node.create_publisher(String, "x", kept)
+    for text in "abc":
+        publisher.publish(String(data=text))
+    received: list[str] = []
+    node.create_subscription(String, "x", lambda message: received.append(message.data), kept)
+    spin_until(lambda: len(received) == 2)
+    assert received == ["b", "c"]
+
+
+def test_incompatible_qos_is_said_once_on_each_side(
+    node: Node, executor: SingleThreadedExecutor, capfd: pytest.CaptureFixture[str]
+) -> None:
+    node.create_publisher(String, "x", QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT))
+    node.create_subscription(String, "x", print, 1)
+    for _ in range(10):
+        executor.spin_once(timeout_sec=0.02)
+    errors = capfd.readouterr().err
+    assert errors.count("requesting incompatible QoS") == 1
+    assert errors.count("offering incompatible QoS") == 1
+
+
+def test_malformed_message_is_said_once_and_others_arrive(
+    node: Node, spin_until: SpinUntil, capfd: pytest.CaptureFixture[str]
+) -> None:
+    received: list[str] = []
+    node.create_subscription(String, "x", lambda message: received.append(message.data), 10)
+    publisher = node.create_publisher(String, "x", 10)
+    not_utf8 = bytes.fromhex("0001000003000000fffe0000")
+    for payload in (not_utf8, not_utf8):
+        publisher.publish(payload)
+    publisher.publish(String(data="good"))
+    spin_until(lambda: received)
+    assert received == ["good"]
+    errors = capfd.readouterr().err
+    assert errors.count("A message on topic 'x' is dropped") == 1
+
+
+def test_destroyed_subscription_receives_nothing(node: Node, executor: SingleThreadedExecutor) -> None:
+    received: list[Any] = []
+    subscription = node.create_subscription(String, "x", received.append, 10)
+    publisher = node.create_publisher(String, "x", 10)
+    publisher.publish(String())
+    subscription.destroy()
+    subscription.destroy()
+    executor.spin_once(timeout_sec=0.1)
+    assert received == []
+
+
+def test_counts_of_partners(node: Node, spin_until: SpinUntil) -> None:
+    publisher = node.create_publisher(String, "x", 10)
+    subscription = node.create_subscription(String, "x", print, 10)
+    spin_until(lambda: publisher.get_subscription_count() == 1 == subscription.get_publisher_count())
+    assert publisher.wait_for_all_acked(Duration(seconds=10))
+    assert publisher.topic_name == "/Tank/x"
+
+
+def test_coming_and_going_while_spinning(context: Context, node: Node) -> None:
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    thread = threading.Thread(target=executor.spin)
+    thread.start()
+    publisher = node.create_publisher(String, "x", 10)
+    for _ in range(50):
+        received = threading.Event()
+        subscription = node.create_subscription(String, "x", lambda _, received=received: received.set(), 10)
+        publisher.publish(String())
+        assert received.wait(30)
+        subscription.destroy()
+    executor.shutdown()
+    thread.join(30)
+    assert not thread.is_alive()
+
+
+def test_timer_keeps_its_rhythm_and_stops(node: Node, spin_until: SpinUntil, executor: SingleThreadedExecutor) -> None:
+    calls: list[float] = []
+    timer = node.create_timer(0.02, lambda: calls.append(time.monotonic()))
+    spin_until(lambda: len(calls) == 5)
+    assert calls[-1] - calls[0] >= 0.06
+    timer.cancel()
+    assert timer.is_canceled()
+    executor.spin_once(timeout_sec=0.1)
+    assert len(calls) == 5
+    timer.reset()
+    spin_until(lambda: len(calls) == 6)
+
+
+def test_future_ends_the_spin(node: Node, executor: SingleThreadedExecutor) -> None:
+    future = Future()
+    threading.Timer(0.1, future.set_result, args=(42,)).start()
+    executor.spin_until_future_complete(future, timeout_sec=30)
+    assert future.result() == 42
+
+
+def test_only_one_thread_may_spin(node: Node, executor: SingleThreadedExecutor, spin_until: SpinUntil) -> None:
+    errors: list[str] = []
+
+    def spin_again() -> None:
+        try:
+            executor.spin_once(timeout_sec=0)
+        except RuntimeError as error:
+            errors.append(str(error))
+
+    node.create_timer(0.01, spin_again)
+    spin_until(lambda: errors)
+    assert errors[0] == "Executor is already spinning"
+
+
+def test_shutdown_from_outside_ends_the_spin(context: Context, node: Node, executor: SingleThreadedExecutor) -> None:
+    threading.Timer(0.1, context.shutdown).start()
+    with pytest.raises(ExternalShutdownException):
+        executor.spin()
+
+
+def test_use_after_shutdown(context: Context, node: Node) -> None:
+    publisher = node.create_publisher(String, "x", 10)
+    subscription = node.create_subscription(String, "x", print, 10)
+    context.shutdown()
+    with pytest.raises(RuntimeError, match="publisher's context is invalid"):
+        publisher.publish(String())
+    subscription.destroy()
+    node.destroy_node()
+    with pytest.raises(RuntimeError, match="already called"):
+        context.shutdown()
+
+
+def test_use_after_destruction(node: Node) -> None:
+    publisher = node.create_publisher(String, "x", 10)
+    node.destroy_node()
+    for use in (lambda: publisher.publish(String()), lambda: node.create_publisher(String, "y", 10)):
+        with pytest.raises(RuntimeError, match="destruction was requested"):
+            use()
+
+
+def test_payload_is_what_it_was_given() -> None:
+    assert Payload(b"x").serialize() == b"x" == Payload.deserialize(b"x").data

@@ -1,0 +1,92 @@
+"""An import finder that serves ``std_msgs.msg``, ``sensor_msgs.msg`` and every other package of message definitions.
+
+As in a real installation, ``sensor_msgs.msg.Joy`` lives in ``sensor_msgs.msg._joy``. Each class is made when it is
+first asked for.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any
+
+__all__ = ["InterfaceFinder", "install"]
+
+PACKAGE_SUFFIXES = ("_msgs", "_interfaces", "_common")
+"""How ROS names packages of messages. It spares every other failing import in the process a look into the store."""
+
+
+def install(*, first: bool = False) -> None:
+    """Add the finder to the import system, once.
+
+    Args:
+        first: before anything installed; else behind, so that real message packages win.
+    """
+    if not any(isinstance(finder, InterfaceFinder) for finder in sys.meta_path):
+        sys.meta_path.insert(0 if first else len(sys.meta_path), InterfaceFinder())
+
+
+class InterfaceFinder(MetaPathFinder, Loader):
+    """Finds and loads ``PACKAGE``, ``PACKAGE.msg`` and ``PACKAGE.msg._some_message``."""
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Sequence[str] | None,  # noqa: ARG002
+        target: ModuleType | None = None,  # noqa: ARG002
+    ) -> ModuleSpec | None:
+        """Answer for names that are message packages or inside them, and for nothing else."""
+        package, *rest = fullname.split(".")
+        if not package.endswith(PACKAGE_SUFFIXES) or rest[:1] not in ([], ["msg"]) or len(rest) > 2:
+            return None
+        names = _message_names(package)
+        if not names or (len(rest) == 2 and rest[1] not in names):
+            return None
+        return ModuleSpec(fullname, self, is_package=len(rest) < 2)
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        """Make the module: that of the messages makes them on demand."""
+        return MessagesModule(spec.name) if spec.name.endswith(".msg") else None
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Fill a message's own module with its class."""
+        package, *rest = module.__name__.split(".")
+        if len(rest) == 2:
+            from _rosidl.message import make_message_class  # noqa: PLC0415  (`import tutorial` needs no numpy)
+
+            name = _message_names(package)[rest[1]]
+            setattr(module, name, make_message_class(f"{package}/msg/{name}", module.__name__))
+
+
+class MessagesModule(ModuleType):
+    """``PACKAGE.msg``: has all messages of the package as attributes."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name, f"Messages of {name.partition('.')[0]}, as ROS 2 Jazzy defines them.")
+        self.__all__ = sorted(_message_names(name.partition(".")[0]).values())
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in self.__dict__.get("__all__", ()):
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+        return getattr(import_module(f"{self.__name__}.{_module_name(name)}"), name)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self.__all__]
+
+
+def _message_names(package: str) -> dict[str, str]:
+    """Return the package's messages by module name: ``{"_joint_state": "JointState", ...}``."""
+    from _rosidl.definitions import type_names  # noqa: PLC0415  (as above)
+
+    return {_module_name(name): name for name in type_names().get(package, ())}
+
+
+def _module_name(name: str) -> str:
+    """Convert a message's name as rosidl does: ``JointState`` to ``_joint_state``."""
+    name = re.sub("(.)([A-Z][a-z]+)", r"\1_\2", name)
+    return "_" + re.sub("([a-z0-9])([A-Z])", r"\1_\2", name).lower()

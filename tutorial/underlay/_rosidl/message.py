@@ -1,0 +1,159 @@
+"""Message classes with the surface of those that ROS 2 generates for Python."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from _rosidl.definitions import Cardinality, Definition, Field, definition
+from _rosidl.values import PRIMITIVES, checker, container, default_factory, field_type
+
+__all__ = ["Message", "make_message_class", "message_class"]
+
+CHECK_FIELDS = os.environ.get("ROS_PYTHON_CHECK_FIELDS") == "1"
+
+DEFAULTS = {("geometry_msgs/msg/Quaternion", "w"): 1.0}
+"""The only default of the common interfaces that isn't zero; rosbags' store does not carry defaults."""
+
+
+class Slot(NamedTuple):
+    """A field, ready for use by its message class.
+
+    Attributes:
+        name: of the field.
+        wire_attribute: name under which it is decoded.
+        default: makes its default value.
+        contain: turns a value into the container that is kept; None keeps the value itself.
+        store: puts a value into a message's slot.
+        prefix: what ``repr`` leaves out of the value's own, such as ``"array('d', "``.
+    """
+
+    name: str
+    wire_attribute: str
+    default: Callable[[], Any]
+    contain: Callable[[Any], Any] | None
+    store: Callable[[Any, Any], None]
+    prefix: str
+
+
+class Message:  # noqa: PLW1641  (mutable, so without a hash)
+    """Base of all messages.
+
+    A message's fields are properties over ``__slots__``, so assigning to a misspelt field raises an AttributeError.
+    Values are checked only if asked for, as in ROS 2 Jazzy, because checking every value costs time.
+
+    Args:
+        check_fields: check every value that is assigned; the default is ``ROS_PYTHON_CHECK_FIELDS=1``.
+        **fields: values of fields; those not given have their default.
+    """
+
+    __slots__ = ()
+
+    _definition: ClassVar[Definition]
+    _fields_and_field_types: ClassVar[dict[str, str]]
+    _layout: ClassVar[tuple[Slot, ...]]
+    _check_fields: bool
+
+    structure_needs_at_least_one_member: ClassVar[int] = 0
+
+    def __init__(self, *, check_fields: bool = CHECK_FIELDS, **fields: Any) -> None:
+        self._check_fields = check_fields  # type: ignore[misc]  # a slot of the subclass
+        if check_fields and (unknown := sorted(fields.keys() - self._fields_and_field_types.keys())):
+            raise AssertionError(f"Invalid arguments passed to constructor: {', '.join(unknown)}")
+        for slot in self._layout:
+            setattr(self, slot.name, fields[slot.name] if slot.name in fields else slot.default())
+
+    @classmethod
+    def _from_wire(cls, fields: dict[str, Any]) -> Message:
+        """Make a message of decoded fields, past the constructor, because this is done for every message received."""
+        message: Message = object.__new__(cls)
+        message._check_fields = False  # type: ignore[misc]
+        for slot in cls._layout:
+            value = fields[slot.wire_attribute]
+            slot.store(message, value if slot.contain is None else slot.contain(value))
+        return message
+
+    @classmethod
+    def get_fields_and_field_types(cls) -> dict[str, str]:
+        """Return the fields' types by name: ``{"header": "std_msgs/Header", ...}``."""
+        return dict(cls._fields_and_field_types)
+
+    def __repr__(self) -> str:
+        package = type(self).__module__.rpartition(".")[0]
+        fields = ", ".join(f"{slot.name}={_shown(slot, getattr(self, slot.name))}" for slot in self._layout)
+        return f"{package}.{type(self).__name__}({fields})"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, type(self)):
+            return False
+        return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b for a, b in _pairs(self, other))
+
+
+def message_class(type_name: str) -> type[Message]:
+    """Return the class of a message type, through the import system so that there is only one.
+
+    Args:
+        type_name: such as ``"sensor_msgs/msg/Joy"``.
+    """
+    package, _, name = type_name.split("/")
+    found: type[Message] = getattr(import_module(f"{package}.msg"), name)
+    return found
+
+
+def make_message_class(type_name: str, module: str) -> type[Message]:
+    """Make the class of a message type.
+
+    Args:
+        type_name: such as ``"sensor_msgs/msg/Joy"``.
+        module: the module that it belongs to.
+    """
+    message = definition(type_name)
+    name = type_name.rpartition("/")[2]
+    namespace: dict[str, Any] = {
+        "__module__": module,
+        "__doc__": f"Message class '{name}'.",
+        "__slots__": [*(f"_{field.name}" for field in message.fields), "_check_fields"],
+        "_definition": message,
+        "_fields_and_field_types": {field.name: field_type(field) for field in message.fields},
+    }
+    namespace.update((constant.name, constant.value) for constant in message.constants)
+    cls: type[Message] = type(name, (Message,), namespace)
+    cls._layout = tuple(_add_field(cls, field) for field in message.fields)
+    return cls
+
+
+def _add_field(cls: type[Message], field: Field) -> Slot:
+    """Give the class the field's property, and return what else is to be known of it."""
+    element = message_class(field.base) if field.is_message else PRIMITIVES[field.base].python
+    contain = container(field)
+    check = checker(field, element)
+    slot = getattr(cls, f"_{field.name}")
+
+    def assign(self: Message, value: Any) -> None:
+        if self._check_fields:
+            check(value)
+        slot.__set__(self, value if contain is None else contain(value))
+
+    setattr(cls, field.name, property(slot.__get__, assign, doc=f"Message field '{field.name}'."))
+    if field.is_octet_array:
+        setattr(cls, field.wire_attribute, property(lambda self: slot.__get__(self).tobytes()))
+    default = DEFAULTS.get((cls._definition.type_name, field.name))
+    make_default = default_factory(field, element) if default is None else lambda: default
+    is_array = contain is not None and field.cardinality is Cardinality.SEQUENCE
+    prefix = f"array({PRIMITIVES[field.base].code!r}, " if is_array else ""
+    return Slot(field.name, field.wire_attribute, make_default, contain, slot.__set__, prefix)
+
+
+def _shown(slot: Slot, value: Any) -> str:
+    text = repr(value)
+    if slot.prefix:
+        return text[len(slot.prefix) : -1] if len(value) else "[]"
+    return text
+
+
+def _pairs(left: Message, right: Message) -> list[tuple[Any, Any]]:
+    return [(getattr(left, slot.name), getattr(right, slot.name)) for slot in left._layout]

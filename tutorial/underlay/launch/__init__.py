@@ -1,0 +1,28 @@
+"""The part of ROS 2 launch that the tutorial's launch files use: a list of processes, as data.
+
+A launch file is the one list of processes, with and without ROS: ``ros2 launch`` reads it with the real package, the
+tutorial's own launcher with this one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from launch.actions import ExecuteProcess
+
+__all__ = ["LaunchDescription"]
+
+
+class LaunchDescription:
+    """What a launch file describes.
+
+    Args:
+        initial_entities: the processes to start, in order.
+    """
+
+    def __init__(self, initial_entities: Iterable[ExecuteProcess] | None = None) -> None:
+        self.entities: list[ExecuteProcess] = list(initial_entities or [])
+
+    def add_action(self, action: ExecuteProcess) -> None:
+        """Add one more process."""
+        self.entities.append(action)

@@ -1,0 +1,184 @@
+"""The embedded ROS 2: the part of rclpy that the tutorial teaches, with the API of ROS 2 Jazzy, on Cyclone DDS.
+
+It speaks to real ROS 2 programs: same topic names, types, quality of service and node graph. What it has not raises
+``rclpy.exceptions.NeedsRealROSError``.
+"""
+
+from __future__ import annotations
+
+from _rosidl import finder
+
+finder.install()
+
+try:
+    import cyclonedds as _cyclonedds  # noqa: F401
+except ImportError as error:
+    raise ImportError(
+        "The embedded ROS 2 needs the package cyclonedds, which is not installed. Where pip finds none (Linux on ARM), "
+        "use a real ROS 2 Jazzy: https://docs.ros.org/en/jazzy/Installation.html"
+    ) from error
+
+import threading  # noqa: E402
+from collections.abc import Sequence  # noqa: E402
+from typing import TYPE_CHECKING, Any  # noqa: E402
+
+from rclpy import logging  # noqa: E402
+from rclpy.context import Context  # noqa: E402
+from rclpy.executors import SingleThreadedExecutor  # noqa: E402
+from rclpy.node import Node  # noqa: E402
+from rclpy.parameter import Parameter  # noqa: E402
+from rclpy.signals import SignalHandlerOptions, install_signal_handlers, uninstall_signal_handlers  # noqa: E402
+from rclpy.task import Future  # noqa: E402
+from rclpy.utilities import get_default_context, get_rmw_implementation_identifier, ok  # noqa: E402
+
+if TYPE_CHECKING:
+    from rclpy.executors import Executor
+
+__all__ = [
+    "Context",
+    "Future",
+    "Node",
+    "Parameter",
+    "create_node",
+    "get_default_context",
+    "get_global_executor",
+    "get_rmw_implementation_identifier",
+    "init",
+    "logging",
+    "ok",
+    "shutdown",
+    "spin",
+    "spin_once",
+    "spin_until_future_complete",
+    "try_shutdown",
+]
+
+_executor: SingleThreadedExecutor | None = None
+_lock = threading.Lock()
+
+
+def init(
+    *,
+    args: Sequence[str] | None = None,
+    context: Context | None = None,
+    domain_id: int | None = None,
+    signal_handler_options: SignalHandlerOptions | None = None,
+) -> None:
+    """Start ROS 2.
+
+    Args:
+        args: the command line; None takes ``sys.argv``.
+        context: None takes the default one.
+        domain_id: None takes ``ROS_DOMAIN_ID``, or 0.
+        signal_handler_options: which signals shut down; None means all for the default context and none for another.
+
+    Raises:
+        RuntimeError: it has been started.
+    """
+    default = context is None or context is get_default_context()
+    (context or get_default_context()).init(args, domain_id=domain_id)
+    if signal_handler_options is None:
+        signal_handler_options = SignalHandlerOptions.ALL if default else SignalHandlerOptions.NO
+    install_signal_handlers(signal_handler_options)
+
+
+def get_global_executor() -> Executor:
+    """Return the executor that is meant when none is given."""
+    global _executor  # noqa: PLW0603
+    with _lock:
+        if _executor is None:
+            _executor = SingleThreadedExecutor()
+        return _executor
+
+
+def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+    """Shut ROS 2 down.
+
+    Args:
+        context: None takes the default one.
+        uninstall_handlers: let signals do again what they did before; None means so for the default context.
+
+    Raises:
+        RuntimeError: it has not been started, or has been shut down.
+    """
+    _stop_global_executor(context)
+    (context or get_default_context()).shutdown()
+    _uninstall(context, uninstall_handlers)
+
+
+def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+    """Shut ROS 2 down if it is running."""
+    _stop_global_executor(context)
+    (context or get_default_context()).try_shutdown()
+    _uninstall(context, uninstall_handlers)
+
+
+def create_node(node_name: str, **options: Any) -> Node:
+    """Make a node; see :class:`rclpy.node.Node`."""
+    return Node(node_name, **options)
+
+
+def spin(node: Node, executor: Executor | None = None) -> None:
+    """Run a node's callbacks until ROS 2 is shut down.
+
+    Args:
+        node: whose.
+        executor: None takes the global one.
+    """
+    executor = executor or get_global_executor()
+    try:
+        executor.add_node(node)
+        while executor.context.ok():
+            executor.spin_once()
+    finally:
+        executor.remove_node(node)
+
+
+def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
+    """Wait for one of a node's callbacks to run, and run it.
+
+    Args:
+        node: whose.
+        executor: None takes the global one.
+        timeout_sec: how long to wait [s]; None or negative: without end.
+    """
+    executor = executor or get_global_executor()
+    try:
+        executor.add_node(node)
+        executor.spin_once(timeout_sec=timeout_sec)
+    finally:
+        executor.remove_node(node)
+
+
+def spin_until_future_complete(
+    node: Node, future: Future, executor: Executor | None = None, timeout_sec: float | None = None
+) -> None:
+    """Run a node's callbacks until a future is done or time runs out.
+
+    Args:
+        node: whose.
+        future: which one.
+        executor: None takes the global one.
+        timeout_sec: how long to wait [s]; None or negative: without end.
+    """
+    executor = executor or get_global_executor()
+    try:
+        executor.add_node(node)
+        executor.spin_until_future_complete(future, timeout_sec)
+    finally:
+        executor.remove_node(node)
+
+
+def _stop_global_executor(context: Context | None) -> None:
+    """Stop the global executor without waiting for it: a callback may be asking for this."""
+    global _executor  # noqa: PLW0603
+    with _lock:
+        if _executor is not None and _executor.context is (context or get_default_context()):
+            _executor.shutdown(timeout_sec=0.0)
+            _executor = None
+
+
+def _uninstall(context: Context | None, uninstall_handlers: bool | None) -> None:
+    default = context is None or context is get_default_context()
+    if uninstall_handlers or (uninstall_handlers is None and default):
+        uninstall_signal_handlers()

@@ -1,0 +1,125 @@
+"""Where this process stands in a DDS domain, and how far it can be heard.
+
+By default nobody outside this machine hears it, so that a room full of students don't drive each other's tanks.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import Counter
+from xml.sax.saxutils import quoteattr
+
+from cyclonedds.core import DDSException, Entity
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.qos import Policy, Qos
+from rclpy._rclpy_pybind11 import RCLError
+
+__all__ = ["close", "configuration", "default_domain_id", "join", "leave"]
+
+MAX_PARTICIPANTS = 32
+MAX_DOMAIN_ID = 232
+
+_domains: dict[int, Domain] = {}
+_users: Counter[int] = Counter()
+_lock = threading.Lock()
+
+
+def default_domain_id() -> int:
+    """Return the domain that ``ROS_DOMAIN_ID`` names, or 0.
+
+    Raises:
+        RCLError: it is no number from 0 to 232.
+    """
+    text = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0"
+    if not (text.isdecimal() and int(text) <= MAX_DOMAIN_ID):
+        raise RCLError(
+            f"failed to initialize rcl: ROS_DOMAIN_ID is {text!r}, but must be a number from 0 to {MAX_DOMAIN_ID}"
+        )
+    return int(text)
+
+
+def configuration() -> str:
+    """Return Cyclone DDS's configuration for the discovery range that the environment asks for.
+
+    ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is OFF, LOCALHOST (the default here) or SUBNET, ``ROS_STATIC_PEERS`` a list of
+    addresses separated by ``;``. What a ``CYCLONEDDS_URI`` says comes on top, as with ROS 2's own use of Cyclone DDS.
+
+    Raises:
+        RCLError: the range is none of these.
+    """
+    reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") or "LOCALHOST"
+    peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer]
+    if reach not in ("OFF", "LOCALHOST", "SUBNET"):
+        raise RCLError(
+            f"failed to initialize rcl: ROS_AUTOMATIC_DISCOVERY_RANGE is {reach!r}, must be OFF, LOCALHOST or SUBNET"
+        )
+    own = (
+        '<CycloneDDS><Domain Id="any"><General>'
+        f"<AllowMulticast>{str(reach == 'SUBNET').lower()}</AllowMulticast>"
+        f"<Interfaces><NetworkInterface {_interface(reach, peers)}/></Interfaces></General>"
+        f"<Discovery>{_discovery(reach, peers)}</Discovery></Domain></CycloneDDS>"
+    )
+    users = os.environ.get("CYCLONEDDS_URI", "")
+    return f"{own},{users}" if users else own
+
+
+def _interface(reach: str, peers: list[str]) -> str:
+    """Return which network interface to use: the one to the outside only if somebody is to be reached there."""
+    outside = reach == "SUBNET" or (reach == "LOCALHOST" and peers)
+    return 'autodetermine="true"' if outside else 'address="127.0.0.1"'
+
+
+def _discovery(reach: str, peers: list[str]) -> str:
+    """Return how to look for others."""
+    if reach == "OFF":
+        return f"<ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{os.getpid()}</Tag>"
+    listed = "".join(f'<Peer address={quoteattr(peer)} PruneDelay="inf"/>' for peer in ("127.0.0.1", *peers))
+    return (
+        f"<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>{MAX_PARTICIPANTS}</MaxAutoParticipantIndex>"
+        f"<SPDPInterval>1s</SPDPInterval><Peers>{listed}</Peers>"
+    )
+
+
+def join(domain_id: int) -> DomainParticipant:
+    """Take part in a domain. Several participants of a process share its configuration and its ports.
+
+    Raises:
+        RCLError: too many processes on this machine take part already, or Cyclone DDS cannot start.
+    """
+    with _lock:
+        try:
+            if domain_id not in _domains:
+                _domains[domain_id] = Domain(domain_id, configuration())
+            participant = DomainParticipant(domain_id, Qos(Policy.Userdata(b"enclave=/;")))
+        except DDSException as error:
+            _close_if_unused(domain_id)
+            raise RCLError(
+                f"failed to create a participant in domain {domain_id}: {error} Most often too many ROS 2 programs "
+                f"are running on this machine ({MAX_PARTICIPANTS} is the limit here). Stop some, or give ROS_DOMAIN_ID "
+                "another number."
+            ) from error
+        _users[domain_id] += 1
+        return participant
+
+
+def leave(participant: DomainParticipant, domain_id: int) -> None:
+    """Close a participant and all that belongs to it; with the last of the process, its ports and threads."""
+    with _lock:
+        close(participant)
+        _users[domain_id] -= 1
+        _close_if_unused(domain_id)
+
+
+def close(entity: Entity) -> None:
+    """Delete an entity now.
+
+    Cyclone DDS's Python objects do it in their finaliser, which may run early and more than once. Waiting for it would
+    leave the moment to whoever still holds a reference.
+    """
+    entity.__del__()
+
+
+def _close_if_unused(domain_id: int) -> None:
+    if not _users[domain_id] and (domain := _domains.pop(domain_id, None)):
+        close(domain)

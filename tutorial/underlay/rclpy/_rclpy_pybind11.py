@@ -1,0 +1,18 @@
+"""Exceptions that rclpy gets from its C++ part; programs catch them by this module's name."""
+
+__all__ = ["InvalidHandle", "RCLError", "UnknownROSArgsError"]
+
+
+class RCLError(RuntimeError):
+    """Something went wrong in the layers below rclpy."""
+
+
+class InvalidHandle(RuntimeError):  # noqa: N818  (rclpy's name)
+    """A publisher, subscription, timer or node was used after it had been destroyed."""
+
+    def __init__(self) -> None:
+        super().__init__("cannot use Destroyable because destruction was requested")
+
+
+class UnknownROSArgsError(RuntimeError):
+    """There is an argument after ``--ros-args`` that ROS 2 does not know."""

@@ -1,0 +1,165 @@
+"""From messages to bytes and back, by Cyclone DDS's own CDR codec.
+
+A message type's wire type is made from its field list. Encoding reads the attributes of our messages; decoding makes
+our messages at once, because calling a wire type returns a message.
+"""
+
+from __future__ import annotations
+
+import threading
+from typing import Any, ClassVar, Self, cast
+
+from _rosidl.definitions import Cardinality, Field, type_hash
+from _rosidl.message import Message, message_class
+from cyclonedds.idl import IdlStruct, make_idl_struct, types
+from rclpy._rclpy_pybind11 import RCLError
+
+__all__ = ["Payload", "check_message_type", "decode", "encode", "payload_type", "type_hash_of", "wire_name"]
+
+PRIMITIVES: dict[str, Any] = {
+    "bool": bool,
+    "byte": types.array[
+        types.uint8, 1
+    ],  # rclpy's byte is a bytes of length 1, which is how Cyclone shows an array of uint8
+    "string": str,
+    **{f"{sign}int{bits}": getattr(types, f"{sign}int{bits}") for sign in ("", "u") for bits in (8, 16, 32, 64)},
+    "float32": types.float32,
+    "float64": types.float64,
+}
+
+_lock = threading.RLock()
+_wire_types: dict[type[Message], Any] = {}
+_payload_types: dict[type[Message], type[Payload]] = {}
+
+
+class WireType(IdlStruct):  # type: ignore[misc]  # cyclonedds is untyped
+    """Base of the wire types."""
+
+    __message__: ClassVar[type[Message]]
+
+    def __new__(cls, **fields: Any) -> Any:
+        """Return a message: this is what Cyclone's decoder calls for every struct that it has read."""
+        return cls.__message__._from_wire(fields)
+
+
+class Payload:
+    """CDR bytes on their way in or out of Cyclone DDS, which takes this for one of its own structs.
+
+    So the bytes of a received message are decoded by whoever wants the message, on a thread of their own choice, and
+    one that cannot be decoded does not disturb those behind it.
+    """
+
+    __slots__ = ("data", "sample_info")
+
+    __idl__: ClassVar[Any]
+    __idl_typename__: ClassVar[str]
+    sample_info: Any
+
+    def __init__(self, data: bytes) -> None:
+        self.data = data
+
+    def serialize(self, use_version_2: bool | None = None) -> bytes:  # noqa: ARG002
+        """Give Cyclone DDS the bytes to send."""
+        return self.data
+
+    @classmethod
+    def deserialize(cls, data: bytes) -> Self:
+        """Take the bytes that Cyclone DDS has received."""
+        return cls(data)
+
+    deserialize_key = deserialize
+
+
+def check_message_type(message_type: Any) -> None:
+    """Refuse what is not a message type.
+
+    Raises:
+        AttributeError: as rclpy raises it.
+    """
+    if not (isinstance(message_type, type) and issubclass(message_type, Message)):
+        raise AttributeError(
+            f"type object '{type(message_type).__name__}' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 "
+            "message type but it should be a ROS 2 message type. Make sure to source your ROS 2 workspace after your "
+            "ROS 1 workspace."
+        )
+
+
+def encode(message: Message) -> bytes:
+    """Serialise a message, with the four bytes of header that say little-endian plain CDR.
+
+    Raises:
+        TypeError: a field holds what its type cannot.
+    """
+    try:
+        return cast(bytes, _wire_type(type(message)).__idl__.serialize(message))
+    except Exception as error:
+        causes = [str(error)]
+        while error.__cause__ is not None:
+            error = error.__cause__  # type: ignore[assignment]
+            causes.append(str(error))
+        raise TypeError(f"{type(message).__name__} cannot be serialized: {': '.join(causes)}") from error
+
+
+def decode(data: bytes, message_type: type[Message]) -> Message:
+    """Deserialise a message. Padding and what follows the last field are ignored.
+
+    Raises:
+        RCLError: the bytes are not such a message.
+    """
+    try:
+        return cast(Message, _wire_type(message_type).__idl__.deserialize(data))
+    except Exception as error:
+        raise RCLError(
+            f"failed to deserialize ROS message: {len(data)} bytes are no {message_type.__name__}: {error}"
+        ) from error
+
+
+def payload_type(message_type: type[Message]) -> type[Payload]:
+    """Return the kind of payload that topics of a message type carry."""
+    with _lock:
+        if message_type not in _payload_types:
+            wire_type = _wire_type(message_type)
+            identity = {"__slots__": (), "__idl__": wire_type.__idl__, "__idl_typename__": wire_type.__idl_typename__}
+            _payload_types[message_type] = type(f"{message_type.__name__}Payload", (Payload,), identity)
+        return _payload_types[message_type]
+
+
+def wire_name(type_name: str) -> str:
+    """Return the type's name on the wire: ``"sensor_msgs::msg::dds_::Joy_"`` for ``"sensor_msgs/msg/Joy"``."""
+    package, _, name = type_name.split("/")
+    return f"{package}::msg::dds_::{name}_"
+
+
+def type_hash_of(message_type: type[Message]) -> str:
+    """Return the type's hash, which its endpoints announce."""
+    return type_hash(message_type._definition.type_name)
+
+
+def _wire_type(message_type: type[Message]) -> Any:
+    """Return Cyclone DDS's struct for a message type; made once."""
+    known = _wire_types.get(message_type)
+    if known is not None:
+        return known
+    with _lock:  # make_idl_struct keeps a global stack of scopes
+        definition = message_type._definition
+        fields = {field.wire_attribute: _idl_type(field) for field in definition.wire_fields}
+        typename = wire_name(definition.type_name)
+        wire_type = make_idl_struct(
+            typename.rpartition("::")[2], typename, fields, dataclassify=False, bases=(WireType,)
+        )
+        wire_type.__message__ = message_type
+        wire_type.__idl__.populate()
+        return _wire_types.setdefault(message_type, wire_type)
+
+
+def _idl_type(field: Field) -> Any:
+    base = _wire_type(message_class(field.base)) if field.is_message else PRIMITIVES[field.base]
+    if field.string_bound:
+        base = types.bounded_str[field.string_bound]
+    if field.cardinality is Cardinality.ARRAY:
+        return types.array[base, field.size]
+    if field.cardinality is Cardinality.SEQUENCE:
+        if base is types.uint8 and not field.size:
+            return bytes  # the same on the wire, and an image need not become a list of numbers
+        return types.sequence[base, field.size] if field.size else types.sequence[base]
+    return base

@@ -1,0 +1,5 @@
+"""Service clients: not in the embedded ROS 2."""
+
+from rclpy.exceptions import NeedsRealROSError
+
+raise NeedsRealROSError("rclpy.client")

@@ -1,0 +1,14 @@
+"""Kinds of clocks."""
+
+from enum import IntEnum
+
+__all__ = ["ClockType"]
+
+
+class ClockType(IntEnum):
+    """What a time is measured by."""
+
+    UNINITIALIZED = 0
+    ROS_TIME = 1
+    SYSTEM_TIME = 2
+    STEADY_TIME = 3

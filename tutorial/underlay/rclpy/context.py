@@ -1,0 +1,189 @@
+"""A context: one start and shutdown of ROS 2 within a process."""
+
+from __future__ import annotations
+
+import atexit
+import threading
+import weakref
+from collections.abc import Callable, Sequence
+from types import MethodType, TracebackType
+from typing import TYPE_CHECKING, Self
+
+from rclpy import _domain
+from rclpy._arguments import Arguments
+from rclpy._graph import Graph
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.exceptions import NotInitializedException
+from rclpy.logging import LoggingSeverity, set_logger_level
+
+if TYPE_CHECKING:
+    from cyclonedds.domain import DomainParticipant
+
+__all__ = ["Context"]
+
+_contexts: weakref.WeakSet[Context]
+
+
+class Context:
+    """Holds what nodes and executors share: the arguments and the participant in the DDS domain.
+
+    May be used from any thread.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+        self._ok = False
+        self._was_initialized = False
+        self._domain_id = 0
+        self._arguments = Arguments()
+        self._participant: DomainParticipant | None = None
+        self._graph: Graph | None = None
+        self._callbacks: list[Callable[[], Callable[[], None] | None]] = []
+        _contexts.add(self)
+
+    def init(
+        self,
+        args: Sequence[str] | None = None,
+        *,
+        initialize_logging: bool = True,
+        domain_id: int | None = None,
+    ) -> None:
+        """Start.
+
+        Args:
+            args: the command line; None takes ``sys.argv``.
+            initialize_logging: apply the command line's log levels.
+            domain_id: None takes ``ROS_DOMAIN_ID``, or 0.
+
+        Raises:
+            RuntimeError: it has been started.
+            RCLError: an argument or the environment makes no sense.
+        """
+        with self._lock:
+            if self._ok:
+                raise RuntimeError("Context.init() must only be called once")
+            self._close()
+            self._arguments = Arguments.parse(args)
+            self._domain_id = _domain.default_domain_id() if domain_id is None else domain_id
+            if not 0 <= self._domain_id <= _domain.MAX_DOMAIN_ID:
+                raise RuntimeError(f"Domain id ({domain_id}) should be in the range of 0 to {_domain.MAX_DOMAIN_ID}")
+            if initialize_logging:
+                for logger, level in self._arguments.log_levels.items():
+                    set_logger_level(logger, _severity(level))
+            self._ok = self._was_initialized = True
+
+    def ok(self) -> bool:
+        """Whether it has been started and not shut down."""
+        return self._ok
+
+    def shutdown(self) -> None:
+        """Shut down: every spin ends, nodes are gone.
+
+        Raises:
+            RuntimeError: it has not been started, or has been shut down.
+        """
+        if not self._was_initialized:
+            raise RuntimeError("Context must be initialized before it can be shutdown")
+        if not self._ok:
+            raise RCLError("failed to shutdown: rcl_shutdown already called on the given context")
+        self.try_shutdown()
+
+    def try_shutdown(self) -> None:
+        """Shut down if it has not been."""
+        self.stop()
+        with self._lock:
+            self._close()
+
+    def stop(self) -> None:
+        """End every spin, and leave what takes time to :meth:`try_shutdown`; a signal handler may call this."""
+        if not self._ok:
+            return
+        self._ok = False
+        callbacks, self._callbacks = self._callbacks, []
+        for reference in callbacks:
+            if callback := reference():
+                callback()
+
+    def on_shutdown(self, callback: Callable[[], None]) -> None:
+        """Call back once when it is shut down. A bound method is held weakly."""
+        is_method = isinstance(callback, MethodType)
+        self._callbacks.append(weakref.WeakMethod(callback) if is_method else lambda: callback)
+
+    def get_domain_id(self) -> int:
+        """Return the number of the DDS domain.
+
+        Raises:
+            NotInitializedException: it has not been started.
+        """
+        if not self._was_initialized:
+            raise NotInitializedException("cannot get domain id")
+        return self._domain_id
+
+    def destroy(self) -> None:
+        """Shut down if it has not been."""
+        self.try_shutdown()
+
+    @property
+    def arguments(self) -> Arguments:
+        """The ROS arguments that it was started with."""
+        return self._arguments
+
+    @property
+    def participant(self) -> DomainParticipant:
+        """The participant in the DDS domain; joins when first asked for.
+
+        Raises:
+            RCLError: the context is not running, or the domain cannot be joined.
+        """
+        return self._join()[0]
+
+    @property
+    def graph(self) -> Graph:
+        """The node graph; joins the domain when first asked for."""
+        return self._join()[1]
+
+    def _join(self) -> tuple[DomainParticipant, Graph]:
+        with self._lock:
+            if not self._ok:
+                raise RCLError(
+                    "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
+                )
+            if self._participant is None or self._graph is None:
+                self._participant = _domain.join(self._domain_id)
+                self._graph = Graph(self._participant)
+            return self._participant, self._graph
+
+    def _close(self) -> None:
+        participant, self._participant, self._graph = self._participant, None, None
+        if participant is not None:
+            _domain.leave(participant, self._domain_id)
+
+    def __enter__(self) -> Self:
+        if not self._ok:
+            self.init()
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+    ) -> None:
+        self.try_shutdown()
+
+
+def _severity(level: str) -> LoggingSeverity:
+    try:
+        return LoggingSeverity[level.upper()]
+    except KeyError:
+        raise RCLError(f"failed to initialize rcl: Couldn't parse log level rule: '--log-level {level}'") from None
+
+
+_contexts = weakref.WeakSet()
+
+
+@atexit.register
+def _shut_down_all() -> None:
+    """Leave every domain when the interpreter ends, so that others learn at once that this process is gone."""
+    for context in list(_contexts):
+        context.try_shutdown()

@@ -1,0 +1,5 @@
+"""Lifecycle nodes: not in the embedded ROS 2."""
+
+from rclpy.exceptions import NeedsRealROSError
+
+raise NeedsRealROSError("rclpy.lifecycle")

@@ -1,0 +1,58 @@
+"""What happens at Ctrl-C (SIGINT) and at a polite kill (SIGTERM)."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from enum import IntFlag
+from types import FrameType
+from typing import Any
+
+from rclpy.utilities import get_default_context
+
+__all__ = ["SignalHandlerOptions", "install_signal_handlers", "uninstall_signal_handlers"]
+
+
+class SignalHandlerOptions(IntFlag):
+    """Which signals shut the default context down."""
+
+    NO = 0
+    SIGINT = 1
+    SIGTERM = 2
+    ALL = 3
+
+
+_previous: dict[signal.Signals, Any] = {}
+
+
+def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
+    """Shut the default context down at these signals.
+
+    Python allows it on the main thread only; elsewhere nothing happens. What was installed before is called, too, so
+    that Ctrl-C still raises KeyboardInterrupt.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for option, number in (
+        (SignalHandlerOptions.SIGINT, signal.SIGINT),
+        (SignalHandlerOptions.SIGTERM, signal.SIGTERM),
+    ):
+        if option in options and number not in _previous:
+            _previous[number] = signal.signal(number, _on_signal)
+
+
+def uninstall_signal_handlers() -> None:
+    """Put back what was installed before, unless somebody else has installed something since."""
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for number, previous in list(_previous.items()):
+        if signal.getsignal(number) is _on_signal:
+            signal.signal(number, previous)
+        del _previous[number]
+
+
+def _on_signal(number: int, frame: FrameType | None) -> None:
+    get_default_context().stop()
+    previous = _previous.get(signal.Signals(number))
+    if callable(previous):
+        previous(number, frame)

@@ -1,0 +1,102 @@
+"""Timers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.clock import Clock
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+__all__ = ["Timer"]
+
+
+class Timer:
+    """Calls back again and again; made by ``Node.create_timer``.
+
+    The callback runs on the thread that spins. If that thread is late, calls are skipped rather than made up for, and
+    the rest keep their rhythm, as in ROS 2.
+
+    Args:
+        node: that it belongs to.
+        callback: called without arguments.
+        timer_period_ns: time between calls [ns].
+        clock: that it was made with.
+        autostart: start at once, else at :meth:`reset`.
+
+    Raises:
+        RCLError: the period is negative.
+    """
+
+    def __init__(
+        self, node: Node, callback: Callable[[], object], timer_period_ns: int, clock: Clock, autostart: bool
+    ) -> None:
+        if timer_period_ns < 0:
+            raise RCLError("failed to create timer: timer period must be non-negative")
+        self._node = node
+        self.callback = callback
+        self.timer_period_ns = timer_period_ns
+        self.clock = clock
+        self._canceled = not autostart
+        self._last_call = time.monotonic_ns()
+        self._next_call = self._last_call + timer_period_ns
+
+    def is_ready(self) -> bool:
+        """Whether it is time to call."""
+        return not self._canceled and time.monotonic_ns() >= self._next_call
+
+    def is_canceled(self) -> bool:
+        """Whether it has been stopped."""
+        return self._canceled
+
+    def cancel(self) -> None:
+        """Stop it; :meth:`reset` starts it again."""
+        self._canceled = True
+
+    def reset(self) -> None:
+        """Start it anew: the next call is one period from now."""
+        self._next_call = time.monotonic_ns() + self.timer_period_ns
+        self._canceled = False
+        self._node.wake_executor()
+
+    def time_since_last_call(self) -> int:
+        """Return the time since the last call [ns]."""
+        return time.monotonic_ns() - self._last_call
+
+    def time_until_next_call(self) -> int | None:
+        """Return the time until the next call [ns], negative if it is late; None if it has been stopped."""
+        return None if self._canceled else self._next_call - time.monotonic_ns()
+
+    def destroy(self) -> None:
+        """Destroy it; may be called again."""
+        self._node.destroy_timer(self)
+
+    def execute(self) -> bool:
+        """Call back if it is time. Called by the executor.
+
+        Returns:
+            Whether the callback was called.
+        """
+        if not self.is_ready():
+            return False
+        self._last_call = time.monotonic_ns()
+        self._next_call = self._following(self._last_call)
+        self.callback()
+        return True
+
+    def close(self) -> None:
+        """Stop it for good. Called by the node."""
+        self._canceled = True
+
+    def _following(self, now: int) -> int:
+        """Return when to call next: the first time after now that is in rhythm."""
+        if not self.timer_period_ns:
+            return now
+        following = self._next_call + self.timer_period_ns
+        if following < now:
+            following += -((following - now) // self.timer_period_ns) * self.timer_period_ns
+        return following
