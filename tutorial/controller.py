@@ -63,8 +63,7 @@ class ControllerIO:
 
 
 class SimpleController:
-    """Base of all controllers, named and cut as in the original. Each method is called on the thread that its line
-    names.
+    """Base of all controllers, named and cut as in the original. Each method says on which thread it is called.
 
     A controller of a displayed body is configured and unconfigured; one in a simulated world is also initialized, asked
     for control at every step, and stopped.

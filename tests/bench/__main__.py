@@ -1,0 +1,72 @@
+"""What things cost, as ratios made in one run: ours and the reference in turns, so that a noisy machine disturbs both.
+
+``make bench`` runs it. It is not part of the tests: a ratio is looked at, a test either holds or not.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+
+import tutorial  # noqa: F401
+from costs import frame, import_time, joint_matching, simulation_loop
+from domains import reserved_domain
+from latency import latency
+from rich.console import Console
+from rich.table import Table
+
+ROUNDS = 5
+
+Pair = tuple[Callable[[], float], Callable[[], float] | None]
+
+
+def measure(pair: Pair) -> tuple[float, float | None]:
+    """Return the medians of ours and of the reference, taken in turns."""
+    ours, reference = pair
+    mine, others = [], []
+    for _ in range(ROUNDS):
+        mine.append(ours())
+        if reference is not None:
+            others.append(reference())
+    return statistics.median(mine), statistics.median(others) if others else None
+
+
+def rows() -> Iterator[tuple[str, Pair, str, str]]:
+    """What is measured: its name, ours and the reference in seconds, what the ratio should be, and the unit."""
+    yield "simulation with controllers and publisher / bare mj_step, a step", simulation_loop(), "1.43", "us"
+    yield "publish to callback / plain Cyclone DDS Python", latency(), "1.2", "us"
+    for joints in (2, 7, 40):
+        yield f"joint matching / the original's index loop, {joints} joints", joint_matching(joints), "0.5", "us"
+    yield "import tutorial", import_time(), "0.5 s", "ms"
+    yield "a frame of the view, everything moving / of 1/30 s", frame(), "", "us"
+
+
+def main() -> None:
+    """Measure everything and print the table."""
+    table = Table("", "ours", "reference", "ratio", "aim")
+    for column in table.columns[1:]:
+        column.justify = "right"
+    console = Console(width=None if sys.stdout.isatty() else 140)
+    with reserved_domain() as domain:
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        for name, pair, aim, unit in rows():
+            console.print(f"measuring: {name} ...", style="dim")
+            ours, reference = measure(pair)
+            scale = {"us": 1e6, "ms": 1e3}[unit]
+            table.add_row(
+                name,
+                f"{ours * scale:.2f} {unit}",
+                "" if reference is None else f"{reference * scale:.2f} {unit}",
+                "" if reference is None else f"{ours / reference:.2f}",
+                aim,
+            )
+    console.print(table)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,119 @@
+"""What one step, one match, one import and one frame cost. Each function returns ours and the reference, in seconds."""
+
+from __future__ import annotations
+
+import itertools
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+from sensor_msgs.msg import JointState
+
+from tutorial.body import Body
+from tutorial.controller import ControllerConfig
+from tutorial.controllers.joint_state_publisher import JointStatePublisher
+from tutorial.controllers.tank_controller import TankController
+from tutorial.joints import match_joints
+from tutorial.paths import HOME, find_project
+from tutorial.project import Project
+from tutorial.ros import NodeThread
+from tutorial.scene import Scene
+from tutorial.simulation import Simulation
+from tutorial.view import View
+from tutorial.world import Placement
+
+STEPS = 2000
+TANK = Placement("Tank", HOME / "project" / "models" / "tank.xml")
+
+Timed = Callable[[], float]
+
+
+def timed(job: Callable[[], object], times: int) -> Timed:
+    """Measure a job, and return how long one time takes [s]."""
+
+    def run() -> float:
+        began = time.perf_counter()
+        for _ in range(times):
+            job()
+        return (time.perf_counter() - began) / times
+
+    return run
+
+
+def simulation_loop() -> tuple[Timed, Timed]:
+    """A step of the tank in its laboratory, with both controllers and their topics; and `mj_step` alone."""
+    placements = [item.placement for item in Project.load(find_project("step2")).bodies]
+    node = NodeThread("bench").node
+    controllers = []
+    for controller in (TankController(), JointStatePublisher()):
+        controller.configure(ControllerConfig(Body.displayed(placements[1]), node, print, print))
+        controllers.append(("Tank", controller))
+    simulation = Simulation(placements, controllers)
+    bare = mujoco.MjData(simulation.model)
+
+    def ours() -> float:
+        return timed(lambda: simulation.advance(STEPS * simulation.time_step), 1)() / STEPS
+
+    return ours, timed(lambda: mujoco.mj_step(simulation.model, bare), STEPS)
+
+
+def joint_matching(count: int) -> tuple[Timed, Timed]:
+    """Move a body's joints by one message, by name; and as the original does, by index."""
+    body = chain(count)
+    message = JointState(name=list(body.joint_names), position=[0.001 * i for i in range(count)])
+    _, report = match_joints(body.joint_ranges, message)
+
+    def by_name() -> None:
+        positions, _ = match_joints(body.joint_ranges, message, after=report)
+        body.set_joint_positions(positions)
+
+    def by_index() -> None:
+        for i in range(min(len(body.joints), len(message.name))):
+            joint = body.joints[i]
+            if joint.name == message.name[i]:
+                joint.position = message.position[i]
+
+    return timed(by_name, 20_000), timed(by_index, 20_000)
+
+
+def chain(count: int) -> Body:
+    """A robot with so many joints."""
+    link = "<body><joint name='JOINT_{:02d}' range='-90 90'/><geom size='.1'/>"
+    links = "".join(link.format(i) for i in range(count)) + "</body>" * count
+    path = Path(subprocess.check_output(["mktemp", "--suffix=.xml"], text=True).strip())
+    path.write_text(f"<mujoco><worldbody>{links}</worldbody></mujoco>")
+    try:
+        return Body.displayed(Placement("Chain", path))
+    finally:
+        path.unlink()
+
+
+def import_time() -> tuple[Timed, None]:
+    """``import tutorial``, in a fresh Python, less the time that Python takes to start."""
+
+    def start(code: str) -> float:
+        began = time.perf_counter()
+        subprocess.run([sys.executable, "-c", code], check=True)
+        return time.perf_counter() - began
+
+    return lambda: start("import tutorial") - start(""), None
+
+
+def frame() -> tuple[Timed, Timed]:
+    """A frame in which the tank and all its wheels move; and the time there is for it."""
+    view = View(scene := Scene())
+    scene.attach(len)
+    body = Body.displayed(TANK)
+    view.add("Tank", body.model)
+    angles = itertools.count()
+
+    def draw() -> None:
+        body.qpos[:] = 0.001 * next(angles)
+        body.calc_forward_kinematics()
+        view.update("Tank", body.data)
+        view.flush()
+
+    return timed(draw, 500), lambda: 1 / 30

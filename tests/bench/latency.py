@@ -1,0 +1,154 @@
+"""From publication to callback, between two processes: a node's callback, and plain Cyclone DDS Python.
+
+Both publish the same message 100 times a second, reliably, and take the time from a stamp in it.
+"""
+
+import os
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import tutorial  # noqa: F401, I001 - promises an rclpy
+import rclpy
+from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.idl import IdlStruct, types
+from cyclonedds.pub import DataWriter
+from cyclonedds.qos import Policy, Qos
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from rclpy._domain import configuration
+from rclpy.executors import SingleThreadedExecutor
+from sensor_msgs.msg import JointState
+
+MESSAGES = 300
+WARM_UP = 50
+PERIOD = 0.01  # [s]
+
+
+def latency() -> tuple[Callable[[], float], Callable[[], float]]:
+    """Return ours and the reference: the median latency of one run [s]."""
+    return lambda: between("node"), lambda: between("plain")
+
+
+def between(kind: str) -> float:
+    """Run a publisher and a subscriber in processes of their own."""
+    command = [sys.executable, __file__, kind]
+    with (
+        subprocess.Popen([*command, "publish"]) as publisher,
+        subprocess.Popen([*command, "subscribe"], stdout=subprocess.PIPE, text=True) as subscriber,
+    ):
+        try:
+            return float(subscriber.communicate(timeout=60)[0])
+        finally:
+            subscriber.kill()
+            publisher.kill()
+
+
+def stamps() -> Iterator[int]:
+    """Wait out each period, and give the time at which to publish [ns]."""
+    for _ in range(MESSAGES):
+        time.sleep(PERIOD)
+        yield time.time_ns()
+
+
+def finish(latencies: list[int]) -> None:
+    """Hand the median over to the parent [s]."""
+    print(statistics.median(latencies[WARM_UP:]) / 1e9)
+
+
+def node_publish() -> None:
+    """Publish with rclpy."""
+    rclpy.init(args=[])
+    node = rclpy.create_node("publisher")
+    publisher = node.create_publisher(JointState, "bench", 10)
+    while rclpy.ok() and not publisher.get_subscription_count():
+        time.sleep(0.01)
+    for stamp in stamps():
+        message = JointState(name=["TURRET_Y", "TURRET_P"], position=[0.1, 0.2], velocity=[0.1, 0.2], effort=[0.1, 0.2])
+        message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, 1_000_000_000)
+        publisher.publish(message)
+    publisher.wait_for_all_acked()
+
+
+def node_subscribe() -> None:
+    """Receive with rclpy, on the thread that spins."""
+
+    rclpy.init(args=[])
+    node = rclpy.create_node("subscriber")
+    latencies: list[int] = []
+
+    def callback(message: Any) -> None:
+        stamp = message.header.stamp
+        latencies.append(time.time_ns() - stamp.sec * 1_000_000_000 - stamp.nanosec)
+
+    node.create_subscription(JointState, "bench", callback, 10)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    while len(latencies) < MESSAGES:
+        executor.spin_once()
+    finish(latencies)
+
+
+@dataclass
+class Plain(IdlStruct):
+    """The same message, in one piece."""
+
+    sec: types.int32
+    nanosec: types.uint32
+    frame_id: str
+    name: types.sequence[str]
+    position: types.sequence[types.float64]
+    velocity: types.sequence[types.float64]
+    effort: types.sequence[types.float64]
+
+
+def plain() -> tuple[Any, Any]:
+    """A participant and a topic with nothing of ROS 2, heard on this machine only."""
+    number = int(os.environ["ROS_DOMAIN_ID"])
+    plain.domain = Domain(number, configuration())  # type: ignore[attr-defined]
+    participant = DomainParticipant(number)
+    return participant, Topic(participant, "plain", Plain)
+
+
+def reliable() -> Any:
+    """What a node's quality of service of depth 10 is in DDS."""
+
+    return Qos(Policy.Reliability.Reliable(2**63 - 1), Policy.History.KeepLast(10))
+
+
+def plain_publish() -> None:
+    """Publish with a DataWriter."""
+
+    participant, topic = plain()
+    writer = DataWriter(participant, topic, reliable())
+    while not writer.get_matched_subscriptions():
+        time.sleep(0.01)
+    for stamp in stamps():
+        sec, nanosec = divmod(stamp, 1_000_000_000)
+        writer.write(Plain(sec, nanosec, "", ["TURRET_Y", "TURRET_P"], [0.1, 0.2], [0.1, 0.2], [0.1, 0.2]))
+    time.sleep(0.2)
+
+
+def plain_subscribe() -> None:
+    """Receive with a DataReader and a WaitSet."""
+
+    participant, topic = plain()
+    reader = DataReader(participant, topic, reliable())
+    waitset = WaitSet(participant)
+    waitset.attach(ReadCondition(reader, ViewState.Any | InstanceState.Any | SampleState.Any))
+    latencies: list[int] = []
+    while len(latencies) < MESSAGES:
+        waitset.wait(100_000_000)
+        for message in reader.take(1):
+            if message.sample_info.valid_data:
+                latencies.append(time.time_ns() - message.sec * 1_000_000_000 - message.nanosec)
+    finish(latencies)
+
+
+if __name__ == "__main__":
+    globals()["_".join(sys.argv[1:])]()
