@@ -25,7 +25,7 @@ lab: install
 	@$(BIN)/tank lab
 
 bench: install
-	$(BIN)/python -m pytest bench -p no:cacheprovider --benchmark-only --benchmark-disable-gc --benchmark-columns=median,iqr,rounds -s
+	@PYTHONPATH=tests $(BIN)/python tests/bench
 
 lint: .venv/lint
 	$(BIN)/ruff check .

@@ -224,8 +224,8 @@ def test_the_naive_callback_is_told_whose_the_body_is(project_with, caplog):
 
     asyncio.run(scenario())
     assert (
-        "set_joint_positions was called on the thread 'executor', but the body 'Tank' belongs to the thread 'MainThread'. "
-        "Post the call instead: call_later(f, message)."
+        "set_joint_positions was called on the thread 'executor', but the body 'Tank' belongs to the thread "
+        "'MainThread'. Post the call instead: call_later(f, message)."
     ) in caplog.text
 
 

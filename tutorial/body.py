@@ -30,9 +30,10 @@ class Joint:
     Attributes:
         name: without the body's prefix.
         range: ``(lower, upper)`` [rad or m]; infinite where the joint has no limit.
+        qpos_adr: where its position is in MuJoCo's ``qpos``.
     """
 
-    __slots__ = ("_ctrl_adr", "_data", "_dof_adr", "_guard", "_qpos_adr", "name", "range")
+    __slots__ = ("_ctrl", "_ctrl_adr", "_dof_adr", "_effort", "_guard", "_qpos", "_qvel", "name", "qpos_adr", "range")
 
     def __init__(
         self, name: str, model: mujoco.MjModel, data: mujoco.MjData, joint_id: int, guard: ThreadGuard | None
@@ -40,10 +41,13 @@ class Joint:
         self.name = name
         limited = model.jnt_limited[joint_id]
         self.range: tuple[float, float] = tuple(model.jnt_range[joint_id].tolist()) if limited else (-inf, inf)
-        self._data = data
-        self._guard = guard
-        self._qpos_adr = int(model.jnt_qposadr[joint_id])
+        self.qpos_adr = int(model.jnt_qposadr[joint_id])
         self._dof_adr = int(model.jnt_dofadr[joint_id])
+        self._guard = guard
+        self._qpos: NDArray[np.float64] = data.qpos
+        self._qvel: NDArray[np.float64] = data.qvel
+        self._effort: NDArray[np.float64] = data.qfrc_actuator
+        self._ctrl: NDArray[np.float64] = data.ctrl
         motors = np.flatnonzero(
             (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (model.actuator_trnid[:, 0] == joint_id)
         )
@@ -52,18 +56,18 @@ class Joint:
     @property
     def position(self) -> float:
         """Position [rad or m]. Setting it moves a displayed body's joint, on the thread that the body belongs to."""
-        return float(self._data.qpos[self._qpos_adr])
+        return self._qpos.item(self.qpos_adr)
 
     @position.setter
     def position(self, value: float) -> None:
         if self._guard:
             self._guard.check("Joint.position")
-        self._data.qpos[self._qpos_adr] = value
+        self._qpos[self.qpos_adr] = value
 
     @property
     def velocity(self) -> float:
         """Velocity [rad/s or m/s]."""
-        return float(self._data.qvel[self._dof_adr])
+        return self._qvel.item(self._dof_adr)
 
     @property
     def effort(self) -> float:
@@ -72,13 +76,13 @@ class Joint:
         Raises:
             TutorialError: set on a joint that has no motor.
         """
-        return float(self._data.qfrc_actuator[self._dof_adr])
+        return self._effort.item(self._dof_adr)
 
     @effort.setter
     def effort(self, value: float) -> None:
         if self._ctrl_adr is None:
             raise TutorialError(f"the joint {self.name!r} has no motor. Give it an actuator in the model.")
-        self._data.ctrl[self._ctrl_adr] = value
+        self._ctrl[self._ctrl_adr] = value
 
 
 class Actuator:
@@ -88,21 +92,21 @@ class Actuator:
         name: without the body's prefix.
     """
 
-    __slots__ = ("_adr", "_data", "name")
+    __slots__ = ("_adr", "_ctrl", "name")
 
     def __init__(self, name: str, data: mujoco.MjData, adr: int) -> None:
         self.name = name
-        self._data = data
+        self._ctrl: NDArray[np.float64] = data.ctrl
         self._adr = adr
 
     @property
     def ctrl(self) -> float:
         """The control signal, in the unit that the model gives it; for a track its surface speed [m/s]."""
-        return float(self._data.ctrl[self._adr])
+        return self._ctrl.item(self._adr)
 
     @ctrl.setter
     def ctrl(self, value: float) -> None:
-        self._data.ctrl[self._adr] = value
+        self._ctrl[self._adr] = value
 
 
 class Body:
@@ -138,6 +142,8 @@ class Body:
         self.joint_ranges: Mapping[str, tuple[float, float]] = {joint.name: joint.range for joint in self.joints}
         self.qpos_slice = self._find_qpos()
         self.qpos: NDArray[np.float64] = data.qpos[self.qpos_slice]
+        self._all_qpos = data.qpos
+        self._qpos_adr = {joint.name: joint.qpos_adr for joint in self.joints}
         self._by_name = {joint.name: joint for joint in self.joints}
         self._observers: list[Callable[[JointReport | None], object]] = []
 
@@ -192,8 +198,11 @@ class Body:
             TutorialError: there is no such joint.
         """
         self._check("set_joint_positions")
+        qpos, adr = self._all_qpos, self._qpos_adr
         for name, position in positions.items():
-            self.joint(name).position = position
+            if name not in adr:
+                self.joint(name)  # raises
+            qpos[adr[name]] = position
 
     def calc_forward_kinematics(self) -> None:
         """Compute where the links are, from the joints' positions.

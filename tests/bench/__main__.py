@@ -9,11 +9,10 @@ import os
 import statistics
 import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+import tutorial  # noqa: F401 - promises an rclpy
 
-import tutorial  # noqa: F401
+# isort: split
 from costs import frame, import_time, joint_matching, simulation_loop
 from domains import reserved_domain
 from latency import latency

@@ -12,7 +12,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import tutorial  # noqa: F401, I001 - promises an rclpy
+import tutorial  # noqa: F401 - promises an rclpy
+
+# isort: split
 import rclpy
 from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
 from cyclonedds.domain import Domain, DomainParticipant

@@ -73,7 +73,9 @@ class MessagesModule(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if name not in self.__dict__.get("__all__", ()):
             raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
-        return getattr(import_module(f"{self.__name__}.{_module_name(name)}"), name)
+        found = getattr(import_module(f"{self.__name__}.{_module_name(name)}"), name)
+        setattr(self, name, found)  # the next time it is found without asking
+        return found
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.__all__]
