@@ -171,7 +171,7 @@ def demo(duration: float | None, headless: bool) -> int:
         status = _launch("step3", duration, headless, Path(directory))
         records = read_records(Path(directory))
     if records:
-        Console(width=None if sys.stdout.isatty() else 140).print(summary(records))
+        Console().print(summary(records))
     return status
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rich.box import SIMPLE
 from rich.console import Group, RenderableType
 from rich.table import Table
 
@@ -21,35 +22,43 @@ def read_records(directory: Path) -> list[dict[str, Any]]:
 
 
 def summary(records: Sequence[Mapping[str, Any]]) -> RenderableType:
-    """Lay out nodes, topics, rates and latencies, and the joints as each node has them."""
-    return Group(_topics(records), _joints(records))
+    """Lay out topics, what each node made of them, and the joints as each node has them; 80 columns are enough."""
+    return Group(_topics(records), _nodes(records), _joints(records))
 
 
 def _topics(records: Sequence[Mapping[str, Any]]) -> Table:
-    table = Table(title="Topics", title_justify="left")
-    for heading in ("node", "topic", "type"):
-        table.add_column(heading, no_wrap=True)
-    for heading in ("messages", "rate [Hz]", "latency median [ms]", "p99 [ms]"):
-        table.add_column(heading, justify="right")
+    """Each topic with its type and rate; the rate as it was received, where somebody listened."""
+    table = _table("topic", "type", "rate [Hz]")
+    counts = {topic: c for key in ("published", "received") for topic, c in _with(records, key)}
+    for topic, count in sorted(counts.items()):
+        table.add_row(topic, count["type"], f"{count['rate_hz']:.1f}")
+    return table
+
+
+def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
+    """Each node with the messages that it sent and got, and how long these took."""
+    table = _table("node", "topic", "messages", "latency: median [ms]", "p99 [ms]")
     for record in records:
         for topic, counts in record["topics"].items():
             messages = ", ".join(f"{counts[key]} {key}" for key in COUNTS if key in counts)
             latency = counts["latency_ms"]
-            table.add_row(
-                f"/{record['node']}",
-                topic,
-                counts["type"],
-                messages,
-                f"{counts['rate_hz']:.1f}",
-                _number(latency["median"]),
-                _number(latency["p99"]),
-            )
+            table.add_row(f"/{record['node']}", topic, messages, _number(latency["median"]), _number(latency["p99"]))
+    return table
+
+
+def _with(records: Sequence[Mapping[str, Any]], key: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    return ((topic, c) for record in records for topic, c in record["topics"].items() if key in c)
+
+
+def _table(*headings: str) -> Table:
+    table = Table(box=SIMPLE, pad_edge=False)
+    for i, heading in enumerate(headings):
+        table.add_column(heading, justify="right" if i > 1 else "left")
     return table
 
 
 def _joints(records: Sequence[Mapping[str, Any]]) -> Table:
-    table = Table(title="Joints [rad]", title_justify="left")
-    table.add_column("joint")
+    table = _table("joint [rad]")
     having = [record for record in records if record["joints"]]
     for record in having:
         table.add_column(record["node"], justify="right")

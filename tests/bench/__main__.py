@@ -42,7 +42,7 @@ def rows() -> Iterator[tuple[str, Pair, str, str]]:
     for joints in (2, 7, 40):
         yield f"joint matching / the original's index loop, {joints} joints", joint_matching(joints), "0.5", "us"
     yield "import tutorial", import_time(), "0.5 s", "ms"
-    yield "a frame of the view, everything moving / of 1/30 s", frame(), "", "us"
+    yield "a frame of the view, everything moving / meshcat's own calls", frame(), "", "us"
 
 
 def main() -> None:

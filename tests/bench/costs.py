@@ -8,8 +8,12 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
+import meshcat
 import mujoco
+import numpy as np
+import umsgpack
 from sensor_msgs.msg import JointState
 
 from tutorial.body import Body
@@ -103,17 +107,29 @@ def import_time() -> tuple[Timed, None]:
 
 
 def frame() -> tuple[Timed, Timed]:
-    """A frame in which the tank and all its wheels move; and the time there is for it."""
+    """A frame in which the tank and all its wheels move; and the same with meshcat's own calls, packed but not sent."""
     view = View(scene := Scene())
     scene.attach(len)
     body = Body.displayed(TANK)
     view.add("Tank", body.model)
+    window = SimpleNamespace(send=lambda command: umsgpack.packb(command.lower()))
+    parts = [meshcat.Visualizer(window=window)[str(i)] for i in range(body.model.nbody)]
     angles = itertools.count()
 
-    def draw() -> None:
+    def move() -> None:
         body.qpos[:] = 0.001 * next(angles)
         body.calc_forward_kinematics()
+
+    def ours() -> None:
+        move()
         view.update("Tank", body.data)
         view.flush()
 
-    return timed(draw, 500), lambda: 1 / 30
+    def meshcats() -> None:
+        move()
+        matrix = np.eye(4)
+        for i, part in enumerate(parts):
+            matrix[:3, :3], matrix[:3, 3] = body.data.xmat[i].reshape(3, 3), body.data.xpos[i]
+            part.set_transform(matrix)
+
+    return timed(ours, 500), timed(meshcats, 500)
