@@ -10,6 +10,7 @@ from typing import Any
 from rich.box import SIMPLE
 from rich.console import Group, RenderableType
 from rich.table import Table
+from rich.text import Text
 
 __all__ = ["read_records", "summary"]
 
@@ -36,13 +37,13 @@ def _topics(records: Sequence[Mapping[str, Any]]) -> Table:
 
 
 def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
-    """Each node with the messages that it sent and got, and how long these took."""
-    table = _table("node", "topic", "messages", "latency: median [ms]", "p99 [ms]")
+    """Each node with the messages that it sent and got, and how long these took from publication to callback."""
+    table = _table("node", "topic", *COUNTS, "median", "p99 [ms]")
     for record in records:
         for topic, counts in record["topics"].items():
-            messages = ", ".join(f"{counts[key]} {key}" for key in COUNTS if key in counts)
-            latency = counts["latency_ms"]
-            table.add_row(f"/{record['node']}", topic, messages, _number(latency["median"]), _number(latency["p99"]))
+            messages = (str(counts.get(key, "")) for key in COUNTS)
+            latency = (_number(counts["latency_ms"][key]) for key in ("median", "p99"))
+            table.add_row(f"/{record['node']}", topic, *messages, *latency)
     return table
 
 
@@ -53,7 +54,7 @@ def _with(records: Sequence[Mapping[str, Any]], key: str) -> Iterator[tuple[str,
 def _table(*headings: str) -> Table:
     table = Table(box=SIMPLE, pad_edge=False)
     for i, heading in enumerate(headings):
-        table.add_column(heading, justify="right" if i > 1 else "left")
+        table.add_column(Text(heading), justify="right" if i > 1 else "left")
     return table
 
 
