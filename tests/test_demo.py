@@ -54,6 +54,6 @@ def test_the_demo_runs_and_ends_with_its_table(program):
     assert "viewer     | look at http://127.0.0.1:" in running.output
     assert "simulation | look at http://127.0.0.1:" in running.output
     assert "100% |========" in running.output
-    assert "/Tank/joint_state   sensor_msgs/msg/JointState" in running.output
+    assert "/Tank/joint_state  sensor_msgs/msg/JointState" in running.output
     assert "TURRET_Y" in running.output
     running.leaves_nothing()

@@ -39,6 +39,7 @@ def _topics(records: Sequence[Mapping[str, Any]]) -> Table:
 def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
     """Each node with the messages that it sent and got, and how long these took from publication to callback."""
     table = _table("node", "topic", *COUNTS, "median", "p99 [ms]")
+    table.caption = "median and p99: of the time from publication to callback"
     for record in records:
         for topic, counts in record["topics"].items():
             messages = (str(counts.get(key, "")) for key in COUNTS)
