@@ -65,11 +65,11 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers():
         ("", "line 1: the file is empty."),
         ("bodies: [", "line 1: this is not YAML:"),
         ("bodies:\n  - name: Tank\n   model: x", "line 3: this is not YAML:"),
-        ("- 1", "line 1: [1] is not of type 'object'. Expected is a mapping with the key 'bodies'"),
-        ("simulator: {}", "line 1: 'bodies' is a required property."),
-        ("bodies: Tank", "line 1: bodies: 'Tank' is not of type 'array'. Expected is a list of bodies"),
-        ("bodies: []", "line 1: bodies: [] should be non-empty. Expected is a list of bodies"),
-        ("bodies:\n  - name: Tank\n", "line 2: bodies[0]: 'model' is a required property."),
+        ("- 1", "line 1: expected a mapping, got a list."),
+        ("simulator: {}", "line 1: 'bodies' is missing here."),
+        ("bodies: Tank", "line 1: bodies: expected a list, got a text."),
+        ("bodies: []", "line 1: bodies: expected a list of length >= 1."),
+        ("bodies:\n  - name: Tank\n", "line 2: 'model' is missing here."),
         (
             "bodies:\n  - name: Tank\n    model: models/tank.xml\n    contollers: []",
             "line 4: 'contollers' is not known here. Did you mean 'controllers'?",
@@ -77,15 +77,15 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers():
         ("bodys: []", "line 1: 'bodys' is not known here. Did you mean 'bodies'?"),
         (
             "bodies:\n  - name: Tank\n    model: models/tank.xml\n    position: [1, 2]",
-            "line 4: bodies[0] position: [1, 2] is too short. Expected is three numbers [x, y, z] in metres.",
+            "line 4: bodies[0].position: expected a list of length 3, got 2.",
         ),
         (
             "bodies:\n  - name: Tank\n    model: models/tank.xml\n    position: [1, 2, a]",
-            "line 4: bodies[0] position[2]: 'a' is not of type 'number'.",
+            "line 4: bodies[0].position[2]: expected a number, got a text.",
         ),
         (
             "bodies:\n  - name: My Tank\n    model: models/tank.xml",
-            "line 2: bodies[0] name: 'My Tank' does not match",
+            "line 2: 'My Tank' cannot be part of a topic. Use letters, digits and _",
         ),
         (
             "bodies:\n  - name: Tank\n    model: models/tnak.xml",
@@ -101,7 +101,7 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers():
         ),
         (
             "simulator:\n  time_step: 1\nbodies:\n  - {name: T, model: models/tank.xml}",
-            "line 2: simulator time_step: 1 is greater than the maximum of 0.01. Expected is a time step in seconds",
+            "line 2: simulator.time_step: expected a number <= 0.01.",
         ),
     ],
 )

@@ -7,9 +7,11 @@ import threading
 import time
 from bisect import bisect_right
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
+import msgspec
 from sensor_msgs.msg import Joy
 
 from tutorial.ros import MeteredNode
@@ -20,40 +22,17 @@ __all__ = ["Gamepad", "JoyPublisher", "JoySource", "ScriptedDrive"]
 RATE = 50  # [Hz]
 NEUTRAL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-SCHEMA: dict[str, Any] = {
-    "type": "object",
-    "description": "a mapping with the key 'drive'",
-    "required": ["drive"],
-    "additionalProperties": False,
-    "properties": {
-        "repeat": {"type": "boolean", "description": "true or false"},
-        "drive": {
-            "type": "array",
-            "minItems": 1,
-            "description": "a list of moments such as {time: 1.0, axes: [0.0, 0.5]}",
-            "items": {
-                "type": "object",
-                "description": "a moment such as {time: 1.0, axes: [0.0, 0.5]}",
-                "required": ["time", "axes"],
-                "additionalProperties": False,
-                "properties": {
-                    "time": {"type": "number", "minimum": 0, "description": "seconds since the drive began"},
-                    "axes": {
-                        "type": "array",
-                        "maxItems": 6,
-                        "items": {
-                            "type": "number",
-                            "minimum": -1,
-                            "maximum": 1,
-                            "description": "a number from -1 to 1",
-                        },
-                        "description": "[left x, left y, right x, right y], each from -1 to 1",
-                    },
-                },
-            },
-        },
-    },
-}
+
+class _Moment(msgspec.Struct, forbid_unknown_fields=True):
+    time: Annotated[float, msgspec.Meta(ge=0)]
+    axes: Annotated[list[Annotated[float, msgspec.Meta(ge=-1, le=1)]], msgspec.Meta(max_length=6)]
+
+
+class _DriveFile(msgspec.Struct, forbid_unknown_fields=True):
+    """What a drive file looks like."""
+
+    drive: Annotated[list[_Moment], msgspec.Meta(min_length=1)]
+    repeat: bool = False
 
 
 class JoySource(Protocol):
@@ -78,17 +57,14 @@ class ScriptedDrive:
     """
 
     def __init__(self, path: Path) -> None:
-        file = YamlFile(path, SCHEMA, "drive")
-        moments = file.data["drive"]
-        self._times = [float(moment["time"]) for moment in moments]
-        self._axes = [[float(axis) for axis in moment["axes"]] for moment in moments]
-        for i in range(1, len(moments)):
-            if self._times[i] <= self._times[i - 1]:
-                raise file.error(
-                    ("drive", i, "time"),
-                    f"{self._times[i]} is not later than {self._times[i - 1]}. Put the moments in order.",
-                )
-        self._period = self._times[-1] if file.data.get("repeat") else 0.0
+        file = YamlFile(path, _DriveFile, "drive")
+        self._times = [moment.time for moment in file.data.drive]
+        self._axes = [moment.axes for moment in file.data.drive]
+        for i, (before, after) in enumerate(pairwise(self._times), start=1):
+            if after <= before:
+                text = f"{after} is not later than {before}. Put the moments in order."
+                raise file.error(("drive", i, "time"), text)
+        self._period = self._times[-1] if file.data.repeat else 0.0
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:
         """Return the axes at this time of the drive; it has no buttons."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pkgutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Annotated
+
+import msgspec
 
 from tutorial import controllers
 from tutorial.controller import SimpleController
@@ -19,76 +21,8 @@ __all__ = ["BodyItem", "Camera", "Project", "controller_names", "find_controller
 
 Point = tuple[float, float, float]
 
-_NAME = {
-    "type": "string",
-    "pattern": "^[A-Za-z][A-Za-z0-9_]*$",
-    "description": "a name of letters, digits and _",
-}
 
-_POINT = {
-    "type": "array",
-    "items": {"type": "number"},
-    "minItems": 3,
-    "maxItems": 3,
-    "description": "three numbers [x, y, z] in metres",
-}
-
-SCHEMA: dict[str, Any] = {
-    "type": "object",
-    "description": "a mapping with the key 'bodies' and, if it simulates, 'simulator'",
-    "required": ["bodies"],
-    "additionalProperties": False,
-    "properties": {
-        "simulator": {
-            "type": "object",
-            "description": "a mapping, for instance {time_step: 0.001}",
-            "additionalProperties": False,
-            "properties": {
-                "time_step": {
-                    "type": "number",
-                    "exclusiveMinimum": 0,
-                    "maximum": 0.01,
-                    "description": "a time step in seconds, such as 0.001",
-                }
-            },
-        },
-        "camera": {
-            "type": "object",
-            "description": "a mapping with 'position' and 'target'",
-            "required": ["position", "target"],
-            "additionalProperties": False,
-            "properties": {"position": _POINT, "target": _POINT},
-        },
-        "bodies": {
-            "type": "array",
-            "minItems": 1,
-            "description": "a list of bodies, each with 'name' and 'model'",
-            "items": {
-                "type": "object",
-                "description": "a body with 'name' and 'model'",
-                "required": ["name", "model"],
-                "additionalProperties": False,
-                "properties": {
-                    "name": _NAME,
-                    "model": {
-                        "type": "string",
-                        "description": "the path of a model, seen from the project file",
-                    },
-                    "position": _POINT,
-                    "controllers": {
-                        "type": "array",
-                        "items": {"type": "string", "description": "the name of a controller"},
-                        "description": "a list of controllers' names",
-                    },
-                },
-            },
-        },
-    },
-}
-
-
-@dataclass(frozen=True)
-class Camera:
+class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """From where the 3D view is looked at, to begin with.
 
     Attributes:
@@ -98,6 +32,25 @@ class Camera:
 
     position: Point
     target: Point
+
+
+class _Simulator(msgspec.Struct, forbid_unknown_fields=True):
+    time_step: Annotated[float, msgspec.Meta(gt=0, le=0.01)] = 0.001
+
+
+class _Body(msgspec.Struct, forbid_unknown_fields=True):
+    name: str
+    model: str
+    position: Point = (0.0, 0.0, 0.0)
+    controllers: list[str] = []
+
+
+class _ProjectFile(msgspec.Struct, forbid_unknown_fields=True):
+    """What a project file looks like."""
+
+    bodies: Annotated[list[_Body], msgspec.Meta(min_length=1)]
+    simulator: _Simulator | None = None
+    camera: Camera | None = None
 
 
 @dataclass(frozen=True)
@@ -140,19 +93,11 @@ class Project:
             TutorialError: it is missing, malformed, or names a controller or a model that there is not; the text names
                 the line and the mend.
         """
-        file = YamlFile(Path(path), SCHEMA, "project")
-        items = [_body_item(file, i, entry) for i, entry in enumerate(file.data["bodies"])]
-        names = [item.placement.name for item in items]
-        for i, name in enumerate(names):
-            if name in names[:i]:
-                raise file.error(
-                    ("bodies", i, "name"), f"there is a body {name!r} already. Give this one another name."
-                )
-        simulator = file.data.get("simulator")
-        time_step = None if simulator is None else float(simulator.get("time_step", 0.001))
-        camera = file.data.get("camera")
-        looks_from = None if camera is None else Camera(_point(camera["position"]), _point(camera["target"]))
-        return cls(file.path, tuple(items), time_step, looks_from)
+        file = YamlFile(Path(path), _ProjectFile, "project")
+        _check_names(file)
+        items = tuple(_body_item(file, i, body) for i, body in enumerate(file.data.bodies))
+        simulator = file.data.simulator
+        return cls(file.path, items, simulator.time_step if simulator else None, file.data.camera)
 
     def with_robot(self, model: Path, name: str | None = None) -> Project:
         """Put another model in the place of the body that carries the controllers.
@@ -211,23 +156,28 @@ def find_controller(name: str) -> type[SimpleController]:
     return found
 
 
-def _body_item(file: YamlFile, index: int, entry: Mapping[str, Any]) -> BodyItem:
-    model = file.path.parent / entry["model"]
+def _check_names(file: YamlFile[_ProjectFile]) -> None:
+    """See to it that the bodies' names can be told apart, and can be part of a topic's name."""
+    names = [body.name for body in file.data.bodies]
+    for i, name in enumerate(names):
+        where = ("bodies", i, "name")
+        if not (name.isascii() and name.isidentifier() and name[0] != "_"):
+            raise file.error(where, f"{name!r} cannot be part of a topic. Use letters, digits and _, a letter first.")
+        if name in names[:i]:
+            raise file.error(where, f"there is a body {name!r} already. Give this one another name.")
+
+
+def _body_item(file: YamlFile[_ProjectFile], index: int, body: _Body) -> BodyItem:
+    folder = file.path.parent
+    model = folder / body.model
     if not model.is_file():
-        others = (
-            [str(p.relative_to(file.path.parent)) for p in model.parent.glob("*.xml")] if model.parent.is_dir() else []
-        )
-        hint = did_you_mean(entry["model"], others)
-        raise file.error(("bodies", index, "model"), f"there is no model {entry['model']!r}.{hint}")
+        others = [str(path.relative_to(folder)) for path in folder.glob("**/*.xml")]
+        hint = did_you_mean(body.model, others)
+        raise file.error(("bodies", index, "model"), f"there is no model {body.model!r}.{hint}")
     classes = []
-    for i, name in enumerate(entry.get("controllers", ())):
+    for i, name in enumerate(body.controllers):
         try:
             classes.append(find_controller(name))
         except TutorialError as error:
             raise file.error(("bodies", index, "controllers", i), str(error)) from None
-    return BodyItem(Placement(entry["name"], model, _point(entry.get("position", (0, 0, 0)))), tuple(classes))
-
-
-def _point(numbers: Sequence[float]) -> Point:
-    x, y, z = map(float, numbers)
-    return x, y, z
+    return BodyItem(Placement(body.name, model, body.position), tuple(classes))

@@ -1,45 +1,55 @@
-"""YAML files that people write by hand: read, checked against a schema, and wrong with a line number."""
+"""YAML files that people write by hand: read, checked against a type, and wrong with a line number."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
-import jsonschema
+import msgspec
+import msgspec.inspect
 import yaml
 
 from tutorial.errors import TutorialError, did_you_mean
 
 __all__ = ["YamlFile"]
 
+T = TypeVar("T")
+
 SUFFIXES = (".yaml", ".yml")
+YAML_WORDS = {"`object`": "a mapping", "`array`": "a list", "`null`": "nothing", "`str`": "a text"} | {
+    "`float`": "a number",
+    "`int`": "a whole number",
+    "`bool`": "true or false",
+}
 
 
-class YamlFile:
-    """One YAML file that matches a schema.
+class YamlFile(Generic[T]):
+    """One YAML file that has the shape of a type.
 
     Args:
         path: where it is.
-        schema: what it has to look like, as a JSON schema.
+        shape: a `msgspec.Struct`, with ``forbid_unknown_fields=True`` so that a mistyped key is found.
         what: what the file is, as it should appear in errors, for instance ``"project"``.
 
     Attributes:
         path: as given.
-        data: the file's content, made of dicts, lists, strings and numbers.
+        data: the file's content.
 
     Raises:
-        TutorialError: there is no such file, it is no YAML, or it doesn't match; the text names the line and the mend.
+        TutorialError: there is no such file, it is no YAML, or it has another shape; the text names the line and the
+            mend.
     """
 
-    def __init__(self, path: Path, schema: dict[str, Any], what: str) -> None:
+    def __init__(self, path: Path, shape: type[T], what: str) -> None:
         self.path = path
-        self._root = self._compose(_read(path, what))
-        self.data: Any = yaml.SafeLoader.construct_document(yaml.SafeLoader(""), self._root)
-        errors = list(jsonschema.Draft202012Validator(schema).iter_errors(self.data))
-        if errors:  # a mistyped key explains why the right one is missing, so it comes first
-            mistyped = [error for error in errors if error.validator == "additionalProperties"]
-            raise self._explain(mistyped[0] if mistyped else jsonschema.exceptions.best_match(errors))
+        text = _read(path, what)
+        self._root = self._compose(text)
+        try:
+            self.data = msgspec.convert(yaml.safe_load(text), shape)
+        except msgspec.ValidationError as error:
+            raise self._explain(error, shape) from None
 
     def error(self, where: Iterable[str | int], text: str) -> TutorialError:
         """Make an error about one place in the file.
@@ -48,9 +58,19 @@ class YamlFile:
             where: the keys and indices that lead to the place.
             text: what is wrong there, and the mend.
         """
-        return TutorialError(f"{self.path}, line {self._line(where)}: {text}")
+        return self._error(self._node(where), text)
+
+    def _error(self, node: yaml.Node, text: str) -> TutorialError:
+        return TutorialError(f"{self.path}, line {node.start_mark.line + 1}: {text}")
+
+    def _node(self, where: Iterable[str | int]) -> yaml.Node:
+        node = self._root
+        for step in where:
+            node = node.value[step] if isinstance(step, int) else {k.value: v for k, v in node.value}[step]
+        return node
 
     def _compose(self, text: str) -> yaml.Node:
+        """Read the file once more as nodes, which know their lines."""
         try:
             root = yaml.compose(text, Loader=yaml.SafeLoader)
         except yaml.MarkedYAMLError as error:
@@ -63,34 +83,36 @@ class YamlFile:
             raise TutorialError(f"{self.path}, line 1: the file is empty.")
         return root
 
-    def _line(self, where: Iterable[str | int]) -> int:
-        node = self._root
-        for step in where:
-            if isinstance(node, yaml.MappingNode):
-                node = next(value for key, value in node.value if key.value == step)
-            elif isinstance(node, yaml.SequenceNode) and isinstance(step, int):
-                node = node.value[step]
-        return int(node.start_mark.line) + 1
+    def _explain(self, error: msgspec.ValidationError, shape: type[T]) -> TutorialError:
+        """Say an error of msgspec's, such as ``Expected `float`, got `str` - at `$.drive```, in YAML's words."""
+        problem, _, place = str(error).partition(" - at `$")
+        where = [int(index) if index else key for index, key in re.findall(r"\[(\d+)\]|\.?(\w+)", place)]
+        key = problem.split("`")[1]
+        if "unknown field" in problem:
+            node = next(k for k, _ in self._node(where).value if k.value == key)
+            return self._error(node, f"{key!r} is not known here.{did_you_mean(key, _keys(shape, where))}")
+        if "missing required field" in problem:
+            return self.error(where, f"{key!r} is missing here.")
+        for word, yaml_word in YAML_WORDS.items():
+            problem = problem.replace(word, yaml_word)
+        problem = problem[0].lower() + problem[1:]
+        return self.error(where, f"{place.strip('.`')}: {problem}." if where else f"{problem}.")
 
-    def _explain(self, error: jsonschema.ValidationError) -> TutorialError:
-        where = list(error.absolute_path)
-        schema: Any = error.schema
-        instance: Any = error.instance
-        if error.validator == "additionalProperties":
-            known = schema["properties"]
-            key = next(key for key in instance if key not in known)
-            line = self._key_line(where, key)
-            return TutorialError(f"{self.path}, line {line}: {key!r} is not known here.{did_you_mean(str(key), known)}")
-        place = "".join(f"[{step}]" if isinstance(step, int) else f" {step}" for step in where).strip()
-        mend = schema.get("description")
-        text = f"{place}: {error.message}." if place else f"{error.message}."
-        return self.error(where, text + (f" Expected is {mend}." if mend else ""))
 
-    def _key_line(self, where: Sequence[str | int], key: object) -> int:
-        node = self._root
-        for step in where:
-            node = node.value[step] if isinstance(step, int) else {k.value: v for k, v in node.value}[step]
-        return next(int(k.start_mark.line) + 1 for k, _ in node.value if k.value == str(key))
+def _keys(shape: type, where: Iterable[str | int]) -> list[str]:
+    """The keys that a mapping may have at some place of a type."""
+    info = _struct(msgspec.inspect.type_info(shape))
+    for step in where:
+        inner = info.item_type if isinstance(step, int) else {f.encode_name: f.type for f in info.fields}[step]
+        info = _struct(inner)
+    return [field.encode_name for field in info.fields]
+
+
+def _struct(info: Any) -> Any:
+    """Of something optional, what it is if it is there."""
+    if isinstance(info, msgspec.inspect.UnionType):
+        return next(kind for kind in info.types if isinstance(kind, msgspec.inspect.StructType))
+    return info
 
 
 def _read(path: Path, what: str) -> str:
