@@ -187,11 +187,11 @@ class Host:
         return elapsed >= duration + linger or self._drained()
 
     def _drained(self) -> bool:
-        """Whether nobody publishes to this program any more, and what was sent has been shown."""
+        """Whether those who publish to this program have come and gone, and what they sent has been shown."""
         received = [meter for meter in self.node.meters if meter.direction == "received"]
         return (
             not any(self.node.count_publishers(meter.topic) for meter in received)
-            and all(meter.idle > QUIET for meter in received)
+            and all(meter.count and meter.idle > QUIET for meter in received)
             and not len(self._calls)
         )
 

@@ -143,7 +143,7 @@ class JoyPublisher:
 
         Args:
             duration: how long [s]; None for until `stop`.
-            linger: after the duration, go on for at most so long [s] while somebody listens.
+            linger: after the duration, go on for at most so long [s] until those who listen have come and gone.
             stop: set it to stop, from any thread.
             progress: called with the seconds that have passed.
 
@@ -156,10 +156,11 @@ class JoyPublisher:
         while not stop.wait(max(0.0, began + tick / RATE - time.monotonic())):
             elapsed = time.monotonic() - began
             listeners = self._publisher.get_subscription_count()
-            if duration is not None and elapsed >= duration and (not listeners or elapsed >= duration + linger):
-                break
             if heard_at is None and listeners:
                 heard_at = elapsed
+            deserted = heard_at is not None and not listeners
+            if duration is not None and elapsed >= duration and (deserted or elapsed >= duration + linger):
+                break
             self._publish(*self._source.read(elapsed - heard_at if heard_at is not None else 0.0))
             if progress is not None:
                 progress(elapsed)
