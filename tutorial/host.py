@@ -66,8 +66,8 @@ class Host:
         try:
             for item in project.bodies:
                 self._add(item)
-            if view is not None and project.camera is not None:
-                view.look_at(project.camera.position, project.camera.target)
+            if view is not None and len(project.bodies) == 1:
+                view.look_at_body(project.bodies[0].placement.name)
             if project.time_step is not None:
                 self.simulation = self._simulation(project, project.time_step)
         except BaseException:

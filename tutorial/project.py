@@ -17,21 +17,9 @@ from tutorial.errors import TutorialError, did_you_mean
 from tutorial.world import Placement
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["BodyItem", "Camera", "Project", "controller_names", "find_controller"]
+__all__ = ["BodyItem", "Project", "controller_names", "find_controller"]
 
 Point = tuple[float, float, float]
-
-
-class Camera(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """From where the 3D view is looked at, to begin with.
-
-    Attributes:
-        position: of the camera [m], (x, y, z).
-        target: what is in the middle of the picture [m], (x, y, z).
-    """
-
-    position: Point
-    target: Point
 
 
 class _Simulator(msgspec.Struct, forbid_unknown_fields=True):
@@ -50,7 +38,6 @@ class _ProjectFile(msgspec.Struct, forbid_unknown_fields=True):
 
     bodies: Annotated[list[_Body], msgspec.Meta(min_length=1)]
     simulator: _Simulator | None = None
-    camera: Camera | None = None
 
 
 @dataclass(frozen=True)
@@ -74,13 +61,11 @@ class Project:
         path: the file that it comes from.
         bodies: its bodies.
         time_step: of the simulation [s]; None for a program that only displays.
-        camera: where the view begins; None to leave it to the view.
     """
 
     path: Path
     bodies: tuple[BodyItem, ...]
     time_step: float | None = None
-    camera: Camera | None = None
 
     @classmethod
     def load(cls, path: str | Path) -> Project:
@@ -97,7 +82,7 @@ class Project:
         _check_names(file)
         items = tuple(_body_item(file, i, body) for i, body in enumerate(file.data.bodies))
         simulator = file.data.simulator
-        return cls(file.path, items, simulator.time_step if simulator else None, file.data.camera)
+        return cls(file.path, items, simulator.time_step if simulator else None)
 
     def with_robot(self, model: Path, name: str | None = None) -> Project:
         """Put another model in the place of the body that carries the controllers.

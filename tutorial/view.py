@@ -19,6 +19,9 @@ ROOT = "/Bodies"
 CAMERA: tuple[Vector, Vector] = ((-4.4, -3.4, 2.6), (-1.0, 0.0, 0.0))
 """Where the camera stands at first, and what it looks at [m]."""
 
+CLOSE_UP = np.array([-1.0, -0.8, 0.6])
+"""Where the camera stands to look at one body, seen from its middle and in terms of its extent."""
+
 SKY = {"top_color": [0.80, 0.87, 0.93], "bottom_color": [0.95, 0.96, 0.97]}
 
 MESHCATS_LIGHTS = ("SpotLight", "PointLightNegativeX", "PointLightPositiveX", "AmbientLight", "FillLight")
@@ -80,7 +83,7 @@ class View:
         if name in self._bodies:
             self.remove(name)
         paths = self._draw(f"{ROOT}/{name}", model)
-        self._bodies[name] = _Poses(paths, model.nbody)
+        self._bodies[name] = _Poses(paths, model)
         if (model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).any():
             self._floors.add(name)
         self.show_grid(not self._floors)
@@ -129,6 +132,18 @@ class View:
         """
         self._guard.check("View.look_at")
         self._scene.look_at(position, target)
+
+    def look_at_body(self, name: str) -> None:
+        """Place the camera so that one body fills the picture.
+
+        Raises:
+            TutorialError: there is nothing of this name.
+            WrongThreadError: called on another thread than the view's.
+        """
+        self._guard.check("View.look_at_body")
+        body = self._find(name)
+        x, y, z = (body.center + CLOSE_UP * body.extent).tolist()
+        self._scene.look_at((x, y, z), tuple(body.center.tolist()))
 
     def show_grid(self, visible: bool = True) -> None:
         """Show or hide the grid of 0.5 m at height 0. By itself it is there as long as no floor is drawn.
@@ -211,9 +226,11 @@ class _Poses:
     big-endian float32.
     """
 
-    def __init__(self, paths: dict[int, str], bodies: int) -> None:
+    def __init__(self, paths: dict[int, str], model: mujoco.MjModel) -> None:
+        self.center: NDArray[np.float64] = model.stat.center.copy()
+        self.extent = float(model.stat.extent)
         self._ids = np.array(list(paths), dtype=np.intp)
-        self._bodies = bodies
+        self._bodies = model.nbody
         self._keys = [("set_transform", path, "") for path in paths.values()]
         self._heads = [_head_of_transform(path) for path in paths.values()]
         self._now: NDArray[np.float32] = np.zeros((len(paths), 4, 4), dtype=np.float32)  # column by column
