@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import signal
 
 import pytest
+from browser import Witness, chromium, open_browser, pixels
+from browser import until as browser_until
 from domains import reserved_domain
 from programs import until
 from sensor_msgs.msg import JointState
@@ -187,3 +190,42 @@ def test_two_runs_at_once_do_not_hear_each_other(program, listen):
         assert len({stamp_ns(message) for message in heard}) == len(heard), "one simulation is heard, not two"
         simulation.asks_to_stop()
         assert simulation.ends() == 0
+
+
+@pytest.mark.browser
+def test_both_pages_show_the_turret_moving(program, tmp_path):
+    path = chromium()
+    drive = tmp_path / "drive.yaml"
+    drive.write_text(
+        "repeat: true\n"
+        "drive:\n"
+        "  - {time: 0, axes: [0, 0, 0.8, 0.2]}\n"
+        "  - {time: 1.5, axes: [0, 0, -0.8, -0.2]}\n"
+        "  - {time: 3, axes: []}\n"
+    )
+    simulation = program("run", "step2", "--ros-args", "-r", "__node:=simulation")
+    viewer = program("run", "step3", "--ros-args", "-r", "__node:=viewer")
+    program("joy", "--drive", drive)
+    for running, line in ((simulation, ""), (viewer, "Tank: 2 joints shown")):
+        running.says("look at http://127.0.0.1:")
+        address = running.output.split("look at ")[1].split()[0]
+        asyncio.run(sees_movement(path, address, line))
+
+
+async def sees_movement(path, address, line):
+    """Open a page, and wait until its picture has changed and the line below it says what it should."""
+    async with open_browser(path) as page:
+        witness = Witness(page)
+        await page.goto(address)
+        await page.wait_for_selector("#curtain", state="hidden")
+        first = await pixels(page, "#pane")
+
+        async def moved():
+            return (abs(await pixels(page, "#pane") - first).max(axis=2) > 40).sum() > 100
+
+        async def says():
+            return (await page.text_content("#line")).startswith(line)
+
+        await browser_until(moved, f"the tank moving on {address}")
+        await browser_until(says, f"{line!r} below the picture")
+        assert not witness.complaints
