@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import textwrap
 
 import pytest
@@ -70,3 +72,32 @@ def test_a_bad_drive_is_named_with_its_line_and_the_mend(write, text, said):
 def test_a_missing_drive_is_named_with_the_nearest():
     with pytest.raises(TutorialError, match=r"there is no drive 'tuor'\. Did you mean 'tour'\?"):
         find_drive("tuor")
+
+
+VIRTUAL_GAMEPAD = """
+import ctypes
+import tutorial
+from tutorial.joystick import Gamepad
+
+assert Gamepad.find() is None
+path = next(line.split()[-1] for line in open("/proc/self/maps") if "libSDL2-2" in line)
+sdl = ctypes.CDLL(path)
+sdl.SDL_JoystickOpen.restype = ctypes.c_void_p
+index = sdl.SDL_JoystickAttachVirtual(1, 6, 15, 0)  # a game controller with six axes and fifteen buttons
+stick = ctypes.c_void_p(sdl.SDL_JoystickOpen(index))
+gamepad = Gamepad.find()
+for axis, value in enumerate((-32768, -32768, 16384, 32767, 32767)):
+    sdl.SDL_JoystickSetVirtualAxis(stick, axis, ctypes.c_int16(value))
+sdl.SDL_JoystickSetVirtualButton(stick, 0, ctypes.c_uint8(1))
+axes, buttons = gamepad.read(0.0)
+print([round(axis, 2) for axis in axes], buttons[:2])
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="SDL's library is looked up in /proc")
+def test_a_gamepads_sticks_are_left_and_forward_positive():
+    pytest.importorskip("pygame", reason="the extra 'gamepad' is not installed")
+    said = subprocess.run(
+        [sys.executable, "-W", "error", "-c", VIRTUAL_GAMEPAD], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert said.stdout == "[1.0, 1.0, -0.5, -1.0, 1.0, 0.0] [1, 0]\n", said.stderr
