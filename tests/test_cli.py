@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import pty
+import signal
 import socket
+import subprocess
+import termios
 
 import pytest
+from programs import TANK
 
 from tutorial.paths import HOME
 
@@ -18,6 +25,9 @@ from tutorial.paths import HOME
         ("run nowhere/step3.yaml", "there is no project 'nowhere/step3.yaml'"),
         ("launch step33", "there is no launch file 'step33'. Did you mean 'step3'?"),
         ("run step3 --duration -1", "-1.0 is not in the range x>0"),
+        ("run step3 --duration nan", "'nan' is not a number of seconds"),
+        ("launch step3 --duration inf", "'inf' is not a number of seconds"),
+        ("run step3 --headless --duration 0.1 --report /dev/null/x", "the report '/dev/null/x/tank.json' cannot be"),
         ("run step3 --duration ten", "'ten' is not a valid float"),
         ("run step3 --durration 1", "No such option '--durration'. Did you mean '--duration'?"),
         ("joy --drive tuor", "there is no drive 'tuor'. Did you mean 'tour'?"),
@@ -78,6 +88,22 @@ def test_a_controller_that_raises_ends_the_run_and_says_where(program, tmp_path)
     )
 
 
+def test_ctrl_c_while_the_program_is_loading_just_ends_it(program, tmp_path):
+    """A module that is being imported may make an error of its own of a KeyboardInterrupt, as numpy does."""
+    path = tmp_path / "slow.launch.py"
+    path.write_text(
+        "import time\n"
+        "print('loading', flush=True)\n"
+        "try:\n    time.sleep(300)\n"
+        "except KeyboardInterrupt:\n    raise ImportError('initialization failed')\n"
+    )
+    running = program("launch", path)
+    running.says("loading")
+    running.asks_to_stop()
+    assert running.ends() == -signal.SIGINT
+    assert running.output == "loading\n"
+
+
 def test_ctrl_c_is_how_a_run_without_a_duration_ends(program):
     running = program("run", "step2", "--headless")
     running.says("+ Simulator")
@@ -92,6 +118,30 @@ def test_ctrl_c_before_the_duration_is_over_is_an_interruption(program):
     running.asks_to_stop()
     assert running.ends() == 130
     running.leaves_nothing()
+
+
+def test_on_a_terminal_lines_stand_above_the_progress_bar(domain, tmp_path):
+    path = tmp_path / "chatty.launch.py"
+    path.write_text(
+        "from launch import LaunchDescription\n"
+        "from launch.actions import ExecuteProcess\n"
+        "def generate_launch_description():\n"
+        "    chat = 'for i in 1 2 3 4 5; do echo chat $i; sleep 0.2; done'\n"
+        "    return LaunchDescription([ExecuteProcess(name='chatty', cmd=['sh', '-c', chat])])\n"
+    )
+    terminal, other_end = pty.openpty()
+    termios.tcsetwinsize(other_end, (30, 100))
+    with subprocess.Popen([TANK, "launch", path, "--duration", "2"], stdout=other_end, stderr=other_end):
+        os.close(other_end)
+        shown = b""
+        with contextlib.suppress(OSError):  # Linux's way to say that the other end is closed
+            while piece := os.read(terminal, 4096):
+                shown += piece
+    os.close(terminal)
+    assert shown.count(b"chat ") == 5
+    lines = [line.rstrip(b"\r").rsplit(b"\r", 1)[-1] for line in shown.split(b"\n")]
+    assert not [line for line in lines if b"chat " in line and b"%" in line]
+    assert b"%" in lines[-2]
 
 
 def test_the_tree_and_the_address_are_printed(program):

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import signal
+import subprocess
+import sys
 
 import pytest
+from programs import PATIENCE, TANK
 
 from tutorial.errors import TutorialError
 from tutorial.launcher import load_launch_file
@@ -57,6 +60,12 @@ def test_the_steps_launch_files_list_their_processes(step, names):
         ("x = 1", "has no function generate_launch_description()"),
         ("def generate_launch_description(): 1 / 0", "ZeroDivisionError"),
         ("def generate_launch_description(", "SyntaxError"),
+        ("def generate_launch_description(): return {}['key']", "KeyError: 'key'"),
+        ("def generate_launch_description(): pass", "returned no LaunchDescription"),
+        (
+            "import launch\ndef generate_launch_description(): return launch.LaunchDescription([])",
+            "describes no process",
+        ),
     ],
 )
 def test_a_bad_launch_file_says_what_is_wrong(tmp_path, text, said):
@@ -73,6 +82,65 @@ def test_lines_have_the_process_in_front(program, launch_file):
     assert running.ends() == 0
     assert "one     | hello" in running.output
     assert "another | world" in running.output
+
+
+def test_processes_without_a_name_are_called_after_their_program(program, tmp_path):
+    path = tmp_path / "test.launch.py"
+    path.write_text(
+        "from launch import LaunchDescription\n"
+        "from launch.actions import ExecuteProcess\n"
+        "def generate_launch_description():\n"
+        "    return LaunchDescription([ExecuteProcess(cmd=['echo', word]) for word in ('hello', 'world')])\n"
+    )
+    running = program("launch", path)
+    assert running.ends() == 0
+    assert "echo   | hello" in running.output
+    assert "echo-2 | world" in running.output
+
+
+def test_what_was_started_is_stopped_when_another_cannot_be(program, tmp_path):
+    path = tmp_path / "test.launch.py"
+    path.write_text(
+        "from launch import LaunchDescription\n"
+        "from launch.actions import ExecuteProcess\n"
+        "def generate_launch_description():\n"
+        f"    sleeper = ExecuteProcess(name='one', cmd={SLEEPER!r})\n"
+        "    return LaunchDescription([sleeper, ExecuteProcess(name='other', cmd=['true'], cwd='/nowhere')])\n"
+    )
+    running = program("launch", path)
+    assert running.ends() == 1
+    assert not running.family()
+    assert "Error: other could not be started: No such file or directory: '/nowhere'" in running.output
+
+
+def test_when_nobody_reads_any_more_all_are_stopped(launch_file):
+    chatty = ["python3", "-c", "import time\nwhile True: print('chat', flush=True); time.sleep(0.01)"]
+    path = launch_file(sleeper=SLEEPER, chatty=chatty)
+    with subprocess.Popen([TANK, "launch", path], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        assert running.stdout.readline()
+        running.stdout.close()
+        complaints = running.stderr.read()
+    assert "Traceback" not in complaints
+
+
+def test_a_command_that_is_asked_to_stop_before_it_runs_is_told(tmp_path):
+    """The lifeline is asked while it starts the command, which must not miss it."""
+    ready = tmp_path / "ready"
+    ready_then_sleep = f"import pathlib, time; pathlib.Path({str(ready)!r}).touch(); time.sleep(300)"
+    script = (
+        "import os, signal, subprocess, sys\n"
+        "from tutorial import lifeline\n"
+        "class Slow(subprocess.Popen):\n"
+        "    def __init__(self, command):\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "        super().__init__(command)\n"
+        f"        while not os.path.exists({str(ready)!r}): pass\n"
+        "subprocess.Popen = Slow\n"
+        f"sys.argv[1:] = ['0', sys.executable, '-c', {ready_then_sleep!r}]\n"
+        "sys.exit(lifeline.main())\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", script], stdin=subprocess.PIPE, stderr=subprocess.DEVNULL) as running:
+        assert running.wait(PATIENCE) == 128 + signal.SIGINT
 
 
 def test_when_one_fails_the_others_are_stopped_and_its_status_is_the_exit_status(program, launch_file):

@@ -94,6 +94,24 @@ class TestAdvance:
             simulation.advance(1.0)
         assert isinstance(info.value.__cause__, ValueError)
 
+    def test_a_controller_that_cannot_start_is_asked_again_at_the_next_start(self):
+        class Unready(Recorder):
+            def initialize(self, io):
+                super().initialize(io)
+                if len(self.calls) == 1:
+                    raise ValueError("mine")
+
+        first, unready = Recorder(), Unready()
+        simulation = Simulation([TANK], [("Tank", first), ("Tank", unready)])
+        with pytest.raises(ControllerError, match="Unready failed at"):
+            simulation.advance(0.001)
+        assert first.calls == ["initialize", "stop"], "what was ready is let go"
+        assert unready.calls == ["initialize"], "what never was ready is not stopped"
+        simulation.advance(0.001)
+        simulation.stop()
+        assert first.times == unready.times == [0.0]
+        assert first.calls == ["initialize", "stop"] * 2
+
 
 class TestRealTime:
     def test_keeps_pace_and_stops_at_the_duration_to_the_step(self):
@@ -149,6 +167,14 @@ class TestRealTime:
         assert simulation.step == 0
         assert np.array_equal(simulation.snapshot.get().qpos, initial)
         assert not simulation.running
+
+    def test_restarted_it_still_ends_after_its_duration(self):
+        simulation = Simulation([TANK])
+        simulation.start(0.2)
+        simulation.restart()
+        assert simulation.wait(20)
+        simulation.stop()
+        assert simulation.step == 200
 
     def test_running_it_twice_is_an_error_that_says_the_mend(self):
         simulation = Simulation([TANK])

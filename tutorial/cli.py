@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import math
 import os
 import signal
 import sys
@@ -17,6 +18,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 from tqdm import tqdm
+from tqdm.contrib import DummyTqdmFile
+from tqdm.contrib.logging import logging_redirect_tqdm
 
 from tutorial.errors import TutorialError
 
@@ -27,19 +30,31 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
-LINGER = 30.0  # [s] that launched processes wait for each other at the end of a run with a duration
+LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow
 INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
+
+
+class Seconds(click.FloatRange):
+    """A number of seconds, which "nan" and "inf" are not."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Read it, or say what is wrong."""
+        seconds: float = super().convert(value, param, ctx)
+        if not math.isfinite(seconds):
+            self.fail(f"{value!r} is not a number of seconds.", param, ctx)
+        return seconds
+
 
 duration_option = click.option(
     "--duration",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Seconds(min=0, min_open=True),
     metavar="SECONDS",
     envvar="TANK_DURATION",
     help="End by itself after so many seconds; without it, Ctrl-C ends the run.",
 )
 linger_option = click.option(
     "--linger",
-    type=click.FloatRange(min=0),
+    type=Seconds(min=0),
     default=0.0,
     metavar="SECONDS",
     envvar="TANK_LINGER",
@@ -57,6 +72,7 @@ headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS
 
 def main() -> None:
     """Run the command that the shell was given, and exit with its status."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # until a command takes Ctrl-C over, it ends all without a traceback
     words, ros_args = _split(sys.argv[1:])
     logging.basicConfig(format="[%(levelname)s] %(message)s", level=logging.INFO)
     try:
@@ -316,12 +332,14 @@ def _launch(step: str, duration: float | None, headless: bool, report: Path | No
 
     environment: dict[str, str] = {}
     if duration is not None:
-        environment |= {"TANK_DURATION": str(duration), "TANK_LINGER": str(LINGER)}
+        environment |= {"TANK_DURATION": str(duration), "TANK_LINGER": str(LINGER + duration)}
     if headless:
         environment["TANK_HEADLESS"] = "1"
     if report is not None:
         environment["TANK_REPORT"] = str(report.absolute())
-    launcher = Launcher(load_launch_file(find_launch_file(step)), environment)
+    processes = load_launch_file(find_launch_file(step))
+    above_the_bar: Any = DummyTqdmFile(sys.stdout)
+    launcher = Launcher(processes, environment, above_the_bar)
     status = asyncio.run(_with_bar(launcher.run, duration))
     return INTERRUPTED if launcher.interrupted and duration is not None and not status else status
 
@@ -339,7 +357,7 @@ async def _with_bar(job: Callable[[], Awaitable[int]], duration: float | None) -
 
 @contextmanager
 def _bar(duration: float | None, shown: bool = False) -> Iterator[Callable[[float], object]]:
-    """Make a progress bar over some seconds, on stderr; what is printed meanwhile stands above it.
+    """Make a progress bar over some seconds, on stderr; what is logged meanwhile stands above it.
 
     Args:
         duration: its length [s]; None for no bar.
@@ -350,14 +368,15 @@ def _bar(duration: float | None, shown: bool = False) -> Iterator[Callable[[floa
     total = duration or 0.0
     form = "{percentage:3.0f}% |{bar:40}| {n:.0f} of {total:.0f} s"
     out: Any = sys.stderr if terminal else _Lines()
-    with tqdm(
+    bar = tqdm(
         total=total,
         bar_format=form,
         mininterval=0.1 if terminal else 2.0,
         disable=disable,
         ascii=" =",
         file=out,
-    ) as bar:
+    )
+    with bar, logging_redirect_tqdm():
 
         def progress(seconds: float) -> None:
             bar.update(min(seconds, total) - bar.n)

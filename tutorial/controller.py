@@ -73,13 +73,13 @@ class SimpleController:
         """Join a body: make publishers and subscriptions. Main thread."""
 
     def initialize(self, io: ControllerIO) -> None:
-        """Get ready for the first step, at every start of the simulation. Simulation thread."""
+        """Get ready for the first step, at every start of the simulation. The thread that steps it."""
 
     def control(self) -> None:
-        """Read sensors and set actuators, before every step. Simulation thread."""
+        """Read sensors and set actuators, before every step. The thread that steps the simulation."""
 
     def stop(self) -> None:
-        """Let go, when the simulation stops. Simulation thread."""
+        """Let go, when no step will ask for control any more. The thread that stops the simulation."""
 
     def unconfigure(self) -> None:
         """Leave the body: destroy what `configure` made. Main thread."""

@@ -118,15 +118,17 @@ class CallQueue:
 
     def _turn(self) -> None:
         """Run what waits now; what comes in meanwhile gets a turn of its own. Main thread."""
-        for _ in range(len(self._waiting)):
-            call = self._next()
-            if call is None:
-                break
-            call.run()
-        with self._lock:
-            self._awake = False
-            if self._waiting:
-                self._wake()
+        try:
+            for _ in range(len(self._waiting)):
+                call = self._next()
+                if call is None:
+                    break
+                call.run()
+        finally:  # also after a KeyboardInterrupt: in a notebook the loop goes on, and so does what waits
+            with self._lock:
+                self._awake = False
+                if self._waiting:
+                    self._wake()
 
     def _next(self) -> _Call | None:
         with self._lock:

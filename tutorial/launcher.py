@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import datetime
 from importlib import import_module
-from itertools import cycle
+from itertools import chain, count, cycle
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, TextIO
@@ -43,16 +43,23 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
     """
     with _own_launch() as launch:
         try:
-            description = runpy.run_path(str(path))["generate_launch_description"]()
+            generate = runpy.run_path(str(path)).get("generate_launch_description")
+            if generate is None:
+                raise TutorialError(f"{path} has no function generate_launch_description().")
+            description = generate()
+        except TutorialError:
+            raise
         except ImportError as error:
             mend = f"Run it with a real ROS 2: ros2 launch {path}"
             raise TutorialError(f"{path} uses more than the tutorial's launch has: {error}. {mend}") from error
-        except KeyError:
-            raise TutorialError(f"{path} has no function generate_launch_description().") from None
         except Exception as error:
             raise TutorialError(f"{path} failed: {type(error).__name__}: {error}") from error
-        execute_process = launch.actions.ExecuteProcess
+    if not isinstance(description, launch.LaunchDescription):
+        raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription.")
+    execute_process = launch.actions.ExecuteProcess
     entities = list(description.entities)
+    if not entities:
+        raise TutorialError(f"{path} describes no process. Give its LaunchDescription an ExecuteProcess.")
     for entity in entities:
         if not isinstance(entity, execute_process):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
@@ -63,8 +70,7 @@ class Launcher:
     """Starts processes, prints their output with their names in front, and sees to it that they end together.
 
     When one fails, the others are stopped: asked first, killed if they don't. None outlives the launcher, even when it
-        is
-    killed: see `tutorial.lifeline`.
+    is killed: see `tutorial.lifeline`.
 
     Args:
         processes: what to start.
@@ -78,10 +84,10 @@ class Launcher:
         environment: Mapping[str, str],
         output: TextIO | None = None,
     ) -> None:
-        self._processes = processes
+        self._processes = _by_name(processes)
         self._environment = environment
-        self._printer = Printer(output or sys.stdout, width=max(len(_name(p)) for p in processes))
-        self._colours = dict(zip(map(_name, processes), cycle(get_colours())))
+        self._printer = Printer(output or sys.stdout, width=max(map(len, self._processes)))
+        self._colours = dict(zip(self._processes, cycle(get_colours())))
         self._running: dict[str, asyncio.subprocess.Process] = {}
         self._stop = asyncio.Event()
         self.interrupted = False
@@ -98,10 +104,11 @@ class Launcher:
             loop.add_signal_handler(number, self._interrupt)
         read_end, write_end = os.pipe()
         try:
-            for process in self._processes:
-                self._running[_name(process)] = await self._start(process, read_end)
+            for name, process in self._processes.items():
+                self._running[name] = await self._start(name, process, read_end)
             return await self._see_through()
         finally:
+            await self._stop_all()
             os.close(read_end)
             os.close(write_end)
             for number in signals:
@@ -111,9 +118,9 @@ class Launcher:
         self.interrupted = True
         self._stop.set()
 
-    async def _start(self, process: ExecuteProcess, read_end: int) -> asyncio.subprocess.Process:
+    async def _start(self, name: str, process: ExecuteProcess, read_end: int) -> asyncio.subprocess.Process:
         environment = {
-            **os.environ,
+            **(os.environ if process.env is None else process.env),
             "PYTHONUNBUFFERED": "1",
             **self._environment,
             **(process.additional_env or {}),
@@ -121,16 +128,19 @@ class Launcher:
         environment["PATH"] = os.pathsep.join((str(Path(sys.executable).parent), environment.get("PATH", os.defpath)))
         command = [str(word) for word in process.cmd]
         command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
-        return await asyncio.create_subprocess_exec(
-            *(sys.executable, "-S", "-I", lifeline.__file__, str(read_end), *command),
-            stdin=asyncio.subprocess.DEVNULL,
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.STDOUT,
-            pass_fds=(read_end,),
-            start_new_session=True,
-            env=environment,
-            cwd=process.cwd,
-        )
+        try:
+            return await asyncio.create_subprocess_exec(
+                *(sys.executable, "-S", "-I", lifeline.__file__, str(read_end), *command),
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.STDOUT,
+                pass_fds=(read_end,),
+                start_new_session=True,
+                env=environment,
+                cwd=process.cwd,
+            )
+        except OSError as error:
+            raise TutorialError(f"{name} could not be started: {error.strerror}: {error.filename!r}") from error
 
     async def _see_through(self) -> int:
         """Print and wait; at the first failure, or when asked to, stop all."""
@@ -162,22 +172,34 @@ class Launcher:
         while line := await _read_line(process.stdout):
             self._say(name, line, self._colours[name])
         status = await process.wait()
-        del self._running[name]
+        self._running.pop(name, None)
         return status if status >= 0 else 128 - status
 
     async def _stop_all(self) -> None:
         """Ask every process group that is left to stop, and kill what hasn't in time."""
-        _signal_groups(self._running.values(), signal.SIGINT)
+        self._signal_groups(signal.SIGINT)
         for _ in range(round(PATIENCE / 0.1)):
-            if not self._running:
+            if not self._signal_groups(0):
                 return
             await asyncio.sleep(0.1)
         for name in self._running:
             self._say(name, f"did not stop within {PATIENCE:g} s and is killed")
-        _signal_groups(self._running.values(), signal.SIGKILL)
+        self._signal_groups(signal.SIGKILL)
+
+    def _signal_groups(self, number: int) -> bool:
+        """Signal every process group that is left, 0 to ask nothing of it; return whether there is one."""
+        for name, process in tuple(self._running.items()):
+            try:
+                os.killpg(process.pid, number)
+            except (ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
+                self._running.pop(name)
+        return bool(self._running)
 
     def _say(self, name: str, line: str, colour: str | None = None) -> None:
-        self._printer.write(Message(type="line", data=line, time=datetime.now(), name=name, colour=colour))
+        try:
+            self._printer.write(Message(type="line", data=line, time=datetime.now(), name=name, colour=colour))
+        except BrokenPipeError:  # whoever read has gone, as head does
+            self._stop.set()
 
 
 async def _read_line(stream: asyncio.StreamReader) -> str:
@@ -188,16 +210,14 @@ async def _read_line(stream: asyncio.StreamReader) -> str:
         return "...\n"
 
 
-def _signal_groups(processes: Iterable[asyncio.subprocess.Process], number: signal.Signals) -> None:
-    for process in tuple(processes):
-        try:
-            os.killpg(process.pid, number)
-        except ProcessLookupError:
-            continue
-
-
-def _name(process: ExecuteProcess) -> str:
-    return process.name or Path(str(process.cmd[0])).name
+def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
+    """Call each process by its name, or else its program's; a second one of the same name gets a number."""
+    named: dict[str, ExecuteProcess] = {}
+    for process in processes:
+        name = process.name or Path(str(process.cmd[0])).name
+        unique = next(each for each in chain([name], (f"{name}-{n}" for n in count(2))) if each not in named)
+        named[unique] = process
+    return named
 
 
 @contextmanager

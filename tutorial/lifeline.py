@@ -22,14 +22,17 @@ PATIENCE = 5.0  # [s] from asking to killing
 def main() -> int:
     """Run the command, and return its exit status; 128 + n where signal n ended it."""
     fd, *command = sys.argv[1:]
+    asked: list[int] = []
     for asking in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(asking, lambda *_: None)  # a handler, unlike SIG_IGN, is not inherited by the command
+        signal.signal(asking, lambda number, _: asked.append(number))  # unlike SIG_IGN not inherited by the command
     try:
         process = subprocess.Popen(command)
     except OSError as error:
         print(f"{command[0]} could not be started: {error.strerror}", file=sys.stderr)  # noqa: T201
         return 127
     threading.Thread(target=_watch, args=(int(fd), process), daemon=True).start()
+    for number in asked:  # before there was a command to hear it
+        process.send_signal(number)
     status = process.wait()
     return status if status >= 0 else 128 - status
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tutorial import ros_backend
+from tutorial.errors import TutorialError
 from tutorial.joints import JointTally
 from tutorial.ros import TopicMeter
 
@@ -48,10 +49,18 @@ def write_record(record: Mapping[str, Any], directory: Path) -> Path:
 
     Returns:
         Where it was written.
+
+    Raises:
+        TutorialError: it cannot be written there.
     """
-    directory.mkdir(parents=True, exist_ok=True)
     path = directory / f"{record['node']}.json"
-    path.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise TutorialError(
+            f"the report {str(path)!r} cannot be written: {error.strerror}. Give another DIR."
+        ) from error
     return path
 
 

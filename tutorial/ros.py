@@ -73,9 +73,9 @@ class TopicMeter:
 
     def latency_ms(self) -> dict[str, float | None]:
         """Return median and 99th percentile of the time from publication to callback [ms]; None where unknown."""
-        if len(self._latencies_ns) < 2:
+        milliseconds = [ns / 1e6 for ns in self._latencies_ns.copy()]  # a copy, for messages may go on arriving
+        if len(milliseconds) < 2:
             return {"median": None, "p99": None}
-        milliseconds = [ns / 1e6 for ns in self._latencies_ns]
         p99 = statistics.quantiles(milliseconds, n=100, method="inclusive")[98]
         return {"median": round(statistics.median(milliseconds), 3), "p99": round(p99, 3)}
 

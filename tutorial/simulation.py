@@ -82,6 +82,7 @@ class Simulation:
         self._step = 0
         self._initialized = False
         self._thread: threading.Thread | None = None
+        self._duration: float | None = None  # of the last start
         self._stepping = threading.Lock()  # held for a batch of steps
         self._stopping = threading.Event()
         self._finished = threading.Event()
@@ -137,6 +138,7 @@ class Simulation:
         self._join()
         self._stopping.clear()
         self._finished.clear()
+        self._duration = duration
         self.error = None
         last_step = None if duration is None else self._step + round(duration / self.time_step)
         self._thread = threading.Thread(target=self._main, args=(last_step,), name="simulation", daemon=True)
@@ -149,14 +151,17 @@ class Simulation:
         self._let_go()
 
     def restart(self) -> None:
-        """Go back to time 0 and the initial pose, with controllers initialized anew; and go on, if it was running."""
+        """Go back to time 0 and the initial pose, with controllers initialized anew.
+
+        If it was running, it starts again, for as long as it was started for.
+        """
         running = self.running
         self.stop()
         mujoco.mj_resetData(self.model, self.data)
         self._step = 0
         self.snapshot.put(self._snap())
         if running:
-            self.start()
+            self.start(self._duration)
 
     def wait(self, timeout: float | None = None) -> bool:
         """Block until the thread has come to its end by itself.
@@ -178,7 +183,8 @@ class Simulation:
         with self._stepping:
             leaving = [controller for controller, io in self._controllers if io.body.name == body]
             self._controllers = [(c, io) for c, io in self._controllers if io.body.name != body]
-        if self._initialized:
+            initialized = self._initialized
+        if initialized:
             _stop_all(leaving)
 
     def copy_to(self, bodies: Iterable[Body]) -> float:
@@ -242,18 +248,21 @@ class Simulation:
             raise self._controller_error(controller, error) from error
 
     def _initialize(self) -> None:
-        """Let every controller look at the state it starts from, once a start."""
+        """Let every controller look at the state it starts from, once a start: all of them, or none."""
         if self._initialized:
             return
         mujoco.mj_forward(self.model, self.data)
-        self._initialized = True
-        controller: SimpleController | None = None
-        try:
+        ready: list[SimpleController] = []
+        with self._stepping:
             for controller, io in self._controllers:
                 io.step = self._step
-                controller.initialize(io)
-        except Exception as error:
-            raise self._controller_error(controller, error) from error
+                try:
+                    controller.initialize(io)
+                except Exception as error:
+                    _stop_all(ready)
+                    raise self._controller_error(controller, error) from error
+                ready.append(controller)
+            self._initialized = True
 
     def _let_go(self) -> None:
         if not self._initialized:

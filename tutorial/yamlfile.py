@@ -44,10 +44,9 @@ class YamlFile(Generic[T]):
 
     def __init__(self, path: Path, shape: type[T], what: str) -> None:
         self.path = path
-        text = _read(path, what)
-        self._root = self._compose(text)
+        self._root, content = self._parse(_read(path, what))
         try:
-            self.data = msgspec.convert(yaml.safe_load(text), shape)
+            self.data = msgspec.convert(content, shape)
         except msgspec.ValidationError as error:
             raise self._explain(error, shape) from None
 
@@ -69,19 +68,19 @@ class YamlFile(Generic[T]):
             node = node.value[step] if isinstance(step, int) else {k.value: v for k, v in node.value}[step]
         return node
 
-    def _compose(self, text: str) -> yaml.Node:
-        """Read the file once more as nodes, which know their lines."""
+    def _parse(self, text: str) -> tuple[yaml.Node, Any]:
+        """Read the file as nodes, which know their lines, and as what they say."""
         try:
             root = yaml.compose(text, Loader=yaml.SafeLoader)
+            if root is not None:
+                return root, yaml.SafeLoader("").construct_document(root)
         except yaml.MarkedYAMLError as error:
             line = error.problem_mark.line + 1 if error.problem_mark else 1
             problem = " ".join(filter(None, (error.context, error.problem)))
             raise TutorialError(f"{self.path}, line {line}: this is not YAML: {problem}.") from error
-        except yaml.YAMLError as error:
+        except (yaml.YAMLError, ValueError) as error:  # ValueError: a date that there is not
             raise TutorialError(f"{self.path}, line 1: this is not YAML: {error}") from error
-        if root is None:
-            raise TutorialError(f"{self.path}, line 1: the file is empty.")
-        return root
+        raise TutorialError(f"{self.path}, line 1: the file is empty.")
 
     def _explain(self, error: msgspec.ValidationError, shape: type[T]) -> TutorialError:
         """Say an error of msgspec's, such as ``Expected `float`, got `str` - at `$.drive```, in YAML's words."""
