@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import random
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,9 +18,7 @@ def reserved_domain() -> Iterator[int]:
     """Hold a ROS_DOMAIN_ID that nobody else holds; a lock file of each number, let go when the process ends."""
     directory = Path(tempfile.gettempdir()) / f"ros-domains-{os.getuid()}"
     directory.mkdir(exist_ok=True)
-    count = LAST - FIRST + 1
-    for step in range(count):
-        number = FIRST + (os.getpid() + step) % count
+    for number in random.sample(range(FIRST, LAST + 1), LAST - FIRST + 1):
         with (directory / str(number)).open("w") as lock:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import signal
+import socket
 
 import pytest
 from browser import Witness, chromium, open_browser, pixels
@@ -169,6 +170,9 @@ def test_nothing_is_left_of_a_launched_step_whose_launcher_is_killed(program):
     assert len(ports) == 2
     running.process.kill()
     running.leaves_nothing()
+    for port in ports:
+        with socket.create_server(("127.0.0.1", port)):
+            pass  # it is free again
 
 
 def test_two_nodes_of_one_name_are_said_in_plain_words(program):

@@ -72,7 +72,6 @@ headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS
 
 def main() -> None:
     """Run the command that the shell was given, and exit with its status."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # until a command takes Ctrl-C over, it ends all without a traceback
     words, ros_args = _split(sys.argv[1:])
     logging.basicConfig(format="[%(levelname)s] %(message)s", level=logging.INFO)
     try:
@@ -178,7 +177,7 @@ def demo(duration: float | None, headless: bool) -> int:
 
     from tutorial.demo import read_records, summary
 
-    if duration is None and not sys.stdin.isatty():
+    if duration is None and not (sys.stdin.isatty() and sys.stdout.isatty()):
         duration = 20.0
     click.echo("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.")
     click.echo("Look at the two addresses that the simulation and the viewer print.")

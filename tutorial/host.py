@@ -15,7 +15,7 @@ from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import CallQueue, CallScope
 from tutorial.joints import JointReport, JointTally
 from tutorial.record import make_record
-from tutorial.ros import NodeThread
+from tutorial.ros import MeteredNode, NodeThread
 from tutorial.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ class Host:
         self._calls = CallQueue(asyncio.get_running_loop())
         self._view = view
         self._items: dict[str, _Item] = {}
+        self._removed: list[_Item] = []
         self.simulation: Simulation | None = None
         self._ros = NodeThread("tank", ros_args)
         self.node = self._ros.node
@@ -136,7 +137,9 @@ class Host:
             raise TutorialError(f"there is no body {name!r}.{did_you_mean(name, self._items)}")
         if self.simulation is not None:
             self.simulation.release(name)
-        self._items.pop(name).close()
+        item = self._items.pop(name)
+        item.close()
+        self._removed.append(item)
         if self._view is not None:
             self._view.remove(name)
 
@@ -144,13 +147,15 @@ class Host:
         """Sum the run up; where joint states are published, the last of them count. See `tutorial.record`."""
         tally = JointTally()
         joints: dict[str, float] = {}
-        for item in self._items.values():
+        applied: dict[str, int] = {}
+        for item in (*self._removed, *self._items.values()):
             tally.merge(item.tally)
+            applied.update(dict.fromkeys(item.joint_topics, item.tally.messages))
             joints.update({joint.name: joint.position for joint in item.body.joints})
         for meter in self.node.meters:
             if meter.direction == "published" and hasattr(meter.last, "position"):
                 joints.update(zip(meter.last.name, meter.last.position))
-        return make_record(self.node.get_name(), self.seconds, self.node.meters, joints, tally)
+        return make_record(self.node.get_name(), self.seconds, self.node.meters, joints, tally, applied)
 
     def close(self) -> None:
         """Let everything go: the simulation, the controllers, the node. Idempotent."""
@@ -232,15 +237,17 @@ class _Item:
         self.body = body
         self.controllers: list[SimpleController] = []
         self.tally = JointTally()
+        self.joint_topics: list[str] = []
         self._scopes: list[CallScope] = []
         self._dirty = True
         self._report: JointReport | None = None
         self._shown_at = 0.0
         self._complained_at = -COMPLAIN_EVERY
 
-    def attach(self, controller_class: type[SimpleController], node: Any, calls: CallQueue) -> None:
+    def attach(self, controller_class: type[SimpleController], node: MeteredNode, calls: CallQueue) -> None:
         """Make a controller and have it join the body."""
         name = controller_class.__name__
+        topics_before = len(node.meters)
         scope = calls.scope(f"{name} of {self.body.name}")
         controller = controller_class()
         try:
@@ -251,6 +258,7 @@ class _Item:
             raise TutorialError(f"{name} could not join {self.body.name}: {type(error).__name__}: {error}") from error
         self.controllers.append(controller)
         self._scopes.append(scope)
+        self.joint_topics += [meter.topic for meter in node.meters[topics_before:] if meter.brings_joint_states]
 
     def changed(self, report: JointReport | None) -> None:
         """Note that the body is to be drawn, and what its message was like."""

@@ -21,6 +21,7 @@ def make_record(
     meters: Iterable[TopicMeter],
     joints: Mapping[str, float] | None = None,
     tally: JointTally | None = None,
+    applied: Mapping[str, int] | None = None,
 ) -> dict[str, Any]:
     """Sum up what a process did.
 
@@ -30,6 +31,7 @@ def make_record(
         meters: what its node has counted.
         joints: where its joints are in the end [rad or m].
         tally: what joint matching found, where joint states are shown.
+        applied: how many messages were shown, by topic.
 
     Returns:
         A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``.
@@ -39,7 +41,7 @@ def make_record(
         "ros": ros_backend(),
         "seconds": round(seconds, 3),
         "joints": dict(joints or {}),
-        "topics": {meter.topic: _topic(meter, tally) for meter in meters},
+        "topics": {meter.topic: _topic(meter, applied or {}) for meter in meters},
         "report": (tally or JointTally()).as_dict(),
     }
 
@@ -64,10 +66,10 @@ def write_record(record: Mapping[str, Any], directory: Path) -> Path:
     return path
 
 
-def _topic(meter: TopicMeter, tally: JointTally | None) -> dict[str, Any]:
+def _topic(meter: TopicMeter, applied: Mapping[str, int]) -> dict[str, Any]:
     counts = {meter.direction: meter.count}
-    if meter.direction == "received" and tally is not None and tally.messages:
-        counts["applied"] = tally.messages
+    if meter.topic in applied:
+        counts["applied"] = applied[meter.topic]
     return {
         "type": meter.type_name,
         **counts,

@@ -61,6 +61,11 @@ class TopicMeter:
             self._latencies_ns.append(latency_ns)
 
     @property
+    def brings_joint_states(self) -> bool:
+        """Whether these are joint states that the program receives."""
+        return self.direction == "received" and self.type_name == "sensor_msgs/msg/JointState"
+
+    @property
     def idle(self) -> float:
         """How long ago the last message was [s]; infinite before the first."""
         return time.monotonic() - self._last_at if self.count else math.inf

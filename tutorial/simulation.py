@@ -242,6 +242,7 @@ class Simulation:
                     for controller, io in self._controllers:
                         io.step = self._step
                         controller.control()
+                    controller = None
                     mj_step(model, data)
                     self._step += 1
         except Exception as error:
@@ -271,7 +272,7 @@ class Simulation:
         _stop_all(controller for controller, _ in self._controllers)
 
     def _controller_error(self, controller: SimpleController | None, error: Exception) -> ControllerError:
-        name = type(controller).__name__
+        name = "MuJoCo" if controller is None else type(controller).__name__
         return ControllerError(f"{name} failed at {self.time:.3f} s of simulated time: {type(error).__name__}: {error}")
 
     def _join(self) -> None:

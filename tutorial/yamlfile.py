@@ -122,3 +122,5 @@ def _read(path: Path, what: str) -> str:
         return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise TutorialError(f"{path}: this is not a text file in UTF-8: {error}") from error
+    except OSError as error:
+        raise TutorialError(f"{path} cannot be read: {error.strerror}.") from error

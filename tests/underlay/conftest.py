@@ -1,8 +1,7 @@
-"""Fixtures: a domain of its own for the run, a context and a node for each test, and a helper to spin until."""
+"""Fixtures: a context and a node for each test, in a domain of its own, and a helper to spin until."""
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import time
@@ -10,32 +9,16 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-
-import tutorial  # noqa: F401  (promises an rclpy)
-
-sys.path.insert(0, str(Path(__file__).parent.parent))
-
 import rclpy
-from domains import reserved_domain
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+import tutorial  # noqa: F401  (promises an rclpy)
+
 REPOSITORY = Path(__file__).parents[2]
 PATIENCE = 30.0
 """How long a condition may take to come true [s]: long, for both cores may be busy. Only a failing test waits so."""
-
-
-@pytest.fixture(scope="session")
-def domain() -> Iterator[int]:
-    """A ROS domain that nobody else uses; processes started by tests inherit it."""
-    with reserved_domain() as number:
-        before = os.environ.get("ROS_DOMAIN_ID")
-        os.environ["ROS_DOMAIN_ID"] = str(number)
-        yield number
-        os.environ.pop("ROS_DOMAIN_ID")
-        if before is not None:
-            os.environ["ROS_DOMAIN_ID"] = before
 
 
 @pytest.fixture

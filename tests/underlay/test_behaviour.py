@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from domains import reserved_domain
 
 RECORDED = json.loads((Path(__file__).parent / "data/rclpy_behaviour.json").read_text())
 
@@ -40,18 +42,20 @@ print(json.dumps(results))
 
 
 @pytest.fixture(scope="module")
-def results(domain: int) -> dict[int, list[Any]]:
+def results() -> dict[int, list[Any]]:
     """What the underlay does, by the recording's row."""
     snippets = [row["code"] for row in RECORDED["rows"]]
-    done = subprocess.run(
-        [sys.executable, "-c", f"import tutorial\n{RUNNER}"],
-        input=json.dumps([RECORDED["prelude"], snippets]),
-        capture_output=True,
-        text=True,
-        check=True,
-        cwd=Path(__file__).parents[2],
-        timeout=100,
-    )
+    with reserved_domain() as domain:
+        done = subprocess.run(
+            [sys.executable, "-c", f"import tutorial\n{RUNNER}"],
+            env=os.environ | {"ROS_DOMAIN_ID": str(domain)},
+            input=json.dumps([RECORDED["prelude"], snippets]),
+            capture_output=True,
+            text=True,
+            check=True,
+            cwd=Path(__file__).parents[2],
+            timeout=100,
+        )
     return {row["id"]: result for row, result in zip(RECORDED["rows"], json.loads(done.stdout), strict=True)}
 
 

@@ -93,6 +93,48 @@ def test_exit_while_another_thread_spins(start: Start) -> None:
     assert "Fatal" not in errors
 
 
+@pytest.mark.parametrize("busy", ["rclpy.spin(node)", "publish_for_ever()"])
+def test_daemon_threads_say_nothing_at_exit(start: Start, busy: str) -> None:
+    process = start(f"""
+import rclpy, threading, time
+from std_msgs.msg import String
+rclpy.init(args=[])
+node = rclpy.create_node("x")
+publisher = node.create_publisher(String, "x", 10)
+def publish_for_ever():
+    while True:
+        publisher.publish(String())
+threading.Thread(target=lambda: {busy}, daemon=True).start()
+time.sleep(0.1)
+""")
+    _, errors = process.communicate(timeout=60)
+    assert (process.returncode, errors) == (0, "")
+
+
+def test_threads_may_ask_for_the_graph_at_once(start: Start) -> None:
+    process = start("""
+import rclpy, threading
+from std_msgs.msg import String
+rclpy.init(args=[])
+node = rclpy.create_node("x")
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+def ask():
+    for _ in range(100):
+        publisher = node.create_publisher(String, "x", 10)
+        subscription = node.create_subscription(String, "x", print, 10)
+        node.get_topic_names_and_types()
+        publisher.destroy()
+        subscription.destroy()
+threads = [threading.Thread(target=ask) for _ in range(4)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+""")
+    _, errors = process.communicate(timeout=60)
+    assert (process.returncode, errors) == (0, "")
+
+
 def test_too_many_processes_is_said(domain: int, start: Start) -> None:
     join = f"""
 import sys
@@ -134,3 +176,21 @@ def test_start_and_shutdown_leaves_nothing_behind(domain: int) -> None:
         once()
     sys.argv = arguments
     assert resources() == before
+
+
+def test_coming_and_going_leaves_nothing_behind(node: Node) -> None:
+    def once() -> None:
+        node.create_subscription(String, "x", print, 10).destroy()
+        node.create_publisher(String, "x", 10).destroy()
+
+    def memory() -> int:
+        return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+
+    if not Path("/proc/self/statm").exists():
+        pytest.skip("reads what Linux says in /proc")
+    for _ in range(300):
+        once()
+    before = memory()
+    for _ in range(700):
+        once()
+    assert memory() - before < 700 * 1500  # it was 3800 bytes each time

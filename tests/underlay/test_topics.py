@@ -130,6 +130,22 @@ def test_counts_of_partners(node: Node, spin_until: SpinUntil) -> None:
     assert publisher.topic_name == "/Tank/x"
 
 
+def test_counting_while_partners_come_and_go(node: Node) -> None:
+    publisher = node.create_publisher(String, "x", 10)
+    subscription = node.create_subscription(String, "x", print, 10)
+
+    def come_and_go() -> None:
+        for _ in range(200):
+            node.create_subscription(String, "x", print, 10).destroy()
+            node.create_publisher(String, "x", 10).destroy()
+
+    thread = threading.Thread(target=come_and_go)
+    thread.start()
+    while thread.is_alive():
+        assert publisher.get_subscription_count() in (1, 2)
+        assert subscription.get_publisher_count() in (1, 2)
+
+
 def test_coming_and_going_while_spinning(context: Context, node: Node) -> None:
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
@@ -199,10 +215,41 @@ def test_use_after_shutdown(context: Context, node: Node) -> None:
         context.shutdown()
 
 
+def test_counts_after_shutdown(context: Context, node: Node) -> None:
+    publisher = node.create_publisher(String, "x", 10)
+    subscription = node.create_subscription(String, "x", print, 10)
+    context.shutdown()
+    with pytest.raises(RuntimeError, match="subscription count: publisher's context is invalid"):
+        publisher.get_subscription_count()
+    with pytest.raises(RuntimeError, match="publisher count: subscription's context is invalid"):
+        subscription.get_publisher_count()
+
+
+def test_announcements_of_others_are_taken_in_while_spinning(
+    node: Node, domain: int, executor: SingleThreadedExecutor, spin_until: SpinUntil
+) -> None:
+    other = Context()
+    other.init(args=[])
+    with other:
+        Node("other", context=other)
+        spin_until(lambda: node.context.graph._remote)
+
+
+def test_executors_that_are_gone_are_forgotten(context: Context) -> None:
+    for _ in range(20):
+        SingleThreadedExecutor(context=context).shutdown()
+    assert len(context._callbacks) <= 2
+
+
 def test_use_after_destruction(node: Node) -> None:
     publisher = node.create_publisher(String, "x", 10)
     node.destroy_node()
-    for use in (lambda: publisher.publish(String()), lambda: node.create_publisher(String, "y", 10)):
+    for use in (
+        lambda: publisher.publish(String()),
+        lambda: node.create_publisher(String, "y", 10),
+        publisher.get_subscription_count,
+        publisher.wait_for_all_acked,
+    ):
         with pytest.raises(RuntimeError, match="destruction was requested"):
             use()
 

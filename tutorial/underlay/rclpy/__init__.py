@@ -19,7 +19,8 @@ except ImportError as error:
     ) from error
 
 import threading  # noqa: E402
-from collections.abc import Sequence  # noqa: E402
+from collections.abc import Iterator, Sequence  # noqa: E402
+from contextlib import contextmanager  # noqa: E402
 from typing import TYPE_CHECKING, Any  # noqa: E402
 
 from rclpy import logging  # noqa: E402
@@ -125,13 +126,9 @@ def spin(node: Node, executor: Executor | None = None) -> None:
         node: whose.
         executor: None takes the global one.
     """
-    executor = executor or get_global_executor()
-    try:
-        executor.add_node(node)
-        while executor.context.ok():
-            executor.spin_once()
-    finally:
-        executor.remove_node(node)
+    with _running(node, executor) as running:
+        while running.context.ok():
+            running.spin_once()
 
 
 def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
@@ -142,12 +139,8 @@ def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: floa
         executor: None takes the global one.
         timeout_sec: how long to wait [s]; None or negative: without end.
     """
-    executor = executor or get_global_executor()
-    try:
-        executor.add_node(node)
-        executor.spin_once(timeout_sec=timeout_sec)
-    finally:
-        executor.remove_node(node)
+    with _running(node, executor) as running:
+        running.spin_once(timeout_sec=timeout_sec)
 
 
 def spin_until_future_complete(
@@ -161,10 +154,16 @@ def spin_until_future_complete(
         executor: None takes the global one.
         timeout_sec: how long to wait [s]; None or negative: without end.
     """
+    with _running(node, executor) as running:
+        running.spin_until_future_complete(future, timeout_sec)
+
+
+@contextmanager
+def _running(node: Node, executor: Executor | None) -> Iterator[Executor]:
     executor = executor or get_global_executor()
     try:
         executor.add_node(node)
-        executor.spin_until_future_complete(future, timeout_sec)
+        yield executor
     finally:
         executor.remove_node(node)
 

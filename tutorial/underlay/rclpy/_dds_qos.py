@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from _rosidl.definitions import type_hash
+from _rosidl.message import Message
 from cyclonedds.qos import Policy, Qos
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
@@ -15,12 +17,12 @@ POLICY_NAMES = {2: "DURABILITY", 4: "DEADLINE", 8: "LIVELINESS", 11: "RELIABILIT
 """DDS's numbers of the policies that can keep a publisher and a subscription apart."""
 
 
-def to_dds(profile: QoSProfile, type_hash: str, *, writer: bool) -> Qos:
+def to_dds(profile: QoSProfile, msg_type: type[Message], *, writer: bool) -> Qos:
     """Return the policies of a writer or reader.
 
     Args:
         profile: what the program asks for.
-        type_hash: of the message type, announced with the endpoint.
+        msg_type: class of the messages; its hash is announced with the endpoint.
         writer: for a writer, else for a reader.
     """
     history = (
@@ -29,7 +31,7 @@ def to_dds(profile: QoSProfile, type_hash: str, *, writer: bool) -> Qos:
         else Policy.History.KeepLast(max(profile.depth, 1))
     )
     policies = [
-        Policy.Userdata(f"typehash={type_hash};".encode()),
+        Policy.Userdata(f"typehash={type_hash(msg_type._definition.type_name)};".encode()),
         history,
         _reliability(profile.reliability, writer),
         Policy.Deadline(profile.deadline.nanoseconds or FOREVER),

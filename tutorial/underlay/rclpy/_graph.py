@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from cyclonedds.builtin import (
@@ -16,11 +17,12 @@ from cyclonedds.builtin import (
     BuiltinTopicDcpsPublication,
     BuiltinTopicDcpsSubscription,
 )
-from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState
+from cyclonedds.core import DDSException, InstanceState, ReadCondition, SampleState, ViewState
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
+from rclpy._domain import close
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy._wire import decode, encode, payload_type
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
@@ -28,7 +30,7 @@ from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 if TYPE_CHECKING:
     from cyclonedds.domain import DomainParticipant
 
-__all__ = ["Endpoint", "Graph", "gid_of"]
+__all__ = ["Endpoint", "Graph", "gids_of"]
 
 MANY = 4096
 """More endpoints than are ever read at once."""
@@ -45,6 +47,8 @@ _WRITER_QOS = Qos(
 )
 _READER_QOS = Qos(*_BOTH_SIDES, Policy.History.KeepAll, Policy.IgnoreLocal.Participant)
 
+_listing = threading.Lock()
+
 
 def gid_of(guid: bytes) -> Gid:
     """Return a DDS identifier, 16 bytes, as ROS 2 sends it."""
@@ -56,20 +60,21 @@ class Graph:
 
     Args:
         participant: which one.
+
+    Attributes:
+        changes: what the executor waits on for :meth:`listen`.
     """
 
     def __init__(self, participant: DomainParticipant) -> None:
         self._lock = threading.RLock()
-        self._gid = participant.guid.bytes
+        self._participant = participant
         self._local: list[NodeEntitiesInfo] = []
         self._remote: dict[bytes, list[NodeEntitiesInfo]] = {}
         self._payload = payload_type(ParticipantEntitiesInfo)
         topic = Topic(participant, "ros_discovery_info", self._payload)
         self._writer = DataWriter(participant, topic, _WRITER_QOS)
         self._reader = DataReader(participant, topic, _READER_QOS)
-        self._participants = _Listing(participant, BuiltinTopicDcpsParticipant)
-        self._publications = _Listing(participant, BuiltinTopicDcpsPublication)
-        self._subscriptions = _Listing(participant, BuiltinTopicDcpsSubscription)
+        self.changes = ReadCondition(self._reader, ViewState.Any | SampleState.Any | InstanceState.Any)
 
     def add_node(self, namespace: str, name: str) -> NodeEntitiesInfo:
         """Announce a node of this process; what is returned stands for it in the other methods."""
@@ -95,34 +100,44 @@ class Graph:
     def nodes(self) -> list[NodeEntitiesInfo]:
         """Return all nodes there are, those of this process first."""
         with self._lock:
-            self._listen()
+            self.listen()
             return [*self._local, *(node for nodes in self._remote.values() for node in nodes)]
+
+    def listen(self) -> None:
+        """Take in what the others have announced, and forget those that are gone: a killed process says no goodbye.
+
+        The executor calls it now and then, or announcements would pile up in a program that never asks.
+        """
+        with self._lock:
+            while samples := self._reader.take(64):
+                for sample in samples:
+                    if sample.sample_info.valid_data:
+                        self._learn(sample.data)
+            alive = {participant.key.bytes for participant in _listed(self._participant, BuiltinTopicDcpsParticipant)}
+            self._remote = {gid: nodes for gid, nodes in self._remote.items() if gid in alive}
 
     def publishers(self, wire_topic: str | None = None) -> list[Endpoint]:
         """Return the writers on a topic, or on all."""
-        return [endpoint for endpoint in self._publications.read() if wire_topic in (None, endpoint.topic_name)]
+        return self._endpoints(BuiltinTopicDcpsPublication, wire_topic)
 
     def subscriptions(self, wire_topic: str | None = None) -> list[Endpoint]:
         """Return the readers on a topic, or on all."""
-        return [endpoint for endpoint in self._subscriptions.read() if wire_topic in (None, endpoint.topic_name)]
+        return self._endpoints(BuiltinTopicDcpsSubscription, wire_topic)
 
     def owner(self, endpoint: Endpoint) -> NodeEntitiesInfo | None:
         """Return the node that an endpoint belongs to, None if nobody says."""
         gid = endpoint.key.bytes
-        return next((node for node in self.nodes() if gid in _gids(node)), None)
+        return next((node for node in self.nodes() if gid in gids_of(node)), None)
+
+    def _endpoints(self, listing: Any, wire_topic: str | None) -> list[Endpoint]:
+        endpoints = _listed(self._participant, listing)
+        return [endpoint for endpoint in endpoints if wire_topic in (None, endpoint.topic_name)]
 
     def _announce(self) -> None:
-        info = ParticipantEntitiesInfo(gid=gid_of(self._gid), node_entities_info_seq=self._local)
-        self._writer.write(self._payload(encode(info)))
-
-    def _listen(self) -> None:
-        """Take in what the others have announced, and forget those that are gone: a killed process says no goodbye."""
-        while samples := self._reader.take(64):
-            for sample in samples:
-                if sample.sample_info.valid_data:
-                    self._learn(sample.data)
-        alive = {participant.key.bytes for participant in self._participants.read()}
-        self._remote = {gid: nodes for gid, nodes in self._remote.items() if gid in alive}
+        with suppress(DDSException):  # shut down at this moment: there is nobody to tell
+            gid = gid_of(self._participant.guid.bytes)
+            info = ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=self._local)
+            self._writer.write(self._payload(encode(info)))
 
     def _learn(self, data: bytes) -> None:
         try:
@@ -132,18 +147,23 @@ class Graph:
         self._remote[info.gid.data.tobytes()] = list(info.node_entities_info_seq)
 
 
-class _Listing:
-    """What Cyclone DDS lists on one of its built-in topics; made when it is first read."""
+def _listed(participant: DomainParticipant, topic: Any) -> list[Any]:
+    """Return what Cyclone DDS lists on one of its built-in topics.
 
-    def __init__(self, participant: DomainParticipant, topic: Any) -> None:
-        self._reader = BuiltinDataReader(participant, topic)
-        self._alive = ReadCondition(self._reader, ViewState.Any | SampleState.Any | InstanceState.Alive)
+    The reader lives only as long as the call, because what is gone would pile up in it. One call at a time in the whole
+    process: cyclonedds keeps the policies that it is converting in variables of a class.
+    """
+    with _listing:
+        reader = BuiltinDataReader(participant, topic)
+        try:
+            alive = ReadCondition(reader, ViewState.Any | SampleState.Any | InstanceState.Alive)
+            entries: list[Any] = reader.read(MANY, alive)
+            return entries
+        finally:
+            close(reader)
 
-    def read(self) -> list[Any]:
-        entries: list[Any] = self._reader.read(MANY, self._alive)
-        return entries
 
-
-def _gids(node: NodeEntitiesInfo) -> Iterator[bytes]:
+def gids_of(node: NodeEntitiesInfo) -> Iterator[bytes]:
+    """Return the DDS identifiers of a node's writers and readers."""
     for gid in (*node.writer_gid_seq, *node.reader_gid_seq):
         yield gid.data.tobytes()

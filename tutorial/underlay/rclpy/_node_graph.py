@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import re
-import threading
 from typing import TYPE_CHECKING
 
-from cyclonedds.core import DDSException
 from cyclonedds.qos import Policy
 from rclpy._dds_qos import from_dds
+from rclpy._graph import gids_of
 from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 
 if TYPE_CHECKING:
-    from rclpy._graph import Endpoint, Graph
+    from rclpy._graph import Endpoint
     from rclpy.context import Context
 
 __all__ = ["NodeGraph"]
@@ -22,33 +21,6 @@ class NodeGraph:
     """The part of a node that deals with the node graph."""
 
     _context: Context
-
-    def _join_graph(self, graph: Graph) -> None:
-        self._lock = threading.RLock()
-        self._graph = graph
-        self._entry = graph.add_node(self.get_namespace(), self.get_name())
-
-    def _announce_endpoints(self, writers: list[bytes], readers: list[bytes]) -> None:
-        try:
-            self._graph.set_endpoints(self._entry, writers, readers)
-        except DDSException:
-            if self._context.ok():
-                raise
-
-    def _leave_graph(self) -> None:
-        try:
-            self._graph.remove_node(self._entry)
-        except DDSException:
-            if self._context.ok():
-                raise
-
-    def get_name(self) -> str:
-        """Return its name."""
-        raise NotImplementedError
-
-    def get_namespace(self) -> str:
-        """Return its namespace."""
-        raise NotImplementedError
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
         """Return a topic's full name."""
@@ -83,32 +55,29 @@ class NodeGraph:
 
     def count_publishers(self, topic_name: str) -> int:
         """Return the number of publishers on a topic, in all processes."""
-        return len(self._context.graph.publishers(f"rt{self.resolve_topic_name(topic_name)}"))
+        return len(self._context.graph.publishers(self._wire_topic(topic_name)))
 
     def count_subscribers(self, topic_name: str) -> int:
         """Return the number of subscriptions on a topic, in all processes."""
-        return len(self._context.graph.subscriptions(f"rt{self.resolve_topic_name(topic_name)}"))
+        return len(self._context.graph.subscriptions(self._wire_topic(topic_name)))
 
     def get_publishers_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
         """Return what is known about each publisher on a topic."""
-        wire_topic = topic_name if no_mangle else f"rt{self.resolve_topic_name(topic_name)}"
-        return [
-            self._info(found, TopicEndpointTypeEnum.PUBLISHER) for found in self._context.graph.publishers(wire_topic)
-        ]
+        endpoints = self._context.graph.publishers(self._wire_topic(topic_name, no_mangle))
+        return [self._info(endpoint, TopicEndpointTypeEnum.PUBLISHER) for endpoint in endpoints]
 
     def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
         """Return what is known about each subscription on a topic."""
-        wire_topic = topic_name if no_mangle else f"rt{self.resolve_topic_name(topic_name)}"
-        return [
-            self._info(found, TopicEndpointTypeEnum.SUBSCRIPTION)
-            for found in self._context.graph.subscriptions(wire_topic)
-        ]
+        endpoints = self._context.graph.subscriptions(self._wire_topic(topic_name, no_mangle))
+        return [self._info(endpoint, TopicEndpointTypeEnum.SUBSCRIPTION) for endpoint in endpoints]
+
+    def _wire_topic(self, topic_name: str, no_mangle: bool = False) -> str:
+        return topic_name if no_mangle else f"rt{self.resolve_topic_name(topic_name)}"
 
     def _topics_of(self, name: str, namespace: str, endpoints: list[Endpoint]) -> list[tuple[str, list[str]]]:
-        nodes = [
-            node for node in self._context.graph.nodes() if (node.node_name, node.node_namespace) == (name, namespace)
-        ]
-        gids = {gid.data.tobytes() for node in nodes for gid in (*node.writer_gid_seq, *node.reader_gid_seq)}
+        nodes = self._context.graph.nodes()
+        same = (node for node in nodes if (node.node_name, node.node_namespace) == (name, namespace))
+        gids = {gid for node in same for gid in gids_of(node)}
         return _by_topic([endpoint for endpoint in endpoints if endpoint.key.bytes in gids])
 
     def _info(self, endpoint: Endpoint, kind: TopicEndpointTypeEnum) -> TopicEndpointInfo:

@@ -1,15 +1,17 @@
-"""The rules for names: those of rmw and rcl, with their wording.
-
-Each function returns None for a valid name, else what is wrong and at which index.
-"""
+"""The rules for names: those of rmw and rcl, with their wording."""
 
 from __future__ import annotations
 
 import re
 
-__all__ = ["Problem", "full_topic_name", "namespace", "node_name", "topic_name"]
+from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException, InvalidTopicNameException
+
+__all__ = ["validate_full_topic_name", "validate_namespace", "validate_node_name", "validate_topic_name"]
 
 Problem = tuple[str, int] | None
+"""What is wrong with a name, and at which index."""
+
+_Invalid = type[InvalidNamespaceException | InvalidNodeNameException | InvalidTopicNameException]
 Rule = tuple[str, str]
 """A pattern that must not be found, and what to say. The index is where the group ``here`` begins."""
 
@@ -35,48 +37,53 @@ TOPIC_NAME_RULES: list[Rule] = [
 ]
 
 
-def node_name(name: str) -> Problem:
-    """Check a node's name, without namespace."""
-    return ("node name must not be empty", 0) if not name else _first_broken(NODE_NAME_RULES, name)
+def validate_node_name(node_name: str) -> bool:
+    """Return True if a node's name, without namespace, is valid, else raise InvalidNodeNameException."""
+    problem = _first_broken(NODE_NAME_RULES, node_name) if node_name else ("node name must not be empty", 0)
+    return _refuse(InvalidNodeNameException, node_name, problem)
 
 
-def topic_name(name: str) -> Problem:
-    """Check a topic's name as given to a node: relative, absolute or private (``~/x``)."""
-    return ("topic name must not be empty string", 0) if not name else _first_broken(TOPIC_NAME_RULES, name)
+def validate_namespace(namespace: str) -> bool:
+    """Return True if a node's namespace is valid, else raise InvalidNamespaceException."""
+    problem = None if namespace == "/" else _absolute_problem("namespace", namespace, 245)
+    return _refuse(InvalidNamespaceException, namespace, problem)
 
 
-def full_topic_name(name: str) -> Problem:
-    """Check a topic's full name."""
-    return _absolute("topic name", name) or _first_broken(_absolute_rules("topic name", 255 - 8), name)
+def validate_topic_name(topic_name: str) -> bool:
+    """Return True if a topic's name as given to a node (relative, absolute or private) is valid.
+
+    Raises:
+        InvalidTopicNameException: it isn't; the text points at the place.
+    """
+    problem = _first_broken(TOPIC_NAME_RULES, topic_name) if topic_name else ("topic name must not be empty string", 0)
+    return _refuse(InvalidTopicNameException, topic_name, problem)
 
 
-def namespace(name: str) -> Problem:
-    """Check a node's namespace."""
-    if name == "/":
-        return None
-    return _absolute("namespace", name) or _first_broken(_absolute_rules("namespace", 245), name)
+def validate_full_topic_name(topic_name: str) -> bool:
+    """Return True if a topic's full name is valid, else raise InvalidTopicNameException."""
+    return _refuse(InvalidTopicNameException, topic_name, _absolute_problem("topic name", topic_name, 255 - 8))
 
 
-def _absolute(kind: str, name: str) -> Problem:
+def _refuse(exception: _Invalid, name: str, problem: Problem) -> bool:
+    if problem:
+        raise exception(name, *problem)
+    return True
+
+
+def _absolute_problem(kind: str, name: str, longest: int) -> Problem:
     if not name:
         return f"{kind} must not be empty", 0
-    return None if name.startswith("/") else (f"{kind} must be absolute, it must lead with a '/'", 0)
-
-
-def _absolute_rules(kind: str, longest: int) -> list[Rule]:
-    return [
-        (
-            r"(?P<here>/)$",
-            f"{kind} must not end with a '/'" + (", unless only a '/'" if kind == "namespace" else ""),
-        ),
-        (
-            r"(?P<here>[^A-Za-z0-9_/])",
-            f"{kind} must not contain characters other than alphanumerics, '_', or '/'",
-        ),
+    if not name.startswith("/"):
+        return f"{kind} must be absolute, it must lead with a '/'", 0
+    only = ", unless only a '/'" if kind == "namespace" else ""
+    rules = [
+        (r"(?P<here>/)$", f"{kind} must not end with a '/'{only}"),
+        (r"(?P<here>[^A-Za-z0-9_/])", f"{kind} must not contain characters other than alphanumerics, '_', or '/'"),
         (r"/(?P<here>/)", f"{kind} must not contain repeated '/'"),
         (r"/(?P<here>[0-9])", f"{kind} must not have a token that starts with a number"),
         (rf"^.{{{longest}}}(?P<here>.)", f"{kind} should not exceed '{longest}'"),
     ]
+    return _first_broken(rules, name)
 
 
 def _first_broken(rules: list[Rule], name: str) -> Problem:

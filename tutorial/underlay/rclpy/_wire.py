@@ -9,12 +9,12 @@ from __future__ import annotations
 import threading
 from typing import Any, ClassVar, Self, cast
 
-from _rosidl.definitions import Cardinality, Field, type_hash
+from _rosidl.definitions import Cardinality, Field
 from _rosidl.message import Message, message_class
 from cyclonedds.idl import IdlStruct, make_idl_struct, types
 from rclpy._rclpy_pybind11 import RCLError
 
-__all__ = ["Payload", "check_message_type", "decode", "encode", "payload_type", "type_hash_of", "wire_name"]
+__all__ = ["Payload", "check_message_type", "decode", "encode", "payload_type", "wire_name"]
 
 PRIMITIVES: dict[str, Any] = {
     "bool": bool,
@@ -116,23 +116,18 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
 
 def payload_type(message_type: type[Message]) -> type[Payload]:
     """Return the kind of payload that topics of a message type carry."""
-    with _lock:
-        if message_type not in _payload_types:
-            wire_type = _wire_type(message_type)
-            identity = {"__slots__": (), "__idl__": wire_type.__idl__, "__idl_typename__": wire_type.__idl_typename__}
-            _payload_types[message_type] = type(f"{message_type.__name__}Payload", (Payload,), identity)
-        return _payload_types[message_type]
+    known = _payload_types.get(message_type)
+    if known is not None:
+        return known
+    wire_type = _wire_type(message_type)
+    identity = {"__slots__": (), "__idl__": wire_type.__idl__, "__idl_typename__": wire_type.__idl_typename__}
+    return _payload_types.setdefault(message_type, type(f"{message_type.__name__}Payload", (Payload,), identity))
 
 
 def wire_name(type_name: str) -> str:
     """Return the type's name on the wire: ``"sensor_msgs::msg::dds_::Joy_"`` for ``"sensor_msgs/msg/Joy"``."""
     package, _, name = type_name.split("/")
     return f"{package}::msg::dds_::{name}_"
-
-
-def type_hash_of(message_type: type[Message]) -> str:
-    """Return the type's hash, which its endpoints announce."""
-    return type_hash(message_type._definition.type_name)
 
 
 def _wire_type(message_type: type[Message]) -> Any:

@@ -6,7 +6,7 @@ import atexit
 import threading
 import weakref
 from collections.abc import Callable, Sequence
-from types import MethodType, TracebackType
+from types import MethodType
 from typing import TYPE_CHECKING, Self
 
 from rclpy import _domain
@@ -106,8 +106,8 @@ class Context:
 
     def on_shutdown(self, callback: Callable[[], None]) -> None:
         """Call back once when it is shut down. A bound method is held weakly."""
-        is_method = isinstance(callback, MethodType)
-        self._callbacks.append(weakref.WeakMethod(callback) if is_method else lambda: callback)
+        reference = weakref.WeakMethod(callback) if isinstance(callback, MethodType) else lambda: callback
+        self._callbacks = [*(other for other in self._callbacks if other()), reference]
 
     def get_domain_id(self) -> int:
         """Return the number of the DDS domain.
@@ -163,12 +163,7 @@ class Context:
             self.init()
         return self
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc_val: BaseException | None,
-        exc_tb: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.try_shutdown()
 
 
@@ -184,6 +179,17 @@ _contexts = weakref.WeakSet()
 
 @atexit.register
 def _shut_down_all() -> None:
-    """Leave every domain when the interpreter ends, so that others learn at once that this process is gone."""
+    """Leave every domain when the interpreter ends, so that others learn at once that this process is gone.
+
+    The threads that still run are daemons, about to be stopped wherever they are. That they meet a closed context first
+    is no news to anybody.
+    """
+    report = threading.excepthook
+
+    def report_others(args: threading.ExceptHookArgs) -> None:
+        if not args.exc_type.__module__.startswith("rclpy."):
+            report(args)
+
+    threading.excepthook = report_others
     for context in list(_contexts):
         context.try_shutdown()

@@ -7,11 +7,11 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from cyclonedds.core import DDSException, GuardCondition, WaitSet
 from rclpy._domain import close
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.exceptions import NeedsRealROSError
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
@@ -20,17 +20,12 @@ from rclpy.utilities import get_default_context
 if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.node import Node
-    from rclpy.publisher import Publisher
     from rclpy.task import Future
 
-__all__ = ["Executor", "ExternalShutdownException", "ShutdownException", "SingleThreadedExecutor"]
+__all__ = ["Executor", "ExternalShutdownException", "SingleThreadedExecutor"]
 
 LONGEST_WAIT = 0.1
 """How long to wait at most within Cyclone DDS [s]: Python hears a Ctrl-C only between calls into C."""
-
-
-class ShutdownException(Exception):  # noqa: N818  (rclpy's name)
-    """The executor was shut down."""
 
 
 class ExternalShutdownException(Exception):  # noqa: N818  (rclpy's name)
@@ -222,13 +217,12 @@ class SingleThreadedExecutor:
             return False
 
     def _report_events(self) -> None:
-        with suppress(DDSException):  # shut down at this moment
+        with suppress(DDSException, RCLError):  # shut down at this moment
             self._guard.take()
+            self._context.graph.listen()
         for node in self._nodes:
-            entities: list[Publisher | Subscription] = [*node.publishers, *node.subscriptions]
-            for entity in entities:
-                with suppress(DDSException):  # destroyed at this moment
-                    entity.report_events()
+            for endpoint in (*node.publishers, *node.subscriptions):
+                endpoint.report_events()
 
     def _renew_wait_set(self) -> None:
         """Wait for what there is now. It is made anew because entities come and go on other threads."""
@@ -236,14 +230,16 @@ class SingleThreadedExecutor:
         try:
             wait_set = self._wait_set = WaitSet(self._context.participant)
             wait_set.attach(self._guard)
-        except (DDSException, RuntimeError):
+            wait_set.attach(self._context.graph.changes)
+        except (DDSException, RCLError):
             if self._context.ok() and not self._is_shutdown:
                 raise
             return
         for node in self._nodes:
-            for source in _sources(node):
-                with suppress(DDSException):  # destroyed at this moment, which wakes us again
-                    wait_set.attach(source)
+            for endpoint in (*node.publishers, *node.subscriptions):
+                for source in endpoint.event_sources():
+                    with suppress(DDSException):  # destroyed at this moment, which wakes us again
+                        wait_set.attach(source)
 
     def _close_wait_set(self) -> None:
         wait_set, self._wait_set = self._wait_set, None
@@ -253,24 +249,11 @@ class SingleThreadedExecutor:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc_val: BaseException | None,
-        exc_tb: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.shutdown()
 
 
 Executor = SingleThreadedExecutor
-
-
-def _sources(node: Node) -> Iterator[Any]:
-    for publisher in node.publishers:
-        yield publisher.event_source
-    for subscription in node.subscriptions:
-        yield subscription.event_source
-        yield subscription.message_source
 
 
 def _deadline(timeout_sec: float | None) -> float | None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy.validate_full_topic_name import validate_full_topic_name
-from rclpy.validate_topic_name import validate_topic_name
+from rclpy._validation import validate_full_topic_name, validate_topic_name
 
 __all__ = ["expand_topic_name"]
 

@@ -31,7 +31,7 @@ class LoggingSeverity(IntEnum):
 
 
 _levels: dict[str, LoggingSeverity] = {"": LoggingSeverity.INFO}
-_lock = threading.Lock()
+_lock = threading.RLock()
 _listeners: dict[str, Callable[[LoggingSeverity, str, str], None]] = {}
 
 

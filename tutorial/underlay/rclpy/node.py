@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 import weakref
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from _rosidl.message import Message
@@ -15,6 +15,7 @@ from rclpy._arguments import Arguments
 from rclpy._node_graph import NodeGraph
 from rclpy._node_parameters import NodeParameters
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
+from rclpy._validation import validate_namespace, validate_node_name
 from rclpy._wire import check_message_type
 from rclpy.clock import Clock, ROSClock
 from rclpy.duration import S_TO_NS
@@ -26,8 +27,6 @@ from rclpy.qos import QoSProfile, profile_of, qos_profile_parameter_events, qos_
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
-from rclpy.validate_namespace import validate_namespace
-from rclpy.validate_node_name import validate_node_name
 
 if TYPE_CHECKING:
     from rclpy.context import Context
@@ -82,7 +81,9 @@ class Node(NodeGraph, NodeParameters):
         self._entities: tuple[Publisher | Subscription | Timer, ...] = ()
         self._rosout: Publisher | None = None
         self._destroyed = False
-        self._join_graph(self._context.graph)
+        self._lock = threading.RLock()
+        self._graph = self._context.graph
+        self._entry = self._graph.add_node(self._namespace, self._name)
         if enable_rosout:
             self._rosout = self._make_publisher(Log, "/rosout", qos_profile_rosout_default)
             set_listener(self._logger.name, self._publish_log)
@@ -242,7 +243,7 @@ class Node(NodeGraph, NodeParameters):
         self.executor = None
         for entity in (*entities, *([rosout] if rosout else [])):
             entity.close()
-        self._leave_graph()
+        self._graph.remove_node(self._entry)
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
         """Return a topic's full name, remapped unless only to be expanded."""
@@ -309,7 +310,7 @@ class Node(NodeGraph, NodeParameters):
 
     def _endpoints_changed(self) -> None:
         writers = [publisher.guid for publisher in (*self.publishers, *([self._rosout] if self._rosout else []))]
-        self._announce_endpoints(writers, [subscription.guid for subscription in self.subscriptions])
+        self._graph.set_endpoints(self._entry, writers, [subscription.guid for subscription in self.subscriptions])
         self.wake_executor()
 
     def _publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
@@ -325,10 +326,5 @@ class Node(NodeGraph, NodeParameters):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc_val: BaseException | None,
-        exc_tb: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.destroy_node()

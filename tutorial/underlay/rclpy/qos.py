@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
@@ -23,7 +24,6 @@ __all__ = [
     "qos_profile_parameter_events",
     "qos_profile_rosout_default",
     "qos_profile_sensor_data",
-    "qos_profile_services_default",
     "qos_profile_system_default",
 ]
 
@@ -42,16 +42,6 @@ class QoSPolicyEnum(IntEnum):
     def short_key(self) -> str:
         """The name that the ``ros2`` command uses, such as ``"best_effort"``."""
         return self.name.lower()
-
-    @classmethod
-    def short_keys(cls) -> list[str]:
-        """Return all short keys."""
-        return [policy.short_key for policy in cls if policy.name != "UNKNOWN"]
-
-    @classmethod
-    def get_from_short_key(cls, name: str) -> int:
-        """Return the policy of a short key."""
-        return cls[name.upper()].value
 
 
 class HistoryPolicy(QoSPolicyEnum):
@@ -99,10 +89,11 @@ QoSDurabilityPolicy = DurabilityPolicy
 QoSLivelinessPolicy = LivelinessPolicy
 
 
+@dataclass(kw_only=True)
 class QoSProfile:
     """A set of policies.
 
-    Args:
+    Attributes:
         history: which messages are kept.
         depth: how many, for ``KEEP_LAST``.
         reliability: whether lost messages are sent again.
@@ -111,65 +102,35 @@ class QoSProfile:
         deadline: longest time expected between two messages.
         liveliness: how a publisher shows that it is alive.
         liveliness_lease_duration: time after which a silent publisher counts as gone.
-        avoid_ros_namespace_conventions: not in the underlay.
 
     Raises:
         InvalidQoSProfileException: neither history nor depth is given, or no depth for ``KEEP_LAST``.
         ValueError: the depth is negative.
     """
 
-    __slots__ = (
-        "avoid_ros_namespace_conventions",
-        "deadline",
-        "depth",
-        "durability",
-        "history",
-        "lifespan",
-        "liveliness",
-        "liveliness_lease_duration",
-        "reliability",
-    )
+    history: HistoryPolicy = None  # type: ignore[assignment]  # KEEP_LAST if there is a depth
+    depth: int = None  # type: ignore[assignment]  # 0 if it does not matter
+    reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE
+    durability: DurabilityPolicy = DurabilityPolicy.VOLATILE
+    lifespan: Duration = Infinite
+    deadline: Duration = Infinite
+    liveliness: LivelinessPolicy = LivelinessPolicy.AUTOMATIC
+    liveliness_lease_duration: Duration = Infinite
 
-    def __init__(
-        self,
-        *,
-        history: HistoryPolicy | int | None = None,
-        depth: int | None = None,
-        reliability: ReliabilityPolicy | int = ReliabilityPolicy.RELIABLE,
-        durability: DurabilityPolicy | int = DurabilityPolicy.VOLATILE,
-        lifespan: Duration = Infinite,
-        deadline: Duration = Infinite,
-        liveliness: LivelinessPolicy | int = LivelinessPolicy.AUTOMATIC,
-        liveliness_lease_duration: Duration = Infinite,
-        avoid_ros_namespace_conventions: bool = False,
-    ) -> None:
-        if history is None:
-            if depth is None:
-                raise InvalidQoSProfileException("History and/or depth settings are required.")
-            history = HistoryPolicy.KEEP_LAST
-        if history == HistoryPolicy.KEEP_LAST and depth is None:
+    def __post_init__(self) -> None:
+        history: Any = self.history
+        depth: Any = self.depth
+        if depth is None and history is None:
+            raise InvalidQoSProfileException("History and/or depth settings are required.")
+        if depth is None and history == HistoryPolicy.KEEP_LAST:
             raise InvalidQoSProfileException("History set to KEEP_LAST without a depth setting.")
         if depth is not None and depth < 0:
             raise ValueError("history depth must be greater than or equal to zero")
-        self.history = HistoryPolicy(history)
+        self.history = HistoryPolicy.KEEP_LAST if history is None else HistoryPolicy(history)
         self.depth = depth or 0
-        self.reliability = ReliabilityPolicy(reliability)
-        self.durability = DurabilityPolicy(durability)
-        self.lifespan = lifespan
-        self.deadline = deadline
-        self.liveliness = LivelinessPolicy(liveliness)
-        self.liveliness_lease_duration = liveliness_lease_duration
-        self.avoid_ros_namespace_conventions = avoid_ros_namespace_conventions
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, QoSProfile):
-            return False
-        return all(getattr(self, name) == getattr(other, name) for name in self.__slots__)
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __repr__(self) -> str:
-        return f"QoSProfile({', '.join(f'{name}={getattr(self, name)}' for name in sorted(self.__slots__))})"
+        self.reliability = ReliabilityPolicy(self.reliability)
+        self.durability = DurabilityPolicy(self.durability)
+        self.liveliness = LivelinessPolicy(self.liveliness)
 
 
 def profile_of(qos_profile: QoSProfile | int) -> QoSProfile:
@@ -194,7 +155,6 @@ qos_profile_system_default = QoSProfile(
     liveliness=LivelinessPolicy.SYSTEM_DEFAULT,
 )
 qos_profile_sensor_data = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-qos_profile_services_default = QoSProfile(depth=10)
 qos_profile_parameter_events = QoSProfile(depth=1000)
 qos_profile_rosout_default = QoSProfile(
     depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10)
@@ -207,5 +167,4 @@ class QoSPresetProfiles:
     DEFAULT = qos_profile_default
     SYSTEM_DEFAULT = qos_profile_system_default
     SENSOR_DATA = qos_profile_sensor_data
-    SERVICES_DEFAULT = qos_profile_services_default
     PARAMETER_EVENTS = qos_profile_parameter_events

@@ -5,25 +5,14 @@ from __future__ import annotations
 import inspect
 import time
 from collections.abc import Callable
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from _rosidl.message import Message
-from cyclonedds.core import (
-    DDSException,
-    DDSStatus,
-    Entity,
-    InstanceState,
-    ReadCondition,
-    SampleState,
-    ViewState,
-)
+from cyclonedds.core import DDSException, DDSStatus, InstanceState, ReadCondition, SampleState, ViewState
 from cyclonedds.sub import DataReader
-from cyclonedds.topic import Topic
-from rclpy._dds_qos import POLICY_NAMES, to_dds
-from rclpy._domain import close
-from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
-from rclpy._wire import decode, payload_type, type_hash_of
+from rclpy._endpoint import Endpoint
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy._wire import decode
 from rclpy.qos import QoSProfile
 
 if TYPE_CHECKING:
@@ -35,7 +24,7 @@ SEQUENCE_NUMBER_UNSUPPORTED = 2**64 - 1
 """What rmw_cyclonedds, too, says for sequence numbers."""
 
 
-class Subscription:
+class Subscription(Endpoint):
     """Receives a topic's messages; made by ``Node.create_subscription``.
 
     Its callback runs on the thread that spins. Everything else may be used from any thread.
@@ -50,6 +39,12 @@ class Subscription:
         raw: give the callback bytes instead of messages.
     """
 
+    _kind = DataReader
+    _incompatible = DDSStatus.RequestedIncompatibleQos
+    _warning = (
+        "New publisher discovered on topic '{topic}', offering incompatible QoS. No messages will be received from it."
+    )
+
     def __init__(
         self,
         node: Node,
@@ -60,33 +55,18 @@ class Subscription:
         qos_profile: QoSProfile,
         raw: bool,
     ) -> None:
-        self._node = node
-        self.msg_type = msg_type
-        self.topic = topic
-        self._topic_name = topic_name
-        self.callback = callback
         self._wants_info = _wants_info(callback)
-        self.qos_profile = qos_profile
+        super().__init__(node, msg_type, topic, topic_name, qos_profile)
+        self.callback = callback
         self.raw = raw
-        participant = node.context.participant
-        self._topic = Topic(participant, f"rt{topic_name}", payload_type(msg_type))
-        self._reader = DataReader(participant, self._topic, to_dds(qos_profile, type_hash_of(msg_type), writer=False))
-        self._reader.set_status_mask(DDSStatus.RequestedIncompatibleQos)
-        self._condition = ReadCondition(self._reader, ViewState.Any | InstanceState.Any | SampleState.Any)
-        self.guid: bytes = self._reader.guid.bytes
-        self._destroyed = False
-
-    @property
-    def topic_name(self) -> str:
-        """The topic's full name."""
-        return self._topic_name
+        self._condition = ReadCondition(self._dds, ViewState.Any | InstanceState.Any | SampleState.Any)
 
     def get_publisher_count(self) -> int:
         """Return the number of publishers that messages are received from."""
         try:
-            return len(self._reader.get_matched_publications())
+            return int(self._dds.get_subscription_matched_status().current_count)
         except DDSException as error:
-            raise InvalidHandle() if self._destroyed else RCLError(str(error)) from None
+            raise self._explain(error, "failed to get publisher count") from None
 
     def destroy(self) -> None:
         """Destroy it; may be called again. Messages that wait for the callback are dropped."""
@@ -111,35 +91,17 @@ class Subscription:
             return True
         return False
 
-    def report_events(self) -> None:
-        """Log a publisher that offers less than this subscription asks for. Called by the executor."""
-        if self._reader.take_status(DDSStatus.RequestedIncompatibleQos):
-            policy = self._reader.get_requested_incompatible_qos_status().last_policy_id
-            self._node.get_logger().warning(
-                f"New publisher discovered on topic '{self.topic}', offering incompatible QoS. No messages will be "
-                f"received from it. Last incompatible policy: {POLICY_NAMES.get(policy, policy)}"
-            )
+    def event_sources(self) -> list[Any]:
+        """Return what the executor waits on: partners that don't fit, and messages."""
+        return [self._dds, self._condition]
 
-    def close(self) -> None:
-        """Leave DDS. Called by the node."""
-        self._destroyed = True
-        close(self._reader)
-        close(self._topic)
-
-    @property
-    def event_source(self) -> DataReader[object]:
-        """What the executor waits on for :meth:`report_events`."""
-        return self._reader
-
-    @property
-    def message_source(self) -> Entity:
-        """What the executor waits on for messages."""
-        return self._condition
+    def _incompatible_policy(self) -> int:
+        return int(self._dds.get_requested_incompatible_qos_status().last_policy_id)
 
     def _take(self) -> Any:
         """Return the next message as it was received, None if there is none."""
         try:
-            while samples := self._reader.take(1):
+            while samples := self._dds.take(1):
                 if samples[0].sample_info.valid_data:
                     return samples[0]
         except DDSException:
@@ -152,17 +114,6 @@ class Subscription:
             f"A message on topic '{self.topic}' is dropped: {error}. Others like it are dropped without a word.",
             once=True,
         )
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        exc_type: type[BaseException] | None,
-        exc_val: BaseException | None,
-        exc_tb: TracebackType | None,
-    ) -> None:
-        self.destroy()
 
 
 def _info(payload: Any) -> dict[str, int]:

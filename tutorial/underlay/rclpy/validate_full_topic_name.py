@@ -1,17 +1,5 @@
-"""Check a full topic name."""
+"""Check a topic's full name."""
 
-from rclpy import _validation
-from rclpy.exceptions import InvalidTopicNameException
+from rclpy._validation import validate_full_topic_name
 
 __all__ = ["validate_full_topic_name"]
-
-
-def validate_full_topic_name(topic_name: str) -> bool:
-    """Return True if the full topic name is valid.
-
-    Raises:
-        InvalidTopicNameException: it isn't; the text points at the place.
-    """
-    if problem := _validation.full_topic_name(topic_name):
-        raise InvalidTopicNameException(topic_name, *problem)
-    return True

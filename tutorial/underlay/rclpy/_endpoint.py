@@ -1,0 +1,96 @@
+"""What publishers and subscriptions have in common: an end in DDS."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Self
+
+from _rosidl.message import Message
+from cyclonedds.core import DDSException
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from rclpy._dds_qos import POLICY_NAMES, to_dds
+from rclpy._domain import close
+from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
+from rclpy._wire import payload_type
+from rclpy.qos import QoSProfile
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+__all__ = ["Endpoint"]
+
+
+class Endpoint:
+    """Base of :class:`Publisher` and :class:`Subscription`; may be used from any thread.
+
+    Args:
+        node: that it belongs to.
+        msg_type: class of its messages.
+        topic: as the program called it.
+        topic_name: in full.
+        qos_profile: how hard to try.
+    """
+
+    _kind: type[DataWriter[Any] | DataReader[Any]]
+    _incompatible: int
+    _warning: str
+
+    def __init__(
+        self, node: Node, msg_type: type[Message], topic: str, topic_name: str, qos_profile: QoSProfile
+    ) -> None:
+        self._node = node
+        self.msg_type = msg_type
+        self.topic = topic
+        self.topic_name = topic_name
+        self.qos_profile = qos_profile
+        self._destroyed = False
+        participant = node.context.participant
+        qos = to_dds(qos_profile, msg_type, writer=self._kind is DataWriter)
+        self._topic = Topic(participant, f"rt{topic_name}", payload_type(msg_type))
+        self._dds: Any = self._kind(participant, self._topic, qos)
+        self._dds.set_status_mask(self._incompatible)
+        self.guid: bytes = self._dds.guid.bytes
+
+    def destroy(self) -> None:
+        """Destroy it; may be called again. Messages that wait for a callback are dropped."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Leave DDS. Called by the node."""
+        self._destroyed = True
+        close(self._dds)
+        close(self._topic)
+
+    def event_sources(self) -> list[Any]:
+        """Return what the executor waits on for this endpoint."""
+        return [self._dds]
+
+    def report_events(self) -> None:
+        """Log a partner whose quality of service does not fit. Called by the executor."""
+        with suppress(DDSException):  # destroyed at this moment
+            if self._dds.take_status(self._incompatible):
+                policy = self._incompatible_policy()
+                name = POLICY_NAMES.get(policy, policy)
+                self._node.get_logger().warning(
+                    f"{self._warning.format(topic=self.topic)} Last incompatible policy: {name}"
+                )
+
+    def _incompatible_policy(self) -> int:
+        """Return DDS's number of the policy that did not fit last."""
+        raise NotImplementedError
+
+    def _explain(self, error: DDSException, what: str) -> RuntimeError:
+        """Return what rclpy raises instead of Cyclone DDS's error."""
+        if self._destroyed:
+            return InvalidHandle()
+        if not self._node.context.ok():
+            return RCLError(f"{what}: {type(self).__name__.lower()}'s context is invalid")
+        return RCLError(f"{what}: {error}")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.destroy()
