@@ -10,18 +10,16 @@ import signal
 import sys
 import tempfile
 import threading
-import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Sequence
+from collections.abc import AsyncIterator, Iterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-from tqdm import tqdm
 from tqdm.contrib import DummyTqdmFile
-from tqdm.contrib.logging import logging_redirect_tqdm
 
 from tutorial.errors import TutorialError
+from tutorial.terminal import INTERRUPTED, progress_bar, until_asked, with_bar
 
 if TYPE_CHECKING:
     from tutorial.joystick import JoySource
@@ -31,7 +29,6 @@ if TYPE_CHECKING:
 __all__ = ["main"]
 
 LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow
-INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
 
 
 class Seconds(click.FloatRange):
@@ -133,7 +130,7 @@ def run(
     loaded = Project.load(find_project(project))
     if robot is not None:
         loaded = loaded.with_robot(robot)
-    return _until_asked(_host(loaded, ros_args, duration, linger, headless, report, port), duration)
+    return until_asked(_host(loaded, ros_args, duration, linger, headless, report, port), duration)
 
 
 @tank.command()
@@ -151,7 +148,7 @@ def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: 
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
-    with _node("joy", ros_args) as thread, _bar(duration) as progress:
+    with _node("joy", ros_args) as thread, progress_bar(duration) as progress:
         seconds = JoyPublisher(thread.node, source).run(duration, linger, stop, progress)
         if report is not None:
             write_record(make_record(thread.node.get_name(), seconds, thread.node.meters), report)
@@ -217,32 +214,6 @@ def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
     return own, ros
 
 
-def _until_asked(program: Awaitable[None], duration: float | None) -> int:
-    """Run a program on a fresh event loop until it ends or is asked to, by Ctrl-C or SIGTERM."""
-    asked = False
-
-    async def body() -> None:
-        nonlocal asked
-        task = asyncio.ensure_future(program)
-
-        def ask() -> None:
-            nonlocal asked
-            asked = True
-            task.cancel()
-
-        loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            loop.add_signal_handler(number, ask)
-        try:
-            await task
-        except asyncio.CancelledError:
-            if not asked:
-                raise
-
-    asyncio.run(body())
-    return INTERRUPTED if asked and duration is not None else 0
-
-
 async def _host(
     project: Project,
     ros_args: list[str],
@@ -265,7 +236,7 @@ async def _host(
         click.echo(project.tree())
         if url is not None:
             click.echo(f"look at {url}")
-        progress = stack.enter_context(_bar(duration))
+        progress = stack.enter_context(progress_bar(duration))
         try:
             await host.run(duration, linger, progress)
         finally:
@@ -339,56 +310,5 @@ def _launch(step: str, duration: float | None, headless: bool, report: Path | No
     processes = load_launch_file(find_launch_file(step))
     above_the_bar: Any = DummyTqdmFile(sys.stdout)
     launcher = Launcher(processes, environment, above_the_bar)
-    status = asyncio.run(_with_bar(launcher.run, duration))
+    status = asyncio.run(with_bar(launcher.run, duration))
     return INTERRUPTED if launcher.interrupted and duration is not None and not status else status
-
-
-async def _with_bar(job: Callable[[], Awaitable[int]], duration: float | None) -> int:
-    """Show a progress bar while a job runs."""
-    began = time.monotonic()
-    with _bar(duration, shown=True) as progress:
-        task = asyncio.ensure_future(job())
-        while not task.done():
-            progress(time.monotonic() - began)
-            await asyncio.wait([task], timeout=0.5)
-        return task.result()
-
-
-@contextmanager
-def _bar(duration: float | None, shown: bool = False) -> Iterator[Callable[[float], object]]:
-    """Make a progress bar over some seconds, on stderr; what is logged meanwhile stands above it.
-
-    Args:
-        duration: its length [s]; None for no bar.
-        shown: whether to show it on what is no terminal, too.
-    """
-    terminal = sys.stderr.isatty()
-    disable = duration is None or not (shown or terminal)
-    total = duration or 0.0
-    form = "{percentage:3.0f}% |{bar:40}| {n:.0f} of {total:.0f} s"
-    out: Any = sys.stderr if terminal else _Lines()
-    bar = tqdm(
-        total=total,
-        bar_format=form,
-        mininterval=0.1 if terminal else 2.0,
-        disable=disable,
-        ascii=" =",
-        file=out,
-    )
-    with bar, logging_redirect_tqdm():
-
-        def progress(seconds: float) -> None:
-            bar.update(min(seconds, total) - bar.n)
-
-        yield progress
-
-
-class _Lines:
-    """Where a progress bar goes that nobody can watch growing: one line each time, into the log."""
-
-    def write(self, text: str) -> None:
-        if text.strip():
-            print(text.strip(), file=sys.stderr)
-
-    def flush(self) -> None:
-        sys.stderr.flush()

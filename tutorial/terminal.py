@@ -1,0 +1,95 @@
+"""What the commands do at a terminal: they end when they are asked to, and show how far they have come."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import sys
+import time
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from tqdm import tqdm
+from tqdm.contrib.logging import logging_redirect_tqdm
+
+__all__ = ["INTERRUPTED", "progress_bar", "until_asked", "with_bar"]
+
+INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
+
+
+def until_asked(program: Awaitable[None], duration: float | None) -> int:
+    """Run a program on a fresh event loop until it ends or is asked to, by Ctrl-C or SIGTERM."""
+    asked = False
+
+    async def body() -> None:
+        nonlocal asked
+        task = asyncio.ensure_future(program)
+
+        def ask() -> None:
+            nonlocal asked
+            asked = True
+            task.cancel()
+
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            loop.add_signal_handler(number, ask)
+        try:
+            await task
+        except asyncio.CancelledError:
+            if not asked:
+                raise
+
+    asyncio.run(body())
+    return INTERRUPTED if asked and duration is not None else 0
+
+
+async def with_bar(job: Callable[[], Awaitable[int]], duration: float | None) -> int:
+    """Show a progress bar while a job runs."""
+    began = time.monotonic()
+    with progress_bar(duration, shown=True) as progress:
+        task = asyncio.ensure_future(job())
+        while not task.done():
+            progress(time.monotonic() - began)
+            await asyncio.wait([task], timeout=0.5)
+        return task.result()
+
+
+@contextmanager
+def progress_bar(duration: float | None, shown: bool = False) -> Iterator[Callable[[float], object]]:
+    """Make a progress bar over some seconds, on stderr; what is logged meanwhile stands above it.
+
+    Args:
+        duration: its length [s]; None for no bar.
+        shown: whether to show it on what is no terminal, too.
+    """
+    terminal = sys.stderr.isatty()
+    disable = duration is None or not (shown or terminal)
+    total = duration or 0.0
+    form = "{percentage:3.0f}% |{bar:40}| {n:.0f} of {total:.0f} s"
+    out: Any = sys.stderr if terminal else _Lines()
+    bar = tqdm(
+        total=total,
+        bar_format=form,
+        mininterval=0.1 if terminal else 2.0,
+        disable=disable,
+        ascii=" =",
+        file=out,
+    )
+    with bar, logging_redirect_tqdm():
+
+        def progress(seconds: float) -> None:
+            bar.update(min(seconds, total) - bar.n)
+
+        yield progress
+
+
+class _Lines:
+    """Where a progress bar goes that nobody can watch growing: one line each time, into the log."""
+
+    def write(self, text: str) -> None:
+        if text.strip():
+            sys.stderr.write(text.strip() + "\n")
+
+    def flush(self) -> None:
+        sys.stderr.flush()
