@@ -199,10 +199,11 @@ class Body:
         """
         self._check("set_joint_positions")
         qpos, adr = self._all_qpos, self._qpos_adr
-        for name, position in positions.items():
-            if name not in adr:
-                self.joint(name)  # raises
-            qpos[adr[name]] = position
+        try:
+            for name, position in positions.items():
+                qpos[adr[name]] = position
+        except KeyError:
+            self.joint(name)  # says that there is none, and which is nearest
 
     def calc_forward_kinematics(self) -> None:
         """Compute where the links are, from the joints' positions.
