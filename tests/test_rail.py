@@ -83,7 +83,10 @@ def test_driving_up_to_the_rail_moves_the_barrel_and_the_viewer_shows_it(laborat
             assert tilt(simulation) < 5.0
 
             received = viewing.node.meters[0]
-            until(lambda: stamp_ns(received.last) == 6_480_000_000, "the last message, 20 ms before 6.5 s")
+            until(
+                lambda: received.last and stamp_ns(received.last) == 6_480_000_000,
+                "the last message, 20 ms before 6.5 s",
+            )
             sent = dict(zip(received.last.name, received.last.position))
             while shown.joint("TURRET_P").position != sent["TURRET_P"]:
                 await asyncio.sleep(0.01)
