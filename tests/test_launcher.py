@@ -13,11 +13,12 @@ from tutorial.errors import TutorialError
 from tutorial.launcher import load_launch_file
 from tutorial.paths import find_launch_file
 
-SLEEPER = ["python3", "-c", "import time; print('asleep', flush=True); time.sleep(300)"]
+SLEEP = "import time\nwhile True: time.sleep(0.1)  # not in one go: a signal that comes just before would not be heard"
+SLEEPER = ["python3", "-c", f"print('asleep', flush=True)\n{SLEEP}"]
 STUBBORN = [
     "python3",
     "-c",
-    "import signal, time; signal.signal(signal.SIGINT, signal.SIG_IGN); print('stubborn', flush=True); time.sleep(300)",
+    f"import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); print('stubborn', flush=True)\n{SLEEP}",
 ]
 
 
@@ -126,7 +127,7 @@ def test_when_nobody_reads_any_more_all_are_stopped(launch_file):
 def test_a_command_that_is_asked_to_stop_before_it_runs_is_told(tmp_path):
     """The lifeline is asked while it starts the command, which must not miss it."""
     ready = tmp_path / "ready"
-    ready_then_sleep = f"import pathlib, time; pathlib.Path({str(ready)!r}).touch(); time.sleep(300)"
+    ready_then_sleep = f"import pathlib; pathlib.Path({str(ready)!r}).touch()\n{SLEEP}"
     script = (
         "import os, signal, subprocess, sys\n"
         "from tutorial import lifeline\n"
@@ -139,7 +140,8 @@ def test_a_command_that_is_asked_to_stop_before_it_runs_is_told(tmp_path):
         f"sys.argv[1:] = ['0', sys.executable, '-c', {ready_then_sleep!r}]\n"
         "sys.exit(lifeline.main())\n"
     )
-    with subprocess.Popen([sys.executable, "-c", script], stdin=subprocess.PIPE, stderr=subprocess.DEVNULL) as running:
+    command = [sys.executable, "-c", script]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True) as running:
         assert running.wait(PATIENCE) == 128 + signal.SIGINT
 
 

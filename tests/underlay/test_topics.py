@@ -238,7 +238,7 @@ def test_announcements_of_others_are_taken_in_while_spinning(
 def test_executors_that_are_gone_are_forgotten(context: Context) -> None:
     for _ in range(20):
         SingleThreadedExecutor(context=context).shutdown()
-    assert len(context._callbacks) <= 2
+    assert len(context._executors) <= 2
 
 
 def test_use_after_destruction(node: Node) -> None:

@@ -15,14 +15,17 @@ from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.qos import Policy, Qos
 from rclpy._rclpy_pybind11 import RCLError
 
-__all__ = ["close", "configuration", "default_domain_id", "join", "leave"]
+__all__ = ["close", "configuration", "default_domain_id", "join", "leave", "lock"]
 
 MAX_PARTICIPANTS = 32
 MAX_DOMAIN_ID = 232
 
 _domains: dict[int, Domain] = {}
 _users: Counter[int] = Counter()
-_lock = threading.Lock()
+
+lock = threading.RLock()
+"""Held while an entity of DDS is made, listed or deleted: Cyclone DDS's Python cannot bear one thread's deleting what
+another is making something of."""
 
 
 def default_domain_id() -> int:
@@ -87,7 +90,7 @@ def join(domain_id: int) -> DomainParticipant:
     Raises:
         RCLError: too many processes on this machine take part already, or Cyclone DDS cannot start.
     """
-    with _lock:
+    with lock:
         try:
             if domain_id not in _domains:
                 _domains[domain_id] = Domain(domain_id, configuration())
@@ -105,7 +108,7 @@ def join(domain_id: int) -> DomainParticipant:
 
 def leave(participant: DomainParticipant, domain_id: int) -> None:
     """Close a participant and all that belongs to it; with the last of the process, its ports and threads."""
-    with _lock:
+    with lock:
         close(participant)
         _users[domain_id] -= 1
         _close_if_unused(domain_id)
@@ -117,7 +120,8 @@ def close(entity: Entity) -> None:
     Cyclone DDS's Python objects do it in their finaliser, which may run early and more than once. Waiting for it would
     leave the moment to whoever still holds a reference.
     """
-    entity.__del__()
+    with lock:
+        entity.__del__()
 
 
 def _close_if_unused(domain_id: int) -> None:

@@ -11,7 +11,7 @@ from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from rclpy._dds_qos import POLICY_NAMES, to_dds
-from rclpy._domain import close
+from rclpy._domain import close, lock
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy._wire import payload_type
 from rclpy.qos import QoSProfile
@@ -46,11 +46,12 @@ class Endpoint:
         self.topic_name = topic_name
         self.qos_profile = qos_profile
         self._destroyed = False
-        participant = node.context.participant
         qos = to_dds(qos_profile, msg_type, writer=self._kind is DataWriter)
-        self._topic = Topic(participant, f"rt{topic_name}", payload_type(msg_type))
-        self._dds: Any = self._kind(participant, self._topic, qos)
-        self._dds.set_status_mask(self._incompatible)
+        with lock:
+            participant = node.context.participant
+            self._topic = Topic(participant, f"rt{topic_name}", payload_type(msg_type))
+            self._dds: Any = self._kind(participant, self._topic, qos)
+            self._dds.set_status_mask(self._incompatible)
         self.guid: bytes = self._dds.guid.bytes
 
     def destroy(self) -> None:

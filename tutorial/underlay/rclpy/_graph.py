@@ -6,7 +6,6 @@ DDS knows participants, writers and readers, not nodes. In ROS 2 every participa
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
@@ -22,7 +21,7 @@ from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
-from rclpy._domain import close
+from rclpy._domain import close, lock
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy._wire import decode, encode, payload_type
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
@@ -47,8 +46,6 @@ _WRITER_QOS = Qos(
 )
 _READER_QOS = Qos(*_BOTH_SIDES, Policy.History.KeepAll, Policy.IgnoreLocal.Participant)
 
-_listing = threading.Lock()
-
 
 def gid_of(guid: bytes) -> Gid:
     """Return a DDS identifier, 16 bytes, as ROS 2 sends it."""
@@ -66,7 +63,7 @@ class Graph:
     """
 
     def __init__(self, participant: DomainParticipant) -> None:
-        self._lock = threading.RLock()
+        self._lock = lock
         self._participant = participant
         self._local: list[NodeEntitiesInfo] = []
         self._remote: dict[bytes, list[NodeEntitiesInfo]] = {}
@@ -151,9 +148,9 @@ def _listed(participant: DomainParticipant, topic: Any) -> list[Any]:
     """Return what Cyclone DDS lists on one of its built-in topics.
 
     The reader lives only as long as the call, because what is gone would pile up in it. One call at a time in the whole
-    process: cyclonedds keeps the policies that it is converting in variables of a class.
+    process, also because cyclonedds keeps the policies that it is converting in variables of a class.
     """
-    with _listing:
+    with lock:
         reader = BuiltinDataReader(participant, topic)
         try:
             alive = ReadCondition(reader, ViewState.Any | SampleState.Any | InstanceState.Alive)

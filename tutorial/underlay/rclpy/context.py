@@ -5,8 +5,7 @@ from __future__ import annotations
 import atexit
 import threading
 import weakref
-from collections.abc import Callable, Sequence
-from types import MethodType
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Self
 
 from rclpy import _domain
@@ -18,8 +17,12 @@ from rclpy.logging import LoggingSeverity, set_logger_level
 
 if TYPE_CHECKING:
     from cyclonedds.domain import DomainParticipant
+    from rclpy.executors import SingleThreadedExecutor
 
 __all__ = ["Context"]
+
+PATIENCE = 2.0
+"""How long to wait for a callback that is running when its context shuts down [s]."""
 
 _contexts: weakref.WeakSet[Context]
 
@@ -31,14 +34,13 @@ class Context:
     """
 
     def __init__(self) -> None:
-        self._lock = threading.RLock()
         self._ok = False
         self._was_initialized = False
         self._domain_id = 0
         self._arguments = Arguments()
         self._participant: DomainParticipant | None = None
         self._graph: Graph | None = None
-        self._callbacks: list[Callable[[], Callable[[], None] | None]] = []
+        self._executors: list[weakref.ref[SingleThreadedExecutor]] = []
         _contexts.add(self)
 
     def init(
@@ -59,7 +61,7 @@ class Context:
             RuntimeError: it has been started.
             RCLError: an argument or the environment makes no sense.
         """
-        with self._lock:
+        with _domain.lock:
             if self._ok:
                 raise RuntimeError("Context.init() must only be called once")
             self._close()
@@ -89,9 +91,12 @@ class Context:
         self.try_shutdown()
 
     def try_shutdown(self) -> None:
-        """Shut down if it has not been."""
+        """Shut down if it has not been, once no other thread spins any more."""
         self.stop()
-        with self._lock:
+        for reference in self._executors:
+            if executor := reference():
+                executor.wait_until_stopped(PATIENCE)
+        with _domain.lock:
             self._close()
 
     def stop(self) -> None:
@@ -99,15 +104,13 @@ class Context:
         if not self._ok:
             return
         self._ok = False
-        callbacks, self._callbacks = self._callbacks, []
-        for reference in callbacks:
-            if callback := reference():
-                callback()
+        for reference in self._executors:
+            if executor := reference():
+                executor.wake()
 
-    def on_shutdown(self, callback: Callable[[], None]) -> None:
-        """Call back once when it is shut down. A bound method is held weakly."""
-        reference = weakref.WeakMethod(callback) if isinstance(callback, MethodType) else lambda: callback
-        self._callbacks = [*(other for other in self._callbacks if other()), reference]
+    def add_executor(self, executor: SingleThreadedExecutor) -> None:
+        """Have an executor stop before the context shuts down. It is held weakly."""
+        self._executors = [*(other for other in self._executors if other()), weakref.ref(executor)]
 
     def get_domain_id(self) -> int:
         """Return the number of the DDS domain.
@@ -143,7 +146,7 @@ class Context:
         return self._join()[1]
 
     def _join(self) -> tuple[DomainParticipant, Graph]:
-        with self._lock:
+        with _domain.lock:
             if not self._ok:
                 raise RCLError(
                     "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Self
 
 from cyclonedds.core import DDSException, GuardCondition, WaitSet
-from rclpy._domain import close
+from rclpy._domain import close, lock
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.exceptions import NeedsRealROSError
 from rclpy.subscription import Subscription
@@ -46,7 +46,8 @@ class SingleThreadedExecutor:
 
     def __init__(self, *, context: Context | None = None) -> None:
         self._context = context or get_default_context()
-        self._guard = GuardCondition(self._context.participant)
+        with lock:
+            self._guard = GuardCondition(self._context.participant)
         self._wait_set: WaitSet | None = None
         self._nodes: tuple[Node, ...] = ()
         self._timers: tuple[Timer, ...] = ()
@@ -56,7 +57,7 @@ class SingleThreadedExecutor:
         self._is_shutdown = False
         self._spinning = threading.Lock()
         self._lock = threading.Lock()
-        self._context.on_shutdown(self.wake)
+        self._context.add_executor(self)
 
     @property
     def context(self) -> Context:
@@ -135,7 +136,7 @@ class SingleThreadedExecutor:
         """
         self._is_shutdown = True
         self.wake()
-        if not self._stopped(timeout_sec):
+        if not self.wait_until_stopped(timeout_sec):
             return False
         self._nodes = ()
         self._ready.clear()
@@ -143,8 +144,8 @@ class SingleThreadedExecutor:
         close(self._guard)
         return True
 
-    def _stopped(self, timeout_sec: float | None) -> bool:
-        """Wait for the spinning thread, unless this is it."""
+    def wait_until_stopped(self, timeout_sec: float | None) -> bool:
+        """Wait until no thread spins, unless this is the one; False if time runs out."""
         if getattr(self, "_spinner", None) == threading.get_ident():
             return True
         if not self._spinning.acquire(timeout=-1 if timeout_sec is None or timeout_sec < 0 else timeout_sec):
@@ -228,9 +229,10 @@ class SingleThreadedExecutor:
         """Wait for what there is now. It is made anew because entities come and go on other threads."""
         self._close_wait_set()
         try:
-            wait_set = self._wait_set = WaitSet(self._context.participant)
-            wait_set.attach(self._guard)
-            wait_set.attach(self._context.graph.changes)
+            with lock:
+                wait_set = self._wait_set = WaitSet(self._context.participant)
+                wait_set.attach(self._guard)
+                wait_set.attach(self._context.graph.changes)
         except (DDSException, RCLError):
             if self._context.ok() and not self._is_shutdown:
                 raise
