@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 import textwrap
 from pathlib import Path
 
 import pytest
 
+from tutorial import controllers
 from tutorial.controllers.joint_state_subscriber import JointStateSubscriber
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME, find_launch_file, find_project
@@ -52,6 +54,29 @@ def test_every_controller_file_holds_the_controller_that_it_is_called_after():
         assert find_controller(name).__name__ == name
 
 
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "class Mine:\n    pass\n",
+            "has no class 'MyOwn'. Known are 'Mine'. A controller's class is called like",
+        ),
+        (
+            "import nothing_of_this_name\n",
+            "my_own.py, line 1: ModuleNotFoundError: No module named 'nothing_of",
+        ),
+        ("def f(:\n", "my_own.py, line 1: SyntaxError: invalid syntax"),
+    ],
+)
+def test_a_broken_controllers_file_is_named_with_its_line(tmp_path, monkeypatch, text, said):
+    (tmp_path / "my_own.py").write_text(text)
+    monkeypatch.setattr(controllers, "__path__", [str(tmp_path)])
+    monkeypatch.delitem(sys.modules, "tutorial.controllers.my_own", raising=False)
+    with pytest.raises(TutorialError) as info:
+        find_controller("MyOwn")
+    assert said in str(info.value)
+
+
 def test_another_robot_takes_the_place_of_the_one_with_controllers():
     crane = HOME / "project" / "models" / "crane.xml"
     swapped = Project.load(find_project("step3")).with_robot(crane)
@@ -76,6 +101,10 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers():
         (
             "bodies:\n  - name: Tank\n    model: models/tank.xml\n    contollers: []",
             "line 4: 'contollers' is not known here. Did you mean 'controllers'?",
+        ),
+        (
+            "simulator:\nbodies:\n  - {name: T, model: models/tank.xml}",
+            "line 1: simulator: expected a mapping, got nothing.",
         ),
         ("bodys: []", "line 1: 'bodys' is not known here. Did you mean 'bodies'?"),
         (

@@ -88,9 +88,10 @@ class TestAdvance:
                     raise ValueError("mine")
 
         simulation = Simulation([TANK], [("Tank", Broken())])
-        with pytest.raises(
-            ControllerError, match=r"Broken failed at 0\.003 s of simulated time: ValueError: mine"
-        ) as info:
+        said = (
+            r"Broken failed at 0\.003 s of simulated time: test_simulation\.py, line \d+, in control: ValueError: mine"
+        )
+        with pytest.raises(ControllerError, match=said) as info:
             simulation.advance(1.0)
         assert isinstance(info.value.__cause__, ValueError)
 

@@ -180,7 +180,7 @@ def test_two_nodes_of_one_name_are_said_in_plain_words(program):
     first.says("+ Tank")
     second = program("run", "step3", "--headless")
     second.says("there are 2 nodes of the name /tank")
-    assert "--ros-args -r __node:=viewer" in second.output
+    assert "--ros-args -r __node:=tank_2" in second.output
 
 
 def test_two_runs_at_once_do_not_hear_each_other(program, listen):

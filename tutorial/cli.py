@@ -34,6 +34,8 @@ LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice t
 class Seconds(click.FloatRange):
     """A number of seconds, which "nan" and "inf" are not."""
 
+    name = "number of seconds"
+
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """Read it, or say what is wrong."""
         seconds: float = super().convert(value, param, ctx)
@@ -95,7 +97,7 @@ def tank() -> None:
     """
 
 
-@tank.command()
+@tank.command(short_help="Run a project: a simulation, or a viewer.")
 @click.argument("project")
 @duration_option
 @linger_option
@@ -133,8 +135,12 @@ def run(
     return until_asked(_host(loaded, ros_args, duration, linger, headless, report, port), duration)
 
 
-@tank.command()
-@click.option("--drive", metavar="FILE", help="Publish this drive, whether or not there is a gamepad.")
+@tank.command(short_help="Publish a gamepad, or a scripted drive, on /joy.")
+@click.option(
+    "--drive",
+    metavar="FILE",
+    help="Publish this drive, a file or the name of one of the tutorial's, such as tour, gamepad or not.",
+)
 @duration_option
 @linger_option
 @report_option
@@ -155,7 +161,7 @@ def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: 
     return INTERRUPTED if stop.is_set() and duration is not None else 0
 
 
-@tank.command()
+@tank.command(short_help="Run all programs of a launch file.")
 @click.argument("step")
 @duration_option
 @headless_option
@@ -165,7 +171,7 @@ def launch(step: str, duration: float | None, headless: bool, report: Path | Non
     return _launch(step, duration, headless, report)
 
 
-@tank.command()
+@tank.command(short_help="Run step 3 as a whole, and sum it up in a table.")
 @duration_option
 @headless_option
 def demo(duration: float | None, headless: bool) -> int:
@@ -187,7 +193,7 @@ def demo(duration: float | None, headless: bool) -> int:
     return status
 
 
-@tank.command()
+@tank.command(short_help="Open JupyterLab on the notebooks.")
 @click.argument("jupyter_args", nargs=-1, type=click.UNPROCESSED)
 def lab(jupyter_args: tuple[str, ...]) -> None:
     """Open JupyterLab on the notebooks; JUPYTER_ARGS after -- go to it."""

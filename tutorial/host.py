@@ -66,7 +66,7 @@ class Host:
         self._closed = False
         try:
             for item in project.bodies:
-                self._add(item)
+                self._add(item, project.time_step is not None)
             if view is not None and len(project.bodies) == 1:
                 view.look_at_body(project.bodies[0].placement.name)
             if project.time_step is not None:
@@ -169,7 +169,7 @@ class Host:
         self._calls.close()
         self._ros.close()
 
-    def _add(self, item: BodyItem) -> None:
+    def _add(self, item: BodyItem, simulates: bool) -> None:
         body = Body.displayed(item.placement)
         added = _Item(body)
         self._items[body.name] = added
@@ -178,6 +178,9 @@ class Host:
             self._view.add(body.name, body.model)
         for controller_class in item.controllers:
             added.attach(controller_class, self.node, self._calls)
+            if not simulates and controller_class.control is not SimpleController.control:
+                name = controller_class.__name__
+                _log.warning("%s is never asked for control: this project has no 'simulator'", name)
 
     def _simulation(self, project: Project, time_step: float) -> Simulation:
         pairs = [(item.body.name, c) for item in self._items.values() for c in item.controllers]
@@ -222,10 +225,11 @@ class Host:
         if count > self._namesakes_said:
             name = self.node.get_fully_qualified_name()
             _log.warning(
-                "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name: "
-                "--ros-args -r __node:=viewer",
+                "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name, "
+                "--ros-args -r __node:=%s_2, or a ROS_DOMAIN_ID of its own",
                 count,
                 name,
+                self.node.get_name(),
             )
         self._namesakes_said = max(count, 1)
 
@@ -279,7 +283,7 @@ class _Item:
     def line(self) -> str:
         """What stands below the view: the last report, and the age of the data."""
         if self._report is None:
-            return ""
+            return f"{self.body.name}: nothing has come on {self.joint_topics[0]} yet" if self.joint_topics else ""
         return f"{self.body.name}: {self._report} ({time.monotonic() - self._shown_at:.1f} s ago)"
 
     def close(self) -> None:

@@ -39,9 +39,12 @@ def find_launch_file(given: str) -> Path:
 
 
 def _find(given: str, folder: Path, suffix: str, what: str) -> Path:
-    for path in (Path(given), folder / f"{given}{suffix}"):
-        if path.is_file():
-            return path
+    if Path(given).is_file():
+        if not given.endswith(suffix):
+            raise TutorialError(f"{given!r} is no {what}: the name of one ends in {suffix!r}.")
+        return Path(given)
+    if (folder / f"{given}{suffix}").is_file():
+        return folder / f"{given}{suffix}"
     beside = Path(given).parent
     wanted = Path(given).name
     if wanted == given or not beside.is_dir():

@@ -13,7 +13,7 @@ import msgspec
 
 from tutorial import controllers
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError, did_you_mean
+from tutorial.errors import TutorialError, did_you_mean, tell
 from tutorial.world import Placement
 from tutorial.yamlfile import YamlFile
 
@@ -37,7 +37,7 @@ class _ProjectFile(msgspec.Struct, forbid_unknown_fields=True):
     """What a project file looks like."""
 
     bodies: Annotated[list[_Body], msgspec.Meta(min_length=1)]
-    simulator: _Simulator | None = None
+    simulator: _Simulator | msgspec.UnsetType = msgspec.UNSET
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Project:
         _check_names(file)
         items = tuple(_body_item(file, i, body) for i, body in enumerate(file.data.bodies))
         simulator = file.data.simulator
-        return cls(file.path, items, simulator.time_step if simulator else None)
+        return cls(file.path, items, None if simulator is msgspec.UNSET else simulator.time_step)
 
     def with_robot(self, model: Path, name: str | None = None) -> Project:
         """Put another model in the place of the body that carries the controllers.
@@ -132,13 +132,21 @@ def find_controller(name: str) -> type[SimpleController]:
     """Find one of the library's controllers by its class name.
 
     Raises:
-        TutorialError: there is no such controller; the text names the nearest.
+        TutorialError: there is no such controller, or its file is broken; the text names the nearest, or the line.
     """
     known = controller_names()
     if name not in known:
         raise TutorialError(f"there is no controller {name!r}.{did_you_mean(name, known)}")
-    found: type[SimpleController] = getattr(import_module(known[name]), name)
-    return found
+    file = str(Path(controllers.__path__[0]) / f"{known[name].rpartition('.')[2]}.py")
+    try:
+        module = import_module(known[name])
+    except Exception as error:
+        raise TutorialError(tell(error, file)) from error
+    found = {n: c for n, c in vars(module).items() if isinstance(c, type) and c.__module__ == module.__name__}
+    if name not in found:
+        mend = "A controller's class is called like its file: imu_publisher.py holds ImuPublisher."
+        raise TutorialError(f"{file} has no class {name!r}.{did_you_mean(name, found)} {mend}")
+    return found[name]
 
 
 def _check_names(file: YamlFile[_ProjectFile]) -> None:

@@ -14,7 +14,7 @@ import mujoco
 
 from tutorial.body import Body
 from tutorial.controller import ControllerIO, SimpleController
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, tell
 from tutorial.handoff import Latest
 from tutorial.world import Placement, compose
 
@@ -272,8 +272,11 @@ class Simulation:
         _stop_all(controller for controller, _ in self._controllers)
 
     def _controller_error(self, controller: SimpleController | None, error: Exception) -> ControllerError:
-        name = "MuJoCo" if controller is None else type(controller).__name__
-        return ControllerError(f"{name} failed at {self.time:.3f} s of simulated time: {type(error).__name__}: {error}")
+        when = f"failed at {self.time:.3f} s of simulated time"
+        if controller is None:
+            return ControllerError(f"MuJoCo {when}: {type(error).__name__}: {error}")
+        name = type(controller).__name__
+        return ControllerError(f"{name} {when}: {tell(error, _file_of(controller))}")
 
     def _join(self) -> None:
         if self._thread is not None:
@@ -282,6 +285,12 @@ class Simulation:
 
     def _snap(self) -> Snapshot:
         return Snapshot(self.time, self.data.qpos.copy())
+
+
+def _file_of(controller: SimpleController) -> str:
+    """The file, or the notebook's cell, that a controller's class is written in."""
+    codes = (getattr(attribute, "__code__", None) for attribute in vars(type(controller)).values())
+    return next((code.co_filename for code in codes if code is not None), "")
 
 
 def _stop_all(controllers: Iterable[SimpleController]) -> None:
