@@ -40,7 +40,7 @@ def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
     """Each node with the messages that it sent and got, and how long these took from publication to callback."""
     table = _table("node", "topic", *COUNTS, "median", "p99 [ms]")
     table.caption = (
-        "median and p99: of the time from publication to callback. Received can be fewer than published:\n"
+        "median and p99: of the time from publication to callback. Received can be fewer than published: "
         "the programs start one after the other, and a queue of depth 1 keeps the newest. Applied: shown."
     )
     table.caption_justify = "left"
