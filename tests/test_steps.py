@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import json
 import signal
-import socket
 
+import psutil
 import pytest
 from browser import Witness, chromium, open_browser, pixels
 from browser import until as browser_until
@@ -168,11 +168,11 @@ def test_nothing_is_left_of_a_launched_step_whose_launcher_is_killed(program):
     running.says("simulation | look at")
     ports = {int(line.rsplit(":", 1)[1].strip().strip("/")) for line in running.lines if "look at" in line}
     assert len(ports) == 2
+    connections = [c for process in running.family() for c in process.net_connections("tcp")]
+    owned = {c.laddr.port for c in connections if c.status == psutil.CONN_LISTEN}
+    assert owned == ports, "they go with the processes that have them"
     running.process.kill()
     running.leaves_nothing()
-    for port in ports:
-        with socket.create_server(("127.0.0.1", port)):
-            pass  # it is free again
 
 
 def test_two_nodes_of_one_name_are_said_in_plain_words(program):
