@@ -124,7 +124,7 @@ def test_the_same_viewer_project_shows_another_robot(program, node, tmp_path):
     viewer = program("run", "step3", "--robot", CRANE, "--headless", "--report", tmp_path, *drains)
     publisher = node.create_publisher(JointState, "/Crane/joint_state", 1)
     until(publisher.get_subscription_count, "the viewer")
-    assert "+ Crane" in viewer.output
+    viewer.says("+ Crane")
     message = JointState(name=["LUFF", "BRIDGE", "SLEW"], position=[0.25, -0.125, 0.5])
     message.header.stamp.sec = 1
     publisher.publish(message)
