@@ -299,3 +299,25 @@ def test_another_thread_is_sent_away(method, arguments):
         f"View.{method} was called on the thread 'simulation', but the 3D view belongs to the thread "
         "'MainThread'. Post the call instead: call_later(f, message)."
     ]
+
+
+@pytest.mark.parametrize("size", [0.1, 2.0])
+def test_a_close_up_is_as_far_away_as_the_body_is_large(size):
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><worldbody><body pos="1 2 3"><geom type="sphere" size="{size}"/></body></worldbody></mujoco>'
+    )
+    view = View(scene := Scene())
+    eye = Eye(scene)
+    view.add("Ball", model)
+    view.look_at_body("Ball")
+    view.flush()
+    camera = [payload for kind, payload in unpack_records(scene.snapshot()) if kind is Record.CAMERA]
+    numbers = np.frombuffer(camera[-1], dtype="<f8")
+    assert numbers[3:] == pytest.approx([1, 2, 3])
+    assert np.linalg.norm(numbers[:3] - numbers[3:]) == pytest.approx(np.sqrt(2) * model.stat.extent)
+    assert eye.properties["/Grid", "scale"] == pytest.approx([model.stat.extent / 10] * 3)
+
+
+def test_a_close_up_of_what_is_not_there_is_a_clear_error():
+    with pytest.raises(TutorialError, match="there is no 'Tnak' in the 3D view"):
+        View(Scene()).look_at_body("Tnak")

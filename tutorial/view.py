@@ -22,6 +22,9 @@ CAMERA: tuple[Vector, Vector] = ((-4.4, -3.4, 2.6), (-1.0, 0.0, 0.0))
 CLOSE_UP = np.array([-1.0, -0.8, 0.6])
 """Where the camera stands to look at one body, seen from its middle and in terms of its extent."""
 
+GRID = 10.0
+"""Half the side of meshcat's grid [m]."""
+
 SKY = {"top_color": [0.80, 0.87, 0.93], "bottom_color": [0.95, 0.96, 0.97]}
 
 MESHCATS_LIGHTS = ("SpotLight", "PointLightNegativeX", "PointLightPositiveX", "AmbientLight", "FillLight")
@@ -134,7 +137,7 @@ class View:
         self._scene.look_at(position, target)
 
     def look_at_body(self, name: str) -> None:
-        """Place the camera so that one body fills the picture.
+        """Place the camera so that one body fills the picture, and make the grid a little larger than the body.
 
         Raises:
             TutorialError: there is nothing of this name.
@@ -144,9 +147,10 @@ class View:
         body = self._find(name)
         x, y, z = (body.center + CLOSE_UP * body.extent).tolist()
         self._scene.look_at((x, y, z), tuple(body.center.tolist()))
+        self._set("/Grid", "scale", [body.extent / GRID] * 3)
 
     def show_grid(self, visible: bool = True) -> None:
-        """Show or hide the grid of 0.5 m at height 0. By itself it is there as long as no floor is drawn.
+        """Show or hide the grid at height 0. By itself it is there as long as no floor is drawn.
 
         Raises:
             WrongThreadError: called on another thread than the view's.
