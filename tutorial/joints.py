@@ -230,7 +230,6 @@ class JointTally:
     short: int = 0
     duplicate: int = 0
     late: int = 0
-    outside: int = 0
 
     def add(self, report: JointReport) -> None:
         """Count one more message."""
@@ -243,7 +242,6 @@ class JointTally:
         self.non_finite += report.non_finite.total
         self.short += report.short
         self.duplicate += report.duplicate.total
-        self.outside += report.outside.total
 
     def merge(self, other: JointTally) -> None:
         """Add another tally's counts."""
@@ -252,5 +250,4 @@ class JointTally:
 
     def as_dict(self) -> dict[str, int]:
         """Return the counts as they stand in a run's record."""
-        names = ("matched", "unknown", "non_finite", "short", "duplicate", "late")
-        return {name: getattr(self, name) for name in names}
+        return {field.name: getattr(self, field.name) for field in fields(self) if field.name != "messages"}
