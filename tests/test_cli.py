@@ -32,6 +32,7 @@ from tutorial.paths import HOME
         ("run step3 --durration 1", "No such option '--durration'. Did you mean '--duration'?"),
         ("joy --drive tuor", "there is no drive 'tuor'. Did you mean 'tour'?"),
         ("run step3 --headless --robot nothing.xml", "there is no model 'nothing.xml'"),
+        ("run step3 --headless --controller nothing.py", "there is no file 'nothing.py'"),
         ("run step3 --headless --ros-args -r garbage", "Couldn't parse remap rule: '-r garbage'"),
         ("run step3 --headless --ros-args --nonsense", "ROS 2 does not know the arguments ['--nonsense']"),
         (

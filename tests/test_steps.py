@@ -136,6 +136,32 @@ def test_the_same_viewer_project_shows_another_robot(program, node, tmp_path):
     assert record["topics"]["/Crane/joint_state"]["applied"] == 1
 
 
+OWN = """
+from sensor_msgs.msg import JointState
+from tutorial.controller import SimpleController
+
+class JointStatePublisher(SimpleController):
+    def configure(self, config):
+        self.publisher = config.node.create_publisher(JointState, f"{config.body.name}/joint_state", 1)
+
+    def control(self):
+        self.publisher.publish(JointState(name=["MINE"]))
+
+    def unconfigure(self):
+        self.publisher.destroy()
+"""
+
+
+def test_a_users_own_controller_takes_the_librarys_place(program, listen, tmp_path):
+    heard = listen()
+    (tmp_path / "mine.py").write_text(OWN)
+    running = program("run", "step2", "--headless", "--controller", tmp_path / "mine.py")
+    until(lambda: heard, "a message")
+    assert heard[0].name == ["MINE"]
+    running.asks_to_stop()
+    assert running.ends() == 0, running.output
+
+
 def test_a_killed_simulation_leaves_the_viewer_alive_and_a_new_one_is_picked_up(program, listen, tmp_path):
     heard = listen()
     viewer = program("run", "step3", "--headless", "--report", tmp_path, "--ros-args", "-r", "__node:=viewer")

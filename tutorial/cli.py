@@ -114,6 +114,14 @@ def tank() -> None:
     metavar="MODEL",
     help="Put this model in the place of the project's robot; the body is called after the file.",
 )
+@click.option(
+    "--controller",
+    "own",
+    multiple=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Take the controllers in this Python file in the place of the project's of the same names.",
+)
 @click.pass_obj
 def run(
     ros_args: list[str],
@@ -124,14 +132,18 @@ def run(
     report: Path | None,
     port: int | None,
     robot: Path | None,
+    own: tuple[Path, ...],
 ) -> int:
     """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
+    from tutorial.catalogue import load_controllers
     from tutorial.paths import find_project
     from tutorial.project import Project
 
     loaded = Project.load(find_project(project))
     if robot is not None:
         loaded = loaded.with_robot(robot)
+    for path in own:
+        loaded = loaded.with_own(load_controllers(path))
     return until_asked(_host(loaded, ros_args, duration, linger, headless, report, port), duration)
 
 
@@ -193,15 +205,15 @@ def demo(duration: float | None, headless: bool) -> int:
     return status
 
 
-@tank.command(short_help="Open JupyterLab on the notebooks.")
+@tank.command(short_help="Open JupyterLab on the first notebook.")
 @click.argument("jupyter_args", nargs=-1, type=click.UNPROCESSED)
 def lab(jupyter_args: tuple[str, ...]) -> None:
-    """Open JupyterLab on the notebooks; JUPYTER_ARGS after -- go to it."""
+    """Open JupyterLab on the first notebook; JUPYTER_ARGS after -- go to it."""
     from tutorial.paths import HOME
 
     os.chdir(HOME)
-    command = [sys.executable, "-m", "jupyterlab", "--notebook-dir", str(HOME / "notebooks"), *jupyter_args]
-    os.execv(sys.executable, command)
+    first = "notebooks/0_setup.ipynb"
+    os.execv(sys.executable, [sys.executable, "-m", "jupyterlab", f"--ServerApp.root_dir={HOME}", *jupyter_args, first])
 
 
 def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -22,6 +22,7 @@ from honcho.printer import Message, Printer
 
 from tutorial import lifeline
 from tutorial.errors import TutorialError
+from tutorial.paths import with_own_commands
 
 if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
@@ -119,13 +120,14 @@ class Launcher:
         self._stop.set()
 
     async def _start(self, name: str, process: ExecuteProcess, read_end: int) -> asyncio.subprocess.Process:
-        environment = {
-            **(os.environ if process.env is None else process.env),
-            "PYTHONUNBUFFERED": "1",
-            **self._environment,
-            **(process.additional_env or {}),
-        }
-        environment["PATH"] = os.pathsep.join((str(Path(sys.executable).parent), environment.get("PATH", os.defpath)))
+        environment = with_own_commands(
+            {
+                **(os.environ if process.env is None else process.env),
+                "PYTHONUNBUFFERED": "1",
+                **self._environment,
+                **(process.additional_env or {}),
+            }
+        )
         command = [str(word) for word in process.cmd]
         command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
         try:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from tutorial.errors import TutorialError, did_you_mean
 
-__all__ = ["HOME", "find_drive", "find_launch_file", "find_project"]
+__all__ = ["HOME", "find_drive", "find_launch_file", "find_project", "with_own_commands"]
 
 HOME = Path(__file__).resolve().parent.parent
 
@@ -36,6 +39,12 @@ def find_launch_file(given: str) -> Path:
         TutorialError: there is no such launch file; the text names the nearest.
     """
     return _find(given, HOME / "launch_py", ".launch.py", "launch file")
+
+
+def with_own_commands(environment: Mapping[str, str]) -> dict[str, str]:
+    """Let a process find the commands that are installed beside this Python, such as ``tank``, activated or not."""
+    commands = (str(Path(sys.executable).parent), environment.get("PATH", os.defpath))
+    return {**environment, "PATH": os.pathsep.join(commands)}
 
 
 def _find(given: str, folder: Path, suffix: str, what: str) -> Path:

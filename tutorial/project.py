@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import pkgutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated
 
 import msgspec
 
-from tutorial import controllers
+from tutorial.catalogue import find_controller
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError, did_you_mean, tell
+from tutorial.errors import TutorialError, did_you_mean
 from tutorial.world import Placement
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["BodyItem", "Project", "controller_names", "find_controller"]
+__all__ = ["BodyItem", "Project"]
 
 Point = tuple[float, float, float]
 
@@ -103,6 +101,50 @@ class Project:
         swapped = replace(robots[0], placement=placement)
         return replace(self, bodies=tuple(swapped if item is robots[0] else item for item in self.bodies))
 
+    def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
+        """Give a body these controllers, in place of those that the file names.
+
+        Args:
+            body: the body's name.
+            classes: the classes of its controllers, in the order in which they run; none for a body that only stands.
+
+        Raises:
+            TutorialError: there is no such body, or something else than a controller's class was given.
+        """
+        for given in classes:
+            if not (isinstance(given, type) and issubclass(given, SimpleController)):
+                raise TutorialError(f"{given!r} is no controller. Give the class itself, made from SimpleController.")
+        names = [item.placement.name for item in self.bodies]
+        if body not in names:
+            raise TutorialError(f"{self.path.name} has no body {body!r}.{did_you_mean(body, names)}")
+        return replace(
+            self,
+            bodies=tuple(
+                replace(item, controllers=classes) if item.placement.name == body else item for item in self.bodies
+            ),
+        )
+
+    def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
+        """Put controllers of a user's own in the place of those of the same names.
+
+        Args:
+            classes: them by name.
+
+        Raises:
+            TutorialError: the project has no controller of one of these names; the text names the nearest.
+        """
+        known = {controller.__name__ for item in self.bodies for controller in item.controllers}
+        for name in classes:
+            if name not in known:
+                raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)}")
+        return replace(
+            self,
+            bodies=tuple(
+                replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))
+                for item in self.bodies
+            ),
+        )
+
     def tree(self) -> str:
         """Draw the items, as the original's item tree shows them."""
         return "\n".join(self._tree_lines())
@@ -118,35 +160,6 @@ class Project:
                 yield f"{indent}  - {controller.__name__}"
         if self.time_step is not None:
             yield f"{indent}+ Simulator ({self.time_step * 1000:g} ms)"
-
-
-def controller_names() -> dict[str, str]:
-    """Map the names of the library's controllers to their modules: ``tank_controller.py`` holds ``TankController``."""
-    modules = (module.name for module in pkgutil.iter_modules(controllers.__path__))
-    return {
-        "".join(word.capitalize() for word in name.split("_")): f"{controllers.__name__}.{name}" for name in modules
-    }
-
-
-def find_controller(name: str) -> type[SimpleController]:
-    """Find one of the library's controllers by its class name.
-
-    Raises:
-        TutorialError: there is no such controller, or its file is broken; the text names the nearest, or the line.
-    """
-    known = controller_names()
-    if name not in known:
-        raise TutorialError(f"there is no controller {name!r}.{did_you_mean(name, known)}")
-    file = str(Path(controllers.__path__[0]) / f"{known[name].rpartition('.')[2]}.py")
-    try:
-        module = import_module(known[name])
-    except Exception as error:
-        raise TutorialError(tell(error, file)) from error
-    found = {n: c for n, c in vars(module).items() if isinstance(c, type) and c.__module__ == module.__name__}
-    if name not in found:
-        mend = "A controller's class is called like its file: imu_publisher.py holds ImuPublisher."
-        raise TutorialError(f"{file} has no class {name!r}.{did_you_mean(name, found)} {mend}")
-    return found[name]
 
 
 def _check_names(file: YamlFile[_ProjectFile]) -> None:
