@@ -1,0 +1,72 @@
+"""Waiting until the node graph holds still, so that what is said about it is complete."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Hashable
+
+from rclpy.node import Node
+
+__all__ = ["settle", "settled"]
+
+READ_EVERY = 0.1  # [s] between two looks at the graph
+QUIET_READS = 5  # that have to agree before the graph counts as settled
+PATIENCE = 5.0  # [s] for it to settle
+NAMELESS = "_NODE_NAME_UNKNOWN_"  # whose name is still on its way
+EVERY_NODE_HAS = ("/rosout", "/parameter_events")
+
+
+class _Settling:
+    """Tells when the node graph has stopped changing, as one node sees it."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._seen: Hashable = None
+        self._agreeing = 0
+
+    def look(self) -> bool:
+        """Look once more; True when all has been the same for a while, and every endpoint has its node's name."""
+        seen = _snapshot(self._node)
+        is_complete = all(NAMELESS not in names for names in seen)
+        self._agreeing = self._agreeing + 1 if is_complete and seen == self._seen else 0
+        self._seen = seen
+        return self._agreeing >= QUIET_READS
+
+
+def settle(node: Node, patience: float = PATIENCE) -> bool:
+    """Wait until the node graph has stopped changing, so that what is said about it is complete.
+
+    It blocks the thread that it is called on. In a notebook take `settled`.
+
+    Args:
+        node: that asks; its thread must spin.
+        patience: how long to wait at most [s].
+
+    Returns:
+        Whether the graph has settled.
+    """
+    settling, deadline = _Settling(node), time.monotonic() + patience
+    while not (done := settling.look()) and time.monotonic() < deadline:
+        time.sleep(READ_EVERY)
+    return done
+
+
+async def settled(node: Node, patience: float = PATIENCE) -> bool:
+    """As `settle`, but other things go on meanwhile."""
+    settling, deadline = _Settling(node), time.monotonic() + patience
+    while not (done := settling.look()) and time.monotonic() < deadline:
+        await asyncio.sleep(READ_EVERY)
+    return done
+
+
+def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
+    """All nodes, and all topics with those who publish and subscribe, where that is of interest."""
+    nodes = sorted(f"{namespace.rstrip('/')}/{name}" for name, namespace in node.get_node_names_and_namespaces())
+    snapshot = [tuple(nodes)]
+    for topic, types in node.get_topic_names_and_types():
+        snapshot.append((topic, *types))
+        if topic not in EVERY_NODE_HAS:
+            infos = (*node.get_publishers_info_by_topic(topic), *node.get_subscriptions_info_by_topic(topic))
+            snapshot.append(tuple(sorted(info.node_name for info in infos)))
+    return tuple(snapshot)
