@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
     from types import FrameType
 
+    from tutorial.trace import Handoff, HandoffTrace
+
 __all__ = ["CallQueue", "CallScope", "Latest", "ThreadGuard"]
 
 T = TypeVar("T")
@@ -63,10 +65,12 @@ class CallQueue:
 
     Args:
         loop: the main thread's loop.
+        trace: where to write down when each call is posted and when it runs; None for nowhere.
     """
 
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, loop: asyncio.AbstractEventLoop, trace: HandoffTrace | None = None) -> None:
         self._loop = loop
+        self._trace = trace
         self._lock = threading.Lock()
         self._waiting: deque[_Call] = deque()
         self._newest: dict[tuple[CallScope, Hashable], _Call] = {}
@@ -94,6 +98,8 @@ class CallQueue:
 
     def _post(self, call: _Call, key: Hashable | None = None) -> None:
         """Queue a call, or replace the waiting one of the same key, or count that it came too late."""
+        if self._trace is not None:
+            call.handoff = self._trace.post()
         with self._lock:
             if self._closed or call.scope.closed or not self._wake():
                 call.scope.refused += 1
@@ -177,7 +183,7 @@ class CallScope:
 class _Call:
     """One posted call, and where it was posted."""
 
-    __slots__ = ("args", "frame_code", "frame_line", "function", "scope", "slot", "thread")
+    __slots__ = ("args", "frame_code", "frame_line", "function", "handoff", "scope", "slot", "thread")
 
     def __init__(
         self, scope: CallScope, function: Callable[..., object], args: tuple[object, ...], frame: FrameType
@@ -189,15 +195,21 @@ class _Call:
         self.frame_line = frame.f_lineno
         self.thread = threading.current_thread().name
         self.slot: tuple[CallScope, Hashable] | None = None
+        self.handoff: Handoff | None = None
 
     def replace(self, newer: _Call) -> None:
         """Become the newer call, in this one's place."""
+        if self.handoff is not None:
+            self.handoff.supersede(newer.handoff)
+        self.handoff = newer.handoff
         self.function, self.args = newer.function, newer.args
         self.frame_code, self.frame_line, self.thread = newer.frame_code, newer.frame_line, newer.thread
 
     def run(self) -> None:
         if self.scope.closed:
             return
+        if self.handoff is not None:
+            self.handoff.apply()
         try:
             self.function(*self.args)
         except Exception:  # noqa: BLE001 - whatever it is, the other calls go on

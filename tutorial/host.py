@@ -20,6 +20,7 @@ from tutorial.simulation import Simulation
 
 if TYPE_CHECKING:
     from tutorial.project import BodyItem, Project
+    from tutorial.trace import HandoffTrace
     from tutorial.view import View
 
 __all__ = ["Host"]
@@ -42,6 +43,7 @@ class Host:
         ros_args: command line arguments, of which ROS 2 takes those after ``--ros-args``. The node is called ``tank``
             unless it is remapped.
         view: where to draw; None to show nothing.
+        trace: where to write down when each message is received, posted and applied; None for nowhere.
 
     Attributes:
         bodies: the displayed bodies by name.
@@ -52,14 +54,21 @@ class Host:
         TutorialError: a controller does not fit its body.
     """
 
-    def __init__(self, project: Project, ros_args: Sequence[str] | None = None, view: View | None = None) -> None:
-        self._calls = CallQueue(asyncio.get_running_loop())
+    def __init__(
+        self,
+        project: Project,
+        ros_args: Sequence[str] | None = None,
+        view: View | None = None,
+        trace: HandoffTrace | None = None,
+    ) -> None:
+        self._calls = CallQueue(asyncio.get_running_loop(), trace)
         self._view = view
         self._items: dict[str, _Item] = {}
         self._removed: list[_Item] = []
         self.simulation: Simulation | None = None
         self._ros = NodeThread("tank", ros_args)
         self.node = self._ros.node
+        self.node.trace = trace
         self._seconds = 0.0
         self._namesakes_said = 1
         self._namesakes_looked = 0.0
@@ -88,6 +97,21 @@ class Host:
         """The displayed bodies by name."""
         return {name: item.body for name, item in self._items.items()}
 
+    @property
+    def controllers(self) -> dict[str, SimpleController]:
+        """The controllers of all bodies by the names of their classes; of twins, the last."""
+        return {type(c).__name__: c for item in self._items.values() for c in item.controllers}
+
+    @property
+    def waiting(self) -> int:
+        """How many posted calls wait for the main thread."""
+        return len(self._calls)
+
+    @property
+    def error(self) -> Exception | None:
+        """What a callback or the simulation raised last; None when nothing did."""
+        return (self.simulation and self.simulation.error) or self._ros.error
+
     async def run(
         self,
         duration: float | None = None,
@@ -110,7 +134,7 @@ class Host:
             self.simulation.start(duration)
         try:
             while not self._over(began, duration, linger):
-                self._frame()
+                self.refresh()
                 if progress is not None:
                     progress(self.seconds if self.simulation else time.monotonic() - began)
                 await asyncio.sleep(FRAME)
@@ -118,7 +142,7 @@ class Host:
             if self.simulation is not None:
                 self.simulation.stop()
             self._seconds = time.monotonic() - began
-            self._frame()
+            self.refresh()
         if self.simulation is not None and self.simulation.error is not None:
             raise self.simulation.error
 
@@ -203,8 +227,8 @@ class Host:
             and not len(self._calls)
         )
 
-    def _frame(self) -> None:
-        """Show what has changed. Main thread."""
+    def refresh(self) -> None:
+        """Draw one frame: show what has changed since the last. `run` does it; call it when nothing runs."""
         self._look_for_namesakes()
         if self.simulation is not None:
             self.simulation.copy_to(self.bodies.values())
@@ -213,8 +237,15 @@ class Host:
         for name, item in self._items.items():
             if item.take_dirty():
                 self._view.update(name, item.body.data)
-        self._view.line("  |  ".join(filter(None, (item.line() for item in self._items.values()))))
+        self._view.line("  |  ".join(filter(None, (self._trouble(), *(item.line() for item in self._items.values())))))
         self._view.flush()
+
+    def _trouble(self) -> str:
+        """What stands first below the view when a callback or the simulation has failed."""
+        error = self.error
+        if error is None:
+            return ""
+        return str(error) if isinstance(error, TutorialError) else f"{type(error).__name__}: {error}"
 
     def _look_for_namesakes(self) -> None:
         """Say in plain words when another node has this node's name."""

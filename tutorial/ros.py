@@ -18,6 +18,8 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from tutorial.trace import HandoffTrace
+
 __all__ = ["MeteredNode", "NodeThread", "TopicMeter"]
 
 LATENCIES_KEPT = 10_000
@@ -90,7 +92,10 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
 
     Attributes:
         meters: one for each topic and direction, in the order in which they were made.
+        trace: where to write down when each message's callback begins and ends; None for nowhere.
     """
+
+    trace: HandoffTrace | None = None
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         self.meters: list[TopicMeter] = []
@@ -120,10 +125,12 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
         def metered(message: Any, info: dict[str, int]) -> None:
             if meter is not None:
                 meter.add(message, time.time_ns() - info["source_timestamp"])
-            if wants_info:
-                callback(message, info)
-            else:
-                callback(message)
+            arguments = (message, info) if wants_info else (message,)
+            if self.trace is None:
+                callback(*arguments)
+                return
+            with self.trace.receiving(meter.topic if meter is not None else topic):
+                callback(*arguments)
 
         subscription = super().create_subscription(msg_type, topic, metered, *args, **kwargs)
         meter = self._meter(subscription.topic_name, msg_type, "received")
@@ -144,9 +151,11 @@ class NodeThread:
 
     Attributes:
         node: the node.
+        error: what a callback raised last; None when none did.
     """
 
     def __init__(self, name: str, args: Sequence[str] | None = None) -> None:
+        self.error: Exception | None = None
         self._context = Context()
         rclpy.init(args=list(args or ()), context=self._context)
         try:
@@ -188,9 +197,10 @@ class NodeThread:
         while not self._stopping.is_set():
             try:
                 self._executor.spin_once(timeout_sec=0.5)
-            except Exception:  # noqa: BLE001 - a callback may raise anything
+            except Exception as error:  # noqa: BLE001 - a callback may raise anything
                 if self._stopping.is_set() or not self._context.ok():
                     return
+                self.error = error
                 _log.exception("a callback of the node %r failed; the others go on", self.node.get_name())
 
 

@@ -1,0 +1,166 @@
+"""What is written down of messages and calls on their way from thread to thread."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+
+import pytest
+from std_msgs.msg import String
+
+from tutorial.handoff import CallQueue
+from tutorial.ros import NodeThread
+from tutorial.trace import Handoff, HandoffTrace, Moment, waiting_calls
+
+
+def on_thread(job, name: str) -> None:
+    thread = threading.Thread(target=job, name=name)
+    thread.start()
+    thread.join()
+
+
+def run(scenario):
+    """Run a scenario with a trace and a scope of a traced queue; return what was written down."""
+
+    async def main():
+        trace = HandoffTrace()
+        queue = CallQueue(asyncio.get_running_loop(), trace)
+        scenario(trace, queue.scope("test"))
+        while len(queue):
+            await asyncio.sleep(0)
+        return trace.handoffs()
+
+    return asyncio.run(main())
+
+
+def test_a_message_is_followed_from_thread_to_thread():
+    def scenario(trace, scope):
+        def callback():
+            with trace.receiving("/joy"):
+                scope.call_later(lambda: None)
+
+        on_thread(callback, "executor")
+
+    (handoff,) = run(scenario)
+    assert (handoff.topic, handoff.outcome) == ("/joy", "applied")
+    moments = (handoff.received, handoff.posted, handoff.handled, handoff.applied)
+    assert [moment.thread for moment in moments] == ["executor", "executor", "executor", "MainThread"]
+    assert handoff.received.time <= handoff.posted.time <= handoff.handled.time <= handoff.applied.time
+    assert handoff.waited == handoff.applied.time - handoff.posted.time
+    assert handoff.began == handoff.received.time
+
+
+def test_a_replaced_call_is_superseded_when_the_newer_one_is_posted():
+    def scenario(trace, scope):
+        for _ in range(3):
+            with trace.receiving("/joy"):
+                scope.call_latest("joy", lambda: None)
+
+    first, second, third = run(scenario)
+    assert [handoff.outcome for handoff in (first, second, third)] == ["superseded", "superseded", "applied"]
+    assert (first.superseded, second.superseded) == (second.posted, third.posted)
+    assert first.waited == second.posted.time - first.posted.time
+
+
+def test_a_message_whose_callback_posts_nothing_is_handled():
+    def scenario(trace, scope):
+        with trace.receiving("/joy"):
+            pass
+
+    (handoff,) = run(scenario)
+    assert (handoff.outcome, handoff.waited) == ("handled", None)
+
+
+def test_every_call_that_a_callback_posts_is_followed():
+    def scenario(trace, scope):
+        with trace.receiving("/joy"):
+            scope.call_later(lambda: None)
+            scope.call_later(lambda: None)
+        scope.call_later(lambda: None)
+
+    first, second, third = run(scenario)
+    assert [handoff.outcome for handoff in (first, second, third)] == ["applied"] * 3
+    assert first.received == second.received
+    assert (second.topic, third.topic, third.received) == ("/joy", None, None)
+    assert third.began == third.posted.time
+
+
+def test_a_call_that_is_dropped_goes_on_waiting():
+    def scenario(trace, scope):
+        scope.call_later(lambda: None)
+        scope.close()
+
+    (handoff,) = run(scenario)
+    assert (handoff.outcome, handoff.waited) == ("waiting", None)
+
+
+def test_a_callback_that_fails_is_over_all_the_same():
+    trace = HandoffTrace()
+    with pytest.raises(ZeroDivisionError), trace.receiving("/joy"):
+        raise ZeroDivisionError
+    assert trace.handoffs()[0].handled is not None
+    trace.post()
+    assert trace.handoffs()[1].topic is None
+
+
+def test_memory_is_bounded():
+    trace = HandoffTrace(capacity=10)
+    for i in range(100):
+        with trace.receiving(f"/topic{i}"):
+            pass
+    assert [handoff.topic for handoff in trace.handoffs()] == [f"/topic{i}" for i in range(90, 100)]
+    assert len(trace) == 10
+    trace.clear()
+    assert (len(trace), repr(trace)) == (0, "HandoffTrace(10)")
+
+
+def test_what_is_returned_does_not_change_any_more():
+    trace = HandoffTrace()
+    handoff = trace.post()
+    (before,) = trace.handoffs()
+    handoff.apply()
+    assert (before.outcome, trace.handoffs()[0].outcome) == ("waiting", "applied")
+
+
+def test_threads_do_not_take_one_anothers_messages():
+    trace = HandoffTrace(capacity=4000)
+
+    def receive(topic):
+        for _ in range(500):
+            with trace.receiving(topic):
+                trace.post()
+
+    threads = [threading.Thread(target=receive, args=(f"/{i}",), name=f"/{i}") for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(trace) == 2000
+    assert all(h.topic == h.received.thread == h.posted.thread for h in trace.handoffs())
+
+
+def test_a_nodes_callbacks_are_traced_from_when_it_is_asked(domain):
+    async def main():
+        queue = CallQueue(asyncio.get_running_loop(), trace)
+        scope, arrived = queue.scope("test"), asyncio.Event()
+        with NodeThread("tester") as ros:
+            ros.node.trace = trace
+            ros.node.create_subscription(String, "x", lambda _: scope.call_later(arrived.set), 1)
+            ros.node.create_publisher(String, "x", 1).publish(String())
+            await asyncio.wait_for(arrived.wait(), 30)
+
+    trace = HandoffTrace()
+    asyncio.run(main())
+    (handoff,) = trace.handoffs()
+    assert (handoff.topic, handoff.received.thread, handoff.applied.thread) == ("/x", "executor", "MainThread")
+
+
+def test_waiting_calls_are_counted():
+    def call(posted, applied=None, superseded=None):
+        applied, superseded = (None if time is None else Moment(time, "x") for time in (applied, superseded))
+        return Handoff(posted=Moment(posted, "x"), applied=applied, superseded=superseded)
+
+    handled = Handoff(received=Moment(2.5, "x"))
+    calls = [call(0.0, 2.0), call(1.0, 3.0), call(3.0, superseded=4.0), call(4.0), handled]
+    assert waiting_calls(calls, 1.5, 5.0) == [(1.5, 2), (2.0, 1), (3.0, 0), (3.0, 1), (4.0, 0), (4.0, 1), (5.0, 0)]
+    assert waiting_calls([], 1.0, 2.0) == [(1.0, 0)]
