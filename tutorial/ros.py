@@ -17,6 +17,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.task import Future
 
 from tutorial.trace import HandoffTrace
 
@@ -165,7 +166,7 @@ class NodeThread:
         except BaseException:
             self._context.try_shutdown()
             raise
-        self._stopping = threading.Event()
+        self._end = Future()
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
 
@@ -184,21 +185,20 @@ class NodeThread:
 
     def close(self) -> None:
         """End the thread, then the executor, the node and the context, in this order. Idempotent."""
-        if self._stopping.is_set():
+        if self._end.done():
             return
-        self._stopping.set()
-        self._executor.wake()
+        self._end.set_result(None)
         self._thread.join()
         self._executor.shutdown()
         self.node.destroy_node()
         self._context.try_shutdown()
 
     def _spin(self) -> None:
-        while not self._stopping.is_set():
+        while self._context.ok() and not self._end.done():
             try:
-                self._executor.spin_once(timeout_sec=0.5)
+                self._executor.spin_until_future_complete(self._end)
             except Exception as error:  # noqa: BLE001 - a callback may raise anything
-                if self._stopping.is_set() or not self._context.ok():
+                if self._end.done() or not self._context.ok():
                     return
                 self.error = error
                 _log.exception("a callback of the node %r failed; the others go on", self.node.get_name())
