@@ -1,0 +1,318 @@
+"""What an answer may do to the process it is judged in, and that nothing of it reaches the learner's own."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import io
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import psutil
+import pytest
+from programs import PATIENCE, until
+
+from tutorial.checks._verdict import right
+from tutorial.checks.exercise import Exercise
+from tutorial.checks.tank_controller import GentleTank, drive
+
+
+def children(pid=None):
+    """Return the processes that judge for a process, those included that have just ended."""
+    with contextlib.suppress(psutil.NoSuchProcess):
+        return [p for p in psutil.Process(pid).children() if p.status() != psutil.STATUS_ZOMBIE and _judges(p)]
+    return []
+
+
+def _judges(process):
+    return "tutorial.checks._child" in " ".join(process.cmdline())
+
+
+def said_about(answer):
+    """Return what a check prints, and see to it that nothing is left of its process."""
+    with contextlib.redirect_stdout(io.StringIO()) as text:
+        drive.check(answer)
+    assert not children()
+    return text.getvalue()
+
+
+class LoopInControl(GentleTank):
+    def control(self):
+        while True:
+            pass
+
+
+class LoopInCallback(GentleTank):
+    def on_joy(self, message):
+        while not self.joy.get().axes:
+            pass
+
+
+class SleepsForEver(GentleTank):
+    def initialize(self, io):
+        time.sleep(1e9)
+
+
+class SleepsALittle(GentleTank):
+    def control(self):
+        time.sleep(0.3)
+
+
+class EndsTheProcess(GentleTank):
+    def control(self):
+        os._exit(3)
+
+
+class Exits(GentleTank):
+    def control(self):
+        sys.exit("enough")
+
+
+class IsKilled(GentleTank):
+    def control(self):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+class Crashes(GentleTank):
+    def control(self):
+        ctypes.string_at(0)
+
+
+class RaisesInConfigure(GentleTank):
+    def configure(self, config):
+        self.joy = config.joystick
+
+
+class RaisesInControl(GentleTank):
+    def control(self):
+        self.track_l.ctrl = 1 / 0
+
+
+class RaisesInCallback(GentleTank):
+    def on_joy(self, message):
+        self.joy.put(message.achses)
+
+
+class RaisesWhenMade(GentleTank):
+    def __init__(self):
+        raise ValueError("no tank today")
+
+
+class WrongSignature(GentleTank):
+    def control(self, io):
+        self.joy.get()
+
+
+class Floods(GentleTank):
+    def control(self):
+        while True:
+            print("here I am")
+
+
+ENDS = [
+    (
+        LoopInControl,
+        "✗ control does not return",
+        ("in control, line ", ": pass|while True:"),
+        "the loop is the simulation's",
+    ),
+    (
+        LoopInCallback,
+        "✗ on_joy does not return",
+        ("in on_joy, line ", ": pass|axes:"),
+        "it never waits and never repeats",
+    ),
+    (SleepsForEver, "✗ initialize does not return", ("in initialize, line ", ": time.sleep(1e9)"), "only prepares"),
+    (SleepsALittle, "✗ control takes too long, at every call", (": time.sleep(0.3)",), "returns at once"),
+    (EndsTheProcess, "✗ control ended the whole process, with exit status 3", (": os._exit(3)",), "only returns"),
+    (Exits, "control raised SystemExit: enough", (': sys.exit("enough")',), "exit() was left over"),
+    (IsKilled, "✗ the process was ended by the signal SIGKILL", (), "outside of Python"),
+    (
+        Crashes,
+        "✗ the process was ended by the signal SIGSEGV",
+        ("in control, line ", ": ctypes.string_at(0)"),
+        "library",
+    ),
+    (
+        RaisesInConfigure,
+        "✗ configure raised AttributeError",
+        (": self.joy = config.joystick",),
+        "configure comes first",
+    ),
+    (RaisesInControl, "control raised ZeroDivisionError: division by zero", (": self.track_l.ctrl = 1 / 0",), ""),
+    (RaisesInCallback, "✗ on_joy raised AttributeError", (": self.joy.put(message.achses)",), "configure comes first"),
+    (RaisesWhenMade, "✗ __init__ raised ValueError: no tank today", ("in __init__, line",), "Mend this line first"),
+    (WrongSignature, "control raised TypeError", (), ""),
+    (Floods, "✗ control does not return", ("  | here I am", "  | ... and more"), "the loop is the simulation's"),
+]
+
+
+@pytest.mark.parametrize(("answer", "what", "where", "why"), ENDS, ids=lambda value: getattr(value, "__name__", ""))
+def test_whatever_it_does_is_contained_and_explained(answer, what, where, why):
+    said = said_about(answer)
+    assert what in said, said
+    assert why in said, said
+    for alternatives in where:
+        assert any(each in said for each in alternatives.split("|")), said
+    assert len(said.splitlines()) < 40
+
+
+NOTEBOOK = """
+import threading
+from tutorial.checks.tank_controller import GentleTank
+
+scene = threading.Lock()
+joystick = {"lock": scene}
+
+class UsesAGlobal(GentleTank):
+    def on_joy(self, message):
+        with scene:
+            self.joy.put(message)
+
+class UsesItInside(GentleTank):
+    def control(self):
+        return [joystick for _ in range(3)]
+
+def make():
+    closed_over = threading.Lock()
+    class UsesAClosure(GentleTank):
+        def control(self):
+            closed_over.acquire()
+    return UsesAClosure
+
+UsesAClosure = make()
+
+class HasItAsAnAttribute(GentleTank):
+    lock = threading.Lock()
+"""
+
+CLINGING = [
+    ("UsesAGlobal", "✗ on_joy uses scene, an object of the class lock, that belongs to the notebook"),
+    ("UsesItInside", "✗ control uses joystick, an object of the class dict, that belongs to the notebook"),
+    ("UsesAClosure", "✗ control uses closed_over, an object of the class lock, that belongs to the notebook"),
+    ("HasItAsAnAttribute", "✗ the class keeps lock, an object of the class lock, that belongs to the notebook"),
+]
+
+
+@pytest.mark.parametrize(("name", "what"), CLINGING)
+def test_what_belongs_to_the_notebook_is_named(name, what):
+    namespace = {"__name__": "__main__"}
+    exec(NOTEBOOK, namespace)
+    said = said_about(namespace[name])
+    assert what in said, said
+    assert "let it take what it needs from config, io or its arguments" in said
+
+
+class Talks(GentleTank):
+    def initialize(self, io):
+        print("tracks:", io.body.actuator("TRACK_L").name)
+        super().initialize(io)
+
+
+def test_what_it_prints_is_shown_below():
+    assert said_about(Talks).splitlines()[-2:] == ["Your code printed:", "  | tracks: TRACK_L"]
+
+
+class TellsItsDomain(GentleTank):
+    def initialize(self, io):
+        print("|".join(os.environ.get(name, "") for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE")))
+        super().initialize(io)
+
+
+def test_it_runs_in_another_ros_domain(domain, monkeypatch):
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    other, reach = said_about(TellsItsDomain).splitlines()[-1].removeprefix("  | ").split("|")
+    assert 1 <= int(other) <= 101
+    assert int(other) != domain
+    assert reach == "LOCALHOST"
+
+
+class Anything:
+    def method(self):
+        return 1
+
+
+def doze(answer):
+    """Judge for ever."""
+    print("dozing", flush=True)
+    while True:
+        time.sleep(0.1)
+        yield right("still")
+
+
+dozing = Exercise("dozing", "", doze, (Anything,), object, ("method",), (), "")
+
+PARENT = """
+import sys
+from tutorial.checks.tank_controller import drive
+from test_contain import Anything, dozing
+try:
+    dozing.check(Anything)
+except KeyboardInterrupt:
+    print("passed on", flush=True)
+    sys.exit(5)
+"""
+
+
+@pytest.fixture
+def parent():
+    """A program that checks an answer for ever, and how to find the process that it is judged in."""
+    path = os.pathsep.join(filter(None, sys.path))
+    process = subprocess.Popen(
+        [sys.executable, "-c", PARENT],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env={**os.environ, "PYTHONPATH": path},
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+def child_of(process):
+    """Wait until the process that judges is there, and its watchdog with it."""
+
+    def found():
+        return [child for child in children(process.pid) if child.num_threads() > 1]
+
+    until(found, "the process that judges")
+    return found()[0]
+
+
+def test_an_interrupt_ends_the_process_and_is_passed_on(parent):
+    child = child_of(parent)
+    parent.send_signal(signal.SIGINT)
+    assert parent.stdout.read() == "passed on\n"
+    assert parent.wait(PATIENCE) == 5
+    until(lambda: not child.is_running(), "the end of the process that judges")
+
+
+def test_it_is_gone_when_who_has_asked_is_killed(parent):
+    child = child_of(parent)
+    parent.kill()
+    until(lambda: not child.is_running() or child.status() == psutil.STATUS_ZOMBIE, "its end")
+
+
+class HaltsPython(GentleTank):
+    def control(self):
+        ctypes.PyDLL(None).sleep(3600)
+
+
+def test_an_interpreter_that_has_come_to_a_halt_is_ended():
+    """A call into C that lets nothing else run is the one thing that the watchdog cannot see."""
+    said = said_about(HaltsPython)
+    assert "✗ Python itself has come to a halt" in said
+    assert "in control, line" in said
+
+
+def test_nothing_of_the_package_prints_on_import():
+    code = "import tutorial.checks.tank_controller, tutorial.checks._child"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == done.stderr == ""

@@ -1,0 +1,337 @@
+"""The exercises `display`, `keep_up` and `match`: every wrong answer is told from the others."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import pytest
+from sensor_msgs.msg import JointState
+
+from tutorial.checks.joint_state_subscriber import CalmViewer, MyViewer, display, keep_up, match, match_by_name
+from tutorial.joints import match_joints
+
+
+class FromTheCallback(MyViewer):
+    def on_joint_state(self, message):
+        self.update(message)
+
+
+class CalledAtOnce(MyViewer):
+    def on_joint_state(self, message):
+        self.call_later(self.update(message))
+
+
+class NeverPosted(MyViewer):
+    def on_joint_state(self, message):
+        self.message = message
+
+
+class HardCoded(MyViewer):
+    def configure(self, config):
+        super().configure(config)
+        self.subscription.destroy()
+        config.node.ears.clear()
+        topic = "/Tank/joint_state"
+        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+
+
+class WrongTopic(MyViewer):
+    def configure(self, config):
+        self.body, self.call_later = config.body, config.call_later
+        topic = f"/{self.body.name}/joint_states"
+        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+
+
+class NoKinematics(MyViewer):
+    def update(self, message):
+        self.body.set_joint_positions(match_joints(self.body.joint_names, message)[0])
+        self.body.notify_change()
+
+
+class NoNotice(MyViewer):
+    def update(self, message):
+        self.body.set_joint_positions(match_joints(self.body.joint_names, message)[0])
+        self.body.calc_forward_kinematics()
+
+
+class NoticeTooEarly(MyViewer):
+    def update(self, message):
+        self.body.notify_change()
+        self.body.set_joint_positions(match_joints(self.body.joint_names, message)[0])
+        self.body.calc_forward_kinematics()
+
+
+class NotSet(MyViewer):
+    def update(self, message):
+        match_joints(self.body.joint_names, message)
+        self.body.calc_forward_kinematics()
+        self.body.notify_change()
+
+
+class Matching(MyViewer):
+    def update(self, message):
+        self.body.set_joint_positions(self.matched(message))
+        self.body.calc_forward_kinematics()
+        self.body.notify_change()
+
+
+class ByIndex(Matching):
+    def matched(self, message):
+        return dict(zip(self.body.joint_names, message.position))
+
+
+class InventsZeros(Matching):
+    def matched(self, message):
+        given = match_joints(self.body.joint_names, message)[0]
+        return {name: given.get(name, 0.0) for name in self.body.joint_names}
+
+
+class UnknownName(Matching):
+    def matched(self, message):
+        return dict(zip(message.name, message.position))
+
+
+class OnlyTwoJoints(Matching):
+    def matched(self, message):
+        return match_joints(("TURRET_Y", "TURRET_P"), message)[0]
+
+
+class KeepsListening(MyViewer):
+    def unconfigure(self):
+        pass
+
+
+DISPLAY = [
+    (FromTheCallback, "the callback moves the body itself", "touched on the executor's thread"),
+    (CalledAtOnce, "the parentheses call it at once", "touched on the executor's thread"),
+    (NeverPosted, "the callback posts nothing", "nothing is posted"),
+    (HardCoded, "written into the topic", "on a body called Lift, it listens to /Tank/joint_state"),
+    (WrongTopic, "the topic's name is another", "/Tank/joint_states, not /Tank/joint_state"),
+    (NoKinematics, "calc_forward_kinematics() is missing", "the links are where they were"),
+    (NoNotice, "notify_change() is missing", "nobody is told"),
+    (NoticeTooEarly, "notify_change comes too early", "told before the body has moved"),
+    (NotSet, "computed but not set", "the joints stay where they are"),
+    (ByIndex, "match them by name", "exchanged"),
+    (InventsZeros, "is set to 0", "a message with only TURRET_P"),
+    (UnknownName, "match_joints leaves such names out", "ANTENNA"),
+    (OnlyTwoJoints, "positions are computed but not set", ""),
+    (KeepsListening, "self.subscription.destroy()", "it still listens"),
+]
+
+
+@pytest.mark.parametrize(("answer", "cause", "text"), DISPLAY, ids=lambda value: getattr(value, "__name__", ""))
+def test_a_wrong_viewer_gets_its_own_sentence(domain, answer, cause, text):
+    verdict = display.judge(answer)
+    assert not verdict.right
+    assert len(verdict.causes) == 1, str(verdict)
+    assert cause in verdict.causes[0], str(verdict)
+    assert text in next(finding.text for finding in verdict.findings if not finding.right)
+
+
+class QueueGrows(CalmViewer):
+    def on_joint_state(self, message):
+        self.call_later(self.update, message)
+
+    def configure(self, config):
+        super().configure(config)
+        self.call_later = config.call_later
+
+
+class KeyOfTheMessage(CalmViewer):
+    def on_joint_state(self, message):
+        self.call_latest(message.header.stamp.nanosec, self.update, message)
+
+
+class DropsByTime(CalmViewer):
+    def on_joint_state(self, message):
+        if time.monotonic() - getattr(self, "last", 0.0) < 100.0 and message.header.stamp.nanosec > 99_000_000:
+            return
+        self.last = time.monotonic()
+        super().on_joint_state(message)
+
+
+class EveryTenth(CalmViewer):
+    def on_joint_state(self, message):
+        self.count = getattr(self, "count", -1) + 1
+        if self.count < 5 or self.count % 10 == 0:
+            super().on_joint_state(message)
+
+
+class KeepsTheFirst(CalmViewer):
+    def configure(self, config):
+        super().configure(config)
+        self.posted = False
+
+    def on_joint_state(self, message):
+        if not self.posted:
+            self.posted = True
+            super().on_joint_state(message)
+
+    def update(self, message):
+        self.posted = False
+        super().update(message)
+
+
+class Piecewise(CalmViewer):
+    def on_joint_state(self, message):
+        self.positions = getattr(self, "positions", {})
+        for name, position in zip(message.name, message.position):
+            self.positions[name] = position
+        self.call_latest("Tank", self.update, None)
+
+    def update(self, message):
+        known = {name: position for name, position in tuple(self.positions.items()) if name in self.body.joint_names}
+        self.body.set_joint_positions(known)
+        self.body.calc_forward_kinematics()
+        self.body.notify_change()
+
+
+KEEP_UP = [
+    (QueueGrows, "call_later, which keeps every call", "50 calls wait"),
+    (KeyOfTheMessage, "the key differs from message to message", "50 calls wait"),
+    (DropsByTime, "dropped by time or by count", "the last one is not shown"),
+    (EveryTenth, "dropped by time or by count", "the last one is not shown"),
+    (KeepsTheFirst, "the first of them is kept", "the last one is not shown"),
+    (Piecewise, "piece by piece", "half of each is shown"),
+    (NoKinematics, "calc_forward_kinematics() is missing", "the links are where they were"),
+]
+
+
+@pytest.mark.parametrize(("answer", "cause", "text"), KEEP_UP, ids=lambda value: getattr(value, "__name__", ""))
+def test_a_viewer_that_does_not_keep_up_gets_its_own_sentence(domain, answer, cause, text):
+    verdict = keep_up.judge(answer)
+    assert not verdict.right
+    assert cause in verdict.causes[0], str(verdict)
+    assert text in next(finding.text for finding in verdict.findings if not finding.right)
+
+
+class OneKeyForAll(CalmViewer):
+    """Right: keys are each controller's own."""
+
+    def on_joint_state(self, message):
+        self.call_latest("joints", self.update, message)
+
+
+class WithAnAttribute(CalmViewer):
+    """Right: the newest message is an attribute, replaced as a whole."""
+
+    def on_joint_state(self, message):
+        self.message = message
+        self.call_latest("joints", self.update, None)
+
+    def update(self, message):
+        super().update(self.message)
+
+
+@pytest.mark.parametrize(
+    ("exercise", "answer"),
+    [(display, MyViewer), (display, CalmViewer), *((keep_up, a) for a in (CalmViewer, OneKeyForAll, WithAnAttribute))],
+)
+def test_right_viewers_are_right(domain, exercise, answer):
+    verdict = exercise.judge(answer)
+    assert verdict.right, str(verdict)
+
+
+def by_index(joint_names, message):
+    return dict(zip(joint_names, message.position))
+
+
+def short_crash(joint_names, message):
+    return {
+        name: message.position[i]
+        for i, name in enumerate(message.name)
+        if name in joint_names and not (message.position and math.isnan(message.position[i]))
+    }
+
+
+def unknown_crash(joint_names, message):
+    names = {name: name for name in joint_names}
+    return {names[name]: q for name, q in zip(message.name, message.position) if not math.isnan(q)}
+
+
+def keeps_unknown(joint_names, message):
+    return {name: q for name, q in zip(message.name, message.position) if not math.isnan(q)}
+
+
+def zeros(joint_names, message):
+    given = match_by_name(joint_names, message)
+    return {name: given.get(name, 0.0) for name in joint_names}
+
+
+def nan_passed_on(joint_names, message):
+    return {name: q for name, q in zip(message.name, message.position) if name in joint_names}
+
+
+def nan_drops_all(joint_names, message):
+    return {} if any(map(math.isnan, message.position)) else match_by_name(joint_names, message)
+
+
+def first_wins(joint_names, message):
+    found = {}
+    for name, position in zip(message.name, message.position):
+        if name in joint_names and not math.isnan(position):
+            found.setdefault(name, position)
+    return found
+
+
+def short_drops_all(joint_names, message):
+    return match_by_name(joint_names, message) if len(message.position) == len(message.name) else {}
+
+
+def all_expected(joint_names, message):
+    places = [list(message.name).index(name) for name in joint_names]
+    return {name: message.position[i] for name, i in zip(joint_names, places)}
+
+
+def returns_all(joint_names, message):
+    return match_joints(joint_names, message)
+
+
+def returns_nothing(joint_names, message):
+    match_by_name(joint_names, message)
+
+
+def empties_the_message(joint_names, message):
+    found = match_by_name(joint_names, message)
+    message.name.clear()
+    return found
+
+
+MATCH = [
+    (by_index, "the i-th position belongs to the i-th name of the message", "another order"),
+    (short_crash, "an index beyond the end", "3 names, 2 positions: short_crash raised IndexError"),
+    (unknown_crash, "ask first, if name in joint_names", "ANTENNA: unknown_crash raised KeyError"),
+    (keeps_unknown, "names that the body does not have are kept", "ANTENNA: {ANTENNA: 0.9"),
+    (zeros, "is set to 0", "only HATCH"),
+    (nan_passed_on, "NaN is passed on", "NaN for TURRET_P"),
+    (nan_drops_all, "one NaN makes the whole message invalid", "NaN for TURRET_P: {}"),
+    (first_wins, "the first of two of the same name", "TURRET_Y twice"),
+    (short_drops_all, "dropped as a whole", "3 names, 2 positions: {}"),
+    (all_expected, "every joint is expected in every message", "only HATCH: all_expected raised ValueError"),
+    (returns_all, "Return a dict", "returns a tuple"),
+    (returns_nothing, "Return a dict", "returns None"),
+    (empties_the_message, "leave the message as it is", "not the same afterwards"),
+]
+
+
+@pytest.mark.parametrize(("answer", "cause", "text"), MATCH, ids=lambda value: getattr(value, "__name__", ""))
+def test_a_wrong_matching_gets_its_own_sentence(answer, cause, text):
+    verdict = match.judge(answer)
+    assert not verdict.right
+    assert cause in verdict.causes[0], str(verdict)
+    assert text in next(finding.text for finding in verdict.findings if not finding.right)
+
+
+def in_a_loop(joint_names, message):
+    known, found = set(joint_names), {}
+    for i in range(min(len(message.name), len(message.position))):
+        if message.name[i] in known and math.isfinite(message.position[i]):
+            found[message.name[i]] = message.position[i]
+    return found
+
+
+@pytest.mark.parametrize("answer", [match_by_name, in_a_loop])
+def test_right_matching_is_right(answer):
+    verdict = match.judge(answer)
+    assert verdict.right, str(verdict)

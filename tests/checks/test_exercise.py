@@ -1,0 +1,177 @@
+"""What every exercise has in common: what it says before, and that its solution is right in a process of its own."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import pkgutil
+
+import pytest
+
+from tutorial import checks
+from tutorial.checks._answer import is_empty
+from tutorial.checks._verdict import Finding, Verdict, right, wrong
+from tutorial.checks.exercise import Exercise
+from tutorial.checks.joint_state_publisher import publish
+from tutorial.checks.joint_state_subscriber import match, match_by_name
+from tutorial.checks.tank_controller import GentleTank, aim, drive
+from tutorial.controller import SimpleController
+
+
+def exercises():
+    names = [m.name for m in pkgutil.iter_modules(checks.__path__) if m.name[0] != "_" and m.name != "exercise"]
+    modules = [importlib.import_module(f"{checks.__name__}.{name}") for name in sorted(names)]
+    return [value for module in modules for value in vars(module).values() if isinstance(value, Exercise)]
+
+
+every_exercise = pytest.mark.parametrize("exercise", exercises(), ids=lambda exercise: exercise.name)
+
+
+def test_there_are_seven():
+    assert [e.name for e in exercises()] == ["publish", "thrift", "match", "display", "keep_up", "drive", "aim"]
+
+
+@every_exercise
+def test_the_solution_is_right_in_a_process_of_its_own(exercise, capfd):
+    exercise.check(exercise.right_answer)
+    said = capfd.readouterr().out
+    assert "✗" not in said
+    assert "\nAll right. Notice " in said
+
+
+@every_exercise
+def test_it_is_asked_hinted_and_solved(exercise, capsys):
+    name = exercise.right_answer.__name__
+    assert name in exercise.__doc__
+    exercise.hint()
+    exercise.hint(2)
+    exercise.hint(3)
+    first, second, third = capsys.readouterr().out.splitlines()
+    assert first.startswith("Hint 1 of 2: ")
+    assert first.endswith(f" {exercise.name}.hint(2) says more.")
+    assert second.startswith("Hint 2 of 2: ")
+    assert third == f"There are 2 hints: {exercise.name}.hint() to {exercise.name}.hint(2)."
+    exercise.solution()
+    source = capsys.readouterr().out
+    assert source.rstrip() == inspect.getsource(exercise.right_answer).rstrip()
+    assert len(source.splitlines()) <= 34
+
+
+@every_exercise
+def test_nothing_is_not_attempted(exercise, capsys):
+    exercise.check()
+    name = exercise.right_answer.__name__
+    assert capsys.readouterr().out == (
+        f"Not attempted yet: write {name}, then {exercise.name}.check({name}). {exercise.name}.hint() gives a hint.\n"
+    )
+
+
+class Skeleton(SimpleController):
+    """Yours."""
+
+    def configure(self, config):
+        """Listen."""
+
+    def on_joy(self, message):
+        pass
+
+    def initialize(self, io): ...
+
+    def control(self):
+        raise NotImplementedError("yours")
+
+
+class Bare(SimpleController): ...
+
+
+class HeldJoint:
+    def __init__(self, joint, time_step):
+        self.joint = joint
+
+    def aim(self, stick):
+        """Move the reference."""
+        raise NotImplementedError
+
+
+def unwritten(joint_names, message):
+    """Match."""
+
+
+class Pushy(HeldJoint):
+    def aim(self, stick):
+        self.joint.effort = 1.0
+
+
+FIRST_LOOK = [
+    (drive, Skeleton, "Not attempted yet: Skeleton is still to be written: configure, initialize, control."),
+    (drive, Bare, "Not attempted yet: Bare is still to be written: configure, initialize, control."),
+    (aim, HeldJoint, "Not attempted yet: HeldJoint is still to be written: aim."),
+    (match, unwritten, "Not attempted yet: unwritten is still to be written."),
+    (drive, "GentleTank", "A text was given, 'GentleTank'. Give the class itself: drive.check(GentleTank)."),
+    (
+        drive,
+        GentleTank(),
+        "An object of the class GentleTank was given. Give the class itself: drive.check(GentleTank).",
+    ),
+    (drive, unwritten, "The function unwritten was given. Give the class itself: drive.check(GentleTank)."),
+    (drive, Pushy, "Pushy is not made from SimpleController. Begin it with: class GentleTank(SimpleController):"),
+    (match, Bare, "The class Bare was given. Give the function itself: match.check(match_by_name)."),
+    (match, {}, "An object of the class dict was given. Give the function itself: match.check(match_by_name)."),
+    (publish, 1, "An object of the class int was given. Give the class itself: publish.check(TurretPublisher)."),
+]
+
+
+@pytest.mark.parametrize(("exercise", "answer", "said"), FIRST_LOOK, ids=lambda value: str(value)[:24])
+def test_what_cannot_be_run_is_said_at_once(exercise, answer, said, capsys):
+    exercise.check(answer)
+    assert capsys.readouterr().out == f"{said}\n"
+
+
+def test_what_counts_as_empty():
+    def ellipsis(self): ...
+
+    def docstring(self):
+        """Yours."""
+
+    def raises(self):
+        raise NotImplementedError
+
+    def nothing(self):
+        return None
+
+    def a_number(self):
+        return 1
+
+    def a_call(self):
+        print()
+
+    def a_dict(self):
+        return {}
+
+    assert all(map(is_empty, (ellipsis, docstring, raises, nothing)))
+    assert not any(map(is_empty, (a_number, a_call, a_dict, match_by_name, lambda: 1.0)))
+
+
+def test_a_verdict_names_a_cause_once_and_two_at_most():
+    causes = ("First.", "First.", "Second.", "Third.")
+    verdict = Verdict((right("a"), *(wrong(f"b{i}", cause) for i, cause in enumerate(causes)), right("c")), "Notice.")
+    assert str(verdict).splitlines() == [
+        "✓ a",
+        *("✗ b0", "  First."),
+        *("✗ b2", "  Second."),
+        "✓ c",
+        "More is not right yet; mend this first.",
+    ]
+
+
+def test_a_verdict_bounds_what_was_printed():
+    stamped = "[INFO] [1700000000.123456789] [tank]: hello"
+    lines = str(Verdict((Finding(True, "a"),), "Notice.", (stamped, *["x" * 500] * 60))).splitlines()
+    assert lines[:4] == ["✓ a", "All right. Notice.", "Your code printed:", "  | [INFO] [tank]: hello"]
+    assert lines[-1] == "  | ... and more"
+    assert len(lines) == 24
+    assert max(map(len, lines)) < 210
+
+
+def test_nothing_found_is_not_right():
+    assert not Verdict(()).right

@@ -1,0 +1,101 @@
+"""What was handed in: the right kind of thing or not, attempted or not."""
+
+from __future__ import annotations
+
+import dis
+import inspect
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any
+
+from tutorial.checks._verdict import Finding, wrong
+from tutorial.controller import SimpleController
+
+__all__ = ["is_empty", "misfit", "missing", "unwritten"]
+
+_EMPTY = {
+    *("RESUME", "NOP", "CACHE", "LOAD_CONST", "POP_TOP", "RETURN_VALUE", "RETURN_CONST", "PUSH_NULL"),
+    *("PRECALL", "CALL", "RAISE_VARARGS", "COPY_FREE_VARS"),
+}
+
+
+def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
+    """Say what to do if something else was given than a class, or a function.
+
+    Args:
+        answer: what was given.
+        name: what the answer is called in the exercise.
+        base: the class that it has to be made from, `object` for any; None where it is a function.
+        call: how the check is called, for instance ``"drive.check"``.
+
+    Returns:
+        The mend as a sentence, empty when the kind is right.
+    """
+    mend = f"Give the {'function' if base is None else 'class'} itself: {call}({name})."
+    if isinstance(answer, str):
+        return f"A text was given, {answer[:40]!r}. {mend}"
+    if base is None:
+        return "" if inspect.isfunction(answer) else f"{_called(answer)} was given. {mend}"
+    if not isinstance(answer, type):
+        return f"{_called(answer)} was given. {mend}"
+    if not issubclass(answer, base):
+        return f"{answer.__name__} is not made from {base.__name__}. Begin it with: class {name}({base.__name__}):"
+    return ""
+
+
+def is_empty(function: Any) -> bool:
+    """Whether a function's body is only a docstring, ``...``, ``pass`` or ``raise NotImplementedError``."""
+    code = getattr(function, "__code__", None)
+    if code is None:
+        return False
+    for instruction in dis.get_instructions(code):
+        if instruction.opname == "LOAD_GLOBAL" and instruction.argval == "NotImplementedError":
+            continue
+        returns = instruction.opname in ("RETURN_CONST", "LOAD_CONST") and instruction.argval not in (None, ...)
+        if instruction.opname not in _EMPTY or (returns and not isinstance(instruction.argval, str)):
+            return False
+    return True
+
+
+def unwritten(answer: Any, parts: Iterable[str]) -> bool:
+    """Whether nothing of an answer is written yet.
+
+    Args:
+        answer: the class or function.
+        parts: the methods that are to be written.
+    """
+    if not isinstance(answer, type):
+        return is_empty(answer)
+    own = [name for name in vars(answer) if not name.startswith("__")]
+    found = (inspect.getattr_static(answer, name) for name in (*parts, *own) if _has(answer, name))
+    return all(is_empty(each) for each in found if inspect.isfunction(each))
+
+
+def missing(answer: type, *parts: str) -> Finding | None:
+    """Find the first method that is not there, or empty, although it has to be written."""
+    for part in parts:
+        if not _has(answer, part):
+            return wrong(f"{answer.__name__} has no method {part}", _mend(answer, part))
+        if is_empty(inspect.getattr_static(answer, part)):
+            return wrong(f"{part} is still empty", f"Write the method {part}.")
+    return None
+
+
+def _has(answer: type, name: str) -> bool:
+    """Whether a class has a method of its own, or from a class that is not the common base."""
+    return any(name in vars(each) for each in answer.__mro__ if each is not SimpleController)
+
+
+def _mend(answer: type, part: str) -> str:
+    near = get_close_matches(part, [name for name in vars(answer) if not name.startswith("__")], n=1)
+    if near:
+        return f"Most likely its name is misspelled: {near[0]} should be {part}."
+    return f"Write the method {part}; it is part of the answer."
+
+
+def _called(answer: Any) -> str:
+    if isinstance(answer, type):
+        return f"The class {answer.__name__}"
+    if inspect.isroutine(answer):
+        return f"The function {answer.__name__}"
+    return f"An object of the class {type(answer).__name__}"

@@ -1,0 +1,124 @@
+"""The process that an answer is judged in: ``python -m tutorial.checks._child FD``, with the job on stdin.
+
+What it finds goes to the pipe FD as lines of JSON, and ``done`` is the last of them. The pipe stdin stays open as long
+as whoever has asked lives. A watchdog looks ten times a second whether one of the learner's methods does not return; it
+counts its own looks, not seconds, so that a machine with much else to do is not held against the learner.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import importlib
+import os
+import pickle
+import select
+import signal
+import sys
+import threading
+from collections import Counter
+from typing import Any, NoReturn
+
+import msgspec
+
+from tutorial.checks._contain import Job
+from tutorial.checks._verdict import Finding, wrong
+from tutorial.checks._watch import watch
+from tutorial.domains import reserved_domain
+
+LOOK = 0.1  # [s] between two looks of the watchdog
+PATIENCE = 15  # looks that a single call may take; it should take none
+BUDGET = 25  # looks that all calls of one method may take together
+HALT = 5.0  # [s] without a look, after which the watchdog itself is held up
+
+_exit = os._exit
+_CAUSES = {
+    "control": "control is called once for every step and returns at once; the loop is the simulation's.",
+    "initialize": "initialize only prepares the first step, and returns; what repeats belongs into control.",
+    "configure": "configure only makes publishers and subscriptions, and returns.",
+    "aim": "aim is called once for every step and returns at once; the loop is the simulation's.",
+}
+_CALLBACK = "A callback only puts the message away, or posts a call, and returns: it never waits and never repeats."
+_FUNCTION = "Most likely the condition of a loop never becomes false, or it waits for something."
+
+
+def main() -> NoReturn:
+    """Judge the answer, and end the process."""
+    report = int(sys.argv[1])
+    os.set_inheritable(report, False)
+    faulthandler.enable(report)
+    job = msgspec.json.decode(pickle.load(sys.stdin.buffer), type=Job)
+    lifeline = os.dup(0)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    sys.path[:] = job.path
+    watch.files = set(job.files)
+    os._exit = lambda status: _end(report, status)
+    threading.Thread(target=_watchdog, args=(report, lifeline), name="watchdog", daemon=True).start()
+    os.environ.update(ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
+    os.environ.pop("ROS_STATIC_PEERS", None)
+    with reserved_domain(avoid=os.environ.get("ROS_DOMAIN_ID")) as domain:
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        _judge(job, report)
+        _send(report, b"done")
+        _exit(0)
+
+
+def _judge(job: Job, report: int) -> None:
+    exercise = getattr(importlib.import_module(job.module), job.name)
+    try:
+        answer: Any = pickle.loads(job.answer)
+    except Exception as error:  # noqa: BLE001 - unpickling runs the learner's code
+        cause = (
+            "Most likely it uses an object of the notebook: let it take what it needs from config, io or its arguments."
+        )
+        _find(
+            report, wrong(f"the answer cannot be run in a process of its own: {type(error).__name__}: {error}", cause)
+        )
+        return
+    for finding in exercise.findings(answer):
+        _find(report, finding)
+
+
+def _watchdog(report: int, lifeline: int) -> None:
+    """Look whether who has asked still lives, and whether a method of the learner's does not return."""
+    looks: Counter[tuple[str, int]] = Counter()
+    sums: Counter[str] = Counter()
+    while not select.select([lifeline], [], [], LOOK)[0]:
+        faulthandler.dump_traceback_later(HALT, exit=True, file=report)
+        running = dict(watch.running)
+        looks = Counter({call: looks[call] + 1 for call in running.values()})
+        sums.update({method for method, _ in running.values()})
+        for ident, (method, number) in running.items():
+            if looks[method, number] > PATIENCE or sums[method] > BUDGET:
+                _give_up(report, ident, method, looks[method, number] > PATIENCE)
+        _send(report, b"")
+    os.killpg(0, signal.SIGKILL)
+
+
+def _give_up(report: int, ident: int, method: str, stuck: bool) -> NoReturn:
+    """Say which method does not return, and where it is; then end the process."""
+    text = f"{method} does not return" if stuck else f"{method} takes too long, at every call"
+    cause = _CAUSES.get(method, _CALLBACK if method.startswith("on_") or "back" in method else _FUNCTION)
+    _find(report, wrong(text, cause, watch.place(sys._current_frames().get(ident))))
+    _send(report, b"done")
+    _exit(0)
+
+
+def _end(report: int, status: int) -> NoReturn:
+    """Stand in for `os._exit`, and say who has called it."""
+    running = watch.running.get(threading.get_ident(), ("the code", 0))[0]
+    text = f"{running} ended the whole process, with exit status {status}"
+    _find(report, wrong(text, "A controller only returns; the program goes on.", watch.place(sys._getframe(1))))
+    _send(report, b"done")
+    _exit(status)
+
+
+def _find(report: int, finding: Finding) -> None:
+    _send(report, msgspec.json.encode(finding))
+
+
+def _send(report: int, line: bytes) -> None:
+    os.write(report, line + b"\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,232 @@
+"""Running an answer in a process of its own, so that whatever it does ends with that process."""
+
+from __future__ import annotations
+
+import contextlib
+import inspect
+import os
+import pickle
+import re
+import selectors
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import cloudpickle  # type: ignore[import-untyped, unused-ignore]
+import msgspec
+
+from tutorial.checks._verdict import Finding, Place, wrong
+from tutorial.checks._watch import files_of
+from tutorial.paths import HOME
+
+__all__ = ["Job", "contain"]
+
+SILENCE = 60.0  # [s] without a sign of life from the process, which gives one ten times a second
+OUTPUT_KEPT = 100  # lines
+CHUNK = 65536
+_FRAME = re.compile(r'File "(.+)", line (\d+) in (\S+)')
+
+
+class Job(msgspec.Struct):
+    """What the process is to do.
+
+    Attributes:
+        module, name: where the exercise is.
+        path: where modules are looked for.
+        answer: the answer, pickled by value.
+        files: where the learner's code is.
+    """
+
+    module: str
+    name: str
+    path: list[str]
+    answer: bytes
+    files: list[str]
+
+
+def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, ...], tuple[str, ...]]:
+    """Have an answer judged in a process of its own.
+
+    Args:
+        module: where the exercise is.
+        name: what it is called there.
+        answer: the learner's class or function.
+
+    Returns:
+        What was found, and the lines that the learner's code has printed.
+    """
+    try:
+        pickled = cloudpickle.dumps(answer)
+    except Exception as error:  # noqa: BLE001 - pickling runs code of all kinds of objects
+        return (_clinging(answer, error),), ()
+    job = Job(module, name, [os.path.abspath(entry) for entry in sys.path], pickled, sorted(files_of(answer)))  # noqa: PTH100
+    with _Process(job) as process:
+        process.listen()
+    return process.result(), tuple(process.output)
+
+
+class _Process:
+    """A process that judges one answer; it does not outlive this one."""
+
+    def __init__(self, job: Job) -> None:
+        self._report, report = os.pipe()
+        home = os.pathsep.join(filter(None, (str(HOME), os.environ.get("PYTHONPATH"))))
+        self._files = set(job.files)
+        self._findings: list[Finding] = []
+        self._trace: list[str] = []
+        self._done = False
+        self.output: list[str] = []
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-u", "-m", "tutorial.checks._child", str(report)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            pass_fds=[report],
+            start_new_session=True,
+            env={**os.environ, "PYTHONPATH": home, "PYTHONUTF8": "1"},
+        )
+        os.close(report)
+        self._job = pickle.dumps(msgspec.json.encode(job))
+
+    def __enter__(self) -> _Process:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End the process, and what it may have started."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
+        for stream in (self._process.stdin, self._process.stdout):
+            if stream is not None:
+                with contextlib.suppress(BrokenPipeError):
+                    stream.close()
+        os.close(self._report)
+
+    def listen(self) -> None:
+        """Hand the job over, and take in what the process says until it is done, or ended, or gone silent."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        with contextlib.suppress(BrokenPipeError):
+            self._process.stdin.write(self._job)  # left open: its end tells the process that this one is gone
+            self._process.stdin.flush()
+        said, printed = _Lines(), _Lines()
+        with selectors.DefaultSelector() as selector:
+            selector.register(self._report, selectors.EVENT_READ, said)
+            selector.register(self._process.stdout, selectors.EVENT_READ, printed)
+            while not self._done and self._report in selector.get_map():
+                events = selector.select(SILENCE)
+                if not events:
+                    return
+                for key, _ in events:
+                    if not key.data.read(key.fd):
+                        selector.unregister(key.fileobj)
+                self._take(said.taken())
+                self.output += printed.taken()[: OUTPUT_KEPT - len(self.output)]
+        os.set_blocking(self._process.stdout.fileno(), False)
+        printed.read_all(self._process.stdout.fileno())
+        self.output += printed.taken(rest=True)[: OUTPUT_KEPT - len(self.output)]
+
+    def result(self) -> tuple[Finding, ...]:
+        """Return what was found; if the process came to a bad end, that is the last of it."""
+        return (*self._findings, *(() if self._done else (self._bad_end(),)))
+
+    def _take(self, lines: list[str]) -> None:
+        for line in lines:
+            if line == "done":
+                self._done = True
+            elif line.startswith("{"):
+                self._findings.append(msgspec.json.decode(line, type=Finding))
+            elif line:
+                self._trace.append(line)
+
+    def _bad_end(self) -> Finding:
+        status = self._process.returncode
+        frames = [match.groups() for match in map(_FRAME.search, self._trace) if match]
+        place = next((Place(file, int(line), name) for file, line, name in frames if file in self._files), None)
+        if any(line.startswith("Timeout") for line in self._trace):
+            return wrong(
+                "Python itself has come to a halt", "A call into C did not return, and let nothing else run.", place
+            )
+        if status >= 0:
+            return wrong(
+                f"the process was ended, with exit status {status}",
+                "Most likely something in it ended the whole process, as os._exit does: a controller only returns.",
+                place,
+            )
+        return wrong(
+            f"the process was ended by the signal {signal.Signals(-status).name}",
+            "Most likely something outside of Python went wrong, such as a library that was used wrongly.",
+            place,
+        )
+
+
+class _Lines:
+    """Text that comes in pieces, cut into lines; what nobody will read is not kept."""
+
+    def __init__(self) -> None:
+        self._waiting = b""
+
+    def read(self, fd: int) -> bool:
+        """Take in a piece; False at the end."""
+        piece = os.read(fd, CHUNK)
+        self._waiting += piece
+        return bool(piece)
+
+    def read_all(self, fd: int) -> None:
+        """Take in what is there, but not for ever."""
+        with contextlib.suppress(BlockingIOError):
+            for _ in range(OUTPUT_KEPT):
+                if not self.read(fd):
+                    return
+
+    def taken(self, rest: bool = False) -> list[str]:
+        """Hand out the lines that are complete, or all."""
+        *lines, self._waiting = self._waiting.split(b"\n")
+        if (rest and self._waiting) or len(self._waiting) > CHUNK:
+            lines.append(self._waiting)
+            self._waiting = b""
+        return [line.decode(errors="replace") for line in lines]
+
+
+def _clinging(answer: Any, error: Exception) -> Finding:
+    """Say which name refers to something that cannot leave the notebook's process."""
+    cause = "The answer is run in a process of its own: let it take what it needs from config, io or its arguments."
+    members = [answer, *vars(answer).values()] if isinstance(answer, type) else [answer]
+    for function in (member for member in members if inspect.isfunction(member)):
+        for name, value in _used(function):
+            if value is not answer and not _portable(value):
+                kind = type(value).__name__
+                text = f"{function.__name__} uses {name}, an object of the class {kind}, that belongs to the notebook"
+                return wrong(text, cause)
+    for name, value in vars(answer).items():
+        if not name.startswith("__") and not inspect.isroutine(value) and not _portable(value):
+            kind = type(value).__name__
+            return wrong(f"the class keeps {name}, an object of the class {kind}, that belongs to the notebook", cause)
+    return wrong(f"the answer cannot be run in a process of its own: {error}", cause)
+
+
+def _used(function: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the names from outside that a function uses, with what they refer to."""
+    for name in _names(function.__code__):
+        if name in function.__globals__:
+            yield name, function.__globals__[name]
+    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or ()):
+        if name != "__class__":
+            with contextlib.suppress(ValueError):  # not filled yet
+                yield name, cell.cell_contents
+
+
+def _names(code: Any) -> list[str]:
+    """Collect the names in a function's code, and in that of the functions within."""
+    inner = [name for each in code.co_consts if hasattr(each, "co_names") for name in _names(each)]
+    return [*code.co_names, *inner]
+
+
+def _portable(value: Any) -> bool:
+    try:
+        cloudpickle.dumps(value)
+    except Exception:  # noqa: BLE001 - pickling runs code of all kinds of objects
+        return False
+    return True

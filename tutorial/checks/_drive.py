@@ -1,0 +1,225 @@
+"""Looking at an answer to `drive`: what the tracks do for each position of the stick, and between two threads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+
+from sensor_msgs.msg import Joy
+
+from tutorial.checks._answer import missing
+from tutorial.checks._explain import Mistake, Probe, judge_probes
+from tutorial.checks._interleave import interleave
+from tutorial.checks._node import Ear, ear_on
+from tutorial.checks._verdict import Finding, right, wrong
+from tutorial.checks._watch import Stumble, watch
+from tutorial.checks._world import World
+from tutorial.controller import SimpleController
+
+__all__ = ["judge_drive"]
+
+STICKS = {
+    "ahead": (0.0, 1.0, 0.7, -0.9),
+    "back": (0.0, -1.0, 0.7, -0.9),
+    "a turn to the left on the spot": (1.0, 0.0, 0.7, -0.9),
+    "ahead and to the right": (-0.6, 0.8, 0.7, -0.9),
+    "stick at rest, at (0.16, -0.1)": (0.16, -0.1, 0.7, -0.9),
+    "ahead, and 0.25 to the left": (0.25, 1.0, 0.7, -0.9),
+    "0.4 ahead": (0.0, 0.4, 0.7, -0.9),
+}
+"""What is tried, as (left x, left y, right x, right y)."""
+
+MISTAKES = (
+    Mistake("axes", (2, 3), "Most likely it reads the right stick: the left one is axes[0] and axes[1]."),
+    Mistake("axes", (1, 0), "Most likely the two axes are exchanged: axes[0] is x, to the left, axes[1] is y, ahead."),
+    Mistake("only", 0, "Most likely the right track is forgotten: set the ctrl of TRACK_R, too."),
+    Mistake("only", 1, "Most likely the left track is forgotten: set the ctrl of TRACK_L, too."),
+    Mistake(
+        "ahead", -1.0, "Most likely the sign of left_y is wrong: forward is positive, for the stick and the tracks."
+    ),
+    Mistake("gains", (2.0, 1.0), "Most likely these are the numbers of TankController; here they are 1.0 and 0.5."),
+    Mistake("gains", (1.0, 1.0), "Most likely left_x counts in full: it counts half, 0.5 * left_x."),
+    Mistake(
+        "gains",
+        (1.0, -0.5),
+        "Most likely left and right are exchanged: to the left, the left track slows down and the right one speeds up.",
+    ),
+    Mistake("dead", "none", "Most likely the dead zone is missing: an axis within 0.3 of the middle counts as 0."),
+    Mistake("dead", "narrow", "Most likely the dead zone is that of TankController, 0.2; here it is 0.3."),
+    Mistake("dead", "both", "Most likely the dead zone looks at both axes together: each axis has its own."),
+    Mistake("dead", "y", "Most likely left_x has no dead zone: both axes have one."),
+    Mistake("dead", "x", "Most likely left_y has no dead zone: both axes have one."),
+    Mistake("dead", "rescaled", "Most likely the dead zone is taken off: outside of it an axis counts as it is."),
+    Mistake("dead", "kept", "Most likely nothing is set at rest, so the last speed stays: set 0 then."),
+)
+OTHERWISE = "Compare with left: 1.0 * left_y - 0.5 * left_x, right: 1.0 * left_y + 0.5 * left_x."
+IN_CALLBACK = (
+    "Most likely the callback sets the tracks: it runs on the executor's thread, and the simulated tank belongs to the "
+    "simulation's. Only keep the message there, and set the tracks in control."
+)
+FEW_AXES = "Most likely the code takes for granted that there are axes: one that the message lacks counts as 0."
+BEFORE_ANY = "Most likely there is nothing to drive by yet: begin with an empty message, Latest(Joy())."
+PIECEWISE = (
+    "Most likely the callback keeps the message piece by piece, so control can run between two pieces: keep it as a "
+    "whole, in a Latest."
+)
+READ_TWICE = (
+    "Most likely control looks twice, and a message comes in between: take it once, and read both axes from that."
+)
+
+
+def judge_drive(answer: type[SimpleController]) -> Iterator[Finding]:
+    """Look at an answer to `drive`."""
+    lacking = missing(answer, "configure", "initialize")
+    if lacking:
+        yield lacking
+        return
+    with World(answer) as world:
+        call = 'config.node.create_subscription(Joy, "joy", self.on_joy, 1)'
+        finding, ear = ear_on(world.ros.node, "/joy", Joy, call)
+        yield finding
+        if ear is not None:
+            yield from _judge_driving(answer, world, ear)
+
+
+def _judge_driving(answer: type[SimpleController], world: World, ear: Ear) -> Iterator[Finding]:
+    tracks = _Tracks(world)
+    speak = world.ros.speaker(ear)
+    try:
+        world.advance()
+    except Stumble as stumble:
+        yield stumble.finding(_cause(stumble.error), "before the first message")
+        return
+    speak(Joy(axes=[0.0, 1.0, 0.0, 0.0]))
+    if tracks.speeds() != (0.0, 0.0):
+        yield wrong("the tracks change while control is not running", IN_CALLBACK)
+        return
+    lacking = missing(answer, "control")
+    if lacking:
+        yield lacking
+        return
+    seen = []
+    for axes in STICKS.values():
+        speak(Joy(axes=axes))
+        world.advance(5)
+        seen.append(tracks.speeds())
+    probes = [Probe(label, speeds, _say) for label, speeds in zip(STICKS, seen)]
+    verdicts = list(judge_probes(probes, predict, MISTAKES, OTHERWISE))
+    yield from verdicts
+    if all(finding.right for finding in verdicts):
+        short = _judge_short_messages(world, speak, tracks)
+        yield short
+        if short.right:
+            yield _judge_halves(world, ear, tracks)
+    others = [name for name in ("TURRET_Y", "TURRET_P") if world.body.actuator(name).ctrl]
+    if others:
+        yield wrong(f"it also commands {' and '.join(others)}", "GentleTank drives only TRACK_L and TRACK_R.")
+
+
+class _Tracks:
+    """The commands of the two tracks."""
+
+    def __init__(self, world: World) -> None:
+        self._tracks = [world.body.actuator(name) for name in ("TRACK_L", "TRACK_R")]
+
+    def speeds(self) -> tuple[float, ...]:
+        """Return what is commanded now [m/s], left and right."""
+        return tuple(track.ctrl for track in self._tracks)
+
+
+def _judge_short_messages(world: World, speak: Callable[[Joy], None], tracks: _Tracks) -> Finding:
+    """Look whether an axis that a message lacks does what a 0 does."""
+
+    def speeds(*axes: float) -> tuple[float, ...]:
+        speak(Joy(axes=axes))
+        world.advance()
+        return tracks.speeds()
+
+    count = 0
+    try:
+        for axes in ((0.0, 1.0), ()):
+            wanted = speeds(*axes, *(0.0 for _ in range(4 - len(axes))))
+            speeds(0.5, -0.8, 0.0, 0.0)
+            count = len(axes)
+            seen = speeds(*axes)
+            if seen != wanted:
+                return wrong(f"a message with {count} axes: {_say(seen)}, not {_say(wanted)}", FEW_AXES)
+    except Stumble as stumble:
+        cause = FEW_AXES if isinstance(stumble.error, (IndexError, ValueError)) else None
+        return stumble.finding(cause, f"a message with {count} axes")
+    return right("a message with fewer axes: those that it lacks count as 0")
+
+
+def _judge_halves(world: World, ear: Ear, tracks: _Tracks) -> Finding:
+    """Look whether control ever sees half of a message, in whatever order the two threads run."""
+    when = "a message that comes while control runs"
+    try:
+        cause = _half_message(world, ear, tracks)
+    except Stumble as stumble:
+        return stumble.finding(PIECEWISE, when)
+    return wrong(f"{when}: half of it is used", cause) if cause else right(f"{when} is used as a whole, or not yet")
+
+
+def _half_message(world: World, ear: Ear, tracks: _Tracks) -> str:
+    """Try all orders of a message and a step, and return the likeliest cause if one of them goes wrong."""
+    rest, both = (Joy(axes=[x, y, 0.0, 0.0]) for x, y in ((0.0, 0.0), (1.0, 1.0)))
+    whole = ((0.0, 0.0), (0.5, 1.5))
+    seen = []
+
+    def control() -> None:
+        world.learner.control()
+        seen.append(tracks.speeds())
+
+    for message in (rest, both):  # Python 3.13 stops between instructions only in code that was traced before
+        interleave(partial(ear.hear, message), watch.files, control, None)
+    if any(speeds not in whole for speeds in seen):
+        return PIECEWISE
+    at, more = 0, True
+    while more:
+        ear.hear(rest)
+        more = interleave(control, watch.files, partial(ear.hear, both), at)
+        at += 1
+    return READ_TWICE if any(speeds not in whole for speeds in seen) else ""
+
+
+def _cause(error: BaseException) -> str | None:
+    """Name the likeliest cause of an exception in the first step, when no message has come."""
+    if isinstance(error, (IndexError, ValueError)):
+        return FEW_AXES
+    return BEFORE_ANY if isinstance(error, (AttributeError, TypeError)) else None
+
+
+def predict(
+    axes: tuple[int, int] = (0, 1),
+    only: int | None = None,
+    ahead: float = 1.0,
+    gains: tuple[float, float] = (1.0, 0.5),
+    dead: str = "each",
+) -> Sequence[tuple[float, ...]]:
+    """Compute the track speeds [m/s] for `STICKS`, right or with some mistakes."""
+    speeds = []
+    last = (0.0, 0.0)
+    for stick in STICKS.values():
+        x, y = _dead_zone(stick[axes[0]], stick[axes[1]], dead)
+        v, h = gains[0] * ahead * y, gains[1] * x
+        if dead != "kept" or x or y:
+            last = (v - h, v + h)
+        speeds.append(tuple(speed if only in (None, side) else 0.0 for side, speed in enumerate(last)))
+    return speeds
+
+
+def _dead_zone(x: float, y: float, kind: str) -> tuple[float, float]:
+    if kind == "none" or (kind == "both" and (abs(x) > 0.3 or abs(y) > 0.3)):
+        return x, y
+    width = 0.2 if kind == "narrow" else 0.3
+    cut_x, cut_y = (axis if abs(axis) > width else 0.0 for axis in (x, y))
+    if kind == "rescaled":
+        return tuple((abs(a) - 0.3) / 0.7 * (1 if a > 0 else -1) if a else 0.0 for a in (cut_x, cut_y))  # type: ignore[return-value]
+    return (x if kind == "y" else cut_x), (y if kind == "x" else cut_y)
+
+
+def _say(speeds: tuple[float, ...]) -> str:
+    left, right = (f"{speed:+.2f}" if abs(speed) >= 0.005 else "0" for speed in speeds)
+    if left == right:
+        return "both tracks stand still" if left == "0" else f"both tracks run at {left} m/s"
+    return f"the tracks run at {left} and {right} m/s"

@@ -1,0 +1,130 @@
+"""What a check has found, and how it is said."""
+
+from __future__ import annotations
+
+import linecache
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+__all__ = ["Finding", "Place", "Verdict", "right", "wrong"]
+
+WRONG_SHOWN = 2  # one thing after the other; what is wrong further down often follows from the first
+OUTPUT_SHOWN = 20  # lines
+WIDTH = 200  # characters of a line
+
+_STAMP = re.compile(r"^\[(\w+)\] \[\d+\.\d+\] ")  # a log line's time, different in every run
+
+
+@dataclass(frozen=True)
+class Place:
+    """A line of the learner's code.
+
+    Attributes:
+        file: as Python knows it; a notebook's cell has one, too.
+        line: its number.
+        function: which function it is in.
+    """
+
+    file: str
+    line: int
+    function: str
+
+    def __str__(self) -> str:
+        text = linecache.getline(self.file, self.line).strip()
+        return f"in {self.function}, line {self.line}{': ' if text else ''}{text}"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at.
+
+    Attributes:
+        right: whether it was as it should be.
+        text: what was looked at, and what was seen.
+        cause: for what is wrong, the most likely cause, as a sentence.
+        place: the line to look at, where there is one.
+    """
+
+    right: bool
+    text: str
+    cause: str = ""
+    place: Place | None = None
+
+    def lines(self) -> Iterator[str]:
+        """Say it."""
+        yield f"{'✓' if self.right else '✗'} {self.text[:WIDTH]}"
+        if self.place is not None:
+            yield f"  {self.place}"[:WIDTH]
+        if self.cause:
+            yield f"  {self.cause}"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All that a check has found.
+
+    Attributes:
+        findings: in the order of their looking, the root cause before what follows from it.
+        notice: what to notice about an answer that is right.
+        output: the lines that the learner's code has printed.
+    """
+
+    findings: tuple[Finding, ...]
+    notice: str = ""
+    output: tuple[str, ...] = ()
+
+    @property
+    def right(self) -> bool:
+        """Whether everything was as it should be."""
+        return bool(self.findings) and all(finding.right for finding in self.findings)
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """The causes named, in order, each once."""
+        return tuple(dict.fromkeys(finding.cause for finding in self.findings if not finding.right))
+
+    def __str__(self) -> str:
+        return "\n".join(self._lines())
+
+    def _lines(self) -> Iterator[str]:
+        shown = list(_without_repetition(self.findings))
+        for finding in shown:
+            yield from finding.lines()
+        if self.right:
+            yield f"All right. {self.notice}"
+        elif sum(not finding.right for finding in shown) < len(self.causes):
+            yield "More is not right yet; mend this first."
+        yield from _quoted(self.output)
+
+
+def right(text: str) -> Finding:
+    """Make the finding that something is as it should be."""
+    return Finding(True, text)
+
+
+def wrong(text: str, cause: str, place: Place | None = None) -> Finding:
+    """Make the finding that something is not as it should be."""
+    return Finding(False, text, cause, place)
+
+
+def _without_repetition(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Leave out what has a cause that was named already, and what is too much at once."""
+    causes: set[str] = set()
+    for finding in findings:
+        if finding.right:
+            yield finding
+        elif finding.cause not in causes and len(causes) < WRONG_SHOWN:
+            causes.add(finding.cause)
+            yield finding
+
+
+def _quoted(output: tuple[str, ...]) -> Iterator[str]:
+    if not output:
+        return
+    yield "Your code printed:"
+    for line in output[:OUTPUT_SHOWN]:
+        shown = _STAMP.sub(r"[\1] ", line)
+        yield f"  | {shown[:WIDTH]}"
+    if len(output) > OUTPUT_SHOWN:
+        yield "  | ... and more"

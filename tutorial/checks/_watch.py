@@ -1,0 +1,114 @@
+"""Whose turn it is: which of the learner's methods is running, on which thread, and what came of it."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+from tutorial.checks._verdict import Finding, Place, wrong
+
+__all__ = ["Stumble", "Watch", "files_of", "watch"]
+
+_GENERAL = "Mend this line first; what comes after it has not been looked at."
+_CAUSES = {
+    AttributeError: "Most likely it is read before anything has set it: configure comes first, then initialize, then"
+    " control; a message may come at any time after configure.",
+    NameError: "Most likely its import or definition is missing: write it into the same cell as the class.",
+    ImportError: "Most likely the name is spelled differently, or the module is not installed.",
+    SystemExit: "Most likely an exit() was left over; a controller only returns.",
+    KeyboardInterrupt: "A controller only returns; to interrupt is the user's business.",
+}
+
+
+class Stumble(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
+    """One of the learner's methods raised.
+
+    Args:
+        method: its name.
+        error: what it raised.
+        place: the innermost line of the learner's code.
+    """
+
+    def __init__(self, method: str, error: BaseException, place: Place | None) -> None:
+        super().__init__(f"{method} raised {type(error).__name__}")
+        self.method = method
+        self.error = error
+        self.place = place
+
+    def finding(self, cause: str | None = None, when: str = "") -> Finding:
+        """Say what happened, and what most likely caused it.
+
+        Args:
+            cause: the most likely cause; None for what is known of this kind of exception in general.
+            when: what was looked at.
+        """
+        lines = str(self.error).strip().splitlines() or [""]
+        text = f"{type(self.error).__name__}: {lines[0]}".removesuffix(": ")
+        if cause is None:
+            cause = next((c for kind, c in _CAUSES.items() if isinstance(self.error, kind)), _GENERAL)
+        return wrong(f"{when}{': ' * bool(when)}{self.method} raised {text}", cause, self.place)
+
+
+class Watch:
+    """Knows which of the learner's methods are running.
+
+    Attributes:
+        files: where the learner's code is.
+        running: by thread, the method and a number that is different for every call.
+    """
+
+    def __init__(self) -> None:
+        self.files: set[str] = set()
+        self.running: dict[int, tuple[str, int]] = {}
+        self._count = 0
+
+    @contextmanager
+    def call(self, method: str) -> Iterator[None]:
+        """Run one of the learner's methods. Any thread.
+
+        Raises:
+            Stumble: it raised, whatever it was.
+        """
+        ident = threading.get_ident()
+        outer = self.running.get(ident)
+        self._count += 1
+        self.running[ident] = (method, self._count)
+        try:
+            yield
+        except Stumble:
+            raise
+        except BaseException as error:
+            raise Stumble(method, error, self._place(error)) from error
+        finally:
+            if outer is None:
+                del self.running[ident]
+            else:
+                self.running[ident] = outer
+
+    def place(self, frame: FrameType | None) -> Place | None:
+        """Find the innermost line of the learner's code on a stack."""
+        while frame is not None:
+            if frame.f_code.co_filename in self.files:
+                return Place(frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name)
+            frame = frame.f_back
+        return None
+
+    def _place(self, error: BaseException) -> Place | None:
+        frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename in self.files]
+        return Place(frames[-1].filename, frames[-1].lineno or 0, frames[-1].name) if frames else None
+
+
+watch = Watch()
+"""The one of this process."""
+
+
+def files_of(answer: Any) -> set[str]:
+    """Return the files, or notebook cells, that an answer's functions are written in."""
+    classes = answer.__mro__ if isinstance(answer, type) else ()
+    members = [member for each in classes if each.__module__ != "tutorial.controller" for member in vars(each).values()]
+    codes = (getattr(member, "__code__", None) for member in (answer, *members))
+    return {code.co_filename for code in codes if code is not None}

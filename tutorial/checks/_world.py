@@ -1,0 +1,130 @@
+"""A simulated body with the learner's controller, stepped in lockstep with the messages it gets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+
+from tutorial.body import Body
+from tutorial.checks._node import CheckNode
+from tutorial.checks._watch import Stumble, watch
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+from tutorial.paths import HOME
+from tutorial.simulation import ControllerError, Simulation
+from tutorial.world import Placement
+
+__all__ = ["MODELS", "Watched", "World"]
+
+MODELS: Path = HOME / "project" / "models"
+
+
+class Watched(SimpleController):
+    """The learner's controller, each call of which is watched.
+
+    Args:
+        controller_class: the learner's class.
+
+    Attributes:
+        inner: the learner's controller.
+        io: what it was initialized with.
+    """
+
+    def __init__(self, controller_class: type[SimpleController]) -> None:
+        self.io: ControllerIO | None = None
+        with watch.call("__init__"):
+            self.inner = controller_class()
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Pass the call on."""
+        with watch.call("configure"):
+            self.inner.configure(config)
+
+    def initialize(self, io: ControllerIO) -> None:
+        """Pass the call on."""
+        self.io = io
+        with watch.call("initialize"):
+            self.inner.initialize(io)
+
+    def control(self) -> None:
+        """Pass the call on."""
+        with watch.call("control"):
+            self.inner.control()
+
+    def stop(self) -> None:
+        """Pass the call on."""
+        with watch.call("stop"):
+            self.inner.stop()
+
+    def unconfigure(self) -> None:
+        """Pass the call on."""
+        with watch.call("unconfigure"):
+            self.inner.unconfigure()
+
+
+class World:
+    """A simulated world with one body, whose controller is the learner's. Time goes on only in `advance`.
+
+    Args:
+        controller_class: the learner's class.
+        model: the body's model file, without ``.xml``.
+        name: the body's name.
+        time_step: of the simulation [s].
+        before: controllers that come before the learner's, at every step.
+
+    Attributes:
+        ros: the nodes.
+        learner: the learner's controller.
+        simulation: the simulated world.
+        body: the simulated body.
+    """
+
+    def __init__(
+        self,
+        controller_class: type[SimpleController],
+        model: str = "tank",
+        name: str = "Tank",
+        time_step: float = 0.001,
+        before: Sequence[SimpleController] = (),
+    ) -> None:
+        placement = Placement(name, MODELS / f"{model}.xml")
+        self._displayed = Body.displayed(placement)
+        self.learner = Watched(controller_class)
+        self.simulation = Simulation([placement], [(name, each) for each in (*before, self.learner)], time_step)
+        self.body = self.simulation.bodies[name]
+
+    def __enter__(self) -> World:
+        self.ros = CheckNode()
+        try:
+            self.learner.configure(ControllerConfig(self._displayed, self.ros.node, _no_queue, _no_queue))
+        except BaseException:
+            self.ros.__exit__(None, None, None)
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if error is None:
+                self.simulation.release(self.body.name)
+                self.learner.unconfigure()
+        finally:
+            self.ros.__exit__(None, None, None)
+
+    def advance(self, steps: int = 1) -> None:
+        """Simulate so many steps.
+
+        Raises:
+            Stumble: one of the learner's methods raised.
+        """
+        try:
+            self.simulation.advance(steps * self.simulation.time_step)
+        except ControllerError as error:
+            if isinstance(error.__cause__, Stumble):
+                raise error.__cause__ from None
+            raise
+
+
+def _no_queue(*_: object) -> None:
+    """Drop what is posted: in a simulated world nothing is displayed."""

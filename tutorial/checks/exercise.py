@@ -1,0 +1,119 @@
+"""An exercise: its statement, its check, its hints and its solution."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from tutorial.checks._answer import misfit, unwritten
+from tutorial.checks._contain import contain
+from tutorial.checks._verdict import Finding, Verdict, wrong
+from tutorial.checks._watch import Stumble, files_of, watch
+from tutorial.errors import TutorialError
+
+__all__ = ["Exercise"]
+
+
+class Exercise:
+    """One exercise of a notebook.
+
+    Args:
+        name: what it is called in its module.
+        statement: the problem; also the exercise's docstring.
+        judge: looks at an answer and yields what it finds, the root cause first; it ends where looking on makes no
+            sense. It may raise `Stumble` or `TutorialError`.
+        solution: the right answer, and what else belongs to it; its source is what `solution` shows.
+        base: the class that the answer has to be made from, `object` for any; None where it is a function.
+        parts: the methods that are to be written.
+        hints: the weakest first.
+        notice: one sentence on what to notice about an answer that is right.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        statement: str,
+        judge: Callable[[Any], Iterator[Finding]],
+        solution: Sequence[Any],
+        base: type | None,
+        parts: Sequence[str],
+        hints: Sequence[str],
+        notice: str,
+    ) -> None:
+        self.__doc__ = inspect.cleandoc(statement)
+        self.name = name
+        self.module = solution[0].__module__
+        self.right_answer = solution[0]
+        self._judge = judge
+        self._solution = tuple(solution)
+        self._base = base
+        self._parts = tuple(parts)
+        self._hints = tuple(hints)
+        self._notice = notice
+
+    def __repr__(self) -> str:
+        return f"Exercise({self.name!r})"
+
+    def check(self, answer: Any = None) -> None:
+        """Run an answer in a process of its own, and print what was right and what was not.
+
+        Args:
+            answer: the class or function itself; None for none yet.
+        """
+        _say(self._first_look(answer) or str(self._contained(answer)))
+
+    def judge(self, answer: Any) -> Verdict:
+        """Judge an answer in this process, without containing it. It takes a ROS domain from the environment."""
+        return Verdict(tuple(self.findings(answer)), self._notice)
+
+    def findings(self, answer: Any) -> Iterator[Finding]:
+        """Judge an answer in this process, and yield what is found as it is found."""
+        watch.files = files_of(answer)
+        try:
+            yield from self._judge(answer)
+        except Stumble as stumble:
+            yield stumble.finding()
+        except TutorialError as error:
+            yield wrong(str(error), "The check could not go on from there.")
+        except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to, the learner is to hear of it
+            text = f"the check could not go on: {type(error).__name__}: {error}"
+            yield wrong(text, f"Something unusual is in the way: compare with {self.name}.solution().")
+
+    def hint(self, number: int = 1) -> None:
+        """Print a hint.
+
+        Args:
+            number: which one, from 1; the later, the stronger.
+        """
+        count = len(self._hints)
+        if number not in range(1, count + 1):
+            _say(f"There are {count} hints: {self.name}.hint() to {self.name}.hint({count}).")
+            return
+        more = f" {self.name}.hint({number + 1}) says more." if number < count else ""
+        _say(f"Hint {number} of {count}: {self._hints[number - 1]}{more}")
+
+    def solution(self) -> None:
+        """Print the source of a right answer."""
+        _say("\n\n".join(inspect.getsource(part).rstrip() for part in self._solution))
+
+    def _contained(self, answer: Any) -> Verdict:
+        findings, output = contain(self.module, self.name, answer)
+        return Verdict(findings, self._notice, output)
+
+    def _first_look(self, answer: Any) -> str:
+        """Say what keeps an answer from being run; nothing if it can be."""
+        name, call = self.right_answer.__name__, f"{self.name}.check"
+        if answer is None:
+            return f"Not attempted yet: write {name}, then {call}({name}). {self.name}.hint() gives a hint."
+        mend = misfit(answer, name, self._base, call)
+        if mend:
+            return mend
+        if unwritten(answer, self._parts):
+            what = ", ".join(self._parts)
+            return f"Not attempted yet: {answer.__name__} is still to be written{': ' * bool(what)}{what}."
+        return ""
+
+
+def _say(text: str) -> None:
+    print(text)  # noqa: T201 - to print is its purpose

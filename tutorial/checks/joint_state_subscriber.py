@@ -1,0 +1,148 @@
+"""Exercises of step 3: match joints by name, show what another program publishes, and keep up with it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isnan
+
+from sensor_msgs.msg import JointState
+
+from tutorial.checks._display import judge_display, judge_keep_up
+from tutorial.checks._match import judge_match
+from tutorial.checks.exercise import Exercise
+from tutorial.controller import ControllerConfig, SimpleController
+from tutorial.joints import match_joints
+
+__all__ = ["display", "keep_up", "match"]
+
+
+def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, float]:
+    """Find out which joint a message moves where."""
+    return {
+        name: position
+        for name, position in zip(message.name, message.position)
+        if name in joint_names and not isnan(position)
+    }
+
+
+class MyViewer(SimpleController):
+    """Show the joint states that another program publishes."""
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Subscribe to the topic that is named after the body."""
+        self.body = config.body
+        self.call_later = config.call_later
+        topic = f"{self.body.name}/joint_state"
+        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+
+    def on_joint_state(self, message: JointState) -> None:
+        """Hand the message to the main thread."""
+        self.call_later(self.update, message)
+
+    def update(self, message: JointState) -> None:
+        """Move the body's joints to where the message says."""
+        positions, report = match_joints(self.body.joint_names, message)
+        self.body.set_joint_positions(positions)
+        self.body.calc_forward_kinematics()
+        self.body.notify_change(report)
+
+    def unconfigure(self) -> None:
+        """Stop listening."""
+        self.subscription.destroy()
+
+
+class CalmViewer(SimpleController):
+    """Show the newest joint states that another program publishes."""
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Subscribe to the topic that is named after the body."""
+        self.body = config.body
+        self.call_latest = config.call_latest
+        topic = f"{self.body.name}/joint_state"
+        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+
+    def on_joint_state(self, message: JointState) -> None:
+        """Hand the message to the main thread, in the place of one that still waits there."""
+        self.call_latest(self.body.name, self.update, message)
+
+    def update(self, message: JointState) -> None:
+        """Move the body's joints to where the message says."""
+        positions, report = match_joints(self.body.joint_names, message)
+        self.body.set_joint_positions(positions)
+        self.body.calc_forward_kinematics()
+        self.body.notify_change(report)
+
+    def unconfigure(self) -> None:
+        """Stop listening."""
+        self.subscription.destroy()
+
+
+match = Exercise(
+    name="match",
+    statement="""
+    Write the function `match_by_name(joint_names, message)`. It returns a dict from joint names to positions: what
+    the `JointState` `message` says about the joints of the body, whose names are in `joint_names`.
+
+    - The i-th position belongs to the i-th name of the message, in whatever order, and however many there are.
+    - Names that the body does not have are left out.
+    - If there are fewer positions than names, those that are there count; with none, the dict is empty.
+    - A position that is NaN is left out. If a name comes twice, the last one counts.
+
+    It never raises, never invents a number, and leaves the message as it is.
+    """,
+    judge=judge_match,
+    solution=(match_by_name,),
+    base=None,
+    parts=(),
+    hints=(
+        "Go through the message's names and positions together: zip ends with the shorter of the two.",
+        "One dict comprehension does it all: over zip(message.name, message.position), if the name is in joint_names "
+        "and not isnan(position). In a dict the last of two equal names wins by itself.",
+    ),
+    notice="Notice that a short array, an unknown name and a name that comes twice needed no line of their own.",
+)
+
+display = Exercise(
+    name="display",
+    statement="""
+    Write the controller `MyViewer`. It listens to the topic `joint_state` of its body, which for the body `Tank` is
+    `/Tank/joint_state` (type `JointState`), and shows on the displayed body what it hears.
+
+    - The displayed body belongs to the main thread: the callback only posts, with `config.call_later`.
+    - What is posted matches by name (`match_joints`), sets the positions, computes the kinematics, and tells the
+      observers.
+    - It works on any body, and when it leaves the body it stops listening.
+    """,
+    judge=judge_display,
+    solution=(MyViewer,),
+    base=SimpleController,
+    parts=("configure",),
+    hints=(
+        "In configure keep config.body and config.call_later, and subscribe to a topic made from the body's name. The "
+        "callback has one line; all the rest happens in a method that it posts.",
+        "The callback: self.call_later(self.update, message), without parentheses after update. In update: "
+        "match_joints, then set_joint_positions, calc_forward_kinematics and notify_change. In unconfigure: "
+        "self.subscription.destroy().",
+    ),
+    notice="Notice that the body's name and its joints come from the body, so the crane needed no other line.",
+)
+
+keep_up = Exercise(
+    name="keep_up",
+    statement="""
+    Write the controller `CalmViewer`. It does what `MyViewer` does, but keeps up with any publisher: while the main
+    thread is busy, at most one call waits for it, and what it shows then is the newest message.
+
+    No message may be dropped because of when it comes: the last one before the publisher falls silent has to be shown.
+    """,
+    judge=judge_keep_up,
+    solution=(CalmViewer,),
+    base=SimpleController,
+    parts=("configure",),
+    hints=(
+        "config.call_latest(key, function, message) is call_later, but a waiting call of the same key is replaced.",
+        "self.call_latest(self.body.name, self.update, message): the key says what the call is about, and has to be "
+        "the same for every message.",
+    ),
+    notice="Notice what is lost: a call that is replaced never runs, so every message has to name all joints.",
+)

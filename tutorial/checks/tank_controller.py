@@ -1,0 +1,110 @@
+"""Exercises of step 1: drive the tracks, and hold a joint where the stick has put it."""
+
+from __future__ import annotations
+
+from sensor_msgs.msg import Joy
+
+from tutorial.body import Joint
+from tutorial.checks._aim import judge_aim
+from tutorial.checks._drive import judge_drive
+from tutorial.checks.exercise import Exercise
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+from tutorial.handoff import Latest
+
+__all__ = ["aim", "drive"]
+
+
+class GentleTank(SimpleController):
+    """Drive the tracks with the left stick, gently."""
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Listen to the joystick."""
+        self.joy = Latest(Joy())
+        self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
+
+    def on_joy(self, message: Joy) -> None:
+        """Keep the newest state of the joystick."""
+        self.joy.put(message)
+
+    def initialize(self, io: ControllerIO) -> None:
+        """Look up the tracks of the simulated tank."""
+        self.track_l = io.body.actuator("TRACK_L")
+        self.track_r = io.body.actuator("TRACK_R")
+
+    def control(self) -> None:
+        """Turn the stick into track speeds [m/s]."""
+        axes = [*self.joy.get().axes, 0.0, 0.0]  # an axis that the message lacks counts as 0
+        left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2])
+        self.track_l.ctrl = 1.0 * left_y - 0.5 * left_x
+        self.track_r.ctrl = 1.0 * left_y + 0.5 * left_x
+
+
+class HeldJoint:
+    """One joint that a stick moves, and that is held where the stick has put it."""
+
+    def __init__(self, joint: Joint, time_step: float) -> None:
+        self.joint = joint
+        self.time_step = time_step
+        self.q_ref = self.q_prev = joint.position
+
+    def aim(self, stick: float) -> None:
+        """Move the reference by the stick, and set the torque that follows it."""
+        lower, upper = self.joint.range
+        q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper)
+        dq_ref = (q_ref - self.q_ref) / self.time_step
+        q = self.joint.position
+        dq = (q - self.q_prev) / self.time_step
+        self.joint.effort = 200 * (q_ref - q) + 50 * (dq_ref - dq)
+        self.q_ref, self.q_prev = q_ref, q
+
+
+drive = Exercise(
+    name="drive",
+    statement="""
+    Write the controller `GentleTank`. It listens to the topic `joy` (type `Joy`) and drives only the tracks,
+    the actuators `TRACK_L` and `TRACK_R`, from the left stick: `axes[0]` is `left_x`, positive to the left, and
+    `axes[1]` is `left_y`, positive ahead.
+
+    - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
+    - An axis within 0.3 of the middle counts as 0; each axis for itself.
+    - An axis that the message lacks counts as 0, and so does everything before the first message.
+
+    Mind the threads: the callback runs on the executor's, `control` on the simulation's.
+    """,
+    judge=judge_drive,
+    solution=(GentleTank,),
+    base=SimpleController,
+    parts=("configure", "initialize", "control"),
+    hints=(
+        "The callback and control run on two threads. Let the callback put the message into a Latest, and let control "
+        "take it from there, once per step, before it does anything else.",
+        "In configure: self.joy = Latest(Joy()). In control: axes = [*self.joy.get().axes, 0.0, 0.0], which has at "
+        "least two entries; then the dead zone for each of the two; then set ctrl of both tracks, every time.",
+    ),
+    notice="Notice that control takes the message once and reads both axes from it, and that no lock is to be seen.",
+)
+
+aim = Exercise(
+    name="aim",
+    statement="""
+    Write the method `aim` of `HeldJoint`. It is called once for every step of the simulation, with the stick's
+    position between -1 and 1, and holds the joint where the stick has put it:
+
+    - the reference angle begins where the joint stands, moves by 0.002 rad per call at full stick, and stays within
+      `joint.range`;
+    - the torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`, to be set as `joint.effort` [N.m]. `q` is
+      `joint.position`, `q_ref` the reference after it has moved; `dq` and `dq_ref` are how fast the two have
+      changed since the last call [rad/s]. A call is `time_step` seconds after the one before.
+    """,
+    judge=judge_aim,
+    solution=(HeldJoint,),
+    base=object,
+    parts=("aim",),
+    hints=(
+        "What has to outlive the call belongs to self: the reference, and where the joint was at the last call. A "
+        "speed is a difference divided by time_step.",
+        "First q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper), then dq_ref = (q_ref - self.q_ref) / "
+        "self.time_step, and in the end self.q_ref = q_ref. Do the same for q.",
+    ),
+    notice="Notice that a reference which stays within the range answers at once when the stick is reversed.",
+)
