@@ -1,0 +1,65 @@
+"""A real kernel, without a page."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import psutil
+from jupyter_client.manager import KernelManager
+from programs import PATIENCE
+
+
+class Kernel:
+    """Runs cells in a process of its own."""
+
+    def __init__(self, manager: KernelManager) -> None:
+        self.manager = manager
+        self.client = manager.client()
+        self.client.start_channels()
+        self.client.wait_for_ready(timeout=PATIENCE)
+
+    @property
+    def process(self) -> psutil.Process:
+        return psutil.Process(self.manager.provisioner.process.pid)
+
+    def run(self, code: str) -> str:
+        """Run a cell, and return what it printed; one that fails is an error."""
+        printed = []
+
+        def hook(message):
+            if message["msg_type"] == "stream":
+                printed.append(message["content"]["text"])
+
+        reply = self.client.execute_interactive(code, timeout=PATIENCE, output_hook=hook)
+        assert reply["content"]["status"] == "ok", "\n".join(reply["content"].get("traceback", ["interrupted"]))
+        return "".join(printed)
+
+    def interrupt(self, code: str, once: Callable[[dict], object]) -> dict:
+        """Run a cell, and interrupt it once a message of a certain kind has come; return the reply."""
+        message_id = self.client.execute(code)
+        while not once(self.client.get_iopub_msg(timeout=PATIENCE)):
+            pass
+        self.manager.interrupt_kernel()
+        while True:
+            reply = self.client.get_shell_msg(timeout=PATIENCE)
+            if reply["parent_header"].get("msg_id") == message_id:
+                return reply["content"]
+
+
+@contextmanager
+def kernel() -> Iterator[Kernel]:
+    """A kernel of this environment; what is left of it in the end is killed."""
+    manager = KernelManager(kernel_name="python3")
+    manager.kernel_spec.argv[0] = sys.executable
+    manager.start_kernel()
+    running = None
+    try:
+        running = Kernel(manager)
+        yield running
+    finally:
+        if running is not None:
+            running.client.stop_channels()
+        manager.shutdown_kernel(now=True)
+        manager.cleanup_resources()

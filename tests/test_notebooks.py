@@ -1,0 +1,163 @@
+"""What comparing the outputs leaves open: nbval passes cells that never ran, images, and cells without end."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import nbformat
+import pytest
+
+from tutorial import controllers
+from tutorial.paths import HOME
+
+NOTEBOOKS = sorted((HOME / "notebooks").glob("*.ipynb"))
+LONGEST_CELL = 25  # lines
+LESSONS = [(path, HOME / "tutorial" / "controllers" / f"{path.stem[2:]}.py") for path in NOTEBOOKS[1:]]
+
+
+@pytest.fixture(params=NOTEBOOKS, ids=lambda path: path.stem)
+def notebook(request):
+    return nbformat.read(request.param, as_version=4)
+
+
+def code_cells(notebook):
+    return [cell for cell in notebook.cells if cell.cell_type == "code"]
+
+
+def test_there_is_a_notebook_for_each_controller():
+    files = {path.stem for path in Path(controllers.__path__[0]).glob("[!_]*.py")}
+    assert {path.stem[2:] for path in NOTEBOOKS} == {"setup", *files}
+
+
+def test_it_is_a_valid_notebook(notebook):
+    nbformat.validate(notebook)
+
+
+def test_every_cell_was_run_once_from_the_top(notebook):
+    assert [cell.execution_count for cell in code_cells(notebook)] == list(range(1, len(code_cells(notebook)) + 1))
+
+
+def test_no_cell_is_empty_and_none_is_too_long_to_read(notebook):
+    for cell in notebook.cells:
+        assert cell.source.strip()
+    for cell in code_cells(notebook):
+        assert len(cell.source.splitlines()) <= LONGEST_CELL, cell.source
+
+
+def test_no_output_is_one_that_nbval_cannot_follow(notebook):
+    for cell in code_cells(notebook):
+        assert not re.search(r"clear_output|\bOutput\(|update_display", cell.source), cell.source
+
+
+def test_nothing_is_left_out_of_the_comparison_without_a_reason(notebook):
+    for cell in notebook.cells:
+        tags = set(cell.metadata.get("tags", []))
+        assert tags <= {"nbval-ignore-output"}, cell.source
+        assert not re.search(r"#\s*(NBVAL|PYTEST)_", cell.source), cell.source
+        assert bool(tags) == bool(cell.metadata.get("reason")), cell.source
+
+
+def test_most_outputs_are_compared(notebook):
+    with_output = [cell for cell in code_cells(notebook) if cell.outputs]
+    ignored = [cell for cell in with_output if cell.metadata.get("tags")]
+    assert len(ignored) <= len(with_output) / 4
+
+
+def test_no_cell_failed(notebook):
+    for cell in code_cells(notebook):
+        assert all(output.output_type != "error" for output in cell.outputs), cell.source
+        assert all(output.get("name") != "stderr" for output in cell.outputs), cell.source
+
+
+def test_nothing_of_one_run_or_one_machine_is_kept(notebook):
+    assert set(notebook.metadata) == {"kernelspec", "language_info"}
+    assert notebook.metadata.language_info == {"name": "python"}
+    text = nbformat.writes(notebook)
+    for pattern in (r"/home/|/root/|/tmp/|site-packages", r"0x[0-9a-f]{6,}"):
+        assert not re.search(pattern, text), pattern
+
+
+def test_no_widget_of_a_kernel_that_is_gone_is_kept(notebook):
+    """JupyterLab would show an error in its place, until the cell is run."""
+    for cell in code_cells(notebook):
+        for output in cell.outputs:
+            assert "application/vnd.jupyter.widget-view+json" not in output.get("data", {}), cell.source
+
+
+def test_pictures_say_what_is_on_them(notebook):
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            assert all(alt.strip() for alt in re.findall(r"!\[(.*?)\]\(", cell.source)), cell.source
+            assert all("alt=" in tag for tag in re.findall(r"<img[^>]*>", cell.source)), cell.source
+    for cell in code_cells(notebook):
+        for output in cell.outputs:
+            images = [kind for kind in output.get("data", {}) if kind.startswith("image/")]
+            assert all(output.metadata.get(kind, {}).get("alt") for kind in images), cell.source
+
+
+def test_it_begins_with_its_title_and_ends_by_closing_everything(notebook):
+    first = notebook.cells[0]
+    assert first.cell_type == "markdown"
+    assert re.match(r"# Step \d: \S", first.source)
+    assert code_cells(notebook)[-1].source.endswith("close_all()")
+
+
+def test_words_come_before_code(notebook):
+    """Where a heading opens a section, prose says what the code is about."""
+    for before, cell in zip(notebook.cells, notebook.cells[1:]):
+        if cell.cell_type == "code" and before.cell_type == "markdown":
+            assert not before.source.strip().splitlines()[-1].startswith("#"), cell.source
+
+
+def test_links_to_files_lead_somewhere(notebook):
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            for target in re.findall(r"\]\((?!https?://)([^)#]+)\)", cell.source):
+                assert (HOME / "notebooks" / target).exists(), target
+
+
+@pytest.mark.parametrize(("notebook_file", "module"), LESSONS, ids=[path.stem for path, _ in LESSONS])
+def test_the_librarys_controller_is_the_notebooks_code(notebook_file, module):
+    """But for docstrings, annotations and comments."""
+    cells = code_cells(nbformat.read(notebook_file, as_version=4))
+    written = {}
+    for cell in cells:
+        written.update(definitions(cell.source))
+    kept = definitions(module.read_text())
+    assert kept
+    for name, code in kept.items():
+        assert written.get(name) == code, name
+
+
+def definitions(source):
+    """Name and code of all classes, functions and constants that a text defines."""
+    found = {}
+    for node in Bare().visit(ast.parse(source, type_comments=False)).body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            found[node.name] = ast.unparse(node)
+        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id.isupper():
+            found[node.targets[0].id] = ast.unparse(node)
+    return found
+
+
+class Bare(ast.NodeTransformer):
+    """Takes away what a reader of the notebook is spared."""
+
+    def visit_FunctionDef(self, node):
+        node.returns = None
+        for argument in node.args.args:
+            argument.annotation = None
+        return self.undocumented(node)
+
+    def visit_ClassDef(self, node):
+        return self.undocumented(node)
+
+    def visit_AnnAssign(self, node):
+        return ast.copy_location(ast.Assign([node.target], node.value), node)
+
+    def undocumented(self, node):
+        if ast.get_docstring(node) is not None:
+            node.body = node.body[1:]
+        return self.generic_visit(node)
