@@ -129,7 +129,7 @@ class Host:
         Raises:
             ControllerError: a controller raised an exception; the simulation has stopped.
         """
-        began = time.monotonic()
+        began = due = time.monotonic()
         if self.simulation is not None:
             self.simulation.start(duration)
         try:
@@ -137,7 +137,8 @@ class Host:
                 self.refresh()
                 if progress is not None:
                     progress(self.seconds if self.simulation else time.monotonic() - began)
-                await asyncio.sleep(FRAME)
+                due = max(due + FRAME, time.monotonic())  # by schedule, so that drawing costs no frames
+                await asyncio.sleep(due - time.monotonic())
         finally:
             if self.simulation is not None:
                 self.simulation.stop()

@@ -11,8 +11,6 @@ import errno
 import html
 import os
 import socket
-from importlib.util import find_spec
-from pathlib import Path
 from string import Template
 from types import TracebackType
 from typing import Any, Self
@@ -22,6 +20,7 @@ from tornado.httpserver import HTTPServer
 from tornado.web import Application, HTTPError, RequestHandler, StaticFileHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
+from tutorial.assets import STATIC, meshcats_viewer
 from tutorial.errors import TutorialError
 from tutorial.handoff import ThreadGuard
 from tutorial.scene import Scene
@@ -31,8 +30,6 @@ __all__ = ["SceneServer"]
 ADDRESS = "127.0.0.1"
 FIRST_PORT = 7000
 PORTS_TRIED = 100
-
-STATIC = Path(__file__).parent / "static"
 
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
@@ -159,19 +156,11 @@ def _application(scene: Scene, title: str, browsers: set[_Browser]) -> Applicati
             (r"/", _Page, {"title": title}),
             (r"/socket", _Browser, {"scene": scene, "browsers": browsers}),
             (r"/static/(.*)", _Files, {"path": str(STATIC)}),
-            (r"/meshcat/(.*)", _Files, {"path": str(_meshcats_viewer())}),
+            (r"/meshcat/(.*)", _Files, {"path": str(meshcats_viewer())}),
         ],
         log_function=lambda _handler: None,
         websocket_max_message_size=1024,
     )
-
-
-def _meshcats_viewer() -> Path:
-    """The folder with meshcat's ``main.min.js``, found without importing meshcat (0.3 s)."""
-    spec = find_spec("meshcat")
-    if spec is None or spec.origin is None:
-        raise TutorialError("the 3D view needs meshcat, which is not there. Install it: pip install meshcat")
-    return Path(spec.origin).parent / "viewer" / "dist"
 
 
 class _Page(RequestHandler):

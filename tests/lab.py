@@ -1,0 +1,301 @@
+"""A real JupyterLab for the tests, and a notebook in it as a learner has it: in a browser, with a kernel of its own."""
+
+import asyncio
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import psutil
+import pytest
+from browser import PATIENCE, until
+from playwright.async_api import Page
+
+TOKEN = "a-token-for-the-tests"
+DARK = "JupyterLab Dark"
+
+_FOLDERS = {
+    "JUPYTER_CONFIG_DIR": "config",
+    "JUPYTER_DATA_DIR": "data",
+    "JUPYTER_RUNTIME_DIR": "runtime",
+    "JUPYTERLAB_SETTINGS_DIR": "settings",
+    "JUPYTERLAB_WORKSPACES_DIR": "workspaces",
+    "IPYTHONDIR": "ipython",
+}
+_QUIET = {
+    "@jupyterlab/apputils-extension/notification": {"fetchNews": "false", "checkForUpdates": False},
+}
+
+
+class Lab:
+    """A running JupyterLab.
+
+    Attributes:
+        root: the address of its server, with the base_url and a slash at the end.
+        notebooks: the folder that it shows.
+    """
+
+    def __init__(self, root: str, notebooks: Path) -> None:
+        self.root = root
+        self.notebooks = notebooks
+
+    def write(self, name: str, cells: Iterable[str]) -> str:
+        """Put a notebook of code cells into the folder, and return its name."""
+        notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source) for source in cells])
+        nbformat.write(notebook, self.notebooks / name)
+        return name
+
+    async def open(self, page: Page, name: str) -> "Notebook":
+        """Open a notebook in a browser's page, and wait for its kernel."""
+        await page.goto(f"{self.root}lab/tree/{name}?reset&token={TOKEN}")
+        notebook = Notebook(page, self.root)
+        await notebook.is_ready()
+        return notebook
+
+
+class Notebook:
+    """The notebook that is open in a page. Its cells are numbered from 0.
+
+    Attributes:
+        page: the browser's page.
+    """
+
+    def __init__(self, page: Page, root: str) -> None:
+        self.page = page
+        self._root = root
+
+    async def is_ready(self) -> None:
+        """Wait until the notebook and its kernel are there, and put away what asks for attention."""
+        ready = "window.jupyterapp?.shell.currentWidget?.context?.isReady && "
+        ready += "window.jupyterapp.shell.currentWidget.sessionContext.session?.kernel?.status === 'idle'"
+
+        async def is_so() -> bool:
+            await self._dismiss()
+            return bool(await self.page.evaluate(ready))
+
+        await until(is_so, "the notebook's kernel is ready")
+        await self._do("sessionContext.ready")
+        assert await self._python() == sys.executable
+
+    async def run_all(self) -> None:
+        """Run all cells, and wait until they are done."""
+        await self._command("notebook:run-all-cells")
+        await self.is_done()
+
+    async def start(self, cell: int) -> None:
+        """Start one cell; don't wait."""
+        await self._do(f"content.activeCellIndex = {cell}")
+        await self._do("content.deselectAll()")
+        await self.page.evaluate("void window.jupyterapp.commands.execute('notebook:run-cell')")
+
+    async def run(self, cell: int) -> str:
+        """Run one cell, wait until it is done, and return the text that it printed."""
+        await self.start(cell)
+        await self.is_done()
+        return await self.text(cell)
+
+    async def run_new(self, source: str) -> str:
+        """Run code in a new cell at the end, which is deleted afterwards; return what it printed, fail if it raised."""
+        last = await self.count() - 1
+        await self._do(f"content.activeCellIndex = {last}")
+        await self._command("notebook:insert-cell-below")
+        await self._do(f"content.widgets[{last + 1}].model.sharedModel.setSource({json.dumps(source)})")
+        text = await self.run(last + 1)
+        errors = [error for error in await self.errors() if error.startswith(f"cell {last + 1}:")]
+        assert errors == []
+        await self._command("notebook:delete-cell")
+        return text
+
+    async def is_busy(self) -> bool:
+        """Whether a cell runs or waits to run."""
+        return bool(await self._do("content.widgets.some((cell) => cell.model.executionState === 'running')"))
+
+    async def is_done(self) -> None:
+        """Wait until no cell runs or waits to run."""
+
+        async def is_so() -> bool:
+            return not await self.is_busy()
+
+        await until(is_so, "all cells are done")
+
+    async def interrupt(self) -> None:
+        """Interrupt what the kernel does."""
+        await self._do("sessionContext.session.kernel.interrupt()")
+
+    async def count(self) -> int:
+        """How many cells there are."""
+        return int(await self._do("content.widgets.length"))
+
+    async def source(self, cell: int) -> str:
+        """What is written in a cell."""
+        return str(await self._do(f"content.widgets[{cell}].model.sharedModel.getSource()"))
+
+    async def outputs(self, cell: int) -> list[dict[str, Any]]:
+        """The outputs of a cell, as nbformat has them."""
+        return list(await self._do(f"content.widgets[{cell}].model.outputs.toJSON()"))
+
+    async def text(self, cell: int) -> str:
+        """What a cell printed."""
+        outputs = [output for output in await self.outputs(cell) if output["output_type"] == "stream"]
+        return "".join("".join(output["text"]) for output in outputs)
+
+    async def errors(self) -> list[str]:
+        """What the cells raised, as one line each, with the cell's number."""
+        errors = []
+        for cell in range(await self.count()):
+            if await self._do(f"content.widgets[{cell}].model.type") == "code":
+                for output in await self.outputs(cell):
+                    if output["output_type"] == "error":
+                        errors.append(f"cell {cell}: {output['ename']}: {output['evalue']}")
+        return errors
+
+    async def clear(self, cell: int) -> None:
+        """Take a cell's outputs away."""
+        await self._do(f"content.widgets[{cell}].model.clearExecution()")
+
+    async def save(self) -> None:
+        """Save the notebook with its outputs."""
+        await self._do("context.save()")
+
+    async def reload(self) -> None:
+        """Save, load the page anew, and wait until the notebook is there again with the kernel that it has."""
+        await self.save()
+        await self.page.reload()
+        await self.is_ready()
+
+    async def restart(self) -> None:
+        """Restart the kernel, and wait until it is ready."""
+        await self._do("sessionContext.restartKernel()")
+        await self.is_ready()
+
+    async def scroll_to(self, cell: int) -> None:
+        """Bring a cell into sight."""
+        await self._do(f"content.scrollToItem({cell}, 'start')")
+
+    def cell(self, cell: int) -> Any:
+        """Where a cell is on the page."""
+        return self.page.locator(f".jp-NotebookPanel:not(.lm-mod-hidden) .jp-Cell[data-windowed-list-index='{cell}']")
+
+    async def _dismiss(self) -> None:
+        dialog = self.page.locator(".jp-Dialog button.jp-mod-accept")
+        if await dialog.count():
+            await dialog.first.click()
+
+    async def _do(self, code: str) -> Any:
+        """Evaluate something about the notebook's widget."""
+        return await self.page.evaluate(f"window.jupyterapp.shell.currentWidget.{code}")
+
+    async def _command(self, name: str) -> None:
+        await self.page.evaluate("(name) => window.jupyterapp.commands.execute(name)", name)
+
+    async def _python(self) -> str:
+        """The Python that the kernel runs: it has to be the one that runs the tests."""
+        code = "import sys; print(sys.executable)"
+        return str(
+            await self.page.evaluate(
+                """(code) => new Promise((resolve) => {
+                    const kernel = window.jupyterapp.shell.currentWidget.sessionContext.session.kernel;
+                    const future = kernel.requestExecute({code, silent: false, store_history: false});
+                    future.onIOPub = ({content}) => { if (content.text) resolve(content.text.trim()); };
+                })""",
+                code,
+            )
+        )
+
+
+@asynccontextmanager
+async def jupyter_lab(folder: Path, base_url: str = "/", theme: str | None = None) -> AsyncIterator[Lab]:
+    """Run a JupyterLab of our own, which knows nothing of the user's, and end it with all its children.
+
+    Args:
+        folder: an empty folder for its notebooks and everything that it remembers.
+        base_url: the path of its server, such as ``/user/ada/``.
+        theme: such as `DARK`.
+    """
+    environment = _environment(folder)
+    _write_settings(folder, theme)
+    notebooks = folder / "notebooks"
+    notebooks.mkdir()
+    with (folder / "server.log").open("wb") as log:
+        server = psutil.Popen(_command(notebooks, base_url), env=environment, stdout=log, stderr=log, cwd=notebooks)
+        try:
+            yield Lab(await _address(folder, server), notebooks)
+        finally:
+            _end(server)
+
+
+def copy_files(lab: Lab, *paths: Path) -> None:
+    """Put copies of files and folders into the lab's folder."""
+    for path in paths:
+        target = lab.notebooks / path.name
+        shutil.copytree(path, target) if path.is_dir() else shutil.copy(path, target)
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("JUPYTER")}
+    for name, part in _FOLDERS.items():
+        (folder / part).mkdir()
+        environment[name] = str(folder / part)
+    return environment
+
+
+def _write_settings(folder: Path, theme: str | None) -> None:
+    settings = dict(_QUIET)
+    if theme is not None:
+        settings["@jupyterlab/apputils-extension/themes"] = {"theme": theme}
+    for name, values in settings.items():
+        path = folder / _FOLDERS["JUPYTERLAB_SETTINGS_DIR"] / f"{name}.jupyterlab-settings"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(values), encoding="utf-8")
+
+
+def _command(notebooks: Path, base_url: str) -> list[str]:
+    options = {
+        "ServerApp.ip": "127.0.0.1",
+        "ServerApp.port": "0",
+        "ServerApp.base_url": base_url,
+        "ServerApp.root_dir": str(notebooks),
+        "ServerApp.allow_root": "True",
+        "IdentityProvider.token": TOKEN,
+        "LabApp.expose_app_in_browser": "True",
+        "LabApp.news_url": "None",
+    }
+    return [
+        sys.executable,
+        "-m",
+        "jupyterlab",
+        "--no-browser",
+        *(f"--{name}={value}" for name, value in options.items()),
+    ]
+
+
+async def _address(folder: Path, server: psutil.Popen) -> str:
+    """Wait until the server says where it is."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        for path in (folder / _FOLDERS["JUPYTER_RUNTIME_DIR"]).glob("jpserver-*.json"):
+            if text := path.read_text(encoding="utf-8"):
+                return str(json.loads(text)["url"])
+        if server.poll() is not None or time.monotonic() > deadline:
+            pytest.fail("JupyterLab did not start:\n" + (folder / "server.log").read_text(encoding="utf-8")[-3000:])
+        await asyncio.sleep(0.05)
+
+
+def _end(server: psutil.Popen) -> None:
+    family = [server, *server.children(recursive=True)]
+    server.terminate()
+    try:
+        server.wait(10)
+    except (psutil.TimeoutExpired, subprocess.TimeoutExpired):
+        server.kill()
+    for process in family:
+        if process.is_running():
+            process.kill()
+    psutil.wait_procs(family, 10)

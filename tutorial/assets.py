@@ -1,0 +1,25 @@
+"""Where the files of the 3D view and of the widgets are: our own, and meshcat's viewer."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+
+from tutorial.errors import TutorialError
+
+__all__ = ["STATIC", "meshcats_viewer"]
+
+STATIC = Path(__file__).parent / "static"
+"""The folder of our own."""
+
+
+def meshcats_viewer() -> Path:
+    """Return the folder with meshcat's ``main.min.js``, found without importing meshcat (0.3 s).
+
+    Raises:
+        TutorialError: meshcat is not installed.
+    """
+    spec = find_spec("meshcat")
+    if spec is None or spec.origin is None:
+        raise TutorialError("the 3D view needs meshcat, which is not there. Install it: pip install meshcat")
+    return Path(spec.origin).parent / "viewer" / "dist"

@@ -1,0 +1,54 @@
+"""What the widgets with a page of their own have in common."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import anywidget
+
+from tutorial.assets import STATIC
+
+__all__ = ["CellWidget", "read_static"]
+
+
+def read_static(*names: str) -> str:
+    """Return the text of files in ``static/``, one after the other: a widget's script cannot import others."""
+    return "\n".join((STATIC / name).read_text(encoding="utf-8") for name in names)
+
+
+class CellWidget(anywidget.AnyWidget):
+    """A widget that can be closed twice, and whose text is the same in every run."""
+
+    def __init__(self, **state: Any) -> None:
+        super().__init__(**state)
+        self._hear_while_busy()
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}()"
+
+    def close(self) -> None:
+        """Take the widget off every page. Idempotent, main thread."""
+        layout = self.layout if self.comm is not None else None
+        super().close()
+        if layout is not None:
+            layout.close()
+
+    def say(self, kind: str, buffers: list[bytes] | None = None, **fields: Any) -> None:
+        """Send a message to every page that shows the widget. Main thread.
+
+        Args:
+            kind: what it is; ``type`` in the page's message.
+            buffers: binary parts.
+            fields: what else it says, as JSON.
+        """
+        if self.comm is not None:
+            self.send({"type": kind, **fields}, buffers)
+            self._hear_while_busy()
+
+    def _hear_while_busy(self) -> None:
+        """Have what the page says delivered also while a cell runs, on the thread that Jupyter has for it.
+
+        ipykernel 7.4 delivers it on the thread that spoke to the page last, in place of the one that the page asks
+        for; that is the main thread, which is busy then.
+        """
+        self.comm.__dict__.pop("_reply_subshell_id", None)
