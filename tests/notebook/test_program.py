@@ -1,0 +1,207 @@
+"""A program within a kernel: what a notebook's cells do with it."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import socket
+import threading
+
+import psutil
+import pytest
+from kernels import kernel
+from programs import until as wait_until
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+
+from tutorial.controller import SimpleController
+from tutorial.errors import TutorialError
+from tutorial.notebook import close_all, open_node, open_program, until
+from tutorial.paths import find_project
+from tutorial.project import Project
+
+
+@pytest.fixture
+def in_a_cell(domain):
+    """Run an async scenario as a cell would, and close everything."""
+
+    def run(scenario):
+        async def whole():
+            try:
+                await scenario()
+            finally:
+                close_all()
+
+        asyncio.run(whole())
+
+    return run
+
+
+def joint_state(seconds, **positions):
+    message = JointState(name=list(positions), position=list(positions.values()))
+    message.header.stamp = Time(nanoseconds=round(seconds * 1e9)).to_msg()
+    return message
+
+
+def threads():
+    return {thread.name for thread in threading.enumerate()}
+
+
+def test_a_project_is_opened_by_name_run_and_closed(in_a_cell):
+    before = threads()
+
+    async def scenario():
+        program = open_program("step1", node="simulation")
+        assert repr(program) == "Program('simulation', bodies=['Labo', 'Tank'])"
+        assert repr(program.view) == "SceneView('simulation')"
+        await program.run(0.2)
+        assert program.simulation.time == pytest.approx(0.2)
+        await program.run(0.1)
+        assert program.simulation.time == pytest.approx(0.3)
+        assert program.error is None
+
+    in_a_cell(scenario)
+    assert threads() == before
+
+
+def test_one_of_the_same_node_name_is_closed_first(in_a_cell):
+    async def scenario():
+        first = open_program("step3", node="viewer")
+        open_program("step3", node="viewer")
+        hand = open_node("hand")
+        await until(lambda: hand.get_node_names().count("viewer") == 1)
+        first.close()
+
+    in_a_cell(scenario)
+
+
+def test_it_draws_between_the_cells(in_a_cell):
+    async def scenario():
+        program = open_program("step1")
+        shown = []
+        program.body("Tank").on_change(shown.append)
+        await until(lambda: shown, "a frame")
+
+    in_a_cell(scenario)
+
+
+def test_what_comes_in_is_counted_and_what_waits(in_a_cell):
+    class Calm(SimpleController):
+        def configure(self, config):
+            self.config = config
+            config.node.create_subscription(JointState, "Tank/joint_state", self.on_joint_state, 1)
+
+        def on_joint_state(self, message):
+            self.config.call_latest("joints", list)
+
+    async def scenario():
+        project = Project.load(find_project("step3")).with_controllers("Tank", Calm)
+        viewer = open_program(project, node="viewer")
+        publisher = open_node("hand").create_publisher(JointState, "/Tank/joint_state", 1)
+        await until(publisher.get_subscription_count)
+        for i in range(3):
+            publisher.publish(joint_state(i, TURRET_Y=0.1 * i))
+            wait_until(lambda i=i: viewer.received == i + 1)
+        assert viewer.waiting == 1
+        await until(lambda: viewer.waiting == 0)
+
+    in_a_cell(scenario)
+
+
+def test_a_callback_on_the_wrong_thread_is_told(in_a_cell):
+    class Naive(SimpleController):
+        def configure(self, config):
+            self.body = config.body
+            config.node.create_subscription(JointState, "Tank/joint_state", self.on_joint_state, 1)
+
+        def on_joint_state(self, message):
+            self.body.set_joint_positions({"TURRET_Y": 0.5})
+
+    async def scenario():
+        viewer = open_program(Project.load(find_project("step3")).with_controllers("Tank", Naive))
+        publisher = open_node("hand").create_publisher(JointState, "/Tank/joint_state", 1)
+        await until(publisher.get_subscription_count)
+        publisher.publish(joint_state(0, TURRET_Y=0.5))
+        await until(lambda: viewer.error)
+        assert "was called on the thread 'executor', but the body 'Tank' belongs to the thread" in str(viewer.error)
+
+    in_a_cell(scenario)
+
+
+def test_what_there_is_not_is_said_with_the_nearest_name(in_a_cell):
+    async def scenario():
+        viewer = open_program("step3")
+        with pytest.raises(TutorialError, match=r"this program has no body 'Tnak'\. Did you mean 'Tank'"):
+            viewer.body("Tnak")
+        with pytest.raises(TutorialError, match=r"no controller 'JointStatePublisher'\. Did you mean 'JointStateSubs"):
+            viewer.controller("JointStatePublisher")
+        with pytest.raises(TutorialError, match="this program only displays"):
+            viewer.simulation.start()
+
+    in_a_cell(scenario)
+
+
+OPEN_EVERYTHING = """
+from tutorial.notebook import *
+program = open_program("step2", node="simulation")
+program.simulation.start()
+node = open_node("hand")
+widgets = joystick(), joint_plot(), node_graph()
+command = start_command("tank run step3 --headless --ros-args -r __node:=viewer")
+await command.says("+ Tank")
+await topic_echo("/Tank/joint_state", once=True, field="name")
+"""
+
+
+def test_a_killed_kernel_leaves_nothing_behind(domain, monkeypatch):
+    monkeypatch.setenv("TANK_TEST_MARK", mark := f"kernel-{os.getpid()}-{domain}")
+    with kernel() as running:
+        assert running.run(OPEN_EVERYTHING) == "['TURRET_Y', 'TURRET_P']\n---\n"
+        assert len(family(mark)) > 1
+        assert {port.laddr.ip for port in listening(running.process)} <= {"127.0.0.1"}
+        running.process.send_signal(signal.SIGKILL)
+        wait_until(lambda: not family(mark), f"the end of {family(mark)}")
+
+
+def test_a_kernel_that_is_shut_down_leaves_nothing_behind(domain, monkeypatch):
+    monkeypatch.setenv("TANK_TEST_MARK", mark := f"kernel-{os.getpid()}-{domain}")
+    with kernel() as running:
+        running.run(OPEN_EVERYTHING)
+        running.client.shutdown()
+        wait_until(lambda: not family(mark), f"the end of {family(mark)}")
+
+
+def test_everything_closed_leaves_the_kernel_with_its_own_threads(domain):
+    with kernel() as running:
+        before = running.run("import threading\nprint(sorted(t.name for t in threading.enumerate()))")
+        running.run(OPEN_EVERYTHING)
+        running.run("close_all()\nclose_all()")
+        assert running.run("print(sorted(t.name for t in threading.enumerate()))") == before
+
+
+def test_an_interrupted_run_stops_cleanly_and_goes_on_later(domain):
+    with kernel() as running:
+        running.run("from tutorial.notebook import *\nprogram = open_program('step1')")
+        reply = running.interrupt("await program.run(600)", once=moves_the_bar)
+        assert reply["ename"] in ("KeyboardInterrupt", "CancelledError")
+        assert running.run("print(program.simulation.running)\nawait program.run(0.1)") == "False\n"
+
+
+def moves_the_bar(message):
+    return message["msg_type"] == "comm_msg" and message["content"]["data"].get("state", {}).get("value", 0) > 0
+
+
+def family(mark):
+    found = []
+    for process in psutil.process_iter():
+        try:
+            if process.status() != psutil.STATUS_ZOMBIE and process.environ().get("TANK_TEST_MARK") == mark:
+                found.append(process)
+        except (psutil.NoSuchProcess, psutil.AccessDenied, psutil.ZombieProcess):
+            continue
+    return [process for process in found if process.pid != os.getpid()]
+
+
+def listening(process):
+    return [c for c in process.net_connections("tcp") if c.status == psutil.CONN_LISTEN and c.family == socket.AF_INET]

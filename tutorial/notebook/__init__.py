@@ -1,0 +1,40 @@
+"""What the notebooks import: programs, nodes, widgets and topic tools, each opened under a name.
+
+Opening something under a name closes what was open under it, so any cell can be run twice; `close_all` closes the
+rest. Everything here belongs to the kernel's main thread.
+"""
+
+from tutorial.notebook.command import Command
+from tutorial.notebook.desk import close_all, log, until
+from tutorial.notebook.opening import (
+    joint_plot,
+    joystick,
+    node_graph,
+    open_node,
+    open_program,
+    side_by_side,
+    start_command,
+    swimlane,
+)
+from tutorial.notebook.program import Program
+from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list
+
+__all__ = [
+    "Command",
+    "Program",
+    "close_all",
+    "joint_plot",
+    "joystick",
+    "log",
+    "node_graph",
+    "open_node",
+    "open_program",
+    "side_by_side",
+    "start_command",
+    "swimlane",
+    "topic_echo",
+    "topic_hz",
+    "topic_info",
+    "topic_list",
+    "until",
+]

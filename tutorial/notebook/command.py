@@ -1,0 +1,124 @@
+"""A command in a process of its own, started from a cell: what a second terminal would be."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from collections import deque
+from contextlib import suppress
+
+from tutorial import lifeline
+from tutorial.errors import TutorialError
+from tutorial.notebook.desk import until
+from tutorial.paths import HOME, with_own_commands
+
+__all__ = ["Command"]
+
+PATIENCE = 5.0  # [s] from asking a command to stop to killing it
+LINES_KEPT = 1000
+
+
+class Command:
+    """A command that runs beside the kernel, in the tutorial's folder, and ends when the kernel does, even killed.
+
+    Args:
+        line: as one would type it at a terminal, for instance ``"tank run step2 --headless"``.
+
+    Raises:
+        TutorialError: there is no such command.
+    """
+
+    def __init__(self, line: str) -> None:
+        self._line = line
+        self._kept: deque[str] = deque(maxlen=LINES_KEPT)
+        read_end, self._write_end = os.pipe()
+        try:
+            self._process = _start(line, read_end)
+        except BaseException:
+            os.close(self._write_end)
+            raise
+        finally:
+            os.close(read_end)
+        self._reader = threading.Thread(target=self._read, name=f"reader of {line}", daemon=True)
+        self._reader.start()
+
+    def __repr__(self) -> str:
+        return f"Command({self._line!r})"
+
+    @property
+    def output(self) -> str:
+        """What it has printed so far."""
+        return "".join(tuple(self._kept))
+
+    @property
+    def status(self) -> int | None:
+        """Its exit status; None while it runs."""
+        return self._process.poll()
+
+    async def says(self, text: str) -> None:
+        """Wait until it has printed a text.
+
+        Raises:
+            TutorialError: it has ended without, or takes too long; the error holds what it did print.
+        """
+        await until(lambda: text in self.output or not self._reader.is_alive(), f"{self._line!r} to say {text!r}")
+        if text not in self.output:
+            raise TutorialError(f"{self._line!r} has ended with status {self.status}. It said:\n{self.output}")
+
+    async def ends(self, patience: float = 120.0) -> int:
+        """Wait until it has ended by itself; return its exit status.
+
+        Args:
+            patience: how long at most [s].
+        """
+        await until(lambda: not self._reader.is_alive(), f"the end of {self._line!r}", patience)
+        return self._process.wait()
+
+    def close(self) -> None:
+        """Ask it to stop, as Ctrl-C does, and kill it if it doesn't. Idempotent."""
+        for number in (signal.SIGINT, signal.SIGKILL):
+            if not self._reader.is_alive() and self.status is not None:
+                break
+            _signal_group(self._process.pid, number)
+            try:
+                self._process.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                continue
+            self._reader.join(PATIENCE)
+        if self._write_end >= 0:
+            os.close(self._write_end)
+            self._write_end = -1
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        with self._process.stdout as lines:
+            self._kept.extend(lines)
+
+
+def _start(line: str, read_end: int) -> subprocess.Popen[str]:
+    words = shlex.split(line)
+    environment = with_own_commands(os.environ)
+    if not words or shutil.which(words[0], path=environment["PATH"]) is None:
+        raise TutorialError(f"there is no command {line!r}. Write it as at a terminal: start_command('tank joy').")
+    return subprocess.Popen(
+        [sys.executable, "-S", "-I", lifeline.__file__, str(read_end), *words],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        pass_fds=(read_end,),
+        start_new_session=True,
+        env={**environment, "PYTHONUNBUFFERED": "1"},
+        cwd=HOME,
+        text=True,
+        errors="replace",
+    )
+
+
+def _signal_group(pid: int, number: int) -> None:
+    with suppress(ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
+        os.killpg(pid, number)

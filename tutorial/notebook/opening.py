@@ -1,0 +1,102 @@
+"""Opens what a notebook works with, each under a name."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ipywidgets import HBox, Layout, Widget
+
+from tutorial.notebook.command import Command
+from tutorial.notebook.desk import keep
+from tutorial.notebook.program import Program
+from tutorial.paths import find_project
+from tutorial.project import Project
+from tutorial.ros import MeteredNode, NodeThread
+from tutorial.widgets.joint_plot import JointPlot
+from tutorial.widgets.joystick import Joystick
+from tutorial.widgets.node_graph import NodeGraph
+from tutorial.widgets.swimlane import swimlane as picture_of
+
+if TYPE_CHECKING:
+    from tutorial.widgets.picture import Picture
+
+__all__ = [
+    "joint_plot",
+    "joystick",
+    "node_graph",
+    "open_node",
+    "open_program",
+    "side_by_side",
+    "start_command",
+    "swimlane",
+]
+
+
+def open_program(project: Project | str, node: str = "tank") -> Program:
+    """Run a project within this kernel; a program of the same node name is closed first.
+
+    Args:
+        project: a project, or the path or the name of one, such as ``"step1"``.
+        node: what the program's node is called.
+
+    Raises:
+        TutorialError: there is no such project, or a controller does not fit its body.
+    """
+    loaded = project if isinstance(project, Project) else Project.load(find_project(project))
+    return keep(f"program {node}", lambda: Program(loaded, node))
+
+
+def open_node(name: str) -> MeteredNode:
+    """Make a node of its own, whose callbacks run on a thread of its own; one of the same name is closed first.
+
+    Args:
+        name: the node's name.
+    """
+    return keep(f"node {name}", lambda: NodeThread(name)).node
+
+
+def start_command(line: str) -> Command:
+    """Start a command in a process of its own, as in a second terminal; if it runs already, it is stopped first.
+
+    Args:
+        line: as one would type it, for instance ``"tank joy"``.
+
+    Raises:
+        TutorialError: there is no such command.
+    """
+    return keep(f"command {line}", lambda: Command(line))
+
+
+def joystick() -> Joystick:
+    """Show a joystick with two sticks, which publishes ``/joy``."""
+    return keep("joystick", Joystick)
+
+
+def joint_plot(topic: str = "/Tank/joint_state") -> JointPlot:
+    """Show a live plot of joint positions, as rqt_plot does.
+
+    Args:
+        topic: of type ``sensor_msgs/msg/JointState``.
+    """
+    return keep(f"plot of {topic}", lambda: JointPlot(topic))
+
+
+def node_graph() -> NodeGraph:
+    """Show the nodes and the topics between them, with their rates, as rqt_graph does."""
+    return keep("node graph", NodeGraph)
+
+
+def side_by_side(*widgets: Widget) -> HBox:
+    """Show widgets in a row, the first one as wide as there is room; on a narrow page, one below the other."""
+    widgets[0].layout.flex = "1 1 26em"
+    return HBox(widgets, layout=Layout(flex_flow="row wrap", align_items="center"))
+
+
+def swimlane(program: Program, count: int = 8) -> Picture:
+    """Draw when the last messages of a program were received, posted and applied, and on which thread.
+
+    Args:
+        program: whose messages.
+        count: how many of them.
+    """
+    return keep("swimlane", lambda: picture_of(program.trace, count))
