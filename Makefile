@@ -1,9 +1,12 @@
 # Everything that the README and CONTRIBUTING tell you to type. It needs make and Python 3.11, 3.12 or 3.13, nothing else.
 #
 #   make demo [DURATION=20]   step 3 as a whole: joystick, simulation and viewer
-#   make test                 the tests
-#   make lab                  JupyterLab on the notebooks
+#   make test                 the tests, and the notebooks
+#   make notebooks            run the notebooks and save their outputs, after a change to them; look at what git shows
+#   make nbval                only the notebooks: run from the top, outputs compared with those that are committed
+#   make lab                  JupyterLab on the first notebook
 #   make install              .venv with everything that these need; quick when nothing has changed
+#   make screenshots          the README's pictures, taken by the browser tests
 #   make bench | lint | clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3 python; do \
@@ -13,13 +16,22 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 DURATION ?=
 PYTEST_ARGS ?=
 
-.PHONY: demo test lab install bench lint clean
+.PHONY: demo test nbval notebooks screenshots lab install bench lint clean
 
 demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
 
 test: install
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+nbval: install
+	$(BIN)/python -m pytest notebooks $(PYTEST_ARGS)
+
+notebooks: install
+	$(BIN)/python tests/execute_notebooks.py
+
+screenshots: install
+	TANK_SCREENSHOTS=book/images $(BIN)/python -m pytest tests/test_notebooks_in_browser.py -k desk
 
 lab: install
 	@$(BIN)/tank lab

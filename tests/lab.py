@@ -139,7 +139,7 @@ class Notebook:
 
     async def outputs(self, cell: int) -> list[dict[str, Any]]:
         """The outputs of a cell, as nbformat has them."""
-        return list(await self._do(f"content.widgets[{cell}].model.outputs.toJSON()"))
+        return list(await self._do(f"content.widgets[{cell}].model.outputs?.toJSON() ?? []"))
 
     async def text(self, cell: int) -> str:
         """What a cell printed."""

@@ -69,7 +69,7 @@ def test_a_file_that_is_wrong_is_named_with_its_line(own, text, said):
 
 def test_a_file_that_there_is_not(own):
     near = own(OWN)
-    with pytest.raises(TutorialError, match="there is no file .* Did you mean .*mine.py"):
+    with pytest.raises(TutorialError, match=r"there is no file .* Did you mean .*mine\.py"):
         load_controllers(near.with_name("mien.py"))
     with pytest.raises(TutorialError, match="is no Python file"):
         load_controllers(near.rename(near.with_suffix(".txt")))
@@ -99,5 +99,5 @@ def test_what_is_no_body_and_what_is_no_controller(step2):
     with pytest.raises(TutorialError, match=r"step2\.yaml has no body 'tank'\. Did you mean 'Tank'"):
         step2.with_controllers("tank", Mine)
     for given in (Mine(), int, "Mine", print):
-        with pytest.raises(TutorialError, match="is no controller. Give the class itself"):
+        with pytest.raises(TutorialError, match=r"is no controller\. Give the class itself"):
             step2.with_controllers("Tank", given)

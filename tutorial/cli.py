@@ -209,11 +209,10 @@ def demo(duration: float | None, headless: bool) -> int:
 @click.argument("jupyter_args", nargs=-1, type=click.UNPROCESSED)
 def lab(jupyter_args: tuple[str, ...]) -> None:
     """Open JupyterLab on the first notebook; JUPYTER_ARGS after -- go to it."""
-    from tutorial.paths import HOME
+    from tutorial.lab import lab_command, trust
 
-    os.chdir(HOME)
-    first = "notebooks/0_setup.ipynb"
-    os.execv(sys.executable, [sys.executable, "-m", "jupyterlab", f"--ServerApp.root_dir={HOME}", *jupyter_args, first])
+    trust()
+    os.execv(sys.executable, lab_command(jupyter_args))
 
 
 def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:

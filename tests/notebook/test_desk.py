@@ -31,33 +31,33 @@ class Thing:
 
 
 def test_what_was_open_under_a_name_is_closed_before_the_new_is_made():
-    first = keep("node a", Thing)
+    first = keep("node a", Thing, Thing.close)
 
     def make():
         assert first.closed == 1
         return Thing()
 
-    second = keep("node a", make)
+    second = keep("node a", make, Thing.close)
     assert second is not first
     assert second.closed == 0
 
 
 def test_when_making_fails_the_old_is_closed_all_the_same_and_nothing_is_kept():
-    first = keep("node a", Thing)
+    first = keep("node a", Thing, Thing.close)
     with pytest.raises(ZeroDivisionError):
-        keep("node a", lambda: 1 / 0)
+        keep("node a", lambda: 1 / 0, print)
     close_all()
     assert first.closed == 1
 
 
 def test_what_is_kept_once_stays():
-    assert keep_once("tools", Thing) is keep_once("tools", Thing)
+    assert keep_once("tools", Thing, Thing.close) is keep_once("tools", Thing, Thing.close)
 
 
 def test_all_is_closed_the_newest_first_and_twice_is_once():
     diary = []
     for name in "abc":
-        keep(name, lambda name=name: Thing(diary, name))
+        keep(name, lambda name=name: Thing(diary, name), Thing.close)
     close_all()
     close_all()
     assert diary == ["c", "b", "a"]

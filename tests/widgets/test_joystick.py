@@ -153,6 +153,21 @@ def test_closing_lets_go_and_leaves_nothing(domain, clock, sent, listener):
     assert threading.active_count() == threads
 
 
+def test_an_ended_one_stays_on_the_page_and_leaves_nothing_else(domain, clock, sent, listener):
+    threads = threading.active_count()
+    joystick = Joystick()
+    say(joystick)
+    listener.until(lambda joy: list(joy.axes) == HELD)
+    joystick.end()
+    joystick.end()
+    assert joystick.ended
+    assert joystick.comm is not None
+    assert joystick.axes == NEUTRAL
+    listener.until(lambda joy: tuple(joy.axes) == NEUTRAL and joy is listener.messages[-1])
+    assert threading.active_count() == threads
+    joystick.close()
+
+
 def test_its_text_is_the_same_in_every_run(joystick):
     assert repr(joystick) == "Joystick()"
 

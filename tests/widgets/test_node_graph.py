@@ -210,6 +210,21 @@ class TestWidget:
 
         asyncio.run(main())
 
+    def test_an_ended_one_keeps_its_picture_and_no_thread(self, domain):
+        async def main():
+            threads = threading.active_count()
+            graph = NodeGraph()
+            with NodeThread("alone"):
+                await until(lambda: "/alone" in graph.alt)
+            graph.end()
+            graph.end()
+            assert graph.ended
+            assert "/alone" in graph.svg
+            assert threading.active_count() == threads
+            graph.close()
+
+        asyncio.run(main())
+
     def test_it_needs_a_loop(self):
         with pytest.raises(TutorialError, match=r"none runs here\. Make it in a cell\."):
             NodeGraph()

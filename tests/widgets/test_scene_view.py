@@ -284,6 +284,28 @@ async def test_closing_twice_is_once_and_the_scene_goes_on_without(sent):
 
 
 @in_a_loop
+async def test_an_ended_one_shows_its_last_picture_also_to_those_who_come_later(sent):
+    scene = Scene()
+    widget = SceneView(scene)
+    page = Page(widget, sent)
+    await page.says("hello")
+    await show(scene, "first")
+    scene.line("last")
+    scene.flush()
+    widget.end()
+    widget.end()
+    assert widget.ended
+    assert [line for _, records in page.take("frame") for line in lines(records)][-1] == "last"
+    scene.line("nobody looks")
+    scene.flush()
+    assert page.take("frame") == []
+    page.take("scene")
+    await page.says("hello")
+    assert len(page.take("scene")) == 1
+    widget.close()
+
+
+@in_a_loop
 async def test_it_belongs_to_the_scenes_thread(sent):
     scene, errors = Scene(), []
 

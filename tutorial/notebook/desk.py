@@ -8,7 +8,7 @@ import logging
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from tutorial.errors import TutorialError
 
@@ -19,41 +19,34 @@ LOOK_EVERY = 0.01  # [s] between two looks at a condition
 LINES_KEPT = 100
 
 
-class Closable(Protocol):
-    """What can be left open."""
+T = TypeVar("T")
 
-    def close(self) -> None:
-        """Let it go. Idempotent."""
+_open: dict[str, tuple[Any, Callable[[], object]]] = {}
 
 
-T = TypeVar("T", bound=Closable)
-
-_open: dict[str, Closable] = {}
-
-
-def keep(name: str, make: Callable[[], T]) -> T:
-    """Make something and keep it under a name, after closing what was kept under it.
+def keep(name: str, make: Callable[[], T], let_go: Callable[[T], object]) -> T:
+    """Make something and keep it under a name, after letting go what was kept under it.
 
     Args:
-        name: what it is called, for instance ``"the program simulation"``.
+        name: what it is called, for instance ``"program simulation"``.
         make: makes it.
+        let_go: lets it go.
     """
-    _close(name)
+    _let_go(name)
     made = make()
-    _open[name] = made
+    _open[name] = made, lambda: let_go(made)
     return made
 
 
-def keep_once(name: str, make: Callable[[], T]) -> T:
+def keep_once(name: str, make: Callable[[], T], let_go: Callable[[T], object]) -> T:
     """As `keep`, but what is kept already stays and is returned."""
-    kept: Any = _open.get(name)
-    return keep(name, make) if kept is None else kept
+    return _open[name][0] if name in _open else keep(name, make, let_go)
 
 
 def close_all() -> None:
-    """Close everything that is open in this kernel, the newest first."""
+    """Close everything that is open in this kernel, the newest first. What was shown last stays on the page."""
     for name in reversed(tuple(_open)):
-        _close(name)
+        _let_go(name)
 
 
 async def until(condition: Callable[[], object], what: str = "", patience: float = PATIENCE) -> None:
@@ -95,10 +88,10 @@ class _Lines(logging.Handler):
         self.kept.append(line)
 
 
-def _close(name: str) -> None:
-    thing = _open.pop(name, None)
-    if thing is not None:
-        thing.close()
+def _let_go(name: str) -> None:
+    if name in _open:
+        _, let_go = _open.pop(name)
+        let_go()
 
 
 _lines = _Lines()

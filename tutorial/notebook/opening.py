@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ipywidgets import HBox, Layout, Widget
+from ipywidgets import Widget
 
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import keep
@@ -15,6 +15,7 @@ from tutorial.ros import MeteredNode, NodeThread
 from tutorial.widgets.joint_plot import JointPlot
 from tutorial.widgets.joystick import Joystick
 from tutorial.widgets.node_graph import NodeGraph
+from tutorial.widgets.side_by_side import SideBySide
 from tutorial.widgets.swimlane import swimlane as picture_of
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def open_program(project: Project | str, node: str = "tank") -> Program:
         TutorialError: there is no such project, or a controller does not fit its body.
     """
     loaded = project if isinstance(project, Project) else Project.load(find_project(project))
-    return keep(f"program {node}", lambda: Program(loaded, node))
+    return keep(f"program {node}", lambda: Program(loaded, node), Program.close)
 
 
 def open_node(name: str) -> MeteredNode:
@@ -52,7 +53,7 @@ def open_node(name: str) -> MeteredNode:
     Args:
         name: the node's name.
     """
-    return keep(f"node {name}", lambda: NodeThread(name)).node
+    return keep(f"node {name}", lambda: NodeThread(name), NodeThread.close).node
 
 
 def start_command(line: str) -> Command:
@@ -64,12 +65,12 @@ def start_command(line: str) -> Command:
     Raises:
         TutorialError: there is no such command.
     """
-    return keep(f"command {line}", lambda: Command(line))
+    return keep(f"command {line}", lambda: Command(line), Command.close)
 
 
 def joystick() -> Joystick:
     """Show a joystick with two sticks, which publishes ``/joy``."""
-    return keep("joystick", Joystick)
+    return keep("joystick", Joystick, Joystick.end)
 
 
 def joint_plot(topic: str = "/Tank/joint_state") -> JointPlot:
@@ -78,18 +79,17 @@ def joint_plot(topic: str = "/Tank/joint_state") -> JointPlot:
     Args:
         topic: of type ``sensor_msgs/msg/JointState``.
     """
-    return keep(f"plot of {topic}", lambda: JointPlot(topic))
+    return keep(f"plot of {topic}", lambda: JointPlot(topic), JointPlot.end)
 
 
 def node_graph() -> NodeGraph:
     """Show the nodes and the topics between them, with their rates, as rqt_graph does."""
-    return keep("node graph", NodeGraph)
+    return keep("node graph", NodeGraph, NodeGraph.end)
 
 
-def side_by_side(*widgets: Widget) -> HBox:
+def side_by_side(*widgets: Widget) -> SideBySide:
     """Show widgets in a row, the first one as wide as there is room; on a narrow page, one below the other."""
-    widgets[0].layout.flex = "1 1 26em"
-    return HBox(widgets, layout=Layout(flex_flow="row wrap", align_items="center"))
+    return SideBySide(*widgets)
 
 
 def swimlane(program: Program, count: int = 8) -> Picture:
@@ -99,4 +99,4 @@ def swimlane(program: Program, count: int = 8) -> Picture:
         program: whose messages.
         count: how many of them.
     """
-    return keep("swimlane", lambda: picture_of(program.trace, count))
+    return picture_of(program.trace, count)

@@ -122,10 +122,10 @@ class Program:
         bar.value, bar.bar_style = seconds, "success"
 
     def close(self) -> None:
-        """End the program: its simulation, its controllers, its node, its view. Idempotent."""
+        """End the program: its simulation, its controllers, its node. Its last picture stays. Idempotent."""
         self._next.cancel()
         self.host.close()
-        self.view.close()
+        self.view.end()
 
     def _draw(self) -> None:
         """Draw what happens outside of `run`, again and again."""

@@ -64,7 +64,7 @@ async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
 
 def _node() -> MeteredNode:
     """The node that asks. Its name begins with an underscore, so ``ros2 node list`` doesn't show it."""
-    return keep_once("topic tools", lambda: NodeThread("_notebook")).node
+    return keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
 
 
 def _settled_node() -> MeteredNode:

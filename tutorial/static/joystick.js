@@ -15,6 +15,7 @@ const KEYS = new Set(STICKS.flatMap(({left, right, up, down}) => [left, right, u
 const BUTTONS = [0, 1, 2, 3, 8, 16, 9, 10, 11, 4, 5, 12, 13, 14, 15];
 const TRIGGERS = [6, 7];
 const ENDED = "The kernel has ended or was restarted. Run the notebook's cells again to get a joystick.";
+const CLOSED = "Closed. Run its cell again, and the joystick comes back.";
 const OFFLINE = "The connection to Jupyter is lost: nothing is driven until it is back.";
 const NO_GAMEPAD = "Drag a stick, or click here and press keys, or connect a gamepad and press one of its buttons.";
 
@@ -110,7 +111,10 @@ class CellView {
     this.build(el);
     this.listen();
     this.trouble = "";
-    this.unwatch = watchKernel(model, () => this.end(), (isThere) => { this.trouble = isThere ? "" : OFFLINE; });
+    this.onEnded = () => { if (model.get("ended")) this.end(CLOSED); };
+    model.on("change:ended", this.onEnded);
+    this.onEnded();
+    this.unwatch = watchKernel(model, () => this.end(ENDED), (isThere) => { this.trouble = isThere ? "" : OFFLINE; });
     this.tick = this.tick.bind(this);
     this.tick();
   }
@@ -209,13 +213,14 @@ class CellView {
     if (this.gamepad()) this.update();
   }
 
-  end() {
-    this.trouble = ENDED;
+  end(trouble) {
+    this.trouble = trouble;
     this.box.classList.add("tank-joystick-ended");
   }
 
   dispose() {
     this.unwatch();
+    this.model.off("change:ended", this.onEnded);
     cancelAnimationFrame(this.request);
     clearInterval(this.timer);
     this.letGo();

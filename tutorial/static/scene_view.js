@@ -123,6 +123,9 @@ class CellView {
     this.onMessage = this.onMessage.bind(this);
     model.on("msg:custom", this.onMessage);
     this.unwatch = watchKernel(model, () => this.end(), (isThere) => this.onConnection(isThere));
+    this.onEnded = () => { this.ended.hidden = !model.get("ended"); };
+    model.on("change:ended", this.onEnded);
+    this.onEnded();
     this.connect();
     library().ready.then(() => this.start(), (error) => this.say(NO_SCRIPT, `It says: ${error.message}`));
   }
@@ -141,7 +144,8 @@ class CellView {
     hint.textContent = "drag or arrow keys: turn · scroll or + −: zoom · Esc: leave";
     this.line = make("div", "tank-view-line");
     this.line.hidden = true;
-    this.frame.append(this.pane, hint, this.curtain);
+    this.ended = make("div", "tank-view-ended", {role: "status"}, "closed: this is its last picture");
+    this.frame.append(this.pane, hint, this.ended, this.curtain);
     const box = make("div", "tank-view");
     box.append(this.frame, this.line);
     el.append(box);
@@ -241,6 +245,7 @@ class CellView {
     clearTimeout(this.timer);
     this.unwatch();
     this.model.off("msg:custom", this.onMessage);
+    this.model.off("change:ended", this.onEnded);
     this.picture?.dispose();
     window.removeEventListener("pagehide", this.leave);
     this.leave();

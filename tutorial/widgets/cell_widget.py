@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import anywidget
+import traitlets
 
 from tutorial.assets import STATIC
 
@@ -17,7 +18,13 @@ def read_static(*names: str) -> str:
 
 
 class CellWidget(anywidget.AnyWidget):
-    """A widget that can be closed twice, and whose text is the same in every run."""
+    """A widget that can be ended and closed, both twice, and whose text is the same in every run.
+
+    Attributes:
+        ended: whether what is behind it has gone. What it showed last stays on the page, and the page says so.
+    """
+
+    ended = traitlets.Bool(False).tag(sync=True)
 
     def __init__(self, **state: Any) -> None:
         super().__init__(**state)
@@ -25,6 +32,10 @@ class CellWidget(anywidget.AnyWidget):
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}()"
+
+    def end(self) -> None:
+        """Let go of what is behind the widget; what it showed last stays on the page. Idempotent, main thread."""
+        self.ended = True
 
     def close(self) -> None:
         """Take the widget off every page. Idempotent, main thread."""

@@ -67,11 +67,11 @@ class JointPlot(LivePicture):
         qos = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)  # fits every publisher
         self.node.create_subscription(JointState, topic, self._on_joint_state, qos)
 
-    def close(self) -> None:
-        """Take the plot and its node away. Idempotent, main thread."""
+    def end(self) -> None:
+        """Take the node away; the plot stays as it is. Idempotent, main thread."""
         if self._drawing is not None:
             self._drawing.cancel()
-        super().close()
+        super().end()
 
     def _on_joint_state(self, message: JointState) -> None:
         """Keep what is to be drawn, post, and return. The executor's thread."""

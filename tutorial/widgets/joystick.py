@@ -67,14 +67,20 @@ class Joystick(CellWidget):
         """The newest six axes: left stick left and up, right stick left and up, the two triggers; -1 to 1."""
         return self._now().axes
 
-    def close(self) -> None:
-        """Let the sticks go, say so on ``joy``, and end the node and its thread. Idempotent."""
-        if self.comm is None:
+    def end(self) -> None:
+        """Let the sticks go, say so on ``joy``, and end the node and its thread. Idempotent, main thread."""
+        if self._is_closing:
             return
-        super().close()
+        super().end()
         self._is_closing = True
         self._publish()
         self._ros.close()
+
+    def close(self) -> None:
+        """End it, and take it off every page. Idempotent, main thread."""
+        if self.comm is not None:
+            self.end()
+        super().close()
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says, on whatever thread, and leave it for the node's."""

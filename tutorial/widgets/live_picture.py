@@ -45,12 +45,17 @@ class LivePicture(Picture):
             raise
         self.node: MeteredNode = self._ros.node
 
-    def close(self) -> None:
-        """Take the picture and its node away. Idempotent, main thread."""
+    def end(self) -> None:
+        """Take the node away; the picture stays as it is. Idempotent, main thread."""
         if self._queue is not None:
             self._queue.close()
         if self._ros is not None:
             self._ros.close()
+        super().end()
+
+    def close(self) -> None:
+        """Take the picture and its node away. Idempotent, main thread."""
+        self.end()
         super().close()
 
 

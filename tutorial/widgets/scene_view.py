@@ -71,6 +71,19 @@ class SceneView(CellWidget):
         """How many views of it are on pages that keep up."""
         return len(self._audience)
 
+    def end(self) -> None:
+        """Show no more of what the scene becomes; the last picture stays on the page, also on one that comes later.
+
+        Idempotent.
+
+        Raises:
+            WrongThreadError: called on another thread than the scene's.
+        """
+        self._scene.detach(self._show)
+        if self._timer is not None:
+            self._send_frame()
+        super().end()
+
     def close(self) -> None:
         """Take the view off every page, and let the scene go. Idempotent.
 
