@@ -22,8 +22,9 @@ def lab_command(arguments: Sequence[str] = ()) -> list[str]:
     Args:
         arguments: more of JupyterLab's own.
     """
-    options = [f"--ServerApp.root_dir={HOME}", *arguments]
-    return [sys.executable, "-m", "jupyterlab", *options, str(NOTEBOOKS / "0_setup.ipynb")]
+    first = (NOTEBOOKS / "0_setup.ipynb").relative_to(HOME).as_posix()
+    options = [f"--ServerApp.root_dir={HOME}", f"--LabApp.default_url=/lab/tree/{first}"]
+    return [sys.executable, "-m", "jupyterlab", *options, *arguments]
 
 
 def trust(folder: Path = NOTEBOOKS, **settings: str) -> None:
