@@ -8,7 +8,8 @@ import threading
 import pytest
 from sensor_msgs.msg import Joy
 
-from tutorial.ros import TopicMeter
+from tutorial import ros
+from tutorial.ros import NodeThread, TopicMeter
 
 
 @pytest.fixture
@@ -50,3 +51,38 @@ def test_latencies_may_be_asked_for_while_messages_arrive(meter, monkeypatch):
         stop.set()
         thread.join()
         sys.setswitchinterval(interval)
+
+
+def test_a_callback_that_does_not_return_does_not_hold_whoever_closes(domain, monkeypatch, caplog):
+    monkeypatch.setattr(ros, "STUCK", 0.1)
+    entered, release = threading.Event(), threading.Event()
+
+    def wait():
+        entered.set()
+        release.wait()
+
+    stuck = NodeThread("stuck")
+    stuck.node.create_timer(0.001, wait)
+    assert entered.wait(60)
+    stuck.close()
+    stuck.close()
+    assert "a callback of the node 'stuck' does not return: it is at " in caplog.text
+    release.set()
+    stuck._closed = False  # now it can end after all, and leaves nothing to the other tests
+    monkeypatch.setattr(ros, "STUCK", 60.0)
+    stuck.close()
+
+
+def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):
+    thread = NodeThread("interrupted")
+
+    def interrupted(_timeout):
+        monkeypatch.undo()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(thread._thread, "join", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        thread.close()
+    thread.close()
+    assert not thread._thread.is_alive()
+    assert not thread._context.ok()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+import threading
 import traceback
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 
-__all__ = ["TutorialError", "WrongThreadError", "did_you_mean", "tell"]
+__all__ = ["TutorialError", "WrongThreadError", "did_you_mean", "tell", "where"]
 
 
 class TutorialError(Exception):
@@ -15,6 +17,10 @@ class TutorialError(Exception):
 
     Its text is made for the learner: what was given, what was expected, and the mend.
     """
+
+    def _render_traceback_(self) -> list[str]:
+        """What a notebook shows in place of a traceback: the text is about the learner's code, the frames are not."""
+        return [f"{type(self).__name__}: {self}"]
 
 
 class WrongThreadError(TutorialError):
@@ -39,7 +45,7 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
     return f"{hint} Known are {', '.join(map(repr, names))}."
 
 
-def tell(error: Exception, file: str) -> str:
+def tell(error: BaseException, file: str) -> str:
     """Say in one line what went wrong in somebody's file, and where: the innermost place that is in it.
 
     Args:
@@ -57,3 +63,16 @@ def tell(error: Exception, file: str) -> str:
         return f"{Path(file).name}: {text}"
     within = "" if places[-1].name == "<module>" else f", in {places[-1].name}"
     return f"{Path(file).name}, line {places[-1].lineno}{within}: {text}"
+
+
+def where(thread: threading.Thread) -> str:
+    """Say which line a thread is at that does not come to its end.
+
+    Returns:
+        For instance ``": it is at mine.py, line 8, in control"``; empty when it has ended.
+    """
+    frame = sys._current_frames().get(thread.ident or 0)
+    if frame is None:
+        return ""
+    code = frame.f_code
+    return f": it is at {Path(code.co_filename).name}, line {frame.f_lineno}, in {code.co_name}"

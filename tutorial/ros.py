@@ -19,11 +19,13 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
+from tutorial.errors import where
 from tutorial.trace import HandoffTrace
 
 __all__ = ["MeteredNode", "NodeThread", "TopicMeter"]
 
 LATENCIES_KEPT = 10_000
+STUCK = 3.0  # [s] that a callback may take to return when its node is closed
 
 _log = logging.getLogger(__name__)
 
@@ -167,6 +169,7 @@ class NodeThread:
             self._context.try_shutdown()
             raise
         self._end = Future()
+        self._closed = False
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
 
@@ -184,14 +187,22 @@ class NodeThread:
         return self.node.get_node_names_and_namespaces().count(mine)
 
     def close(self) -> None:
-        """End the thread, then the executor, the node and the context, in this order. Idempotent."""
-        if self._end.done():
+        """End the thread, then the executor, the node and the context, in this order. Idempotent.
+
+        A callback that does not return keeps its thread, which then ends with the process.
+        """
+        if self._closed:
             return
-        self._end.set_result(None)
-        self._thread.join()
-        self._executor.shutdown()
-        self.node.destroy_node()
-        self._context.try_shutdown()
+        if not self._end.done():
+            self._end.set_result(None)
+        self._thread.join(STUCK)
+        if self._thread.is_alive():
+            _log.error("a callback of the node %r does not return%s", self.node.get_name(), where(self._thread))
+        else:
+            self._executor.shutdown()
+            self.node.destroy_node()
+            self._context.try_shutdown()
+        self._closed = True
 
     def _spin(self) -> None:
         while self._context.ok() and not self._end.done():

@@ -14,7 +14,7 @@ import mujoco
 
 from tutorial.body import Body
 from tutorial.controller import ControllerIO, SimpleController
-from tutorial.errors import TutorialError, tell
+from tutorial.errors import TutorialError, tell, where
 from tutorial.handoff import Latest
 from tutorial.world import Placement, compose
 
@@ -28,6 +28,7 @@ SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005 a busy cell starves a threa
 REST = 0.002  # [s] between two batches of steps
 LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up; what is beyond is given up
 REPORT_EVERY = 5.0  # [s] between two complaints that the machine can't keep up
+STUCK = 3.0  # [s] that a controller may take to return when the simulation is stopped
 SLOW = 0.95  # of real time, below which the machine is said not to keep up
 
 _log = logging.getLogger(__name__)
@@ -83,6 +84,7 @@ class Simulation:
         self._initialized = False
         self._thread: threading.Thread | None = None
         self._duration: float | None = None  # of the last start
+        self._given_up = False  # a controller keeps the thread
         self._stepping = threading.Lock()  # held for a batch of steps
         self._stopping = threading.Event()
         self._finished = threading.Event()
@@ -131,11 +133,13 @@ class Simulation:
             duration: stop after this much simulated time [s]; None to go on until `stop`.
 
         Raises:
-            TutorialError: it is running already.
+            TutorialError: it is running already, or a controller of it has never returned.
         """
         if self.running:
             raise TutorialError("the simulation is running already. Call stop() first, or restart().")
         self._join()
+        if self._given_up:
+            raise TutorialError("a controller of this simulation has not returned. Mend it, and make a new simulation.")
         self._stopping.clear()
         self._finished.clear()
         self._duration = duration
@@ -279,8 +283,14 @@ class Simulation:
         return ControllerError(f"{name} {when}: {tell(error, _file_of(controller))}")
 
     def _join(self) -> None:
+        """Wait for the end of the thread; one that a controller keeps is given up, and ends with the process."""
         if self._thread is not None:
-            self._thread.join()
+            self._thread.join(STUCK)
+            if self._thread.is_alive():
+                _log.error("the simulation does not stop, because a controller does not return%s", where(self._thread))
+                self._finished.set()
+                self._initialized = False
+                self._given_up = True
             self._thread = None
 
     def _snap(self) -> Snapshot:
