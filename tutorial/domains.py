@@ -7,7 +7,7 @@ import os
 import random
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 __all__ = ["FIRST", "LAST", "reserved_domain"]
@@ -25,16 +25,41 @@ def reserved_domain(avoid: str | None = None) -> Iterator[int]:
     Raises:
         RuntimeError: all of them are taken.
     """
-    directory = Path(tempfile.gettempdir()) / f"ros-domains-{os.getuid()}"
-    directory.mkdir(exist_ok=True)
+    directory = Path(tempfile.gettempdir()) / "ros-domains"
+    _share(directory)
     for number in random.sample(range(FIRST, LAST + 1), LAST - FIRST + 1):
         if str(number) == (avoid or "").strip():
             continue
-        with (directory / str(number)).open("w") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                continue
-            yield number
-            return
+        lock = _open(directory / str(number))
+        try:
+            if _locked(lock):
+                yield number
+                return
+        finally:
+            os.close(lock)
     raise RuntimeError(f"all ROS domains from {FIRST} to {LAST} are taken: see {directory}")
+
+
+def _share(directory: Path) -> None:
+    """Make a folder that all users of this machine have in common: their programs hear each other."""
+    with suppress(FileExistsError):
+        directory.mkdir()
+        directory.chmod(0o1777)
+
+
+def _open(path: Path) -> int:
+    """Open a lock file, whoever made it; to lock it, it is enough to be allowed to read it."""
+    with suppress(FileExistsError, PermissionError):
+        made = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
+        os.fchmod(made, 0o644)
+        os.close(made)
+    return os.open(path, os.O_RDONLY)
+
+
+def _locked(file: int) -> bool:
+    """Lock a file, unless another process or another opening of it has it locked."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True

@@ -153,6 +153,7 @@ class CallScope:
         owner: who posts.
         closed: whether `close` was called.
         refused: how many calls came too late.
+        error: what a posted call raised last; None when none did.
     """
 
     def __init__(self, queue: CallQueue, owner: str) -> None:
@@ -160,6 +161,7 @@ class CallScope:
         self.owner = owner
         self.closed = False
         self.refused = 0
+        self.error: Exception | None = None
 
     def call_later(self, function: Callable[..., object], *args: object) -> None:
         """From any thread: run ``function(*args)`` on the main thread. Every call is kept, in order."""
@@ -212,7 +214,8 @@ class _Call:
             self.handoff.apply()
         try:
             self.function(*self.args)
-        except Exception:  # noqa: BLE001 - whatever it is, the other calls go on
+        except Exception as error:  # noqa: BLE001 - whatever it is, the other calls go on
+            self.scope.error = error
             _log.exception(
                 "%s: a call that was posted at %s:%d on the thread %r failed",
                 self.scope.owner,

@@ -109,8 +109,9 @@ class Host:
 
     @property
     def error(self) -> Exception | None:
-        """What a callback or the simulation raised last; None when nothing did."""
-        return (self.simulation and self.simulation.error) or self._ros.error
+        """What the simulation, a callback or a posted call raised last; None when nothing did."""
+        posted = (item.error for item in self._items.values())
+        return (self.simulation and self.simulation.error) or self._ros.error or next(filter(None, posted), None)
 
     async def run(
         self,
@@ -242,7 +243,7 @@ class Host:
         self._view.flush()
 
     def _trouble(self) -> str:
-        """What stands first below the view when a callback or the simulation has failed."""
+        """What stands first below the view when something of the learner's has failed."""
         error = self.error
         if error is None:
             return ""
@@ -295,6 +296,11 @@ class _Item:
         self.controllers.append(controller)
         self._scopes.append(scope)
         self.joint_topics += [meter.topic for meter in node.meters[topics_before:] if meter.brings_joint_states]
+
+    @property
+    def error(self) -> Exception | None:
+        """What a call that one of its controllers has posted raised last."""
+        return next((scope.error for scope in self._scopes if scope.error is not None), None)
 
     def changed(self, report: JointReport | None) -> None:
         """Note that the body is to be drawn, and what its message was like."""

@@ -63,6 +63,17 @@ def test_all_is_closed_the_newest_first_and_twice_is_once():
     assert diary == ["c", "b", "a"]
 
 
+def test_one_that_cannot_be_closed_does_not_keep_the_others_open(capsys):
+    first = keep("a", Thing, Thing.close)
+    keep("b", Thing, lambda thing: 1 / 0)
+    log()
+    capsys.readouterr()
+    close_all()
+    assert first.closed == 1
+    log()
+    assert capsys.readouterr().out == "[ERROR] b could not be closed: ZeroDivisionError: division by zero\n"
+
+
 def test_until_leaves_the_loop_free():
     async def scenario():
         done = []

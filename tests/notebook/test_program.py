@@ -142,6 +142,82 @@ def test_what_there_is_not_is_said_with_the_nearest_name(in_a_cell):
     in_a_cell(scenario)
 
 
+def test_time_is_started_and_stopped_twice_and_not_when_closed(in_a_cell):
+    async def scenario():
+        program = open_program("step1")
+        program.start()
+        program.start()
+        assert program.simulation.running
+        program.advance(0.1)
+        assert not program.simulation.running
+        program.stop()
+        program.close()
+        for act in (program.start, lambda: program.advance(0.1)):
+            with pytest.raises(TutorialError, match=r"this program is closed\. Run the cell with open_program again\."):
+                act()
+        with pytest.raises(TutorialError, match="this program is closed"):
+            await program.run(0.1)
+
+    in_a_cell(scenario)
+
+
+def test_what_a_posted_call_raises_is_told_where_it_is_waited_for(in_a_cell):
+    class Mistyped(SimpleController):
+        def configure(self, config):
+            self.config = config
+            config.node.create_subscription(JointState, "Tank/joint_state", self.on_joint_state, 1)
+
+        def on_joint_state(self, message):
+            self.config.call_later(self.update, message)
+
+        def update(self, message):
+            self.config.body.set_joint_position({"TURRET_Y": 0.5})
+
+    async def scenario():
+        viewer = open_program(Project.load(find_project("step3")).with_controllers("Tank", Mistyped))
+        publisher = open_node("hand").create_publisher(JointState, "/Tank/joint_state", 1)
+        await until(publisher.get_subscription_count)
+        publisher.publish(joint_state(0, TURRET_Y=0.5))
+        await until(lambda: viewer.error)
+        assert isinstance(viewer.error, AttributeError)
+        publisher.publish(joint_state(0, TURRET_Y=0.5))
+        with pytest.raises(TutorialError, match=r"in vain for the turret\. Meanwhile: \[ERROR\] Mistyped of Tank: a call"):
+            await until(lambda: viewer.body().joint("TURRET_Y").position, "the turret", 1.0)
+
+    in_a_cell(scenario)
+
+
+def test_a_controller_that_never_returns_does_not_hold_the_kernel(domain):
+    with kernel() as running:
+        running.run(LOOPS)
+        reply = running.interrupt("await program.run(600)", once=shows_the_bar)
+        assert reply["ename"] == "EndedEarly"
+        running.run("program = open_program('step1')\nawait program.run(0.1)")
+
+
+LOOPS = """
+from tutorial.notebook import *
+from tutorial.controller import SimpleController
+from tutorial.project import Project
+from tutorial.paths import find_project
+import time
+
+class Loops(SimpleController):
+    def control(self):
+        while True:
+            time.sleep(0.01)
+
+program = open_program(Project.load(find_project("step1")).with_controllers("Tank", Loops))
+"""
+
+
+def test_two_kernels_do_not_hear_each_other(monkeypatch):
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    with kernel() as one, kernel() as other:
+        say = "import os, tutorial.notebook\nprint(os.environ['ROS_DOMAIN_ID'])"
+        assert one.run(say) != other.run(say)
+
+
 OPEN_EVERYTHING = """
 from tutorial.notebook import *
 program = open_program("step2", node="simulation")
@@ -184,8 +260,13 @@ def test_an_interrupted_run_stops_cleanly_and_goes_on_later(domain):
     with kernel() as running:
         running.run("from tutorial.notebook import *\nprogram = open_program('step1')")
         reply = running.interrupt("await program.run(600)", once=moves_the_bar)
-        assert reply["ename"] in ("KeyboardInterrupt", "CancelledError")
+        assert reply["ename"] == "EndedEarly"
+        assert len(reply["traceback"]) == 1
         assert running.run("print(program.simulation.running)\nawait program.run(0.1)") == "False\n"
+
+
+def shows_the_bar(message):
+    return message["msg_type"] == "display_data"
 
 
 def moves_the_bar(message):

@@ -5,11 +5,14 @@ from __future__ import annotations
 import asyncio
 import atexit
 import logging
+import os
 import time
 from collections import deque
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any, TypeVar
 
+from tutorial.domains import reserved_domain
 from tutorial.errors import TutorialError
 
 __all__ = ["close_all", "keep", "keep_once", "log", "until"]
@@ -46,7 +49,10 @@ def keep_once(name: str, make: Callable[[], T], let_go: Callable[[T], object]) -
 def close_all() -> None:
     """Close everything that is open in this kernel, the newest first. What was shown last stays on the page."""
     for name in reversed(tuple(_open)):
-        _let_go(name)
+        try:
+            _let_go(name)
+        except Exception:
+            _logger.exception("%s could not be closed", name)
 
 
 async def until(condition: Callable[[], object], what: str = "", patience: float = PATIENCE) -> None:
@@ -60,18 +66,35 @@ async def until(condition: Callable[[], object], what: str = "", patience: float
     Raises:
         TutorialError: it has not become so.
     """
-    deadline = time.monotonic() + patience
+    began = time.monotonic()
     while not condition():
-        if time.monotonic() > deadline:
-            vain = f"in vain for {what}" if what else "in vain"
-            raise TutorialError(f"waited {patience:g} s {vain}. Run the cells above, in order, then this one.")
+        if time.monotonic() > began + patience:
+            raise TutorialError(_in_vain(began, patience, what))
         await asyncio.sleep(LOOK_EVERY)
+
+
+def _in_vain(began: float, patience: float, what: str) -> str:
+    """Say what was waited for, and the newest error that was logged meanwhile: it may be the cause."""
+    said = f"waited {patience:g} s in vain{f' for {what}' if what else ''}."
+    errors = [line for time, line in _lines.kept if time >= began and line.startswith("[ERROR]")]
+    if errors:
+        return f"{said} Meanwhile: {errors[-1]}"
+    return f"{said} Run the cells above, in order, then this one."
+
+
+def _take_domain() -> None:
+    """Keep to a ROS domain of this kernel's own, unless the environment names one: two notebooks must not meet.
+
+    What the kernel starts inherits it.
+    """
+    if not os.environ.get("ROS_DOMAIN_ID"):
+        os.environ["ROS_DOMAIN_ID"] = str(_for_good.enter_context(reserved_domain()))
 
 
 def log() -> None:
     """Print what the library has logged since this was last called. It comes from any thread, so no cell shows it."""
     while _lines.kept:
-        print(_lines.kept.popleft())  # noqa: T201 - what it is for
+        print(_lines.kept.popleft()[1])  # noqa: T201 - what it is for
 
 
 class _Lines(logging.Handler):
@@ -79,13 +102,13 @@ class _Lines(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__()
-        self.kept: deque[str] = deque(maxlen=LINES_KEPT)
+        self.kept: deque[tuple[float, str]] = deque(maxlen=LINES_KEPT)
 
     def emit(self, record: logging.LogRecord) -> None:
         line = f"[{record.levelname}] {record.getMessage()}"
         if record.exc_info and record.exc_info[1] is not None:
             line += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"
-        self.kept.append(line)
+        self.kept.append((time.monotonic(), line))
 
 
 def _let_go(name: str) -> None:
@@ -94,6 +117,8 @@ def _let_go(name: str) -> None:
         let_go()
 
 
+_for_good = ExitStack()  # until the process ends
+_take_domain()
 _lines = _Lines()
 _logger = logging.getLogger("tutorial")
 _logger.addHandler(_lines)

@@ -21,9 +21,13 @@ if TYPE_CHECKING:
     from tutorial.project import Project
     from tutorial.simulation import Simulation
 
-__all__ = ["Program"]
+__all__ = ["EndedEarly", "Program"]
 
 T = TypeVar("T")
+
+
+class EndedEarly(TutorialError):  # noqa: N818 - it is no error, but the end of a cell
+    """A run was interrupted. The program goes on, and can be run again."""
 
 
 class Program:
@@ -47,6 +51,7 @@ class Program:
         self.host = Host(project, ["--ros-args", "-r", f"__node:={node}"], View(scene), self.trace)
         self.view = SceneView(scene, title=node)
         self._running = False
+        self._open = True
         self._loop = asyncio.get_running_loop()
         self._next = self._loop.call_later(FRAME, self._draw)
 
@@ -95,6 +100,38 @@ class Program:
         """
         return _find(name, self.host.controllers, "controller")
 
+    def start(self) -> None:
+        """Let simulated time pass, in real time, until `stop`. When it does already, nothing happens.
+
+        Raises:
+            TutorialError: the program only displays, or was closed.
+        """
+        self._check_open()
+        if not self.simulation.running:
+            self.simulation.start()
+
+    def stop(self) -> None:
+        """Let simulated time stand still. Idempotent.
+
+        Raises:
+            TutorialError: the program only displays.
+        """
+        self.simulation.stop()
+
+    def advance(self, seconds: float) -> None:
+        """Let simulated time pass as fast as the machine can; real time is stopped first.
+
+        Args:
+            seconds: how much [s].
+
+        Raises:
+            ControllerError: a controller raised an exception.
+            TutorialError: the program only displays, or was closed.
+        """
+        self._check_open()
+        self.stop()
+        self.simulation.advance(seconds)
+
     async def run(self, seconds: float) -> None:
         """Run for a while, in real time, with a progress bar; to interrupt the kernel stops it.
 
@@ -103,7 +140,12 @@ class Program:
 
         Raises:
             ControllerError: a controller raised an exception.
+            EndedEarly: the kernel was interrupted.
+            TutorialError: the program was closed.
         """
+        self._check_open()
+        if self.host.simulation is not None:
+            self.host.simulation.stop()
         bar = FloatProgress(max=seconds, description=f"{seconds:g} s")
         display(bar)  # type: ignore[no-untyped-call]
         began = self.host.seconds
@@ -116,16 +158,21 @@ class Program:
             await self.host.run(seconds, progress=progress)
         except asyncio.CancelledError:
             bar.bar_style = "warning"
-            raise
+            raise EndedEarly(f"after {bar.value:.1f} s") from None
         finally:
             self._running = False
         bar.value, bar.bar_style = seconds, "success"
 
     def close(self) -> None:
         """End the program: its simulation, its controllers, its node. Its last picture stays. Idempotent."""
+        self._open = False
         self._next.cancel()
         self.host.close()
         self.view.end()
+
+    def _check_open(self) -> None:
+        if not self._open:
+            raise TutorialError("this program is closed. Run the cell with open_program again.")
 
     def _draw(self) -> None:
         """Draw what happens outside of `run`, again and again."""
