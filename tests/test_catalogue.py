@@ -49,7 +49,12 @@ def test_an_own_controller_takes_the_place_of_the_librarys(own, step2):
     classes = load_controllers(own(OWN))
     tank = step2.with_own(classes).bodies[1]
     assert tank.controllers == (classes["TankController"], JointStatePublisher)
-    assert step2.with_own(classes).tree() == step2.tree()
+    assert step2.with_own(classes).tree() == step2.tree().replace("TankController", "TankController (mine.py)")
+
+
+def test_what_an_own_controller_is_made_from_may_have_any_name(own, step2):
+    helped = own(OWN.replace("TankController", "Helper") + "class TankController(Helper):\n    pass\n")
+    assert step2.with_own(load_controllers(helped)).bodies[1].controllers[0].__name__ == "TankController"
 
 
 @pytest.mark.parametrize(
@@ -57,6 +62,7 @@ def test_an_own_controller_takes_the_place_of_the_librarys(own, step2):
     [
         ("x = 1\n", "defines no controller: a class made from SimpleController."),
         ("import nothing_of_this_name\n", "mine.py, line 1: ModuleNotFoundError"),
+        ("import sys\nsys.exit()\n", "mine.py, line 2: SystemExit"),
         ("class A(:\n", "mine.py, line 1: SyntaxError"),
         ("def f():\n    return 1 / 0\nf()\n", "mine.py, line 2, in f: ZeroDivisionError"),
     ],

@@ -13,8 +13,6 @@ import termios
 import pytest
 from programs import TANK
 
-from tutorial.paths import HOME
-
 
 @pytest.mark.parametrize(
     ("command", "said"),
@@ -147,14 +145,3 @@ def test_the_tree_and_the_address_are_printed(program):
     assert running.ends() == 0
     assert "+ Tank\n  - JointStateSubscriber\n" in running.output
     assert "look at http://127.0.0.1:" in running.output
-
-
-def test_lab_opens_jupyterlab_on_the_notebooks(program):
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
-    running = program("lab", "--", "--no-browser", "--allow-root", f"--port={port}")
-    running.says(f"http://127.0.0.1:{port}/lab?token=")
-    assert f"{HOME / 'notebooks'}" in running.output
-    running.process.terminate()
-    running.ends()
-    running.leaves_nothing()

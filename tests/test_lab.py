@@ -41,8 +41,11 @@ def test_it_opens_on_the_first_notebook_and_trusts_them_all(program, own_folders
 def test_only_what_is_there_now_is_trusted(tmp_path):
     mine = tmp_path / "notebooks"
     mine.mkdir()
+    (mine / "5_broken.ipynb").write_text("<<<<<<< mine")
+    somebody_elses = shutil.copy(NOTEBOOKS / "2_joint_state_publisher.ipynb", mine / "found.ipynb")
     first = shutil.copy(NOTEBOOKS / "0_setup.ipynb", mine)
     second = shutil.copy(NOTEBOOKS / "1_tank_controller.ipynb", tmp_path)
     trust(mine, data_dir=str(tmp_path))
     assert is_trusted(first, tmp_path)
+    assert not is_trusted(somebody_elses, tmp_path)
     assert not is_trusted(second, tmp_path)

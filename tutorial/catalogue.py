@@ -65,7 +65,7 @@ def load_controllers(path: Path) -> dict[str, type[SimpleController]]:
     module = sys.modules[spec.name] = module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise TutorialError(tell(error, str(path))) from error
     found = {
         name: thing

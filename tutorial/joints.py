@@ -135,7 +135,7 @@ class JointReport(NamedTuple):
         if self.duplicate.total:
             said.append(f"named twice, the last wins: {self.duplicate}")
         if self.short:
-            said.append(f"no position for the last {self.short} name{'s' * (self.short != 1)}")
+            said.append(f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}")
         if self.non_finite.total:
             said.append(f"not a finite number: {self.non_finite}")
         if self.outside.total:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -128,15 +129,17 @@ class Project:
         """Put controllers of a user's own in the place of those of the same names.
 
         Args:
-            classes: them by name.
+            classes: them by name. Those that others of them are made from may have any name.
 
         Raises:
             TutorialError: the project has no controller of one of these names; the text names the nearest.
         """
         known = {controller.__name__ for item in self.bodies for controller in item.controllers}
+        bases = {base.__name__ for controller in classes.values() for base in controller.__mro__[1:]}
         for name in classes:
-            if name not in known:
-                raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)}")
+            if name not in known | bases:
+                mend = "Your class takes the place of the one that has its name."
+                raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)} {mend}")
         return replace(
             self,
             bodies=tuple(
@@ -157,9 +160,16 @@ class Project:
         for item in self.bodies:
             yield f"{indent}+ {item.placement.name}"
             for controller in item.controllers:
-                yield f"{indent}  - {controller.__name__}"
+                yield f"{indent}  - {controller.__name__}{_origin(controller)}"
         if self.time_step is not None:
             yield f"{indent}+ Simulator ({self.time_step * 1000:g} ms)"
+
+
+def _origin(controller: type[SimpleController]) -> str:
+    """The file that a controller of the user's own comes from, in parentheses."""
+    file = getattr(sys.modules.get(controller.__module__), "__file__", None)
+    is_own = file is not None and not Path(file).is_relative_to(Path(__file__).parent)
+    return f" ({Path(file).name})" if is_own and file is not None else ""
 
 
 def _check_names(file: YamlFile[_ProjectFile]) -> None:

@@ -114,7 +114,7 @@ class CellView {
     this.onEnded = () => { if (model.get("ended")) this.end(CLOSED); };
     model.on("change:ended", this.onEnded);
     this.onEnded();
-    this.unwatch = watchKernel(model, () => this.end(ENDED), (isThere) => { this.trouble = isThere ? "" : OFFLINE; });
+    this.unwatch = watchKernel(model, () => this.end(ENDED), (isThere) => { this.trouble = !isThere ? OFFLINE : model.get("ended") ? CLOSED : ""; });
     this.tick = this.tick.bind(this);
     this.tick();
   }
