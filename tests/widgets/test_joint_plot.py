@@ -205,7 +205,8 @@ class TestWidget:
             plot._on_joint_state(joint_state(1.0, A=1.0))
             plot.close()
             plot._on_joint_state(joint_state(1.1, A=1.0))
-            await asyncio.sleep(0.15)
+            await asyncio.sleep(0)  # whatever was posted runs now
+            assert plot._drawing is None
             assert plot.alt.startswith("nothing has come")
 
         asyncio.run(main())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
 
@@ -11,6 +12,8 @@ from tutorial.ros import MeteredNode, NodeThread
 from tutorial.topics import settle, settled
 
 __all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
+
+_log = logging.getLogger(__name__)
 
 PATIENCE = 10.0  # [s] that `topic_echo` waits for a message
 
@@ -69,7 +72,8 @@ def _node() -> MeteredNode:
 
 def _settled_node() -> MeteredNode:
     """It, when it has met all others."""
-    settle(_node())
+    if not settle(_node()):
+        _log.warning("nodes still come and go: what is printed may be incomplete")
     return _node()
 
 

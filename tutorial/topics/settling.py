@@ -8,13 +8,14 @@ from collections.abc import Hashable
 
 from rclpy.node import Node
 
+from tutorial.topics.names import EVERY_NODE_HAS, full_name
+
 __all__ = ["settle", "settled"]
 
 READ_EVERY = 0.1  # [s] between two looks at the graph
 QUIET_READS = 5  # that have to agree before the graph counts as settled
 PATIENCE = 5.0  # [s] for it to settle
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # whose name is still on its way
-EVERY_NODE_HAS = ("/rosout", "/parameter_events")
 
 
 class _Settling:
@@ -62,7 +63,7 @@ async def settled(node: Node, patience: float = PATIENCE) -> bool:
 
 def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     """All nodes, and all topics with those who publish and subscribe, where that is of interest."""
-    nodes = sorted(f"{namespace.rstrip('/')}/{name}" for name, namespace in node.get_node_names_and_namespaces())
+    nodes = sorted(full_name(name, space) for name, space in node.get_node_names_and_namespaces())
     snapshot = [tuple(nodes)]
     for topic, types in node.get_topic_names_and_types():
         snapshot.append((topic, *types))

@@ -18,6 +18,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from tutorial.errors import TutorialError
 from tutorial.topics.inbox import Inbox, message_class
 from tutorial.topics.message_yaml import field_text
+from tutorial.topics.names import is_hidden
 
 __all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
 
@@ -36,7 +37,7 @@ def topic_list(node: Node, show_types: bool = False) -> str:
     Returns:
         One line for each topic.
     """
-    topics = [(topic, types) for topic, types in sorted(node.get_topic_names_and_types()) if not _is_hidden(topic)]
+    topics = [(topic, types) for topic, types in sorted(node.get_topic_names_and_types()) if not is_hidden(topic)]
     return "".join(f"{topic} [{', '.join(types)}]\n" if show_types else f"{topic}\n" for topic, types in topics)
 
 
@@ -128,10 +129,6 @@ async def topic_hz(node: Node, topic: str, *, window: int = DEFAULT_WINDOW) -> A
                 yield _rate_text(intervals)
     finally:
         inbox.close()
-
-
-def _is_hidden(topic: str) -> bool:
-    return any(token.startswith("_") for token in topic.split("/"))
 
 
 def _type_of(node: Node, topic: str) -> str | None:

@@ -44,8 +44,10 @@ def picture(topology: Topology) -> tuple[str, str]:
         root = new_picture(480, 80)
         write(root, 240, 44, text, f"fill:{MUTED};font-size:14px", "middle")
         return to_text(root), text
-    shown = dict(list(shapes.items())[:MOST])
-    edges = [(a, b) for a, b in _edges(topology) if a in shown and b in shown]
+    edges = _edges(topology)
+    joined = dict.fromkeys(key for edge in edges for key in edge if key in shapes)  # before what stands alone
+    shown = {key: shapes[key] for key in list({**joined, **shapes})[:MOST]}
+    edges = [(a, b) for a, b in edges if a in shown and b in shown]
     layout = lay_out({key: shape.size for key, shape in shown.items()}, edges)
     width, height = layout.size
     more = len(shapes) - len(shown)

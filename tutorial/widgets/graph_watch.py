@@ -14,10 +14,10 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from tutorial.errors import TutorialError
 from tutorial.topics.inbox import message_class
+from tutorial.topics.names import EVERY_NODE_HAS, full_name, is_hidden
 
 __all__ = ["GraphWatch", "TopicNews", "Topology"]
 
-EVERY_NODE_HAS = ("/rosout", "/parameter_events")
 LOOKS_KEPT = 4  # of a topic's count, for its rate
 DEPTH = 100  # messages that may wait for the executor without being lost to the count
 
@@ -67,11 +67,11 @@ class GraphWatch:
 
     def look(self) -> Topology:
         """Ask for the graph; this takes some milliseconds. The executor's thread."""
-        names = (_full_name(name, space) for name, space in self._node.get_node_names_and_namespaces())
-        nodes = Counter(sorted(name for name in names if not _is_hidden(name)))
+        names = (full_name(name, space) for name, space in self._node.get_node_names_and_namespaces())
+        nodes = Counter(sorted(name for name in names if not is_hidden(name)))
         topics: dict[str, TopicNews] = {}
         for topic, types in sorted(self._node.get_topic_names_and_types()):
-            if topic in EVERY_NODE_HAS or _is_hidden(topic):
+            if topic in EVERY_NODE_HAS or is_hidden(topic):
                 continue
             publishers = _visible(self._node.get_publishers_info_by_topic(topic))
             subscribers = _visible(self._node.get_subscriptions_info_by_topic(topic))
@@ -126,13 +126,5 @@ class _RateMeter:
 
 def _visible(infos: list[TopicEndpointInfo]) -> tuple[str, ...]:
     """The full names of the nodes that endpoints belong to, each once."""
-    names = {_full_name(info.node_name, info.node_namespace) for info in infos}
-    return tuple(sorted(name for name in names if not _is_hidden(name)))
-
-
-def _full_name(name: str, namespace: str) -> str:
-    return f"{namespace.rstrip('/')}/{name}"
-
-
-def _is_hidden(name: str) -> bool:
-    return any(token.startswith("_") for token in name.split("/"))
+    names = {full_name(info.node_name, info.node_namespace) for info in infos}
+    return tuple(sorted(name for name in names if not is_hidden(name)))
