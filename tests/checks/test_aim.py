@@ -117,7 +117,29 @@ class SomethingElse(Base):
         return 3.3 * q
 
 
+class KeepsOldPosition(Base):
+    def aim(self, stick):
+        q_prev = self.q_prev
+        super().aim(stick)
+        self.q_prev = q_prev
+
+
+class KeepsOldReference(Base):
+    def aim(self, stick):
+        q_ref = self.q_ref
+        super().aim(stick)
+        self.q_ref = q_ref
+
+
+class WithoutSelf(Base):
+    def aim(stick):  # noqa: N805
+        stick.joint.effort = 0.0
+
+
 WRONG = [
+    (KeepsOldPosition, "self.q_prev is never renewed: keep q for the next call.", "half stick down"),
+    (KeepsOldReference, "self.q_ref is never renewed", "10 calls at full stick"),
+    (WithoutSelf, "self is missing: def aim(self, stick):", "aim raised TypeError"),
     (RunsAway, "the reference runs away", "at the end of the range"),
     (LimitedLate, "used but not kept", "and then reversed"),
     (SignSwapped, "the sign of the stick", "10 calls at full stick"),

@@ -1,4 +1,4 @@
-"""The exercises `display`, `keep_up` and `match`: every wrong answer is told from the others."""
+"""The exercises `show`, `keep_up` and `by_name`: every wrong answer is told from the others."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import time
 import pytest
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.joint_state_subscriber import CalmViewer, MyViewer, display, keep_up, match, match_by_name
+from tutorial.checks.joint_state_subscriber import CalmViewer, MyViewer, by_name, keep_up, match_by_name, show
 from tutorial.joints import match_joints
 
 
@@ -102,7 +102,50 @@ class KeepsListening(MyViewer):
         pass
 
 
-DISPLAY = [
+class WrongOrder(MyViewer):
+    def update(self, message):
+        positions, _ = match_joints(self.body.joint_names, message)
+        self.body.calc_forward_kinematics()
+        self.body.set_joint_positions(positions)
+        self.body.notify_change()
+
+
+class TwoThings(MyViewer):
+    def update(self, message):
+        positions = match_joints(self.body.joint_names, message)
+        self.body.set_joint_positions(positions)
+
+
+class PostsWithoutSelf(MyViewer):
+    def update(message):  # noqa: N805
+        message.body.notify_change()
+
+
+class ListensWithoutSelf(MyViewer):
+    def on_joint_state(message):  # noqa: N805
+        message.call_later(message.update)
+
+
+class CallsTheCallback(MyViewer):
+    def configure(self, config):
+        self.body, self.call_later = config.body, config.call_later
+        topic = f"{self.body.name}/joint_state"
+        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state(JointState()), 1)
+
+
+class OnlyWhole(MyViewer):
+    def update(self, message):
+        if len(message.name) == len(self.body.joint_names):
+            super().update(message)
+
+
+SHOW = [
+    (WrongOrder, "or called before set_joint_positions", "the links are where they were"),
+    (TwoThings, "match_joints returns two things: positions, report = match_joints(...).", "update raised"),
+    (PostsWithoutSelf, "self is missing: def update(self, message):", "update raised TypeError"),
+    (ListensWithoutSelf, "self is missing: def on_joint_state(self, message):", "cannot take a message"),
+    (CallsTheCallback, "give it without parentheses, self.on_joint_state.", "configure: create_subscription is given"),
+    (OnlyWhole, "does not name all joints is dropped", "a message with only TURRET_P: nothing moves"),
     (FromTheCallback, "the callback moves the body itself", "touched on the executor's thread"),
     (CalledAtOnce, "the parentheses call it at once", "touched on the executor's thread"),
     (NeverPosted, "the callback posts nothing", "nothing is posted"),
@@ -120,9 +163,9 @@ DISPLAY = [
 ]
 
 
-@pytest.mark.parametrize(("answer", "cause", "text"), DISPLAY, ids=lambda value: getattr(value, "__name__", ""))
+@pytest.mark.parametrize(("answer", "cause", "text"), SHOW, ids=lambda value: getattr(value, "__name__", ""))
 def test_a_wrong_viewer_gets_its_own_sentence(domain, answer, cause, text):
-    verdict = display.judge(answer)
+    verdict = show.judge(answer)
     assert not verdict.right
     assert len(verdict.causes) == 1, str(verdict)
     assert cause in verdict.causes[0], str(verdict)
@@ -187,7 +230,65 @@ class Piecewise(CalmViewer):
         self.body.notify_change()
 
 
+class Throttled(CalmViewer):
+    """Leaves out what comes within 100 s of the last one."""
+
+    last = float("-inf")
+
+    def on_joint_state(self, message):
+        if time.monotonic() - self.last > 100.0:
+            self.last = time.monotonic()
+            super().on_joint_state(message)
+
+
+class EveryThird(CalmViewer):
+    count = 0
+
+    def on_joint_state(self, message):
+        self.count += 1
+        if self.count % 3 == 0:
+            super().on_joint_state(message)
+
+
+class ThrottledInUpdate(CalmViewer):
+    last = float("-inf")
+
+    def update(self, message):
+        if time.monotonic() - self.last > 100.0:
+            self.last = time.monotonic()
+            super().update(message)
+
+
+class DropsTheUnknownByCount(CalmViewer):
+    def on_joint_state(self, message):
+        self.count = getattr(self, "count", 0) + 1
+        if self.count != 3:
+            super().on_joint_state(message)
+
+
+class NoKey(CalmViewer):
+    def on_joint_state(self, message):
+        self.call_latest(self.update, message)
+
+
+class OnlyTheFunction(CalmViewer):
+    def on_joint_state(self, message):
+        self.call_latest(self.update)
+
+
+class CallsUpdate(CalmViewer):
+    def on_joint_state(self, message):
+        self.call_latest(self.body.name, self.update(message))
+
+
 KEEP_UP = [
+    (Throttled, "dropped by time or by count", "a message with only TURRET_P: nothing is posted"),
+    (EveryThird, "dropped by time or by count", "nothing is posted to the main thread"),
+    (DropsTheUnknownByCount, "dropped by time or by count", "the unknown name ANTENNA: nothing is posted"),
+    (ThrottledInUpdate, "dropped by time or by count", "nothing moves"),
+    (NoKey, "call_latest takes a key first: self.call_latest(self.body.name, self.update, message).", "without a key"),
+    (OnlyTheFunction, "call_latest takes a key first", "without a key"),
+    (CallsUpdate, "apart, self.call_latest(self.body.name, self.update, message)", "touched on the executor's thread"),
     (QueueGrows, "call_later, which keeps every call", "50 calls wait"),
     (KeyOfTheMessage, "the key differs from message to message", "50 calls wait"),
     (DropsByTime, "dropped by time or by count", "the last one is not shown"),
@@ -226,7 +327,7 @@ class WithAnAttribute(CalmViewer):
 
 @pytest.mark.parametrize(
     ("exercise", "answer"),
-    [(display, MyViewer), (display, CalmViewer), *((keep_up, a) for a in (CalmViewer, OneKeyForAll, WithAnAttribute))],
+    [(show, MyViewer), (show, CalmViewer), *((keep_up, a) for a in (CalmViewer, OneKeyForAll, WithAnAttribute))],
 )
 def test_right_viewers_are_right(domain, exercise, answer):
     verdict = exercise.judge(answer)
@@ -317,7 +418,7 @@ MATCH = [
 
 @pytest.mark.parametrize(("answer", "cause", "text"), MATCH, ids=lambda value: getattr(value, "__name__", ""))
 def test_a_wrong_matching_gets_its_own_sentence(answer, cause, text):
-    verdict = match.judge(answer)
+    verdict = by_name.judge(answer)
     assert not verdict.right
     assert cause in verdict.causes[0], str(verdict)
     assert text in next(finding.text for finding in verdict.findings if not finding.right)
@@ -333,5 +434,5 @@ def in_a_loop(joint_names, message):
 
 @pytest.mark.parametrize("answer", [match_by_name, in_a_loop])
 def test_right_matching_is_right(answer):
-    verdict = match.judge(answer)
+    verdict = by_name.judge(answer)
     assert verdict.right, str(verdict)

@@ -209,11 +209,130 @@ class Misspelled(SimpleController):
 
 class NoControl(SimpleController):
     configure, on_joy, initialize = GentleTank.configure, GentleTank.on_joy, GentleTank.initialize
+    unconfigure = GentleTank.unconfigure
+
+
+class OneZoneUnlessBoth(Formula):
+    def speeds(self, axes):
+        x, y = axes[:2] if abs(axes[0]) > 0.3 and abs(axes[1]) > 0.3 else (0.0, 0.0)
+        return y - 0.5 * x, y + 0.5 * x
+
+
+class OneZoneUnlessEither(Formula):
+    def speeds(self, axes):
+        x, y = axes[:2] if abs(axes[0]) > 0.3 or abs(axes[1]) > 0.3 else (0.0, 0.0)
+        return y - 0.5 * x, y + 0.5 * x
+
+
+class OneZoneAndKeepsRunning(GentleTank):
+    def control(self):
+        x, y = [*self.joy.get().axes, 0.0, 0.0][:2]
+        if abs(x) > 0.3 or abs(y) > 0.3:
+            self.track_l.ctrl, self.track_r.ctrl = y - 0.5 * x, y + 0.5 * x
+
+
+class ControlWithoutSelf(GentleTank):
+    def control():
+        print()
+
+
+class CallbackWithoutSelf(GentleTank):
+    def on_joy(message):  # noqa: N805
+        message.joy.put(message)
+
+
+class ConfigureWithoutSelf(GentleTank):
+    def configure(config):  # noqa: N805
+        config.joy = Latest(Joy())
+
+
+class HelperWithoutSelf(GentleTank):
+    def control(self):
+        self.set_tracks(0.0, 0.0)
+
+    def set_tracks(left, right):  # noqa: N805
+        left.ctrl = right
+
+
+class SetsEffort(GentleTank):
+    def control(self):
+        self.track_l.effort = 1.0
+
+
+class LocalJoy(GentleTank):
+    def configure(self, config):
+        joy = Latest(Joy())
+        self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
+        del joy
+
+
+class OnlyTheCallbackSetsIt(Formula):
+    def configure(self, config):
+        self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
+
+    def on_joy(self, message):
+        self.message = message
+
+    def control(self):
+        self.track_l.ctrl, self.track_r.ctrl = self.speeds([*self.message.axes, 0.0, 0.0])
+
+
+class Config(SimpleController):
+    config = GentleTank.configure
+    on_joy, initialize, control = GentleTank.on_joy, GentleTank.initialize, GentleTank.control
+    unconfigure = GentleTank.unconfigure
+
+
+class CallsTheCallback(GentleTank):
+    def configure(self, config):
+        self.joy = Latest(Joy())
+        self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy(Joy()), 1)
+
+
+class CallsTheCallbackWithNothing(GentleTank):
+    def configure(self, config):
+        self.joy = Latest(Joy())
+        self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy(), 1)
+
+
+class ClassForAnObject(GentleTank):
+    def configure(self, config):
+        super().configure(config)
+        self.joy = Latest
+
+
+class ClassForAMessage(GentleTank):
+    def initialize(self, io):
+        super().initialize(io)
+        self.stamp = Joy.header.stamp
+
+
+class NotCalled(GentleTank):
+    def control(self):
+        self.track_l.ctrl = self.joy.get.axes[0]
+
+
+class NoUnconfigure(SimpleController):
+    configure, on_joy = GentleTank.configure, GentleTank.on_joy
+    initialize, control = GentleTank.initialize, GentleTank.control
+
+
+class EmptyUnconfigure(GentleTank):
+    def unconfigure(self):
+        pass
+
+
+class MisspelledUnconfigure(NoUnconfigure):
+    unconfig = GentleTank.unconfigure
 
 
 WRONG = [
-    (TurnSwapped, "left and right are exchanged", "a turn to the left on the spot: the tracks run at +0.50 and -0.50"),
-    (OldNumbers, "numbers of TankController", "ahead: both tracks run at +2.00 m/s, not both tracks run at +1.00"),
+    (
+        TurnSwapped,
+        "left and right are exchanged",
+        "a turn to the left on the spot: the tracks run at +0.50 and -0.50 m/s; expected: -0.50 and +0.50 m/s",
+    ),
+    (OldNumbers, "numbers of TankController", "ahead: both tracks run at +2.00 m/s; expected: both at +1.00 m/s"),
     (TurnInFull, "left_x counts in full", "a turn to the left"),
     (NoDeadZone, "dead zone is missing", "stick at rest"),
     (NarrowDeadZone, "0.2; here it is 0.3", "0.25 to the left"),
@@ -235,6 +354,24 @@ WRONG = [
     (ReadTwice, "control looks twice", "half of it is used"),
     (TurretToo, "drives only TRACK_L and TRACK_R", "it also commands TURRET_Y"),
     (Misspelled, "initialise should be initialize", "has no method initialize"),
+    (OneZoneUnlessBoth, "share one dead zone: it holds for each axis for itself", "ahead:"),
+    (OneZoneUnlessEither, "share one dead zone", "0.25 to the left"),
+    (ControlWithoutSelf, "self is missing: def control(self):", "control raised TypeError"),
+    (CallbackWithoutSelf, "self is missing: def on_joy(self, message):", "configure: on_joy cannot take a message"),
+    (ConfigureWithoutSelf, "self is missing: def configure(self, config):", "configure raised TypeError"),
+    (HelperWithoutSelf, "self is missing: def set_tracks(self, left, right):", "control raised TypeError"),
+    (SetsEffort, "An Actuator has ctrl, name.", "no attribute 'effort'"),
+    (LocalJoy, "self is missing in configure: self.joy = ...", "no attribute 'joy'"),
+    (OnlyTheCallbackSetsIt, "begin with an empty message, Latest(Joy())", "no attribute 'message'"),
+    (Config, "config should be configure", "Config has no method configure"),
+    (CallsTheCallback, "called at once: give it without parentheses, self.on_joy.", "configure: create_subscription"),
+    (CallsTheCallbackWithNothing, "give it without parentheses, self.on_joy.", "configure raised TypeError"),
+    (ClassForAnObject, "Latest alone is the class", "raised TypeError"),
+    (ClassForAMessage, "Joy alone is the class", "initialize raised AttributeError"),
+    (NotCalled, "parentheses are missing: get()", "before the first message"),
+    (NoUnconfigure, "unconfigure is missing", "after unconfigure it still listens"),
+    (EmptyUnconfigure, "self.subscription.destroy()", "after unconfigure it still listens"),
+    (MisspelledUnconfigure, "unconfig should be unconfigure", "after unconfigure it still listens"),
     (NoControl, "Write the method control", "NoControl has no method control"),
 ]
 
@@ -259,6 +396,18 @@ def test_two_mistakes_get_two_sentences(domain):
     assert len(causes) == 2
     assert "left and right are exchanged" in causes[0]
     assert "dead zone is missing" in causes[1]
+
+
+def test_one_dead_zone_and_a_speed_that_stays_are_two_mistakes(domain):
+    causes = drive.judge(OneZoneAndKeepsRunning).causes
+    assert len(causes) == 2
+    assert any("share one dead zone" in cause for cause in causes)
+    assert any("the last speed stays" in cause for cause in causes)
+
+
+def test_without_self_the_method_is_shown(domain):
+    assert "  in control, line " in str(drive.judge(ControlWithoutSelf))
+    assert ": def control():" in str(drive.judge(ControlWithoutSelf))
 
 
 class OwnLock(GentleTank):

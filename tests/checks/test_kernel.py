@@ -33,6 +33,9 @@ class GentleTank(SimpleController):
         self.track_l.ctrl = 1.0 * y - 0.5 * x
         self.track_r.ctrl = 1.0 * y + 0.5 * x
 
+    def unconfigure(self):
+        self.subscription.destroy()
+
 drive.check(GentleTank)
 """
 

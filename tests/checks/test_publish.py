@@ -183,7 +183,40 @@ class Stale(Base):
         return message
 
 
+class TypedNames(Base):
+    def message(self):
+        message = super().message()
+        message.name = ["TURRET_Y", "TURRET_P"]
+        return message
+
+
+class TypedJoints(Base):
+    def initialize(self, io):
+        super().initialize(io)
+        self.joints = [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")]
+
+
+class FixedAtAnotherRate(Base):
+    def initialize(self, io):
+        super().initialize(io)
+        self.steps_per_message = 20
+
+
+class KeepsItsPublisher(Base):
+    def unconfigure(self):
+        self.publisher = None
+
+
+class Misspells(Base):
+    def control(self):
+        self.publisher.pubish(self.message())
+
+
 WRONG = [
+    (TypedNames, "the joints' names are typed", "on the crane Lift, the names are TURRET_Y, TURRET_P, not BRIDGE"),
+    (TypedJoints, "the joints' names are typed", "on the crane Lift: initialize raised TutorialError"),
+    (KeepsItsPublisher, "does not call self.publisher.destroy()", "after unconfigure it still has its publisher"),
+    (Misspells, "Did you mean 'publish'?", "control raised AttributeError"),
     (WrongTopic, 'f"{config.body.name}/turret"', "it publishes on /Rover/joint_state, not /Rover/turret"),
     (HardCoded, "name is written into the topic", "on a body called Rover, it publishes on /Tank/turret"),
     (WrongType, "of the type JointState", "publishes messages of the type Joy"),
@@ -215,6 +248,19 @@ def test_a_wrong_publisher_gets_its_own_sentence(domain, answer, cause, text):
     assert not verdict.right
     assert cause in verdict.causes[0], str(verdict)
     assert text in next(finding.text for finding in verdict.findings if not finding.right)
+
+
+@pytest.mark.parametrize("answer", [EveryStep, OldRate, OtherRate])
+def test_a_rate_that_follows_the_time_step_is_wrong_once(domain, answer):
+    verdict = publish.judge(answer)
+    assert len(verdict.causes) == 1, str(verdict)
+    assert "2 ms" not in str(verdict)
+
+
+def test_a_number_of_steps_that_is_written_down_is_never_right_by_accident(domain):
+    verdict = publish.judge(FixedAtAnotherRate)
+    assert [finding.text for finding in verdict.findings if "2 ms" in finding.text and finding.right] == []
+    assert "written down for 1 ms" in verdict.causes[1]
 
 
 class OneMessage(Base):
@@ -372,12 +418,56 @@ class Silent(Thrifty):
         self.sent.update(news)
 
 
+class FilledWithZeros(Thrifty):
+    def initialize(self, io):
+        super().initialize(io)
+        self.sent = {joint.name: 0.0 for joint in io.body.joints}
+
+
+class FillsVelocity(Thrifty):
+    def send(self, news, positions=None):
+        message = JointState(name=list(news), position=list(news.values()), velocity=[0.0] * len(news))
+        message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
+        self.publisher.publish(message)
+
+
+class Replaces(Thrifty):
+    def look(self, positions, news):
+        if news:
+            self.send(news)
+            self.sent = dict(news)
+
+
+class ReplacesAlways(Thrifty):
+    def look(self, positions, news):
+        if news:
+            self.send(news)
+        self.sent = news
+
+
+class ThriftyWithoutUnconfigure(Thrifty):
+    def unconfigure(self):
+        pass
+
+
+class LooksWithoutSelf(Thrifty):
+    def look(positions, news):  # noqa: N805
+        positions.send(news)
+
+
 WRONGLY_THRIFTY = [
+    (ForgetsTheFirst, "self.sent is empty, and all are news", "the first message: nothing is sent; expected: 1"),
+    (FilledWithZeros, "the first message is forgotten", "the first message: nothing is sent"),
+    (FillsVelocity, "names and positions only", "velocity is not empty"),
+    (Replaces, "self.sent.update(news) keeps", ""),
+    (ReplacesAlways, "self.sent.update(news) keeps", ""),
+    (ThriftyWithoutUnconfigure, "does not call self.publisher.destroy()", "still has its publisher"),
+    (LooksWithoutSelf, "self is missing: def look(self, positions, news):", "control raised TypeError"),
     (ComparesWithLastLook, "a slow motion is then never sent", "LUFF creeps: nothing is sent"),
     (RemembersAll, "remember only those that were", "LUFF creeps on while SLEW moves"),
     (NamesAll, "all names are in the message, but only some", "1 message with BRIDGE and SLEW and LUFF and 1 position"),
     (SendsWhole, "the whole message is sent as soon as one", "SLEW moves: 1 message with BRIDGE and SLEW and LUFF"),
-    (SendsEmpty, "even if no joint has moved", "nothing moves: 4 messages with nothing"),
+    (SendsEmpty, "even if no joint has moved", "nothing moves: 4 messages with nothing; expected: no message"),
     (SendsAlways, "every joint is sent every time", "nothing moves: 4 messages"),
     (ForgetsTheFirstAtControl, "the first message is forgotten", "the first message: nothing is sent"),
     (RemembersNothing, "what was sent is not remembered", "SLEW rests again"),

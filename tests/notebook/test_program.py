@@ -181,7 +181,9 @@ def test_what_a_posted_call_raises_is_told_where_it_is_waited_for(in_a_cell):
         await until(lambda: viewer.error)
         assert isinstance(viewer.error, AttributeError)
         publisher.publish(joint_state(0, TURRET_Y=0.5))
-        with pytest.raises(TutorialError, match=r"in vain for the turret\. Meanwhile: \[ERROR\] Mistyped of Tank: a call"):
+        with pytest.raises(
+            TutorialError, match=r"in vain for the turret\. Meanwhile: \[ERROR\] Mistyped of Tank: a call"
+        ):
             await until(lambda: viewer.body().joint("TURRET_Y").position, "the turret", 1.0)
 
     in_a_cell(scenario)

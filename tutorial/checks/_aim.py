@@ -44,6 +44,8 @@ MISTAKES = (
     ),
     Mistake("per", "call", "Most likely the speeds are differences: divide them by time_step."),
     Mistake("per", "1 ms", "Most likely the time step is taken to be 1 ms: use time_step."),
+    Mistake("prev", "fixed", "Most likely self.q_prev is never renewed: keep q for the next call."),
+    Mistake("ref", "fixed", "Most likely self.q_ref is never renewed: keep q_ref for the next call."),
     Mistake("order", "late", "Most likely the torque is set for the old reference: move the reference first."),
 )
 OTHERWISE = "Compare with torque = 200 * (q_ref - q) + 50 * (dq_ref - dq)."
@@ -172,9 +174,12 @@ def predict(
     damping: str = "right",
     per: str = "step",
     order: str = "right",
+    prev: str = "renewed",
+    ref: str = "renewed",
 ) -> Sequence[tuple[float, ...]]:
     """Compute the last torque [N.m] of each of `SCENES`, right or with some mistakes."""
-    return [(_last_effort(scene, start, kept, sign, rate, clamp, gains, damping, per, order),) for scene in SCENES]
+    parts = (start, kept, sign, rate, clamp, gains, damping, per, order, prev, ref)
+    return [(_last_effort(scene, *parts),) for scene in SCENES]
 
 
 def _last_effort(
@@ -188,6 +193,8 @@ def _last_effort(
     damping: str,
     per: str,
     order: str,
+    prev: str,
+    ref: str,
 ) -> float:
     """Play one scene with a joint that is right but for the mistakes."""
     lower, upper = RANGE
@@ -195,7 +202,7 @@ def _last_effort(
     over = {"step": dt, "call": 1.0, "1 ms": 0.001}[per]
     step = 0.002 * sign * (dt if rate == "time" else rate)  # type: ignore[operator]
     q = q_prev = scene.begin
-    stored = 0.0 if start == "zero" else scene.begin
+    stored = begin = 0.0 if start == "zero" else scene.begin
     effort = 0.0
     for stick, speed in scene.moves():
         q += speed * dt
@@ -212,5 +219,6 @@ def _last_effort(
         dq = (q - q_prev) / over
         d = {"none": 0.0, "q only": -dq, "ref only": dq_ref, "sign": dq - dq_ref}.get(damping, dq_ref - dq)
         effort = gains[0] * ((before if order == "late" else used) - q) + gains[1] * d
-        q_prev = q
+        q_prev = q if prev == "renewed" else q_prev
+        stored = stored if ref == "renewed" else begin
     return effort

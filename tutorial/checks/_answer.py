@@ -87,7 +87,8 @@ def _has(answer: type, name: str) -> bool:
 
 
 def _mend(answer: type, part: str) -> str:
-    near = get_close_matches(part, [name for name in vars(answer) if not name.startswith("__")], n=1)
+    others = [name for name in vars(answer) if not (name.startswith("__") or hasattr(SimpleController, name))]
+    near = get_close_matches(part, others, n=1)
     if near:
         return f"Most likely its name is misspelled: {near[0]} should be {part}."
     return f"Write the method {part}; it is part of the answer."

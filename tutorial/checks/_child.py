@@ -86,7 +86,8 @@ def _watchdog(report: int, lifeline: int) -> None:
         faulthandler.dump_traceback_later(HALT, exit=True, file=report)
         running = dict(watch.running)
         looks = Counter({call: looks[call] + 1 for call in running.values()})
-        sums.update({method for method, _ in running.values()})
+        if not watch.interleaved:
+            sums.update({method for method, _ in running.values()})
         for ident, (method, number) in running.items():
             if looks[method, number] > PATIENCE or sums[method] > BUDGET:
                 _give_up(report, ident, method, looks[method, number] > PATIENCE)

@@ -95,7 +95,7 @@ class _Process:
 
     def __exit__(self, *_: object) -> None:
         """End the process, and what it may have started."""
-        with contextlib.suppress(ProcessLookupError):
+        with contextlib.suppress(ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
             os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
         for stream in (self._process.stdin, self._process.stdout):

@@ -64,6 +64,7 @@ class Desk:
         posted: how many calls were posted with `call_later`.
         keys: the keys of those posted with `call_latest`.
         uncallable: whether something else than a function was posted.
+        keyless: whether `call_latest` was called without a key.
         shown: what observers of the body saw at each change: the positions, and whether the links were there.
         last_call: the call that was posted last.
     """
@@ -77,7 +78,7 @@ class Desk:
         self.learner = Watched(controller_class)
         self.posted = 0
         self.keys: list[Hashable] = []
-        self.uncallable = False
+        self.uncallable = self.keyless = False
         self.shown: list[tuple[tuple[float, ...], bool]] = []
         self.last_call: Callable[[], None] = lambda: None
         self._stumbles: list[Stumble] = []
@@ -137,7 +138,10 @@ class Desk:
         self.posted += 1
         self._post(self._scope.call_later, function, args)
 
-    def _call_latest(self, key: Hashable, function: Callable[..., object], *args: object) -> None:
+    def _call_latest(self, key: Hashable, function: Any = None, *args: object) -> None:
+        if callable(key) and not callable(function):
+            self.keyless = True
+            return
         self.keys.append(key)
         self._post(lambda *call: self._scope.call_latest(key, *call), function, args)
 

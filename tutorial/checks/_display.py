@@ -1,92 +1,70 @@
-"""Looking at answers to `display` and `keep_up`: what a displayed body does when messages come, and on which thread."""
+"""Looking at an answer to `show`: what a displayed body does when messages come, and on which thread."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from functools import partial
+import time
+from collections.abc import Callable, Iterator, Sequence
 
 from sensor_msgs.msg import JointState
 
 from tutorial.checks._answer import missing
 from tutorial.checks._desk import Desk, joint_state
-from tutorial.checks._interleave import interleave
-from tutorial.checks._node import Ear, ear_on
+from tutorial.checks._topics import ear_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
-from tutorial.checks._watch import Stumble, watch
+from tutorial.checks._watch import Stumble
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, WrongThreadError
 
-__all__ = ["judge_display", "judge_keep_up"]
+__all__ = ["LATEST", "judge_show", "judge_viewer", "rounded"]
 
-BURST = 50
+TRIES = 12  # messages, after which one that is dropped now and then would have come through
+PAUSE = 0.1  # [s] between them
 
-DIRECT = "Most likely the callback moves the body itself: post the call instead, self.call_later(self.update, message)."
+DIRECT = "Most likely the callback moves the body itself: post the call instead, {post}."
 AT_ONCE = (
     "Most likely the parentheses call it at once, and post what it returns: give the function and its arguments apart, "
-    "self.call_later(self.update, message)."
+    "{post}."
 )
-NOT_POSTED = "Most likely the callback posts nothing: self.call_later(self.update, message)."
+NOT_POSTED = "Most likely the callback posts nothing: {post}."
 NOT_MOVED = "Most likely the positions are computed but not set: self.body.set_joint_positions(positions)."
 BY_INDEX = "Most likely positions are matched by their place in the message: match them by name, with match_joints."
 INVENTED = "Most likely a joint that the message does not name is set to 0: leave it where it is."
 UNKNOWN = "Most likely a name that the body does not have is looked up: match_joints leaves such names out."
 NO_KINEMATICS = (
-    "Most likely self.body.calc_forward_kinematics() is missing: without it the links stay behind the joints."
+    "Most likely self.body.calc_forward_kinematics() is missing, or called before set_joint_positions: the links "
+    "stay behind the joints."
 )
 NO_NOTIFY = "Most likely self.body.notify_change() is missing: nobody is told to draw."
 EARLY = "Most likely notify_change comes too early: first the positions, then the kinematics, then the news of it."
-KEPT = "Most likely unconfigure is missing, or does not call self.subscription.destroy()."
-QUEUE = (
-    "Most likely each message is posted with call_later, which keeps every call: call_latest keeps the newest of a key."
-)
-KEYS = (
-    "Most likely the key differs from message to message: take one that says what the call is about, the body's name."
-)
-LOST = (
-    "Most likely messages are dropped by time or by count, and the last one with them: post every one with call_latest."
-)
-FIRST = "Most likely the first of them is kept: the newest is what counts, and call_latest keeps that."
-PIECES = (
-    "Most likely the callback keeps the message piece by piece, while the main thread reads it: hand it over as a "
-    "whole, as an argument of the posted call."
-)
+LATER = "self.call_later(self.update, message)"
+LATEST = "self.call_latest(self.body.name, self.update, message)"
+NO_KEY = f"call_latest takes a key first: {LATEST}."
+THROTTLED = "Most likely messages are dropped by time or by count: post and show every one, whenever it comes."
+ONLY_WHOLE = "Most likely a message that does not name all joints is dropped: show the joints that it names."
 CALL = "config.node.create_subscription(JointState, topic, self.on_joint_state, 1)"
 
 
-def judge_display(answer: type[SimpleController]) -> Iterator[Finding]:
-    """Look at an answer to `display`."""
+def judge_show(answer: type[SimpleController]) -> Iterator[Finding]:
+    """Look at an answer to `show`."""
     for model, name in (("tank", "Tank"), ("crane", "Lift")):
         all_right = True
-        for finding in _judge_viewer(answer, model, name, full=model == "tank"):
+        for finding in judge_viewer(answer, model, name, LATER, full=model == "tank"):
             all_right = all_right and finding.right
             yield finding
         if not all_right:
             return
 
 
-def judge_keep_up(answer: type[SimpleController]) -> Iterator[Finding]:
-    """Look at an answer to `keep_up`."""
-    all_right = True
-    for finding in _judge_viewer(answer, "tank", "Tank", full=True):
-        all_right = all_right and finding.right
-        yield finding
-    if not all_right:
-        return
-    with Desk(answer, "tank", "Tank") as desk:
-        ear = desk.ros.node.ears[0]
-        speak = desk.ros.speaker(ear)
-        burst = list(_judge_burst(desk, speak, 0.0))
-        yield from burst
-        if all(finding.right for finding in burst):
-            yield next(finding for finding in _judge_burst(desk, speak, 0.5, " again") if _last(finding))
-            yield _judge_pieces(desk, ear)
+def judge_viewer(answer: type[SimpleController], model: str, name: str, post: str, full: bool) -> Iterator[Finding]:
+    """Look how an answer shows one body.
 
-
-def _last(finding: Finding) -> bool:
-    return not finding.right or "newest" in finding.text
-
-
-def _judge_viewer(answer: type[SimpleController], model: str, name: str, full: bool) -> Iterator[Finding]:
+    Args:
+        answer: the learner's class.
+        model: the body's model file, without ``.xml``.
+        name: the body's name.
+        post: how a message is posted.
+        full: whether to say everything, and to look at `unconfigure`; otherwise one line sums it up.
+    """
     lacking = missing(answer, "configure")
     if lacking:
         yield lacking
@@ -97,16 +75,12 @@ def _judge_viewer(answer: type[SimpleController], model: str, name: str, full: b
         if ear is None:
             return
         speak = desk.ros.speaker(ear)
-        moved = list(_judge_motion(desk, speak))
+        moved = list(_judge_motion(desk, speak, post))
         yield from moved if full else [_summary(desk, finding) for finding in moved[-1:]]
         if not all(finding.right for finding in moved):
             return
         if full:
-            desk.learner.unconfigure()
-            if ear.subscription in list(desk.ros.node.subscriptions):
-                yield wrong("after unconfigure it still listens", KEPT)
-            else:
-                yield right("after unconfigure it does not listen any more")
+            yield judge_leaving(answer, desk.learner.unconfigure, ear)
 
 
 def _summary(desk: Desk, finding: Finding) -> Finding:
@@ -115,19 +89,19 @@ def _summary(desk: Desk, finding: Finding) -> Finding:
     return right(f"it shows {desk.body.name}, too, with the joints {names}") if finding.right else finding
 
 
-def _judge_motion(desk: Desk, speak: Callable[[JointState], None]) -> Iterator[Finding]:
+def _judge_motion(desk: Desk, speak: Callable[[JointState], None], post: str) -> Iterator[Finding]:
     names = desk.body.joint_names
     wanted = tuple(0.1 * (i + 1) for i in range(len(names)))
     message = joint_state(names[::-1], wanted[::-1], 1)
-    thread = _judge_thread(desk, speak, message)
+    thread = _judge_thread(desk, speak, message, post)
     yield thread
     if not thread.right:
         return
     desk.drain()
     turned = wrong("a message with the joints in another order: it shows them exchanged", BY_INDEX)
-    if desk.positions() == _rounded(wanted):
+    if desk.positions() == rounded(wanted):
         yield right("a message with the joints in another order: each goes where its name says")
-    elif desk.positions() == _rounded(wanted[::-1]):
+    elif desk.positions() == rounded(wanted[::-1]):
         yield turned
         return
     else:
@@ -138,7 +112,7 @@ def _judge_motion(desk: Desk, speak: Callable[[JointState], None]) -> Iterator[F
     yield _judge_unknown(desk, speak)
 
 
-def _judge_thread(desk: Desk, speak: Callable[[JointState], None], message: JointState) -> Finding:
+def _judge_thread(desk: Desk, speak: Callable[[JointState], None], message: JointState, post: str) -> Finding:
     """Look whether the callback only posts, and why not."""
     text = "the body is touched on the executor's thread"
     try:
@@ -150,13 +124,31 @@ def _judge_thread(desk: Desk, speak: Callable[[JointState], None], message: Join
         try:
             speak(message)
         except Stumble:
-            return wrong(text, DIRECT, stumble.place)
-        return wrong(text, AT_ONCE if desk.uncallable else DIRECT, stumble.place)
+            return wrong(text, DIRECT.format(post=post), stumble.place)
+        return wrong(text, (AT_ONCE if desk.uncallable else DIRECT).format(post=post), stumble.place)
+    return _judge_posting(desk, speak, message, post)
+
+
+def _judge_posting(desk: Desk, speak: Callable[[JointState], None], message: JointState, post: str) -> Finding:
+    """Look what the callback has posted."""
+    if desk.keyless:
+        return wrong("call_latest is called without a key", NO_KEY)
     if desk.uncallable:
-        return wrong("something else than a function is posted", AT_ONCE)
+        return wrong("something else than a function is posted", AT_ONCE.format(post=post))
     if not desk.waiting:
-        return wrong("a message comes, and nothing is posted to the main thread", NOT_POSTED)
+        cause = THROTTLED if _posts_later(desk, speak, message) else NOT_POSTED.format(post=post)
+        return wrong("a message comes, and nothing is posted to the main thread", cause)
     return right("the callback posts, and leaves the body alone")
+
+
+def _posts_later(desk: Desk, speak: Callable[[JointState], None], message: JointState) -> bool:
+    """Look whether a message that comes a little later, or is one of the next, is posted."""
+    for _ in range(TRIES):
+        time.sleep(PAUSE)
+        speak(message)
+        if desk.waiting:
+            return True
+    return False
 
 
 def _judge_news(desk: Desk) -> Iterator[Finding]:
@@ -176,78 +168,60 @@ def _judge_news(desk: Desk) -> Iterator[Finding]:
 def _judge_part(desk: Desk, speak: Callable[[JointState], None], before: tuple[float, ...]) -> Finding:
     names = desk.body.joint_names
     when = f"a message with only {names[-1]}"
+    wanted = rounded((*before[:-1], 0.05))
+    message = joint_state(names[-1:], [0.05], 2)
     try:
-        speak(joint_state(names[-1:], [0.05], 2))
+        speak(message)
+        posted = desk.waiting
         desk.drain()
     except Stumble as stumble:
         return stumble.finding(BY_INDEX if isinstance(stumble.error, IndexError) else None, when)
-    if desk.positions() == _rounded((*before[:-1], 0.05)):
+    if desk.positions() == wanted:
         return right(f"{when}: the others stay where they are")
+    if desk.positions() == rounded(before):
+        text = f"{when}: {'nothing moves' if posted else 'nothing is posted'}"
+        late = _shown_later(desk, speak, message, wanted)
+        return wrong(text, THROTTLED if late or not _shows_all(desk, speak, before) else ONLY_WHOLE)
     moved = desk.positions()[0] == 0.05
     return wrong(f"{when}: another one moves", BY_INDEX if moved else INVENTED)
 
 
+def _shown_later(desk: Desk, speak: Callable[[JointState], None], message: JointState, wanted: Sequence[float]) -> bool:
+    """Look whether a message that was not shown is shown when it comes again, a little later."""
+    for _ in range(TRIES):
+        time.sleep(PAUSE)
+        speak(message)
+        desk.drain()
+        if desk.positions() == tuple(wanted):
+            return True
+    return False
+
+
+def _shows_all(desk: Desk, speak: Callable[[JointState], None], before: tuple[float, ...]) -> bool:
+    """Look whether a message with all joints is shown."""
+    other = tuple(position + 0.01 for position in before)
+    speak(joint_state(desk.body.joint_names, other, 2))
+    desk.drain()
+    return desk.positions() == rounded(other)
+
+
 def _judge_unknown(desk: Desk, speak: Callable[[JointState], None]) -> Finding:
     when = "a message with the unknown name ANTENNA"
+    message = joint_state(["ANTENNA", desk.body.joint_names[0]], [1.0, 0.2], 3)
+    wanted = (0.2, *desk.positions()[1:])
     try:
-        speak(joint_state(["ANTENNA", desk.body.joint_names[0]], [1.0, 0.2], 3))
+        speak(message)
+        posted = desk.waiting
         desk.drain()
+        if desk.positions()[0] == 0.2:
+            return right(f"{when}: it is left out, and the rest is shown")
+        late = _shown_later(desk, speak, message, wanted)
     except Stumble as stumble:
         return stumble.finding(UNKNOWN if isinstance(stumble.error, (LookupError, TutorialError)) else None, when)
-    if desk.positions()[0] == 0.2:
-        return right(f"{when}: it is left out, and the rest is shown")
-    return wrong(f"{when}: the rest of it is not shown", UNKNOWN)
+    text = "the rest of it is not shown" if posted else "nothing is posted"
+    return wrong(f"{when}: {text}", THROTTLED if late else UNKNOWN)
 
 
-def _judge_burst(desk: Desk, speak: Callable[[JointState], None], begin: float, again: str = "") -> Iterator[Finding]:
-    """Let many messages come while the main thread is busy."""
-    names = desk.body.joint_names
-    poses = [tuple(begin + 0.001 * (i + k) for k in range(len(names))) for i in range(1, BURST + 1)]
-    for i, pose in enumerate(poses):
-        speak(joint_state(names, pose, 100 + round(1000 * begin) + i))
-    waiting = desk.waiting
-    desk.shown.clear()
-    desk.drain()
-    when = f"{BURST} messages while the main thread is busy{again}"
-    if waiting > 2:
-        yield wrong(f"{when}: {waiting} calls wait for it", KEYS if len(set(desk.keys)) > 2 else QUEUE)
-    else:
-        yield right(f"{when}: {waiting} call{'s' * (waiting != 1)} wait{'s' * (waiting == 1)} for it")
-    if desk.positions() == _rounded(poses[-1]):
-        yield right(f"{when}: the newest is shown")
-    else:
-        first = desk.positions() == _rounded(poses[0])
-        speak(joint_state(names, poses[-1], 200 + round(1000 * begin)))
-        desk.drain()
-        again_right = desk.positions() == _rounded(poses[-1])
-        yield wrong(f"{when}: the last one is not shown", FIRST if first and again_right else LOST)
-
-
-def _judge_pieces(desk: Desk, ear: Ear) -> Finding:
-    """Look whether the main thread ever shows half of a message, in whatever order the two threads run."""
-    names = desk.body.joint_names
-    old, new = ((value,) * len(names) for value in (0.3, 0.4))
-    desk.guard.lenient = True
-    first, second = (joint_state(names, pose, 1000 + i) for i, pose in enumerate((old, new)))
-    whole = {_rounded(old), _rounded(new)}
-    ear.hear(first)
-    desk.drain()
-    desk.shown.clear()
-    ear.hear(first)
-    update = desk.last_call
-    for message in (first, second):  # Python 3.13 stops between instructions only in code that was traced before
-        interleave(partial(ear.hear, message), watch.files, update, None)
-    at, more = 0, True
-    while more:
-        desk.drain()
-        ear.hear(first)
-        more = interleave(desk.last_call, watch.files, partial(ear.hear, second), at)
-        at += 1
-    desk.drain()
-    if all(positions in whole for positions, _ in desk.shown):
-        return right("a message that comes while another is drawn does not mix with it")
-    return wrong("a message that comes while another is drawn: half of each is shown", PIECES)
-
-
-def _rounded(positions: tuple[float, ...]) -> tuple[float, ...]:
+def rounded(positions: tuple[float, ...]) -> tuple[float, ...]:
+    """Round positions [rad or m] as `Desk.positions` does."""
     return tuple(round(position, 6) for position in positions)

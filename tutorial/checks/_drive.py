@@ -8,9 +8,11 @@ from functools import partial
 from sensor_msgs.msg import Joy
 
 from tutorial.checks._answer import missing
+from tutorial.checks._diagnose import owner_of, sets
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._interleave import interleave
-from tutorial.checks._node import Ear, ear_on
+from tutorial.checks._node import Ear
+from tutorial.checks._topics import ear_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Stumble, watch
 from tutorial.checks._world import World
@@ -26,9 +28,11 @@ STICKS = {
     "stick at rest, at (0.16, -0.1)": (0.16, -0.1, 0.7, -0.9),
     "ahead, and 0.25 to the left": (0.25, 1.0, 0.7, -0.9),
     "0.4 ahead": (0.0, 0.4, 0.7, -0.9),
+    "0.25 to the left": (0.25, 0.0, 0.7, -0.9),
 }
 """What is tried, as (left x, left y, right x, right y)."""
 
+ONE_ZONE = "Most likely the two axes share one dead zone: it holds for each axis for itself."
 MISTAKES = (
     Mistake("axes", (2, 3), "Most likely it reads the right stick: the left one is axes[0] and axes[1]."),
     Mistake("axes", (1, 0), "Most likely the two axes are exchanged: axes[0] is x, to the left, axes[1] is y, ahead."),
@@ -46,11 +50,12 @@ MISTAKES = (
     ),
     Mistake("dead", "none", "Most likely the dead zone is missing: an axis within 0.3 of the middle counts as 0."),
     Mistake("dead", "narrow", "Most likely the dead zone is that of TankController, 0.2; here it is 0.3."),
-    Mistake("dead", "both", "Most likely the dead zone looks at both axes together: each axis has its own."),
+    Mistake("dead", "or", ONE_ZONE),
+    Mistake("dead", "and", ONE_ZONE),
     Mistake("dead", "y", "Most likely left_x has no dead zone: both axes have one."),
     Mistake("dead", "x", "Most likely left_y has no dead zone: both axes have one."),
     Mistake("dead", "rescaled", "Most likely the dead zone is taken off: outside of it an axis counts as it is."),
-    Mistake("dead", "kept", "Most likely nothing is set at rest, so the last speed stays: set 0 then."),
+    Mistake("rest", "kept", "Most likely nothing is set at rest, so the last speed stays: set 0 then."),
 )
 OTHERWISE = "Compare with left: 1.0 * left_y - 0.5 * left_x, right: 1.0 * left_y + 0.5 * left_x."
 IN_CALLBACK = (
@@ -80,6 +85,7 @@ def judge_drive(answer: type[SimpleController]) -> Iterator[Finding]:
         yield finding
         if ear is not None:
             yield from _judge_driving(answer, world, ear)
+            yield judge_leaving(answer, world.leave, ear)
 
 
 def _judge_driving(answer: type[SimpleController], world: World, ear: Ear) -> Iterator[Finding]:
@@ -88,7 +94,7 @@ def _judge_driving(answer: type[SimpleController], world: World, ear: Ear) -> It
     try:
         world.advance()
     except Stumble as stumble:
-        yield stumble.finding(_cause(stumble.error), "before the first message")
+        yield stumble.finding(_cause(stumble.error, answer, ear.callback), "before the first message")
         return
     speak(Joy(axes=[0.0, 1.0, 0.0, 0.0]))
     if tracks.speeds() != (0.0, 0.0):
@@ -103,7 +109,7 @@ def _judge_driving(answer: type[SimpleController], world: World, ear: Ear) -> It
         speak(Joy(axes=axes))
         world.advance(5)
         seen.append(tracks.speeds())
-    probes = [Probe(label, speeds, _say) for label, speeds in zip(STICKS, seen)]
+    probes = [Probe(label, speeds, _say, _want) for label, speeds in zip(STICKS, seen)]
     verdicts = list(judge_probes(probes, predict, MISTAKES, OTHERWISE))
     yield from verdicts
     if all(finding.right for finding in verdicts):
@@ -143,7 +149,7 @@ def _judge_short_messages(world: World, speak: Callable[[Joy], None], tracks: _T
             count = len(axes)
             seen = speeds(*axes)
             if seen != wanted:
-                return wrong(f"a message with {count} axes: {_say(seen)}, not {_say(wanted)}", FEW_AXES)
+                return wrong(f"a message with {count} axes: {_say(seen)}; expected: {_want(wanted)}", FEW_AXES)
     except Stumble as stumble:
         cause = FEW_AXES if isinstance(stumble.error, (IndexError, ValueError)) else None
         return stumble.finding(cause, f"a message with {count} axes")
@@ -182,11 +188,14 @@ def _half_message(world: World, ear: Ear, tracks: _Tracks) -> str:
     return READ_TWICE if any(speeds not in whole for speeds in seen) else ""
 
 
-def _cause(error: BaseException) -> str | None:
+def _cause(error: BaseException, answer: type, callback: Callable[..., object]) -> str | None:
     """Name the likeliest cause of an exception in the first step, when no message has come."""
     if isinstance(error, (IndexError, ValueError)):
         return FEW_AXES
-    return BEFORE_ANY if isinstance(error, (AttributeError, TypeError)) else None
+    if isinstance(error, (AttributeError, TypeError)) and "'NoneType'" in str(error):
+        return BEFORE_ANY
+    owner, name = owner_of(error) if isinstance(error, AttributeError) else (None, "")
+    return BEFORE_ANY if isinstance(owner, answer) and sets(callback, name) else None
 
 
 def predict(
@@ -195,6 +204,7 @@ def predict(
     ahead: float = 1.0,
     gains: tuple[float, float] = (1.0, 0.5),
     dead: str = "each",
+    rest: str = "stop",
 ) -> Sequence[tuple[float, ...]]:
     """Compute the track speeds [m/s] for `STICKS`, right or with some mistakes."""
     speeds = []
@@ -202,15 +212,17 @@ def predict(
     for stick in STICKS.values():
         x, y = _dead_zone(stick[axes[0]], stick[axes[1]], dead)
         v, h = gains[0] * ahead * y, gains[1] * x
-        if dead != "kept" or x or y:
+        if rest != "kept" or x or y:
             last = (v - h, v + h)
         speeds.append(tuple(speed if only in (None, side) else 0.0 for side, speed in enumerate(last)))
     return speeds
 
 
 def _dead_zone(x: float, y: float, kind: str) -> tuple[float, float]:
-    if kind == "none" or (kind == "both" and (abs(x) > 0.3 or abs(y) > 0.3)):
+    if kind == "none" or (kind == "or" and (abs(x) > 0.3 or abs(y) > 0.3)):
         return x, y
+    if kind == "and" and (abs(x) <= 0.3 or abs(y) <= 0.3):
+        return 0.0, 0.0
     width = 0.2 if kind == "narrow" else 0.3
     cut_x, cut_y = (axis if abs(axis) > width else 0.0 for axis in (x, y))
     if kind == "rescaled":
@@ -219,7 +231,18 @@ def _dead_zone(x: float, y: float, kind: str) -> tuple[float, float]:
 
 
 def _say(speeds: tuple[float, ...]) -> str:
-    left, right = (f"{speed:+.2f}" if abs(speed) >= 0.005 else "0" for speed in speeds)
+    left, right = map(_number, speeds)
     if left == right:
         return "both tracks stand still" if left == "0" else f"both tracks run at {left} m/s"
     return f"the tracks run at {left} and {right} m/s"
+
+
+def _want(speeds: tuple[float, ...]) -> str:
+    left, right = map(_number, speeds)
+    if left == right:
+        return "both stand still" if left == "0" else f"both at {left} m/s"
+    return f"{left} and {right} m/s"
+
+
+def _number(speed: float) -> str:
+    return f"{speed:+.2f}" if abs(speed) >= 0.005 else "0"

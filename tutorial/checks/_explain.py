@@ -38,11 +38,13 @@ class Probe:
         label: what was tried.
         seen: the numbers that came of it.
         say: puts such numbers into words.
+        want: puts those that were expected into words, in short; None for `say`.
     """
 
     label: str
     seen: tuple[float, ...]
     say: Callable[[tuple[float, ...]], str]
+    want: Callable[[tuple[float, ...]], str] | None = None
 
 
 Predict = Callable[..., Sequence[tuple[float, ...]]]
@@ -86,7 +88,9 @@ def judge_probes(
         if _same(probe.seen, wanted):
             yield right(f"{probe.label}: {probe.say(probe.seen)}")
         elif found is None or i in causes:
-            yield wrong(f"{probe.label}: {probe.say(probe.seen)}, not {probe.say(wanted)}", causes.get(i, otherwise))
+            expects = (probe.want or probe.say)(wanted)
+            text = f"{probe.label}: {probe.say(probe.seen)}; expected: {expects}"
+            yield wrong(text, causes.get(i, otherwise))
 
 
 def _first_shown(

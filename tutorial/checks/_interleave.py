@@ -8,6 +8,8 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
+from tutorial.checks._watch import watch
+
 __all__ = ["interleave"]
 
 TURN = 0.05  # [s]; who waits for a lock that the interrupted function holds gets no further, however long this is
@@ -59,6 +61,7 @@ def interleave(function: Callable[[], object], files: set[str], between: Callabl
 
     before = sys.gettrace()
     sys._getframe().f_trace_opcodes = True  # Python 3.12 and 3.13 look only at settrace whether some frame wants them
+    watch.interleaved = True
     sys.settrace(enter)
     try:
         function()
@@ -66,6 +69,7 @@ def interleave(function: Callable[[], object], files: set[str], between: Callabl
         sys.settrace(before)
         if turn is not None:
             turn.join()
+        watch.interleaved = False
     if errors:
         raise errors[0]
     return at is None or count > at

@@ -1,4 +1,4 @@
-"""Looking at an answer to `match`: messages as they come, and as they should not."""
+"""Looking at an answer to `by_name`: messages as they come, and as they should not."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ CASES = (
 
 
 def judge_match(answer: Callable[[Sequence[str], JointState], Any]) -> Iterator[Finding]:
-    """Look at an answer to `match`."""
+    """Look at an answer to `by_name`."""
     changed = False
     for case in CASES:
         message = JointState(name=list(case.names), position=list(case.positions))
@@ -141,7 +141,7 @@ def _compare(case: _Case, given: dict[str, Any]) -> Finding:
         return right(f"{case.label}: {_say(given)}")
     numbers = all(isinstance(value, (int, float)) for value in given.values())
     cause = case.guess(given) if numbers else NOT_A_DICT
-    return wrong(f"{case.label}: {_say(given)}, not {_say(case.wanted)}", cause)
+    return wrong(f"{case.label}: {_say(given)}; expected: {_say(case.wanted)}", cause)
 
 
 def _near(value: Any, wanted: float) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import functools
+import inspect
 import threading
 import time
 from collections.abc import Callable
@@ -16,11 +17,11 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from tutorial.checks._verdict import Finding, right, wrong
+from tutorial.checks._diagnose import AT_ONCE, Misuse, lacks_self, no_self
 from tutorial.checks._watch import Stumble, watch
 from tutorial.errors import TutorialError
 
-__all__ = ["CheckNode", "Ear", "Mouth", "ear_on", "mouth_on"]
+__all__ = ["CheckNode", "Ear", "Mouth", "WatchedNode"]
 
 PATIENCE = 10.0  # [s]; only what never comes takes so long
 
@@ -36,6 +37,7 @@ class Ear:
         finished: how many calls of it have come to an end.
         stumble: what the last one raised, if it did.
         subscription: rclpy's.
+        destroyed: whether the learner has destroyed it.
     """
 
     topic: str
@@ -44,6 +46,7 @@ class Ear:
     finished: int = 0
     stumble: Stumble | None = None
     subscription: Any = None
+    destroyed: bool = False
 
     def hear(self, *arguments: Any) -> None:
         """Call back on this thread, with the message, and with information about it if the callback takes that.
@@ -64,12 +67,14 @@ class Mouth:
         message_type: the class of its messages.
         sent: what was published: copies of the messages, each with what `on_publish` made of the moment.
         publisher: rclpy's.
+        destroyed: whether the learner has destroyed it.
     """
 
     topic: str
     message_type: type
     sent: list[tuple[Any, Any]] = field(default_factory=list)
     publisher: Any = None
+    destroyed: bool = False
 
 
 class WatchedNode(Node):  # type: ignore[misc, unused-ignore]
@@ -93,7 +98,12 @@ class WatchedNode(Node):  # type: ignore[misc, unused-ignore]
     def create_subscription(
         self, msg_type: type, topic: str, callback: Callable[..., Any], *args: Any, **kwargs: Any
     ) -> Any:
-        """Create a subscription, as rclpy does, whose callbacks are watched."""
+        """Create a subscription, as rclpy does, whose callbacks are watched.
+
+        Raises:
+            Misuse: the callback is not a function, or one that cannot take a message.
+        """
+        _check_callback(callback, msg_type)
         ear = Ear(topic, msg_type, callback)
 
         @functools.wraps(callback)  # rclpy finds out from the signature what the callback takes
@@ -107,6 +117,7 @@ class WatchedNode(Node):  # type: ignore[misc, unused-ignore]
 
         ear.subscription = super().create_subscription(msg_type, topic, watched, *args, **kwargs)
         ear.topic = ear.subscription.topic_name
+        _watch_destroy(ear, ear.subscription)
         self.ears.append(ear)
         return ear.subscription
 
@@ -121,13 +132,32 @@ class WatchedNode(Node):  # type: ignore[misc, unused-ignore]
             mouth.sent.append((copy.deepcopy(message), self.on_publish()))
 
         publisher.publish = watched
+        _watch_destroy(mouth, publisher)
         self.mouths.append(mouth)
         return publisher
 
-    def create_timer(self, *args: Any, **kwargs: Any) -> Any:
-        """Create a timer, as rclpy does, and count it."""
+    def destroy_subscription(self, subscription: Any) -> bool:
+        """Destroy a subscription, as rclpy does, and note it down."""
+        for ear in self.ears:
+            ear.destroyed = ear.destroyed or ear.subscription is subscription
+        return bool(super().destroy_subscription(subscription))
+
+    def destroy_publisher(self, publisher: Any) -> bool:
+        """Destroy a publisher, as rclpy does, and note it down."""
+        for mouth in self.mouths:
+            mouth.destroyed = mouth.destroyed or mouth.publisher is publisher
+        return bool(super().destroy_publisher(publisher))
+
+    def create_timer(self, timer_period_sec: float, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
+        """Create a timer, as rclpy does, whose callbacks are counted and watched."""
         self.timers_made += 1
-        return super().create_timer(*args, **kwargs)
+
+        @functools.wraps(callback)
+        def watched(*arguments: Any) -> None:
+            with watch.call(getattr(callback, "__name__", "the timer's callback")):
+                callback(*arguments)
+
+        return super().create_timer(timer_period_sec, watched, *args, **kwargs)
 
 
 class CheckNode:
@@ -146,6 +176,7 @@ class CheckNode:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._stopping = threading.Event()
+        self._stumble: Stumble | None = None
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
 
@@ -161,6 +192,8 @@ class CheckNode:
         self.node.destroy_node()
         self.other.destroy_node()
         self._context.try_shutdown()
+        if error is None and self._stumble is not None:
+            raise self._stumble
 
     def speaker(self, ear: Ear) -> Callable[[Any], None]:
         """Make a publisher that an ear hears, once it does.
@@ -179,55 +212,38 @@ class CheckNode:
             before = ear.finished
             ear.stumble = None
             publisher.publish(message)
-            _wait(lambda: ear.finished > before, "a message did not arrive")
-            if ear.stumble is not None:
-                raise ear.stumble
+            _wait(lambda: ear.finished > before or self._stumble, "a message did not arrive")
+            stumble = ear.stumble or self._stumble
+            if stumble is not None:
+                raise stumble
 
         return speak
 
     def _spin(self) -> None:
         while not self._stopping.is_set():
-            self._executor.spin_once(timeout_sec=0.02)
+            try:
+                self._executor.spin_once(timeout_sec=0.02)
+            except Stumble as stumble:  # of a timer; those of subscriptions are kept by their ears
+                self._stumble = self._stumble or stumble
 
 
-def ear_on(node: WatchedNode, topic: str, message_type: type, call: str) -> tuple[Finding, Ear | None]:
-    """Find the subscription that the exercise asks for.
-
-    Args:
-        node: the learner's.
-        topic: its full name.
-        message_type: of its messages.
-        call: how the subscription is made.
-    """
-    if not node.ears:
-        return wrong("configure subscribes to nothing", f"Most likely the call is missing: {call}."), None
-    for ear in node.ears:
-        if ear.topic == topic and ear.message_type is message_type:
-            return right(f"it listens to {topic}"), ear
-    return _other_topic(node.ears[0], "listens to", topic, message_type), None
+def _check_callback(callback: Any, message_type: type) -> None:
+    name = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in message_type.__name__)
+    if not callable(callback):
+        text = f"create_subscription is given {callback!r} in place of a function"
+        raise Misuse(text, AT_ONCE.format(name=f"on{name}"))
+    if inspect.ismethod(callback) and lacks_self(callback.__func__, 2):
+        raise Misuse(f"{callback.__name__} cannot take a message", no_self(callback.__func__))
 
 
-def mouth_on(node: WatchedNode, topic: str, message_type: type, call: str) -> tuple[Finding, Mouth | None]:
-    """Find the publisher that the exercise asks for; the arguments are those of `ear_on`."""
-    if not node.mouths:
-        return wrong("configure makes no publisher", f"Most likely the call is missing: {call}."), None
-    for mouth in node.mouths:
-        if mouth.topic == topic and mouth.message_type is message_type:
-            return right(f"it publishes on {topic}"), mouth
-    return _other_topic(node.mouths[0], "publishes on", topic, message_type), None
+def _watch_destroy(made: Ear | Mouth, endpoint: Any) -> None:
+    destroy = endpoint.destroy
 
+    def watched() -> None:
+        made.destroyed = True
+        destroy()
 
-def _other_topic(made: Ear | Mouth, does: str, topic: str, message_type: type) -> Finding:
-    if made.topic == topic:
-        text = f"{topic} {does.split(maxsplit=1)[0]} messages of the type {made.message_type.__name__}"
-        return wrong(text, f"Its messages are of the type {message_type.__name__}: give that class first.")
-    body, _, rest = topic.lstrip("/").partition("/")
-    text = f"on a body called {body}, it {does} {made.topic}, not {topic}" if rest else f"it {does} {made.topic}"
-    if not rest:
-        return wrong(f"{text}, not {topic}", f"Most likely the topic's name is another: it is {body!r}.")
-    if made.topic.partition("/")[2].partition("/")[2] == rest:
-        return wrong(text, "The body's name is written into the topic: take it from config.body.name.")
-    return wrong(text, f'Most likely the topic\'s name is another: it is f"{{config.body.name}}/{rest}".')
+    endpoint.destroy = watched
 
 
 def _wait(condition: Callable[[], object], complaint: str) -> None:

@@ -11,10 +11,13 @@ from typing import Any
 from sensor_msgs.msg import JointState
 
 from tutorial.checks._answer import missing
-from tutorial.checks._node import Mouth, mouth_on
+from tutorial.checks._node import Mouth
+from tutorial.checks._topics import judge_leaving, mouth_on
 from tutorial.checks._verdict import Finding, right, wrong
+from tutorial.checks._watch import Stumble
 from tutorial.checks._world import World
 from tutorial.controller import ControllerIO, SimpleController
+from tutorial.errors import TutorialError
 
 __all__ = ["Moment", "judge_publish", "judge_stamps", "watch_publishing"]
 
@@ -43,6 +46,7 @@ DEGREES = "Most likely they are converted to degrees: ROS 2 uses rad."
 STALE = "Most likely the numbers are read once and kept: read every joint at the time of sending."
 SHORT = "Most likely {field} is left out or cut: it has one number for each name."
 MIXED = "Most likely {field} is filled with something else: [joint.{field} for joint in self.joints]."
+TYPED = "Most likely the joints' names are typed: take joints and names from the body, io.body.joints."
 MADE = "config.node.create_publisher(JointState, topic, 1)"
 
 
@@ -99,29 +103,71 @@ def judge_publish(answer: type[SimpleController]) -> Iterator[Finding]:
         if world.ros.node.timers_made:
             yield wrong("messages come from a timer", TIMER)
             return
-        yield _judge_rate(mouth, 0.001)
+        findings = [_judge_rate(mouth, 0.001), *(_judge_messages(mouth.sent, NAMES) if mouth.sent else ())]
+        yield from findings
         if mouth.sent:
-            yield from _judge_messages(mouth.sent)
-    if not mouth.sent:
-        return
-    with World(answer, name="Rover", time_step=0.002) as world:
-        watch_publishing(world)
-        world.advance(200)
-        rate = _judge_rate(world.ros.node.mouths[0], 0.002)
-        yield rate if rate.right else wrong(f"with steps of 2 ms, {rate.text}", FIXED_STEPS)
+            yield from _judge_step(answer, mouth, findings[0])
+        if all(finding.right for finding in findings):
+            yield from _judge_crane(answer)
+        yield judge_leaving(answer, world.leave, mouth)
 
 
 def _judge_rate(mouth: Mouth, time_step: float) -> Finding:
     if len(mouth.sent) < 2:
         return wrong(f"in 0.4 s, {('no message', '1 message')[len(mouth.sent)]} was sent", NOTHING)
-    steps = [moment.step for _, moment in mouth.sent]
+    steps = _steps(mouth)
     periods = [b - a for a, b in pairwise(steps)]
     wanted = round(1 / (RATE * time_step))
-    said = f"it publishes {round(1 / time_step / (sum(periods) / len(periods)))} times per simulated second"
+    said = f"it publishes {_per_second(mouth, time_step)} times per simulated second"
     if all(abs(period - wanted) <= 1 for period in periods):
         return right(f"{said}, with steps of {time_step * 1000:g} ms")
     causes = {1: EVERY_STEP, wanted // 2: OLD_RATE}
     return wrong(f"{said}, not {RATE}", causes.get(periods[0], PERIOD))
+
+
+def _judge_step(answer: type[SimpleController], usual: Mouth, rate: Finding) -> Iterator[Finding]:
+    """Look whether the rate is the same with another time step, be it the right one or not."""
+    with World(answer, name="Rover", time_step=0.002) as world:
+        watch_publishing(world)
+        world.advance(200)
+        mouth = world.ros.node.mouths[0]
+    finding = _judge_rate(mouth, 0.002)
+    if finding.right and rate.right:
+        yield finding
+    elif rate.right:
+        yield wrong(f"with steps of 2 ms, {finding.text}", FIXED_STEPS)
+    elif min(len(usual.sent), len(mouth.sent)) > 1 and _steps(usual)[1] - _steps(usual)[0] > 1:
+        before, after = _per_second(usual, 0.001), _per_second(mouth, 0.002)
+        if abs(after - before) > 0.25 * before:
+            yield wrong(f"with steps of 2 ms, it publishes {after} times per simulated second", FIXED_STEPS)
+
+
+def _steps(mouth: Mouth) -> list[int]:
+    return [moment.step for _, moment in mouth.sent]
+
+
+def _per_second(mouth: Mouth, time_step: float) -> int:
+    steps = _steps(mouth)
+    return round((len(steps) - 1) / ((steps[-1] - steps[0] or 1) * time_step))
+
+
+def _judge_crane(answer: type[SimpleController]) -> Iterator[Finding]:
+    """Look whether it works on a body with other joints."""
+    when = "on the crane Lift"
+    try:
+        with World(answer, model="crane", name="Lift") as world:
+            watch_publishing(world)
+            world.advance(100)
+            names = world.body.joint_names
+            findings = list(_judge_messages(world.ros.node.mouths[0].sent, names))
+    except Stumble as stumble:
+        yield stumble.finding(TYPED if isinstance(stumble.error, TutorialError) else None, when)
+        return
+    if all(finding.right for finding in findings):
+        yield right(f"it works {when}, too, with the joints {', '.join(names)}")
+    for finding in findings:
+        if not finding.right:
+            yield wrong(f"{when}, {finding.text}", TYPED)
 
 
 def judge_stamps(sent: Sequence[tuple[Any, Moment]]) -> Finding:
@@ -136,25 +182,25 @@ def judge_stamps(sent: Sequence[tuple[Any, Moment]]) -> Finding:
     return wrong("the stamps are not the simulated time of sending", OTHER_STAMP)
 
 
-def _judge_messages(sent: Sequence[tuple[Any, Moment]]) -> Iterator[Finding]:
+def _judge_messages(sent: Sequence[tuple[Any, Moment]], wanted: Sequence[str]) -> Iterator[Finding]:
     yield judge_stamps(sent)
     names = tuple(sent[-1][0].name)
-    finding = _judge_names(names)
+    finding = _judge_names(names, tuple(wanted))
     yield finding
-    if finding.right or sorted(names) == sorted(NAMES):
+    if finding.right or sorted(names) == sorted(wanted):
         for field in UNITS:
             yield _judge_field(field, names, sent)
 
 
-def _judge_names(names: tuple[str, ...]) -> Finding:
-    if names == NAMES:
+def _judge_names(names: tuple[str, ...], wanted: tuple[str, ...]) -> Finding:
+    if names == wanted:
         return right(f"the names are {' and '.join(names)}")
     if not names:
         return wrong("the messages have no names", NO_NAMES)
-    text = f"the names are {', '.join(names)}, not {', '.join(NAMES)}"
-    if tuple(name.rpartition("/")[2] for name in names) == NAMES:
+    text = f"the names are {', '.join(names)}, not {', '.join(wanted)}"
+    if tuple(name.rpartition("/")[2] for name in names) == wanted:
         return wrong(text, PREFIXED)
-    return wrong(text, REORDERED if sorted(names) == sorted(NAMES) else OTHER_NAMES)
+    return wrong(text, REORDERED if sorted(names) == sorted(wanted) else OTHER_NAMES)
 
 
 def _judge_field(field: str, names: tuple[str, ...], sent: Sequence[tuple[Any, Moment]]) -> Finding:

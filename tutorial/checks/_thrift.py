@@ -8,8 +8,9 @@ from sensor_msgs.msg import JointState
 
 from tutorial.checks._answer import missing
 from tutorial.checks._explain import Mistake, Probe, judge_probes
-from tutorial.checks._node import Mouth, mouth_on
+from tutorial.checks._node import Mouth
 from tutorial.checks._publish import MADE, judge_stamps, watch_publishing
+from tutorial.checks._topics import judge_leaving, mouth_on
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._world import World
 from tutorial.controller import ControllerIO, SimpleController
@@ -33,11 +34,14 @@ SEGMENTS = {
 """For how many periods, and by how much the joints move at the beginning of each."""
 FAST = 4  # periods in the end, in which SLEW moves at every step
 
+REPLACED = "Most likely self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them."
 MISTAKES = (
     Mistake("period", 1, "Most likely control looks at every step: look 50 times per second, every 20 steps of 1 ms."),
     Mistake("period", 40, "Most likely control looks 25 times per second: here it is 50 times."),
     Mistake(
-        "first", False, "Most likely the first message is forgotten: nothing was sent yet, so all joints are news."
+        "first",
+        False,
+        "Most likely the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news.",
     ),
     Mistake("send", "always", "Most likely every joint is sent every time: name only those that have moved."),
     Mistake(
@@ -57,12 +61,15 @@ MISTAKES = (
         "Most likely all positions are remembered as soon as one joint is sent: remember only those that were.",
     ),
     Mistake("compare", "once", "Most likely what was sent is not remembered: note it down whenever you send."),
+    Mistake("compare", "replaced", REPLACED),
+    Mistake("compare", "emptied", REPLACED),
     Mistake("compare", "signed", "Most likely the sign gets in the way: compare abs(...) with 0.001."),
     Mistake("threshold", 0.0, "Most likely any change counts: only more than 0.001 does."),
     Mistake("threshold", 0.01, "Most likely the threshold is another: it is 0.001."),
 )
 OTHERWISE = "Compare each joint's position with the one that was last sent for it, every 20 steps."
 NOT_PAIRS = "Most likely names and positions come from two different lists: take both from the joints that have moved."
+FILLED = "Most likely the message is filled as in JointStatePublisher: here it has names and positions only."
 NOTHING = "Most likely control never comes to publish: in the beginning nothing was sent, so all joints are news."
 
 
@@ -96,11 +103,13 @@ def judge_thrift(answer: type[SimpleController]) -> Iterator[Finding]:
         if not mouth.sent:
             yield wrong("nothing is sent", NOTHING)
             return
-    seen = _by_segment([(m.step, tuple(message.name), len(message.position)) for message, m in mouth.sent])
-    probes = [Probe(label, numbers, _say) for label, numbers in zip((*SEGMENTS, "SLEW moves fast"), seen)]
-    yield from judge_probes(probes, predict, MISTAKES, OTHERWISE)
-    yield _judge_pairs(mouth)
-    yield judge_stamps(mouth.sent)
+        seen = _by_segment([(m.step, tuple(message.name), len(message.position)) for message, m in mouth.sent])
+        probes = [Probe(label, numbers, _say, _want) for label, numbers in zip((*SEGMENTS, "SLEW moves fast"), seen)]
+        yield from judge_probes(probes, predict, MISTAKES, OTHERWISE)
+        yield _judge_pairs(mouth)
+        yield _judge_rest(mouth)
+        yield judge_stamps(mouth.sent)
+        yield judge_leaving(answer, world.leave, mouth)
 
 
 def _judge_pairs(mouth: Mouth) -> Finding:
@@ -111,13 +120,20 @@ def _judge_pairs(mouth: Mouth) -> Finding:
     return right("each position is that of the joint named with it")
 
 
+def _judge_rest(mouth: Mouth) -> Finding:
+    for field in ("velocity", "effort"):
+        if any(len(getattr(message, field)) for message, _ in mouth.sent):
+            return wrong(f"{field} is not empty", FILLED)
+    return right("velocity and effort stay empty")
+
+
 def _periods() -> int:
     return sum(count for count, _ in SEGMENTS.values()) + FAST
 
 
 def _poses() -> Iterator[tuple[float, ...]]:
     """Yield where the joints are at each step [m, rad, rad]."""
-    pose: tuple[float, ...] = (0.1, 0.2, 0.3)
+    pose: tuple[float, ...] = (0.0, 0.0, 0.0)  # where they are before the first step, too
     for count, move in SEGMENTS.values():
         for _ in range(count):
             pose = tuple(a + b for a, b in zip(pose, move))
@@ -144,6 +160,8 @@ def predict(
         named = moved if send in ("moved", "empty") or not (moved or send == "always") else [0, 1, 2]
         if named or send == "empty":
             messages.append((step, tuple(JOINTS[i] for i in named), len(moved if send == "names" else named)))
+        if compare == "emptied" or (compare == "replaced" and named):
+            known = [None, None, None]
         for i in range(3):
             if _remembered(compare, i in (moved if send == "names" else named), bool(named), known[i] is None):
                 known[i] = pose[i]
@@ -184,6 +202,10 @@ def _by_segment(messages: Sequence[tuple[int, tuple[str, ...], int]]) -> list[tu
 def _code(names: tuple[str, ...]) -> int:
     """Write down as one number which joints are named."""
     return sum(1 << JOINTS.index(name) for name in set(names) & set(JOINTS))
+
+
+def _want(numbers: tuple[float, ...]) -> str:
+    return _say(numbers) if numbers else "no message"
 
 
 def _say(numbers: tuple[float, ...]) -> str:

@@ -9,19 +9,10 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
+from tutorial.checks._diagnose import Misuse, blamed, likely_cause
 from tutorial.checks._verdict import Finding, Place, wrong
 
 __all__ = ["Stumble", "Watch", "files_of", "watch"]
-
-_GENERAL = "Mend this line first; what comes after it has not been looked at."
-_CAUSES = {
-    AttributeError: "Most likely it is read before anything has set it: configure comes first, then initialize, then"
-    " control; a message may come at any time after configure.",
-    NameError: "Most likely its import or definition is missing: write it into the same cell as the class.",
-    ImportError: "Most likely the name is spelled differently, or the module is not installed.",
-    SystemExit: "Most likely an exit() was left over; a controller only returns.",
-    KeyboardInterrupt: "A controller only returns; to interrupt is the user's business.",
-}
 
 
 class Stumble(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
@@ -47,23 +38,33 @@ class Stumble(Exception):  # noqa: N818 - not an error of this library, but of t
             when: what was looked at.
         """
         lines = str(self.error).strip().splitlines() or [""]
-        text = f"{type(self.error).__name__}: {lines[0]}".removesuffix(": ")
-        if cause is None:
-            cause = next((c for kind, c in _CAUSES.items() if isinstance(self.error, kind)), _GENERAL)
-        return wrong(f"{when}{': ' * bool(when)}{self.method} raised {text}", cause, self.place)
+        text = f"{self.method} raised {type(self.error).__name__}: {lines[0]}".removesuffix(": ")
+        if isinstance(self.error, Misuse):
+            text = f"{self.method}: {self.error}"
+        method = blamed(self.error, watch.answer)
+        place = self.place
+        if method is not None:
+            place = Place(method.__code__.co_filename, method.__code__.co_firstlineno, method.__name__)
+        if cause is None or method is not None:
+            cause = likely_cause(self.error, watch.answer)
+        return wrong(f"{when}{': ' * bool(when)}{text}", cause, place)
 
 
 class Watch:
     """Knows which of the learner's methods are running.
 
     Attributes:
+        answer: the learner's class or function.
         files: where the learner's code is.
         running: by thread, the method and a number that is different for every call.
+        interleaved: whether methods are being held up on purpose, so that how long they take says nothing.
     """
 
     def __init__(self) -> None:
+        self.answer: Any = None
         self.files: set[str] = set()
         self.running: dict[int, tuple[str, int]] = {}
+        self.interleaved = False
         self._count = 0
 
     @contextmanager

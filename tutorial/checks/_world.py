@@ -105,12 +105,16 @@ class World:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        try:
-            if error is None:
-                self.simulation.release(self.body.name)
-                self.learner.unconfigure()
-        finally:
-            self.ros.__exit__(None, None, None)
+        self.ros.__exit__(None, None, None)
+
+    def leave(self) -> None:
+        """Take the learner's controller off the body.
+
+        Raises:
+            Stumble: one of the learner's methods raised.
+        """
+        self.simulation.release(self.body.name)
+        self.learner.unconfigure()
 
     def advance(self, steps: int = 1) -> None:
         """Simulate so many steps.

@@ -8,6 +8,7 @@ from typing import Any
 
 from tutorial.checks._answer import misfit, unwritten
 from tutorial.checks._contain import contain
+from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
 from tutorial.checks._watch import Stumble, files_of, watch
 from tutorial.errors import TutorialError
@@ -23,11 +24,13 @@ class Exercise:
         statement: the problem; also the exercise's docstring.
         judge: looks at an answer and yields what it finds, the root cause first; it ends where looking on makes no
             sense. It may raise `Stumble` or `TutorialError`.
-        solution: the right answer, and what else belongs to it; its source is what `solution` shows.
+        solution: the right answer, and what else belongs to it; its source is what `solution` shows, in the
+            notebooks' style.
         base: the class that the answer has to be made from, `object` for any; None where it is a function.
         parts: the methods that are to be written.
         hints: the weakest first.
         notice: one sentence on what to notice about an answer that is right.
+        imports: what the solution needs and the notebook has not imported, each an import statement.
     """
 
     def __init__(
@@ -40,6 +43,7 @@ class Exercise:
         parts: Sequence[str],
         hints: Sequence[str],
         notice: str,
+        imports: Sequence[str] = (),
     ) -> None:
         self.__doc__ = inspect.cleandoc(statement)
         self.name = name
@@ -51,6 +55,7 @@ class Exercise:
         self._parts = tuple(parts)
         self._hints = tuple(hints)
         self._notice = notice
+        self._imports = tuple(imports)
 
     def __repr__(self) -> str:
         return f"Exercise({self.name!r})"
@@ -70,6 +75,7 @@ class Exercise:
     def findings(self, answer: Any) -> Iterator[Finding]:
         """Judge an answer in this process, and yield what is found as it is found."""
         watch.files = files_of(answer)
+        watch.answer = answer
         try:
             yield from self._judge(answer)
         except Stumble as stumble:
@@ -94,8 +100,9 @@ class Exercise:
         _say(f"Hint {number} of {count}: {self._hints[number - 1]}{more}")
 
     def solution(self) -> None:
-        """Print the source of a right answer."""
-        _say("\n\n".join(inspect.getsource(part).rstrip() for part in self._solution))
+        """Print the source of a right answer, ready to be pasted into the notebook's cell."""
+        imports = ["\n".join(self._imports)] if self._imports else []
+        _say("\n\n\n".join(imports + [listing(part) for part in self._solution]))
 
     def _contained(self, answer: Any) -> Verdict:
         findings, output = contain(self.module, self.name, answer)

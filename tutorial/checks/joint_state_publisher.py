@@ -37,6 +37,10 @@ class TurretPublisher(SimpleController):
             message.effort = [joint.effort for joint in self.joints]
             self.publisher.publish(message)
 
+    def unconfigure(self) -> None:
+        """Take the topic back."""
+        self.publisher.destroy()
+
 
 class ThriftyPublisher(SimpleController):
     """Publish the positions of the joints that have moved."""
@@ -63,6 +67,10 @@ class ThriftyPublisher(SimpleController):
             self.publisher.publish(message)
             self.sent.update(news)
 
+    def unconfigure(self) -> None:
+        """Take the topic back."""
+        self.publisher.destroy()
+
 
 publish = Exercise(
     name="publish",
@@ -73,16 +81,18 @@ publish = Exercise(
     - Each message names all joints of the body, in the body's order, with position, velocity and effort.
     - Its stamp is the simulated time at which it is sent.
     - It works on any body, and with any time step.
+    - When it leaves the body it destroys its publisher, in `unconfigure`.
     """,
     judge=judge_publish,
     solution=(TurretPublisher,),
     base=SimpleController,
-    parts=("configure", "initialize", "control"),
+    parts=("configure", "initialize", "control", "unconfigure"),
     hints=(
         "Make the publisher in configure, with a topic made from config.body.name. In initialize keep io and "
         "io.body.joints, and compute how many steps there are from one message to the next.",
         "In control: if self.io.step % self.steps_per_message == 0, fill a JointState with one list for each field, "
-        "all over the same joints, stamp it with Time(nanoseconds=self.io.time_ns).to_msg(), and publish it.",
+        "all over the same joints, stamp it with Time(nanoseconds=self.io.time_ns).to_msg(), and publish it. "
+        "In unconfigure: self.publisher.destroy().",
     ),
     notice="Notice that neither the rate nor the stamp asks for the wall clock: a slow simulation publishes the same.",
 )
@@ -98,17 +108,18 @@ thrift = Exercise(
     - the message names these joints, with their positions; if there are none, nothing is sent;
     - the first message names all joints;
     - the stamp is the simulated time at which it is sent. Velocity and effort stay empty.
+    - When it leaves the body it destroys its publisher, in `unconfigure`.
     """,
     judge=judge_thrift,
     solution=(ThriftyPublisher,),
     base=SimpleController,
-    parts=("configure", "initialize", "control"),
+    parts=("configure", "initialize", "control", "unconfigure"),
     hints=(
         "Keep a dict from each joint's name to the position that was last sent for it. It is empty in the beginning, "
         "and changes only when something is sent.",
         "Make a dict of what is news: those that are not in self.sent, or abs(position - self.sent[name]) > 0.001. If "
         "it is not empty, its keys are message.name, its values message.position; publish, then "
-        "self.sent.update(news).",
+        "self.sent.update(news). In unconfigure: self.publisher.destroy().",
     ),
     notice="Notice that these messages are read by name: the viewer of step 3 shows them without a change.",
 )

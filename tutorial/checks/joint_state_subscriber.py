@@ -7,13 +7,14 @@ from math import isnan
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._display import judge_display, judge_keep_up
+from tutorial.checks._display import judge_show
+from tutorial.checks._keep_up import judge_keep_up
 from tutorial.checks._match import judge_match
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
-__all__ = ["display", "keep_up", "match"]
+__all__ = ["by_name", "keep_up", "show"]
 
 
 def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, float]:
@@ -77,8 +78,8 @@ class CalmViewer(SimpleController):
         self.subscription.destroy()
 
 
-match = Exercise(
-    name="match",
+by_name = Exercise(
+    name="by_name",
     statement="""
     Write the function `match_by_name(joint_names, message)`. It returns a dict from joint names to positions: what
     the `JointState` `message` says about the joints of the body, whose names are in `joint_names`.
@@ -100,10 +101,11 @@ match = Exercise(
         "and not isnan(position). In a dict the last of two equal names wins by itself.",
     ),
     notice="Notice that a short array, an unknown name and a name that comes twice needed no line of their own.",
+    imports=("from math import isnan",),
 )
 
-display = Exercise(
-    name="display",
+show = Exercise(
+    name="show",
     statement="""
     Write the controller `MyViewer`. It listens to the topic `joint_state` of its body, which for the body `Tank` is
     `/Tank/joint_state` (type `JointState`), and shows on the displayed body what it hears.
@@ -113,10 +115,10 @@ display = Exercise(
       observers.
     - It works on any body, and when it leaves the body it stops listening.
     """,
-    judge=judge_display,
+    judge=judge_show,
     solution=(MyViewer,),
     base=SimpleController,
-    parts=("configure",),
+    parts=("configure", "unconfigure"),
     hints=(
         "In configure keep config.body and config.call_later, and subscribe to a topic made from the body's name. The "
         "callback has one line; all the rest happens in a method that it posts.",
@@ -138,7 +140,7 @@ keep_up = Exercise(
     judge=judge_keep_up,
     solution=(CalmViewer,),
     base=SimpleController,
-    parts=("configure",),
+    parts=("configure", "unconfigure"),
     hints=(
         "config.call_latest(key, function, message) is call_later, but a waiting call of the same key is replaced.",
         "self.call_latest(self.body.name, self.update, message): the key says what the call is about, and has to be "

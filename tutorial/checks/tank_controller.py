@@ -38,6 +38,10 @@ class GentleTank(SimpleController):
         self.track_l.ctrl = 1.0 * left_y - 0.5 * left_x
         self.track_r.ctrl = 1.0 * left_y + 0.5 * left_x
 
+    def unconfigure(self) -> None:
+        """Stop listening."""
+        self.subscription.destroy()
+
 
 class HeldJoint:
     """One joint that a stick moves, and that is held where the stick has put it."""
@@ -68,18 +72,20 @@ drive = Exercise(
     - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
     - An axis within 0.3 of the middle counts as 0; each axis for itself.
     - An axis that the message lacks counts as 0, and so does everything before the first message.
+    - When it leaves the body it stops listening: `unconfigure` undoes what `configure` did.
 
     Mind the threads: the callback runs on the executor's, `control` on the simulation's.
     """,
     judge=judge_drive,
     solution=(GentleTank,),
     base=SimpleController,
-    parts=("configure", "initialize", "control"),
+    parts=("configure", "initialize", "control", "unconfigure"),
     hints=(
         "The callback and control run on two threads. Let the callback put the message into a Latest, and let control "
         "take it from there, once per step, before it does anything else.",
         "In configure: self.joy = Latest(Joy()). In control: axes = [*self.joy.get().axes, 0.0, 0.0], which has at "
-        "least two entries; then the dead zone for each of the two; then set ctrl of both tracks, every time.",
+        "least two entries; then the dead zone for each of the two; then set ctrl of both tracks, every time. In "
+        "unconfigure: self.subscription.destroy().",
     ),
     notice="Notice that control takes the message once and reads both axes from it, and that no lock is to be seen.",
 )
