@@ -68,6 +68,8 @@ class Command:
         """
         await until(lambda: text in self.output or not self._reader.is_alive(), f"{self._line!r} to say {text!r}")
         if text not in self.output:
+            with suppress(subprocess.TimeoutExpired):  # its output has ended, so it is about to
+                self._process.wait(PATIENCE)
             raise TutorialError(f"{self._line!r} has ended with status {self.status}. It said:\n{self.output}")
 
     async def ends(self, patience: float = 120.0) -> int:
