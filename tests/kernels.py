@@ -38,7 +38,7 @@ class Kernel:
 
     def interrupt(self, code: str, once: Callable[[dict], object]) -> dict:
         """Run a cell, and interrupt it once a message of a certain kind has come; return the reply."""
-        message_id = self.client.execute(code)
+        message_id = self.client.execute(code, stop_on_error=False)  # else the next cell, if it is quick, is not run
         while not once(self.client.get_iopub_msg(timeout=PATIENCE)):
             pass
         self.manager.interrupt_kernel()

@@ -128,7 +128,7 @@ def test_the_dark_theme_is_readable(domain, tmp_path):
 
 async def run_up_to_the_drive(notebook):
     """Run all cells up to the one that lets time pass."""
-    for cell in range(await cell_with(notebook, "simulation.start()") + 1):
+    for cell in range(await cell_with(notebook, "program.start()") + 1):
         await notebook.run(cell)
 
 
