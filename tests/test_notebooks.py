@@ -75,7 +75,7 @@ def test_nothing_of_one_run_or_one_machine_is_kept(notebook):
     assert set(notebook.metadata) == {"kernelspec", "language_info"}
     assert notebook.metadata.language_info == {"name": "python"}
     text = nbformat.writes(notebook)
-    for pattern in (r"/home/|/root/|/tmp/|site-packages", r"0x[0-9a-f]{6,}"):
+    for pattern in (r"/(home|root|tmp)/|site-packages", r"0x[0-9a-f]{6,}"):
         assert not re.search(pattern, text), pattern
 
 

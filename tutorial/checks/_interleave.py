@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
@@ -33,24 +34,11 @@ def interleave(function: Callable[[], object], files: set[str], between: Callabl
     Raises:
         Exception: whatever the function or the other thread raised.
     """
-    count = 0
-    turn: threading.Thread | None = None
-    errors: list[Exception] = []
-
-    def take_turn() -> None:
-        try:
-            between()
-        except Exception as error:  # noqa: BLE001 - it is raised where somebody hears it
-            errors.append(error)
+    other = _Other(between, at)
 
     def step(_frame: FrameType, event: str, _argument: Any) -> Any:
-        nonlocal count, turn
         if event in ("opcode", "line"):
-            if at in (None, count) and (turn is None or not turn.is_alive()):
-                turn = threading.Thread(target=take_turn, daemon=True)
-                turn.start()
-                turn.join(TURN)
-            count += 1
+            other.instruction()
         return step
 
     def enter(frame: FrameType, _event: str, _argument: Any) -> Any:
@@ -59,17 +47,62 @@ def interleave(function: Callable[[], object], files: set[str], between: Callabl
         frame.f_trace_opcodes = True
         return step
 
+    with _traced(enter), other:
+        function()
+    return at is None or other.count > at
+
+
+class _Other:
+    """The other thread. Leaving ``with`` waits for its turn to end, and raises what it raised.
+
+    Args:
+        between: what it runs in its turn.
+        at: the instruction before which it has its turn; None for before every one.
+
+    Attributes:
+        count: how many instructions there were.
+    """
+
+    def __init__(self, between: Callable[[], object], at: int | None) -> None:
+        self._between = between
+        self._at = at
+        self._turn: threading.Thread | None = None
+        self._errors: list[Exception] = []
+        self.count = 0
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if self._turn is not None:
+            self._turn.join()
+        if self._errors and kind is None:
+            raise self._errors[0]
+
+    def instruction(self) -> None:
+        """Give it its turn, if it is due and the last one is over; then comes the next instruction."""
+        if self._at in (None, self.count) and (self._turn is None or not self._turn.is_alive()):
+            self._turn = threading.Thread(target=self._run, daemon=True)
+            self._turn.start()
+            self._turn.join(TURN)
+        self.count += 1
+
+    def _run(self) -> None:
+        try:
+            self._between()
+        except Exception as error:  # noqa: BLE001 - it is raised where somebody hears it
+            self._errors.append(error)
+
+
+@contextmanager
+def _traced(enter: Callable[[FrameType, str, Any], Any]) -> Iterator[None]:
+    """Have this thread's code traced, instruction by instruction."""
     before = sys.gettrace()
     sys._getframe().f_trace_opcodes = True  # Python 3.12 and 3.13 look only at settrace whether some frame wants them
     watch.interleaved = True
     sys.settrace(enter)
     try:
-        function()
+        yield
     finally:
         sys.settrace(before)
-        if turn is not None:
-            turn.join()
         watch.interleaved = False
-    if errors:
-        raise errors[0]
-    return at is None or count > at
