@@ -140,31 +140,20 @@ def test_values_beyond_the_stick_are_brought_to_its_end(joystick):
     assert joystick._now().buttons == (1,) * 15
 
 
-def test_closing_lets_go_and_leaves_nothing(domain, clock, sent, listener):
+@pytest.mark.parametrize("leave", [Joystick.close, Joystick.end])
+def test_closed_or_ended_it_lets_go_and_leaves_no_thread(domain, clock, sent, listener, leave):
     threads = threading.active_count()
     joystick = Joystick()
     say(joystick)
     listener.until(lambda joy: list(joy.axes) == HELD)
-    joystick.close()
-    joystick.close()
+    leave(joystick)
+    leave(joystick)
     say(joystick)
-    assert joystick.axes == NEUTRAL
-    listener.until(lambda joy: tuple(joy.axes) == NEUTRAL and joy is listener.messages[-1])
-    assert threading.active_count() == threads
-
-
-def test_an_ended_one_stays_on_the_page_and_leaves_nothing_else(domain, clock, sent, listener):
-    threads = threading.active_count()
-    joystick = Joystick()
-    say(joystick)
-    listener.until(lambda joy: list(joy.axes) == HELD)
-    joystick.end()
-    joystick.end()
     assert joystick.ended
-    assert joystick.comm is not None
     assert joystick.axes == NEUTRAL
     listener.until(lambda joy: tuple(joy.axes) == NEUTRAL and joy is listener.messages[-1])
     assert threading.active_count() == threads
+    assert (joystick.comm is None) == (leave is Joystick.close)
     joystick.close()
 
 

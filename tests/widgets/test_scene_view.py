@@ -67,6 +67,16 @@ def unhurried(widget):
     widget._loop = type("Loop", (), {"now": 0.0, "time": lambda self: setattr(self, "now", self.now + 1) or self.now})()
 
 
+async def looked_at(sent):
+    """A scene, its widget, whose frames are messages of their own, and a page that has said hello."""
+    scene = Scene()
+    widget = SceneView(scene)
+    unhurried(widget)
+    page = Page(widget, sent)
+    await page.says("hello")
+    return scene, widget, page
+
+
 @in_a_loop
 async def test_a_view_gets_the_whole_scene_and_then_each_frame(sent):
     scene = Scene()
@@ -102,11 +112,7 @@ async def test_the_script_is_sent_to_whoever_asks_once_a_turn(sent):
 
 @in_a_loop
 async def test_nothing_is_sent_to_a_page_that_does_not_answer_and_it_catches_up_with_the_whole_scene(sent):
-    scene = Scene()
-    widget = SceneView(scene)
-    unhurried(widget)
-    page = Page(widget, sent)
-    await page.says("hello")
+    scene, widget, page = await looked_at(sent)
     page.take("scene")
     for number in range(500):
         await show(scene, str(number))
@@ -252,11 +258,7 @@ async def test_messages_that_make_no_sense_are_ignored(sent):
 
 @in_a_loop
 async def test_a_frame_from_the_future_is_not_believed(sent):
-    scene = Scene()
-    widget = SceneView(scene)
-    unhurried(widget)
-    page = Page(widget, sent)
-    await page.says("hello")
+    scene, widget, page = await looked_at(sent)
     await page.says("seen", frame=10**9)
     for number in range(200):
         await show(scene, str(number))
