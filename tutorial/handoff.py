@@ -9,22 +9,22 @@ belongs to another thread; it leaves the news where the owner finds it, and retu
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import sys
 import threading
 from collections import deque
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from tutorial.errors import WrongThreadError
+from tutorial.errors import TutorialError, WrongThreadError
 
 if TYPE_CHECKING:
-    import asyncio
     from collections.abc import Callable, Hashable
     from types import FrameType
 
     from tutorial.trace import Handoff, HandoffTrace
 
-__all__ = ["CallQueue", "CallScope", "Latest", "ThreadGuard"]
+__all__ = ["CallQueue", "CallScope", "Latest", "ThreadGuard", "running_loop"]
 
 T = TypeVar("T")
 
@@ -253,3 +253,18 @@ class ThreadGuard:
                 f"{action} was called on the thread {threading.current_thread().name!r}, but {self._what} belongs "
                 f"to the thread {self._thread.name!r}. Post the call instead: call_later(f, message)."
             )
+
+
+def running_loop(otherwise: str) -> asyncio.AbstractEventLoop:
+    """Return the event loop that runs on this thread: the main thread's.
+
+    Args:
+        otherwise: what the error says where none runs.
+
+    Raises:
+        TutorialError: none runs.
+    """
+    try:
+        return asyncio.get_running_loop()
+    except RuntimeError:
+        raise TutorialError(otherwise) from None

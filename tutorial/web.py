@@ -22,7 +22,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from tutorial.assets import STATIC, meshcats_viewer
 from tutorial.errors import TutorialError
-from tutorial.handoff import ThreadGuard
+from tutorial.handoff import ThreadGuard, running_loop
 from tutorial.scene import Scene
 
 __all__ = ["SceneServer"]
@@ -39,6 +39,8 @@ POLICY = (
 
 BACKLOG = 1 << 18
 """What the system holds for one browser [bytes]. One that is further behind misses frames."""
+
+NO_LOOP = "the 3D view is served by an event loop, and none runs here. Make it within asyncio.run(main())."
 
 
 class SceneServer:
@@ -57,7 +59,7 @@ class SceneServer:
 
     def __init__(self, scene: Scene, port: int | None = None, title: str = "Tank") -> None:
         self._guard = ThreadGuard("the server of the 3D view")
-        self._loop = _running_loop()
+        self._loop = running_loop(NO_LOOP)
         self._browsers: set[_Browser] = set()
         self._listener = _listen(port)
         self._listener.setblocking(False)
@@ -109,15 +111,6 @@ class SceneServer:
         self.close()
         if self._closing is not None:
             await self._closing
-
-
-def _running_loop() -> asyncio.AbstractEventLoop:
-    try:
-        return asyncio.get_running_loop()
-    except RuntimeError:
-        raise TutorialError(
-            "the 3D view is served by an event loop, and none runs here. Make it within asyncio.run(main())."
-        ) from None
 
 
 def _listen(port: int | None) -> socket.socket:

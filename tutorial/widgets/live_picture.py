@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Sequence
 
-from tutorial.errors import TutorialError
-from tutorial.handoff import CallQueue, CallScope
+from tutorial.handoff import CallQueue, CallScope, running_loop
 from tutorial.ros import MeteredNode, NodeThread
 from tutorial.widgets.picture import Picture
 
 __all__ = ["LivePicture"]
+
+NO_LOOP = "a live picture is redrawn by an event loop, and none runs here. Make it in a cell."
 
 
 class LivePicture(Picture):
@@ -34,7 +34,7 @@ class LivePicture(Picture):
     _ros: NodeThread | None = None
 
     def __init__(self, name: str, node_name: str, ros_args: Sequence[str] | None = None) -> None:
-        self.loop = _running_loop()
+        self.loop = running_loop(NO_LOOP)
         super().__init__(name=name)
         self._queue = CallQueue(self.loop)
         self.calls: CallScope = self._queue.scope(repr(self))
@@ -57,12 +57,3 @@ class LivePicture(Picture):
         """Take the picture and its node away. Idempotent, main thread."""
         self.end()
         super().close()
-
-
-def _running_loop() -> asyncio.AbstractEventLoop:
-    try:
-        return asyncio.get_running_loop()
-    except RuntimeError:
-        raise TutorialError(
-            "a live picture is redrawn by an event loop, and none runs here. Make it in a cell."
-        ) from None

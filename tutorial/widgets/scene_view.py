@@ -11,7 +11,7 @@ import traitlets
 
 from tutorial.assets import meshcats_viewer
 from tutorial.errors import TutorialError
-from tutorial.handoff import CallQueue
+from tutorial.handoff import CallQueue, running_loop
 from tutorial.scene import Record, Scene, pack_record, unpack_records
 from tutorial.widgets.cell_widget import CellWidget, read_static
 
@@ -25,6 +25,11 @@ LONGEST_ID = 64
 
 _TRANSFORM = b"\x83\xa4type\xadset_transform"
 _MATRIX = b"\xa6matrix"
+
+NO_LOOP = (
+    "a 3D view in a cell needs the event loop of the notebook's kernel, and none runs here. Make it in a "
+    "notebook; a script shows a scene with SceneServer."
+)
 
 
 class SceneView(CellWidget):
@@ -52,7 +57,7 @@ class SceneView(CellWidget):
         if height <= 0:
             raise TutorialError(f"a 3D view cannot be {height} pixels high. Give a height such as 420.")
         self._scene = scene
-        self._loop = _running_loop()
+        self._loop = running_loop(NO_LOOP)
         self._calls = CallQueue(self._loop)
         self._audience = _Audience()
         self._waiting = _Backlog()
@@ -220,13 +225,3 @@ def _subject(kind: Record, payload: bytes) -> object:
 def _library() -> bytes:
     """meshcat's viewer, a script, compressed to a quarter: Jupyter limits how much a kernel may send in a second."""
     return gzip.compress((meshcats_viewer() / "main.min.js").read_bytes(), 6, mtime=0)
-
-
-def _running_loop() -> asyncio.AbstractEventLoop:
-    try:
-        return asyncio.get_running_loop()
-    except RuntimeError:
-        raise TutorialError(
-            "a 3D view in a cell needs the event loop of the notebook's kernel, and none runs here. Make it in a "
-            "notebook; a script shows a scene with SceneServer."
-        ) from None
