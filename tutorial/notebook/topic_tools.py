@@ -9,7 +9,7 @@ from contextlib import aclosing
 from tutorial import topics
 from tutorial.notebook.desk import keep_once
 from tutorial.ros import MeteredNode, NodeThread
-from tutorial.topics import settle, settled
+from tutorial.topics import settled
 
 __all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
 
@@ -18,16 +18,16 @@ _log = logging.getLogger(__name__)
 PATIENCE = 10.0  # [s] that `topic_echo` waits for a message
 
 
-def topic_list(show_types: bool = False) -> None:
+async def topic_list(show_types: bool = False) -> None:
     """Print the topics that there are, as ``ros2 topic list`` does.
 
     Args:
         show_types: with their types, as with ``-t``.
     """
-    print(topics.topic_list(_settled_node(), show_types), end="")  # noqa: T201 - what it is for
+    print(topics.topic_list(await _settled(), show_types), end="")  # noqa: T201 - what it is for
 
 
-def topic_info(topic: str, verbose: bool = False) -> None:
+async def topic_info(topic: str, verbose: bool = False) -> None:
     """Print who publishes and who subscribes, as ``ros2 topic info`` does.
 
     Args:
@@ -37,7 +37,7 @@ def topic_info(topic: str, verbose: bool = False) -> None:
     Raises:
         TutorialError: there is no such topic.
     """
-    print(topics.topic_info(_settled_node(), topic, verbose), end="")  # noqa: T201
+    print(topics.topic_info(await _settled(), topic, verbose), end="")  # noqa: T201
 
 
 async def topic_echo(topic: str, once: bool = False, field: str | None = None) -> None:
@@ -70,16 +70,10 @@ def _node() -> MeteredNode:
     return keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
 
 
-def _settled_node() -> MeteredNode:
-    """It, when it has met all others."""
-    if not settle(_node()):
-        _log.warning("nodes still come and go: what is printed may be incomplete")
-    return _node()
-
-
 async def _settled() -> MeteredNode:
-    """As `_settled_node`, but the kernel stays free meanwhile."""
-    await settled(_node())
+    """It, when it has met all others; the kernel stays free meanwhile."""
+    if not await settled(_node()):
+        _log.warning("nodes still come and go: what is printed may be incomplete")
     return _node()
 
 
