@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import ctypes
 import io
@@ -34,7 +35,7 @@ def _judges(process):
 def said_about(answer):
     """Return what a check prints, and see to it that nothing is left of its process."""
     with contextlib.redirect_stdout(io.StringIO()) as text:
-        drive.check(answer)
+        asyncio.run(drive.check(answer))
     assert not children()
     return text.getvalue()
 
@@ -246,11 +247,11 @@ def doze(answer):
 dozing = Exercise("dozing", "", doze, (Anything,), object, ("method",), (), "")
 
 PARENT = """
+import asyncio
 import sys
-from tutorial.checks.tank_controller import drive
 from test_contain import Anything, dozing
 try:
-    dozing.check(Anything)
+    asyncio.run(dozing.check(Anything))
 except KeyboardInterrupt:
     print("passed on", flush=True)
     sys.exit(5)

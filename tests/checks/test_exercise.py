@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import asyncio
 import importlib
 import json
 import pkgutil
@@ -40,7 +41,7 @@ def test_there_are_exercises_for_each_controller_and_each_is_called_by_its_name(
 
 @every_exercise
 def test_the_solution_is_right_in_a_process_of_its_own(exercise, capfd):
-    exercise.check(exercise.right_answer)
+    asyncio.run(exercise.check(exercise.right_answer))
     said = capfd.readouterr().out
     assert "✗" not in said
     assert "\nAll right. Notice " in said
@@ -99,10 +100,10 @@ def test_a_listing_keeps_comments_and_blank_lines():
 
 @every_exercise
 def test_nothing_is_not_attempted(exercise, capsys):
-    exercise.check()
+    asyncio.run(exercise.check())
     name = exercise.right_answer.__name__
     assert capsys.readouterr().out == (
-        f"Not attempted yet: write {name}, then {exercise.name}.check({name}). {exercise.name}.hint() gives a hint.\n"
+        f"Not attempted yet: write {name}, then await {exercise.name}.check({name}). {exercise.name}.hint() gives a hint.\n"
     )
 
 
@@ -172,23 +173,27 @@ FIRST_LOOK = [
     (drive, Bare, "Not attempted yet: Bare is still to be written: configure, initialize, control, unconfigure."),
     (aim, HeldJoint, "Not attempted yet: HeldJoint is still to be written: aim."),
     (by_name, unwritten, "Not attempted yet: unwritten is still to be written."),
-    (drive, "GentleTank", "A text was given, 'GentleTank'. Give the class itself: drive.check(GentleTank)."),
+    (drive, "GentleTank", "A text was given, 'GentleTank'. Give the class itself: await drive.check(GentleTank)."),
     (
         drive,
         GentleTank(),
-        "An object of the class GentleTank was given. Give the class itself: drive.check(GentleTank).",
+        "An object of the class GentleTank was given. Give the class itself: await drive.check(GentleTank).",
     ),
-    (drive, unwritten, "The function unwritten was given. Give the class itself: drive.check(GentleTank)."),
+    (drive, unwritten, "The function unwritten was given. Give the class itself: await drive.check(GentleTank)."),
     (drive, Pushy, "Pushy is not made from SimpleController. Begin it with: class GentleTank(SimpleController):"),
-    (by_name, Bare, "The class Bare was given. Give the function itself: by_name.check(match_by_name)."),
-    (by_name, {}, "An object of the class dict was given. Give the function itself: by_name.check(match_by_name)."),
-    (publish, 1, "An object of the class int was given. Give the class itself: publish.check(TurretPublisher)."),
+    (by_name, Bare, "The class Bare was given. Give the function itself: await by_name.check(match_by_name)."),
+    (
+        by_name,
+        {},
+        "An object of the class dict was given. Give the function itself: await by_name.check(match_by_name).",
+    ),
+    (publish, 1, "An object of the class int was given. Give the class itself: await publish.check(TurretPublisher)."),
 ]
 
 
 @pytest.mark.parametrize(("exercise", "answer", "said"), FIRST_LOOK, ids=lambda value: str(value)[:24])
 def test_what_cannot_be_run_is_said_at_once(exercise, answer, said, capsys):
-    exercise.check(answer)
+    asyncio.run(exercise.check(answer))
     assert capsys.readouterr().out == f"{said}\n"
 
 
@@ -207,7 +212,7 @@ TO_WRITE = {
 def test_the_notebooks_own_cell_is_not_attempted(exercise, capsys):
     name = exercise.right_answer.__name__
     stub = {"by_name": unwritten, "aim": HeldJoint}.get(exercise.name, Bare)
-    exercise.check(type(name, stub.__mro__[1:-1], dict(vars(stub))) if isinstance(stub, type) else stub)
+    asyncio.run(exercise.check(type(name, stub.__mro__[1:-1], dict(vars(stub))) if isinstance(stub, type) else stub))
     said = capsys.readouterr().out.replace("unwritten", name)
     assert said == f"Not attempted yet: {TO_WRITE[exercise.name]}\n"
 

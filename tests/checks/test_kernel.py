@@ -1,11 +1,10 @@
-"""The checks as a notebook uses them: classes that live in a kernel's ``__main__``."""
+"""The checks as a notebook uses them: classes that live in a kernel's ``__main__``, and cells that are awaited."""
 
 from __future__ import annotations
 
 import pytest
-from jupyter_client.manager import start_new_kernel
-
-PATIENCE = 60.0
+from kernels import kernel
+from programs import until
 
 RIGHT = """
 import tutorial
@@ -36,21 +35,21 @@ class GentleTank(SimpleController):
     def unconfigure(self):
         self.subscription.destroy()
 
-drive.check(GentleTank)
+await drive.check(GentleTank)
 """
 
 RAISES = """class Broken(GentleTank):
     def control(self):
         self.track_l.ctrl = self.speed
 
-drive.check(Broken)
+await drive.check(Broken)
 """
 
 LOOPS = """class Loops(GentleTank):
     def on_joy(self, message):
         while True: pass
 
-drive.check(Loops)
+await drive.check(Loops)
 """
 
 WIDGET = """
@@ -61,7 +60,7 @@ class Slides(GentleTank):
     def control(self):
         self.track_l.ctrl = slider.value
 
-drive.check(Slides)
+await drive.check(Slides)
 """
 
 PROGRAM = """
@@ -72,37 +71,44 @@ class Reaches(GentleTank):
     def control(self):
         program.call_soon(print)
 
-drive.check(Reaches)
+await drive.check(Reaches)
+"""
+
+
+DOZES = """
+import asyncio
+from time import sleep
+
+class Dozes(GentleTank):
+    def control(self):
+        sleep(1e9)
+
+async def tick():
+    while True:
+        print("tick")
+        await asyncio.sleep(0.05)
+
+ticking = asyncio.get_running_loop().create_task(tick())
+try:
+    await drive.check(Dozes)
+finally:
+    ticking.cancel()
 """
 
 
 @pytest.fixture(scope="module")
-def run():
-    """Run a cell in a kernel, and return what it has printed."""
-    manager, client = start_new_kernel(kernel_name="python3")
-
-    def run(source):
-        said = []
-
-        def hear(message):
-            if message["msg_type"] == "stream":
-                said.append(message["content"]["text"])
-
-        reply = client.execute_interactive(source, output_hook=hear, timeout=PATIENCE)
-        assert reply["content"]["status"] == "ok", reply["content"]
-        return "".join(said)
-
-    yield run
-    client.stop_channels()
-    manager.shutdown_kernel(now=True)
+def desk():
+    with kernel() as desk:
+        desk.run(RIGHT)
+        yield desk
 
 
-@pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_answers_of_a_notebook(run):
+def test_answers_of_a_notebook(desk):
+    run = desk.run
     said = run(RIGHT)
     assert "✗" not in said
     assert "\nAll right. " in said
-    assert run("drive.check(GentleTank)") == said, "the same on every run"
+    assert run("await drive.check(GentleTank)") == said, "the same on every run"
 
     said = run(RAISES)
     assert "control raised AttributeError: 'Broken' object has no attribute 'speed'" in said
@@ -112,3 +118,20 @@ def test_answers_of_a_notebook(run):
     assert "control uses program, an object of the class" in run(PROGRAM)
     said = run(WIDGET)
     assert "control uses slider, an object of the class FloatSlider, that belongs to the notebook" in said, said
+
+
+def test_the_kernel_stays_free_during_a_check(desk):
+    said = desk.run(DOZES)
+    assert "✗ control does not return" in said
+    assert said.count("tick") > 5
+
+
+def test_an_interrupted_check_leaves_nothing(desk):
+    def processes():
+        return len(desk.process.children(recursive=True))
+
+    before = processes()
+    reply = desk.interrupt(DOZES, lambda _: processes() > before)
+    assert reply["status"] == "error"
+    until(lambda: processes() == before, "the end of the process that judges")
+    assert "All right." in desk.run("await drive.check(GentleTank)")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import io
 import threading
@@ -45,7 +46,7 @@ class RaisesInATimer(TurretPublisher):
 
 def said_about(exercise, answer):
     with contextlib.redirect_stdout(io.StringIO()) as text:
-        exercise.check(answer)
+        asyncio.run(exercise.check(answer))
     return text.getvalue()
 
 

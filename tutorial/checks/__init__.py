@@ -3,7 +3,7 @@
 In a notebook::
 
     from tutorial.checks.tank_controller import drive
-    drive.check(GentleTank)   # says what was right, and for what is wrong the most likely cause
+    await drive.check(GentleTank)   # says what was right, and for what is wrong the most likely cause
     drive.hint()
     drive.solution()
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import inspect
 import os
 import pickle
 import re
-import selectors
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import cloudpickle  # type: ignore[import-untyped, unused-ignore]
@@ -46,8 +46,8 @@ class Job(msgspec.Struct):
     files: list[str]
 
 
-def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, ...], tuple[str, ...]]:
-    """Have an answer judged in a process of its own.
+async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, ...], tuple[str, ...]]:
+    """Have an answer judged in a process of its own, while the loop goes on with whatever else there is.
 
     Args:
         module: where the exercise is.
@@ -63,7 +63,7 @@ def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, ...], t
         return (_clinging(answer, error),), ()
     job = Job(module, name, [os.path.abspath(entry) for entry in sys.path], pickled, sorted(files_of(answer)))  # noqa: PTH100
     with _Process(job) as process:
-        process.listen()
+        await process.listen()
     return process.result(), tuple(process.output)
 
 
@@ -104,7 +104,7 @@ class _Process:
                     stream.close()
         os.close(self._report)
 
-    def listen(self) -> None:
+    async def listen(self) -> None:
         """Hand the job over, and take in what the process says until it is done, or ended, or gone silent."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
@@ -112,18 +112,15 @@ class _Process:
             self._process.stdin.write(self._job)  # left open: its end tells the process that this one is gone
             self._process.stdin.flush()
         said, printed = _Lines(), _Lines()
-        with selectors.DefaultSelector() as selector:
-            selector.register(self._report, selectors.EVENT_READ, said)
-            selector.register(self._process.stdout, selectors.EVENT_READ, printed)
-            while not self._done and self._report in selector.get_map():
-                events = selector.select(SILENCE)
-                if not events:
-                    return
-                for key, _ in events:
-                    if not key.data.read(key.fd):
-                        selector.unregister(key.fileobj)
-                self._take(said.taken())
-                self.output += printed.taken()[: OUTPUT_KEPT - len(self.output)]
+        sources = {self._report: said, self._process.stdout.fileno(): printed}
+        while not self._done and self._report in sources:
+            fd = await _readable(sources)
+            if fd is None:
+                return
+            if not sources[fd].read(fd):
+                del sources[fd]
+            self._take(said.taken())
+            self.output += printed.taken()[: OUTPUT_KEPT - len(self.output)]
         os.set_blocking(self._process.stdout.fileno(), False)
         printed.read_all(self._process.stdout.fileno())
         self.output += printed.taken(rest=True)[: OUTPUT_KEPT - len(self.output)]
@@ -160,6 +157,21 @@ class _Process:
             "Most likely something outside of Python went wrong, such as a library that was used wrongly.",
             place,
         )
+
+
+async def _readable(fds: Iterable[int]) -> int | None:
+    """Wait until there is something to read from one of them; None if there is nothing for too long."""
+    loop = asyncio.get_running_loop()
+    ready: asyncio.Queue[int] = asyncio.Queue()
+    for fd in fds:
+        loop.add_reader(fd, ready.put_nowait, fd)
+    try:
+        return await asyncio.wait_for(ready.get(), SILENCE)
+    except TimeoutError:
+        return None
+    finally:
+        for fd in fds:
+            loop.remove_reader(fd)
 
 
 class _Lines:

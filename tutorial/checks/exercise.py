@@ -60,13 +60,15 @@ class Exercise:
     def __repr__(self) -> str:
         return f"Exercise({self.name!r})"
 
-    def check(self, answer: Any = None) -> None:
+    async def check(self, answer: Any = None) -> None:
         """Run an answer in a process of its own, and print what was right and what was not.
+
+        It takes a few seconds, in which the loop goes on: views move, and an interrupt ends it.
 
         Args:
             answer: the class or function itself; None for none yet.
         """
-        _say(self._first_look(answer) or str(self._contained(answer)))
+        _say(self._first_look(answer) or str(await self._contained(answer)))
 
     def judge(self, answer: Any) -> Verdict:
         """Judge an answer in this process, without containing it. It takes a ROS domain from the environment."""
@@ -104,13 +106,13 @@ class Exercise:
         imports = ["\n".join(self._imports)] if self._imports else []
         _say("\n\n\n".join(imports + [listing(part) for part in self._solution]))
 
-    def _contained(self, answer: Any) -> Verdict:
-        findings, output = contain(self.module, self.name, answer)
+    async def _contained(self, answer: Any) -> Verdict:
+        findings, output = await contain(self.module, self.name, answer)
         return Verdict(findings, self._notice, output)
 
     def _first_look(self, answer: Any) -> str:
         """Say what keeps an answer from being run; nothing if it can be."""
-        name, call = self.right_answer.__name__, f"{self.name}.check"
+        name, call = self.right_answer.__name__, f"await {self.name}.check"
         if answer is None:
             return f"Not attempted yet: write {name}, then {call}({name}). {self.name}.hint() gives a hint."
         mend = misfit(answer, name, self._base, call)

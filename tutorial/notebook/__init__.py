@@ -18,6 +18,7 @@ from tutorial.notebook.opening import (
 )
 from tutorial.notebook.program import Program
 from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list
+from tutorial.notebook.unawaited import explain_coroutines
 
 __all__ = [
     "Command",
@@ -38,3 +39,5 @@ __all__ = [
     "topic_list",
     "until",
 ]
+
+explain_coroutines()
