@@ -236,7 +236,9 @@ def test_a_controller_that_cannot_join_its_body_is_named_and_nothing_is_left(pro
         async with Host(project_with(Unfit)):
             pass
 
-    with pytest.raises(TutorialError, match="Unfit could not join Tank: ValueError: mine"):
+    with pytest.raises(
+        TutorialError, match=r"Unfit could not join Tank: test_host.py, line \d+, in configure: ValueError: mine"
+    ):
         asyncio.run(scenario())
     assert threads() == before
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 
-__all__ = ["TutorialError", "WrongThreadError", "did_you_mean", "tell", "where"]
+__all__ = ["TutorialError", "WrongThreadError", "did_you_mean", "file_of", "tell", "where"]
 
 
 class TutorialError(Exception):
@@ -45,24 +45,30 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
     return f"{hint} Known are {', '.join(map(repr, names))}."
 
 
+def file_of(written: type) -> str:
+    """Return the file, or the notebook's cell, that a class is written in; empty for one without methods."""
+    codes = (getattr(attribute, "__code__", None) for attribute in vars(written).values())
+    return next((code.co_filename for code in codes if code is not None), "")
+
+
 def tell(error: BaseException, file: str) -> str:
     """Say in one line what went wrong in somebody's file, and where: the innermost place that is in it.
 
     Args:
         error: what was raised.
-        file: the path of the file that the reader can mend.
+        file: the path of the file that the reader can mend, or what a kernel calls a cell.
 
     Returns:
         For instance ``"hello_world.py, line 8, in control: ZeroDivisionError: division by zero"``.
     """
     text = f"{type(error).__name__}: {error}"
     if isinstance(error, SyntaxError) and error.filename == file:
-        return f"{Path(file).name}, line {error.lineno}: {type(error).__name__}: {error.msg}"
+        return f"{_title(file)}, line {error.lineno}: {type(error).__name__}: {error.msg}"
     places = [place for place in traceback.extract_tb(error.__traceback__) if place.filename == file]
     if not places:
-        return f"{Path(file).name}: {text}"
+        return f"{_title(file)}: {text}" if file else text
     within = "" if places[-1].name == "<module>" else f", in {places[-1].name}"
-    return f"{Path(file).name}, line {places[-1].lineno}{within}: {text}"
+    return f"{_title(file)}, line {places[-1].lineno}{within}: {text}"
 
 
 def where(thread: threading.Thread) -> str:
@@ -75,4 +81,10 @@ def where(thread: threading.Thread) -> str:
     if frame is None:
         return ""
     code = frame.f_code
-    return f": it is at {Path(code.co_filename).name}, line {frame.f_lineno}, in {code.co_name}"
+    return f": it is at {_title(code.co_filename)}, line {frame.f_lineno}, in {code.co_name}"
+
+
+def _title(file: str) -> str:
+    """Name a file; the files that a kernel says its cells come from do not exist, and their names say nothing."""
+    path = Path(file)
+    return "your cell" if path.parent.name.startswith("ipykernel_") else path.name

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
-from tutorial.errors import TutorialError, did_you_mean
+from tutorial.errors import TutorialError, did_you_mean, file_of, tell
 from tutorial.handoff import CallQueue, CallScope
 from tutorial.joints import JointReport, JointTally
 from tutorial.record import make_record
@@ -292,7 +292,9 @@ class _Item:
         except TutorialError:
             raise
         except Exception as error:
-            raise TutorialError(f"{name} could not join {self.body.name}: {type(error).__name__}: {error}") from error
+            raise TutorialError(
+                f"{name} could not join {self.body.name}: {tell(error, file_of(controller_class))}"
+            ) from error
         self.controllers.append(controller)
         self._scopes.append(scope)
         self.joint_topics += [meter.topic for meter in node.meters[topics_before:] if meter.brings_joint_states]

@@ -14,7 +14,7 @@ import mujoco
 
 from tutorial.body import Body
 from tutorial.controller import ControllerIO, SimpleController
-from tutorial.errors import TutorialError, tell, where
+from tutorial.errors import TutorialError, file_of, tell, where
 from tutorial.handoff import Latest
 from tutorial.world import Placement, compose
 
@@ -279,8 +279,8 @@ class Simulation:
         when = f"failed at {self.time:.3f} s of simulated time"
         if controller is None:
             return ControllerError(f"MuJoCo {when}: {type(error).__name__}: {error}")
-        name = type(controller).__name__
-        return ControllerError(f"{name} {when}: {tell(error, _file_of(controller))}")
+        kind = type(controller)
+        return ControllerError(f"{kind.__name__} {when}: {tell(error, file_of(kind))}")
 
     def _join(self) -> None:
         """Wait for the end of the thread; one that a controller keeps is given up, and ends with the process."""
@@ -295,12 +295,6 @@ class Simulation:
 
     def _snap(self) -> Snapshot:
         return Snapshot(self.time, self.data.qpos.copy())
-
-
-def _file_of(controller: SimpleController) -> str:
-    """The file, or the notebook's cell, that a controller's class is written in."""
-    codes = (getattr(attribute, "__code__", None) for attribute in vars(type(controller)).values())
-    return next((code.co_filename for code in codes if code is not None), "")
 
 
 def _stop_all(controllers: Iterable[SimpleController]) -> None:

@@ -103,7 +103,8 @@ def test_nothing_is_not_attempted(exercise, capsys):
     asyncio.run(exercise.check())
     name = exercise.right_answer.__name__
     assert capsys.readouterr().out == (
-        f"Not attempted yet: write {name}, then await {exercise.name}.check({name}). {exercise.name}.hint() gives a hint.\n"
+        f"Not attempted yet: write {name}, then await {exercise.name}.check({name}). "
+        f"{exercise.name}.hint() gives a hint.\n"
     )
 
 

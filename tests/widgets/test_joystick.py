@@ -194,6 +194,10 @@ GAMEPAD = """() => {
         buttons: Array.from({length: 17}, (_, i) => (i === 0 || i === 7 || i === 15 ? held : button))};
     navigator.getGamepads = () => [null, gamepad];
 }"""
+STRANGE_GAMEPAD = """() => {
+    const gamepad = {id: "Wheel", connected: true, mapping: "", axes: [1, 1, 1], buttons: []};
+    navigator.getGamepads = () => [gamepad];
+}"""
 BLOCK_THE_PAGE = """() => setTimeout(() => {
     for (const end = performance.now() + 2000; performance.now() < end;);
     window.isBlockOver = true;
@@ -304,6 +308,9 @@ def test_a_notebook_drives_by_mouse_fingers_keys_and_gamepad(domain, listener, t
             await drive_a_busy_kernel(hands, notebook)
             await freeze_the_page(hands)
             await page.mouse.up()
+            await page.evaluate(STRANGE_GAMEPAD)
+            await page.get_by_text("is not used: Wheel. Drag a stick").wait_for()
+            await hands.cause(0, 0, 0, 0)
             await page.evaluate(GAMEPAD)
             await hands.cause(-0.5, 1, -0.25, 0)
             newest = listener.messages[-1]

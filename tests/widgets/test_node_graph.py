@@ -107,9 +107,10 @@ class TestPicture:
         assert "/a&b" in places(root)
 
     def test_a_crowd_is_bounded(self):
-        root, _ = drawn(topology({f"/node{i}": 1 for i in range(200)}))
+        root, words = drawn(topology({f"/node{i}": 1 for i in range(200)}))
         assert len(list(root.iter(f"{SVG}ellipse"))) == 80
         assert "and 120 more, not shown" in places(root)
+        assert words.endswith("/node79, 120 more.")
 
     def test_nobody(self):
         assert drawn(Topology())[1] == "there are no nodes yet"

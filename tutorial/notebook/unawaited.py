@@ -13,7 +13,7 @@ __all__ = ["explain_coroutines"]
 def explain_coroutines() -> None:
     """Have a coroutine that a cell would display say what it lacks. Does nothing outside IPython."""
     shell = get_ipython()
-    if shell is not None:
+    if shell is not None and shell.display_formatter is not None:
         shell.display_formatter.formatters["text/plain"].for_type(CoroutineType, _explain)
 
 

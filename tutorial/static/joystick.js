@@ -17,6 +17,7 @@ const TRIGGERS = [6, 7];
 const ENDED = "The kernel has ended or was restarted. Run the notebook's cells again to get a joystick.";
 const CLOSED = "Closed. Run its cell again, and the joystick comes back.";
 const OFFLINE = "The connection to Jupyter is lost: nothing is driven until it is back.";
+const UNKNOWN = "The browser does not know how this gamepad is laid out, so it is not used: ";
 const NO_GAMEPAD = "Drag a stick, or click here and press keys, or connect a gamepad and press one of its buttons.";
 
 const clamp = (value) => Math.max(-1, Math.min(value, 1)) || 0;
@@ -179,9 +180,18 @@ class CellView {
     return {axes: [...held, ...axes.slice(4)].map((axis) => Math.round(1000 * axis) / 1000 + 0), buttons};
   }
 
+  gamepads() {
+    return [...(navigator.getGamepads?.() ?? [])].filter((gamepad) => gamepad?.connected);
+  }
+
   gamepad() {
-    const all = [...(navigator.getGamepads?.() ?? [])];
-    return all.find((gamepad) => gamepad?.connected && gamepad.mapping === "standard");
+    return this.gamepads().find(({mapping}) => mapping === "standard");
+  }
+
+  /** What there is to say of gamepads. */
+  greeting() {
+    const gamepad = this.gamepad(), [other] = this.gamepads();
+    return gamepad ? `Gamepad: ${gamepad.id}` : other ? `${UNKNOWN}${other.id}. ${NO_GAMEPAD}` : NO_GAMEPAD;
   }
 
   /** Send what has changed, and what is held once more now and then. */
@@ -199,8 +209,7 @@ class CellView {
 
   show({axes}, now) {
     this.pads.forEach((pad, i) => pad.show(axes[2 * i], axes[2 * i + 1]));
-    const gamepad = this.gamepad();
-    const status = this.trouble || (gamepad ? `Gamepad: ${gamepad.id}` : NO_GAMEPAD);
+    const status = this.trouble || this.greeting();
     if (this.status.textContent !== status) this.status.textContent = status;
     const words = inWords(axes);
     const isCalm = this.changedAt > 0 && now - this.changedAt > CALM;

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import islice, pairwise
 from xml.etree.ElementTree import Element
 
 from tutorial.widgets.graph_watch import TopicNews, Topology
@@ -168,12 +168,15 @@ def _words(topology: Topology) -> str:
     """The graph in words: its nodes, then each topic with those who publish and subscribe."""
     nodes = [name if count == 1 else f"{name} ({count} nodes of one name)" for name, count in topology.nodes.items()]
     said = [f"Nodes: {_listed(nodes)}."]
-    for topic, news in topology.topics.items():
+    for topic, news in islice(topology.topics.items(), MOST):
         rate = _rate_text(news.rate)
         label = f"{topic} ({rate})" if rate else topic
         said.append(f"{label}: from {_listed(news.publishers)} to {_listed(news.subscribers)}.")
+    if len(topology.topics) > MOST:
+        said.append(f"And {len(topology.topics) - MOST} more topics.")
     return " ".join(said)
 
 
 def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names) or "nobody"
+    shown = [*names[:MOST], *([f"{len(names) - MOST} more"] if len(names) > MOST else [])]
+    return ", ".join(shown) or "nobody"
