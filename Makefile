@@ -50,7 +50,7 @@ install: .venv/install
 	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 is needed and none was found. Install one, or say which: make PYTHON=/path/to/python3.12"; exit 1; }
 	@echo "Installing into .venv: about 700 MB, which takes some minutes the first time."
 	@$(PYTHON) -m venv --clear .venv
-	@$(PIP) install --progress-bar off -q -c constraints.txt -e ".[gamepad,test]"
+	@$(PIP) install --progress-bar off -q -c constraints.txt -e ".[gamepad,test,book]"
 	@touch $@
 
 .venv/lint: .venv/install

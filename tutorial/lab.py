@@ -3,30 +3,59 @@
 from __future__ import annotations
 
 import logging
+import shutil
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import nbformat
 from nbformat.sign import NotebookNotary
 
-from tutorial.paths import HOME
+from tutorial.errors import TutorialError
+from tutorial.paths import HOME, PACKAGE, SHIPPED
 
-__all__ = ["NOTEBOOKS", "lab_command", "trust"]
+__all__ = ["NOTEBOOKS", "lab_command", "own_course", "trust"]
 
 _log = logging.getLogger(__name__)
 
 NOTEBOOKS = HOME / "notebooks"
+OWN = "tank-tutorial"
+"""What a learner's own course folder is called."""
 
 
-def lab_command(arguments: Sequence[str] = ()) -> list[str]:
+def own_course() -> Path:
+    """Return the course folder that the learner works in; where there is none, make one in the current directory.
+
+    The notebooks of an installed package are not for opening: whoever changed them there would change them for
+    everybody, and lose them with the next version. So they are copied, with all that they refer to. What is in the
+    learner's folder already stays as it is; only what is missing is added, such as a later version's new notebook.
+
+    Raises:
+        TutorialError: the folder cannot be written to.
+    """
+    course = Path.cwd() / OWN if HOME == SHIPPED else HOME
+    if (course / "tutorial" / "__init__.py").exists():  # a checkout, which has all it needs
+        return course
+    new = not course.exists()
+    try:
+        added = _add_missing(course)
+    except OSError as error:
+        mend = "Go to a folder of your own, for instance with cd ~, and type it again."
+        raise TutorialError(f"the course cannot be copied to {course}: {error.strerror}. {mend}") from error
+    if added:
+        what = "the course is" if new else f"what was missing of the course, {added} of its files, is"
+        _log.info("%s now in %s; all that you change there stays", what, course)
+    return course
+
+
+def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]:
     """Return the command that opens JupyterLab on the first notebook.
 
     Args:
         arguments: more of JupyterLab's own.
+        course: the course folder, which is all that JupyterLab shows.
     """
-    first = (NOTEBOOKS / "0_setup.ipynb").relative_to(HOME).as_posix()
-    options = [f"--ServerApp.root_dir={HOME}", f"--LabApp.default_url=/lab/tree/{first}"]
+    options = [f"--ServerApp.root_dir={course}", "--LabApp.default_url=/lab/tree/notebooks/0_setup.ipynb"]
     return [sys.executable, "-m", "jupyterlab", *options, *arguments]
 
 
@@ -47,3 +76,31 @@ def trust(folder: Path = NOTEBOOKS, **settings: str) -> None:
         except Exception as error:  # noqa: BLE001 - whatever is wrong with it, JupyterLab will say
             _log.warning("%s is not trusted: %s", path.name, str(error).partition("\n")[0])
     notary.store.close()
+
+
+def _add_missing(course: Path) -> int:
+    """Copy the files that are not in a learner's course folder; return how many."""
+    missing = [(target, source) for target, source in _course_files(course) if not target.exists()]
+    for target, source in missing:
+        _copy(source, target)
+    return len(missing)
+
+
+def _course_files(course: Path) -> Iterator[tuple[Path, Path]]:
+    """Yield each file that a learner's course folder has, with the file that it is a copy of.
+
+    Among them are the library's controllers, for reading: the notebooks point at them.
+    """
+    for source in SHIPPED.rglob("*"):
+        if source.is_file() and source.suffix != ".pyc":  # pip compiles the launch files, too
+            yield course / source.relative_to(SHIPPED), source
+    for source in (PACKAGE / "controllers").glob("[a-z]*.py"):
+        yield course / "tutorial" / "controllers" / source.name, source
+
+
+def _copy(source: Path, target: Path) -> None:
+    """Copy a file, which may be read-only, into one that may be written; it is there as a whole or not at all."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    part = target.with_name(f".{target.name}.part")
+    shutil.copyfile(source, part)
+    part.replace(target)

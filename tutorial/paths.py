@@ -1,4 +1,10 @@
-"""Where the tutorial's files are: projects, launch files, notebooks, drives."""
+"""Where the tutorial's files are: projects, launch files, notebooks, drives.
+
+A folder that holds them is a *course folder*. There are three kinds: a checkout; the one within an installed package,
+which is never written to; and a learner's own, which ``tank lab`` copies from that. Which is meant depends on where one
+works, and is decided once in a process: the nearest course folder from the current directory upwards; else the
+checkout that the package is in; else the package's own.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +15,49 @@ from pathlib import Path
 
 from tutorial.errors import TutorialError, did_you_mean
 
-__all__ = ["HOME", "find_drive", "find_launch_file", "find_project", "with_own_commands"]
+__all__ = [
+    "HOME",
+    "PACKAGE",
+    "SHIPPED",
+    "find_drive",
+    "find_home",
+    "find_launch_file",
+    "find_project",
+    "with_own_commands",
+]
 
-HOME = Path(__file__).resolve().parent.parent
+PACKAGE = Path(__file__).resolve().parent
+"""The folder of the package ``tutorial``; what is above it is where Python finds it."""
+
+SHIPPED = PACKAGE / "_files"
+"""The course folder within an installed package. A checkout has none."""
+
+
+def find_home(start: Path) -> Path:
+    """Find the course folder for whoever works in a folder.
+
+    Args:
+        start: the folder, absolute.
+    """
+    return next(filter(_is_course, (start, *start.parents, PACKAGE.parent)), SHIPPED)
+
+
+def _is_course(folder: Path) -> bool:
+    try:
+        return all((folder / part).is_dir() for part in ("launch_py", "notebooks", "project"))
+    except PermissionError:  # a folder further up that one may not look into
+        return False
+
+
+def _current_directory() -> Path:
+    try:
+        return Path.cwd()
+    except FileNotFoundError:  # it has been deleted
+        return PACKAGE
+
+
+HOME = find_home(_current_directory())
+"""The course folder of this process."""
 
 
 def find_project(given: str) -> Path:
