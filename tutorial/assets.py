@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gzip
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
 from tutorial.errors import TutorialError
 
-__all__ = ["STATIC", "meshcats_viewer"]
+__all__ = ["STATIC", "meshcats_viewer", "read_static", "zipped_viewer"]
 
 STATIC = Path(__file__).parent / "static"
 """The folder of our own."""
@@ -23,3 +25,18 @@ def meshcats_viewer() -> Path:
     if spec is None or spec.origin is None:
         raise TutorialError("the 3D view needs meshcat, which is not there. Install it: pip install meshcat")
     return Path(spec.origin).parent / "viewer" / "dist"
+
+
+@cache
+def zipped_viewer() -> bytes:
+    """Return meshcat's viewer, a script, compressed to a quarter.
+
+    Raises:
+        TutorialError: meshcat is not installed.
+    """
+    return gzip.compress((meshcats_viewer() / "main.min.js").read_bytes(), 6, mtime=0)
+
+
+def read_static(*names: str) -> str:
+    """Return the text of files in ``static/``, one after the other, as one script or style sheet."""
+    return "\n".join((STATIC / name).read_text(encoding="utf-8") for name in names)

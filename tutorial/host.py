@@ -69,7 +69,7 @@ class Host:
         self._ros = NodeThread("tank", ros_args)
         self.node = self._ros.node
         self.node.trace = trace
-        self._seconds = 0.0
+        self._seconds = self._shown = 0.0
         self._namesakes_said = 1
         self._namesakes_looked = 0.0
         self._closed = False
@@ -153,6 +153,16 @@ class Host:
         """How long the program has run [s]: simulated time where it simulates."""
         return self.simulation.time if self.simulation is not None else self._seconds
 
+    @property
+    def shown_at(self) -> float:
+        """The time of what the view shows [s]: simulated time where it simulates, else of `time.monotonic`."""
+        return self._shown if self.simulation is not None else time.monotonic()
+
+    @property
+    def joint_positions(self) -> dict[str, float]:
+        """Where the displayed joints are [rad], or [m] for those that slide, by ``"body joint"``."""
+        return {f"{name} {joint.name}": joint.position for name, body in self.bodies.items() for joint in body.joints}
+
     def remove(self, name: str) -> None:
         """Delete a displayed body: its controllers leave it, and what they have posted does not run any more.
 
@@ -233,7 +243,7 @@ class Host:
         """Draw one frame: show what has changed since the last. `run` does it; call it when nothing runs."""
         self._look_for_namesakes()
         if self.simulation is not None:
-            self.simulation.copy_to(self.bodies.values())
+            self._shown = self.simulation.copy_to(self.bodies.values())
         if self._view is None:
             return
         for name, item in self._items.items():

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 import pytest
 from browser import chromium, open_browser, until
 
+from tutorial.assets import read_static
 from tutorial.errors import WrongThreadError
-from tutorial.widgets.cell_widget import read_static
 from tutorial.widgets.picture import Picture
 from tutorial.widgets.svg import INK, PAPER, draw, new_picture, shorten, to_text, write
 

@@ -10,12 +10,16 @@ from ipywidgets import FloatProgress
 
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.host import FRAME, Host
+from tutorial.replay import recorded
 from tutorial.scene import Scene
 from tutorial.trace import HandoffTrace
 from tutorial.view import View
 from tutorial.widgets.scene_view import SceneView
 
 if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+    from pathlib import Path
+
     from tutorial.body import Body
     from tutorial.controller import SimpleController
     from tutorial.project import Project
@@ -24,6 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["EndedEarly", "Program"]
 
 T = TypeVar("T")
+
+LONGEST_PAUSE = 1.0  # [s] in a replay: between two cells, one thinks
 
 
 class EndedEarly(TutorialError):  # noqa: N818 - it is no error, but the end of a cell
@@ -46,7 +52,7 @@ class Program:
     """
 
     def __init__(self, project: Project, node: str = "tank") -> None:
-        scene = Scene()
+        self._scene = scene = Scene()
         self.trace = HandoffTrace()
         self.host = Host(project, ["--ros-args", "-r", f"__node:={node}"], View(scene), self.trace)
         self.view = SceneView(scene, title=node)
@@ -162,6 +168,23 @@ class Program:
         finally:
             self._running = False
         bar.value, bar.bar_style = seconds, "success"
+
+    def record(self, path: Path | str) -> AbstractContextManager[None]:
+        """Keep what the view shows, while a ``with`` block runs, as a page that plays it again, for instance::
+
+            with tank.record("drive.html"):
+                await tank.run(10)
+
+        The page needs nothing else: it can be sent to a friend. A time in which nothing moves counts a second at most.
+
+        Args:
+            path: of the page.
+
+        Raises:
+            TutorialError: the file cannot be written, or the program was closed.
+        """
+        self._check_open()
+        return recorded(self._scene, self.host, path, LONGEST_PAUSE)
 
     def close(self) -> None:
         """End the program: its simulation, its controllers, its node. Its last picture stays. Idempotent."""

@@ -2,14 +2,6 @@
 
 const LOST = new Set(["restarting", "autorestarting", "terminating", "dead"]);
 
-function make(tag, className, attributes = {}, text = "") {
-  const element = document.createElement(tag);
-  element.className = className;
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
-  element.textContent = text;
-  return element;
-}
-
 /** Say something to the kernel, unless the widget has been closed there. */
 function send(model, message) {
   try {

@@ -7,14 +7,7 @@ from typing import Any
 import anywidget
 import traitlets
 
-from tutorial.assets import STATIC
-
-__all__ = ["CellWidget", "read_static"]
-
-
-def read_static(*names: str) -> str:
-    """Return the text of files in ``static/``, one after the other: a widget's script cannot import others."""
-    return "\n".join((STATIC / name).read_text(encoding="utf-8") for name in names)
+__all__ = ["CellWidget"]
 
 
 class CellWidget(anywidget.AnyWidget):

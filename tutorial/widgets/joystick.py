@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 from sensor_msgs.msg import Joy
 
+from tutorial.assets import read_static
 from tutorial.handoff import Latest
 from tutorial.ros import NodeThread
-from tutorial.widgets.cell_widget import CellWidget, read_static
+from tutorial.widgets.cell_widget import CellWidget
 
 __all__ = ["Joystick"]
 
@@ -44,7 +45,7 @@ class Joystick(CellWidget):
         ros_args: command line arguments, of which ROS 2 takes those after ``--ros-args``.
     """
 
-    _esm = read_static("cell.js", "joystick.js")
+    _esm = read_static("make.js", "cell.js", "joystick.js")
     _css = read_static("joystick.css")
     _clock = staticmethod(time.monotonic)
 

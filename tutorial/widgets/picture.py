@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import traitlets
 
+from tutorial.assets import read_static
 from tutorial.handoff import ThreadGuard
-from tutorial.widgets.cell_widget import CellWidget, read_static
+from tutorial.widgets.cell_widget import CellWidget
 
 __all__ = ["Picture"]
 

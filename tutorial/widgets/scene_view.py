@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import gzip
 import threading
-from functools import cache
 
 import traitlets
 
-from tutorial.assets import meshcats_viewer
+from tutorial.assets import read_static, zipped_viewer
 from tutorial.errors import TutorialError
 from tutorial.handoff import CallQueue, running_loop
 from tutorial.scene import Record, Scene, pack_record, unpack_records
-from tutorial.widgets.cell_widget import CellWidget, read_static
+from tutorial.widgets.cell_widget import CellWidget
 
 __all__ = ["SceneView"]
 
@@ -48,7 +46,7 @@ class SceneView(CellWidget):
         WrongThreadError: made on another thread than the scene's.
     """
 
-    _esm = read_static("cell.js", "scene.js", "scene_view.js")
+    _esm = read_static("make.js", "cell.js", "scene.js", "viewer.js", "scene_view.js")
     _css = read_static("scene_view.css")
     title = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int().tag(sync=True)
@@ -119,7 +117,7 @@ class SceneView(CellWidget):
                 self._audience.leave(view)
 
     def _send_library(self) -> None:
-        self.say("library", [_library()])
+        self.say("library", [zipped_viewer()])
 
     def _welcome(self, view: str) -> None:
         """Show the whole scene to one view, and from now on all that changes."""
@@ -219,9 +217,3 @@ def _subject(kind: Record, payload: bytes) -> object:
     if kind is not Record.COMMAND:
         return kind.name
     return payload[: payload.rindex(_MATRIX)] if payload.startswith(_TRANSFORM) else None
-
-
-@cache
-def _library() -> bytes:
-    """meshcat's viewer, a script, compressed to a quarter: Jupyter limits how much a kernel may send in a second."""
-    return gzip.compress((meshcats_viewer() / "main.min.js").read_bytes(), 6, mtime=0)

@@ -1,0 +1,301 @@
+"""Keeps what a scene shows over a run, as a page that plays it again: in any browser, with nothing from outside.
+
+While the run goes on, every message of the scene is put away with its time. Afterwards they become what meshcat calls
+an animation: of each object that moves, its poses and their times.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import html
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from string import Template
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+import umsgpack
+from numpy.typing import NDArray
+
+from tutorial.assets import STATIC, read_static, zipped_viewer
+from tutorial.errors import TutorialError
+from tutorial.scene import Record, Scene, unpack_records
+
+if TYPE_CHECKING:
+    from tutorial.host import Host
+
+__all__ = ["Recorder", "Replay", "recorded"]
+
+FRAME = 1 / 30  # [s] between two frames of what moves
+LONGEST = 600.0
+"""How much of a run is kept [s]: its first ten minutes."""
+
+SCRIPTS = ("make.js", "scene.js", "viewer.js", "replay.js")
+STYLES = ("scene_view.css", "replay.css")
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A run, to be looked at again.
+
+    Attributes:
+        scene: a message of `tutorial.scene`: what there is to see, and the animation.
+        times: of the frames [s], from 0.
+        joints: by "body joint", its position in each frame [rad].
+        lines: what stood below the view: (since when [s], text).
+    """
+
+    scene: bytes
+    times: tuple[float, ...]
+    joints: dict[str, tuple[float, ...]]
+    lines: tuple[tuple[float, str], ...]
+
+    @property
+    def duration(self) -> float:
+        """How long it takes [s]."""
+        return self.times[-1] if self.times else 0.0
+
+    def figure(self, title: str) -> str:
+        """Return it as a piece of HTML; a page needs `script` and `style` once, and meshcat's viewer.
+
+        Args:
+            title: what a screen reader says it is.
+        """
+        timeline = {
+            "title": title,
+            "times": [round(time, 4) for time in self.times],
+            "joints": {name: [round(value, 5) for value in values] for name, values in self.joints.items()},
+            "lines": self.lines,
+        }
+        return (
+            f'<figure class="tank-replay" aria-label="{html.escape(title)}">'
+            f'<script type="text/plain" class="timeline">{_packed(json.dumps(timeline).encode())}</script>'
+            f'<script type="text/plain" class="scene">{_packed(self.scene)}</script></figure>'
+        )
+
+    def page(self, title: str) -> str:
+        """Return it as a page of its own, which needs nothing else.
+
+        Args:
+            title: of the page.
+        """
+        template = Template((STATIC / "replay.html").read_text(encoding="utf-8"))
+        viewer = base64.b64encode(zipped_viewer()).decode()
+        return template.substitute(
+            title=html.escape(title), style=style(), script=script(), viewer=viewer, figure=self.figure(title)
+        )
+
+    def save(self, path: Path | str, title: str) -> None:
+        """Write it as a page of its own.
+
+        Raises:
+            TutorialError: the file cannot be written.
+        """
+        try:
+            Path(path).write_text(self.page(title), encoding="utf-8")
+        except OSError as error:
+            raise TutorialError(f"the replay cannot be written to {path}: {error.strerror}") from error
+
+
+def script() -> str:
+    """Return what plays the figures of a page, as a plain script."""
+    text = read_static(*SCRIPTS).replace("\nexport ", "\n")
+    return f"(() => {{\n{text}\n}})();\n"
+
+
+def style() -> str:
+    """Return how the figures of a page look."""
+    return read_static(*STYLES)
+
+
+class Recorder:
+    """Puts a scene's messages away, each with its time. It belongs to the scene's thread.
+
+    Args:
+        scene: what to watch, from now on.
+        seconds: says how long the run has taken so far [s].
+        joints: says where the joints are: positions [rad] by "body joint".
+        longest_pause: a longer time in which nothing moves counts so much [s].
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        seconds: Callable[[], float],
+        joints: Callable[[], Mapping[str, float]] = dict,
+        longest_pause: float = math.inf,
+    ) -> None:
+        self._scene = scene
+        self._seconds = seconds
+        self._joints = joints
+        self._longest_pause = longest_pause
+        self._heard_at = seconds()
+        self._time = 0.0
+        self._frames = [_Frame(0.0, scene.snapshot(), dict(joints()))]
+        scene.attach(self._take)
+
+    def stop(self) -> Replay:
+        """Watch no more, and return what was seen."""
+        self._scene.detach(self._take)
+        self._take(b"")
+        names = self._frames[-1].joints
+        return Replay(
+            scene=_with_animation(self._frames),
+            times=tuple(frame.time for frame in self._frames),
+            joints={name: tuple(frame.joints.get(name, math.nan) for frame in self._frames) for name in names},
+            lines=tuple(_lines(self._frames)),
+        )
+
+    def _take(self, message: bytes) -> None:
+        now = self._seconds()
+        self._time += min(max(now - self._heard_at, 0.0), self._longest_pause)
+        self._heard_at = now
+        if self._time > LONGEST:
+            return
+        if self._time - self._frames[-1].time > 2 * FRAME:  # until just now, nothing has moved
+            self._frames.append(_Frame(self._time - FRAME, b"", self._frames[-1].joints))
+        self._frames.append(_Frame(self._time, message, dict(self._joints())))
+
+
+@contextmanager
+def recorded(scene: Scene, host: Host, path: Path | str, longest_pause: float = math.inf) -> Iterator[None]:
+    """Keep what a program shows, while it runs within, as a page.
+
+    Args:
+        scene: that the program draws into.
+        host: the program.
+        path: of the page.
+        longest_pause: a longer time in which nothing moves counts so much [s].
+
+    Raises:
+        TutorialError: the file cannot be written; this is found out before the run.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise TutorialError(f"there is no folder {path.parent} to write {path.name} to. Make it first.")
+    recorder = Recorder(scene, lambda: host.shown_at, lambda: host.joint_positions, longest_pause)
+    try:
+        yield
+    finally:
+        recorder.stop().save(path, host.node.get_name())
+
+
+@dataclass(frozen=True)
+class _Frame:
+    time: float
+    message: bytes
+    joints: dict[str, float]
+
+
+class _Track:
+    """The poses of one object. In between two of them it moves evenly; where it stands still it has no poses."""
+
+    def __init__(self, time: float, matrix: NDArray[np.float64]) -> None:
+        self.times = [time]
+        self.matrices = [matrix]
+
+    def add(self, time: float, before: float, matrix: NDArray[np.float64]) -> None:
+        """Note where it is in a frame; until the frame before it stood where it was noted last."""
+        if self.times[-1] < before:
+            self.times.append(before)
+            self.matrices.append(self.matrices[-1])
+        self.times.append(time)
+        self.matrices.append(matrix)
+
+    def lower(self, path: str) -> dict[str, Any]:
+        """Say it as meshcat does, the numbers in one row."""
+        positions = [x for matrix in self.matrices for x in matrix[12:15].tolist()]
+        quaternions = [x for matrix in self.matrices for x in _quaternion(matrix)]
+        tracks = [
+            {"name": ".position", "type": "vector3", "times": self.times, "values": positions},
+            {"name": ".quaternion", "type": "quaternion", "times": self.times, "values": quaternions},
+        ]
+        return {"path": path, "clip": {"fps": 1, "name": "run", "tracks": tracks}}
+
+
+class _Sight:
+    """When something is there to be seen: a body may come and go during a run."""
+
+    def __init__(self, time: float) -> None:
+        self.times, self.values = [0.0], [time == 0.0]
+        self.change(time, True)
+
+    def change(self, time: float, there: bool) -> None:
+        if self.values[-1] != there:
+            self.times.append(time)
+            self.values.append(there)
+
+    def lower(self, path: str) -> dict[str, Any]:
+        """Say it as meshcat does."""
+        track = {"name": ".visible", "type": "bool", "times": self.times, "values": self.values}
+        return {"path": path, "clip": {"fps": 1, "name": "sight", "tracks": [track]}}
+
+
+def _with_animation(frames: list[_Frame]) -> bytes:
+    """Join the messages into one that shows all there ever was, and an animation that moves it."""
+    whole = Scene()
+    tracks: dict[str, _Track] = {}
+    sights: dict[str, _Sight] = {}
+    before = 0.0
+    for frame in frames:
+        for command in _commands(frame.message):
+            path = command.get("path", "")
+            if command["type"] == "delete":
+                for sight in (sight for drawn, sight in sights.items() if f"{drawn}/".startswith(f"{path}/")):
+                    sight.change(frame.time, False)
+                continue
+            if command["type"] == "set_object":
+                sights.setdefault(path, _Sight(frame.time)).change(frame.time, True)
+            if command["type"] == "set_transform" and path in tracks:
+                tracks[path].add(frame.time, before, np.array(command["matrix"], dtype=np.float64))
+                continue
+            if command["type"] == "set_transform":
+                tracks[path] = _Track(frame.time, np.array(command["matrix"], dtype=np.float64))
+            whole.send_message(command)
+        before = frame.time
+    _place_camera(whole, frames)
+    moving = [track.lower(path) for path, track in tracks.items() if len(track.times) > 1]
+    moving += [sight.lower(path) for path, sight in sights.items() if len(sight.times) > 1]
+    animation = {"type": "set_animation", "path": "", "animations": moving, "options": {"play": False}}
+    whole.send_packed(("set_animation", "", ""), umsgpack.packb(animation, force_float_precision="single"))
+    return whole.snapshot()
+
+
+def _commands(message: bytes) -> Iterator[dict[str, Any]]:
+    for kind, payload in unpack_records(message):
+        if kind is Record.COMMAND:
+            yield umsgpack.unpackb(payload)
+
+
+def _place_camera(whole: Scene, frames: list[_Frame]) -> None:
+    """Look from where one looked at first."""
+    for frame in frames:
+        for kind, payload in unpack_records(frame.message):
+            if kind is Record.CAMERA:
+                numbers = np.frombuffer(payload, "<f8").tolist()
+                whole.look_at(tuple(numbers[:3]), tuple(numbers[3:]))
+                return
+
+
+def _lines(frames: list[_Frame]) -> Iterator[tuple[float, str]]:
+    for frame in frames:
+        for kind, payload in unpack_records(frame.message):
+            if kind is Record.LINE:
+                yield round(frame.time, 3), payload.decode()
+
+
+def _quaternion(matrix: NDArray[np.float64]) -> list[float]:
+    """The turn of a matrix, whose 16 numbers are column by column, as three.js has it: (x, y, z, w)."""
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, matrix.reshape(4, 4)[:3, :3].T.reshape(9))
+    return [*quaternion[1:].tolist(), float(quaternion[0])]
+
+
+def _packed(data: bytes) -> str:
+    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode()
