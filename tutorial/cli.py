@@ -9,8 +9,8 @@ import signal
 import sys
 import tempfile
 import threading
-from collections.abc import AsyncIterator, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager
+from collections.abc import Sequence
+from contextlib import AsyncExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,6 @@ from tutorial.topic_commands import topic
 if TYPE_CHECKING:
     from tutorial.joystick import JoySource
     from tutorial.project import Project
-    from tutorial.view import View
 
 __all__ = ["main"]
 
@@ -74,6 +73,12 @@ def tank() -> None:
     help="Show the 3D view on this port; else the first free from 7000.",
 )
 @click.option(
+    "--html",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Keep the run as a page that plays it again; it needs nothing else.",
+)
+@click.option(
     "--robot",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="MODEL",
@@ -96,6 +101,7 @@ def run(
     headless: bool,
     report: Path | None,
     port: int | None,
+    html: Path | None,
     robot: Path | None,
     own: tuple[Path, ...],
 ) -> int:
@@ -109,7 +115,7 @@ def run(
         loaded = loaded.with_robot(robot)
     for path in own:
         loaded = loaded.with_own(load_controllers(path))
-    return until_asked(_host(loaded, ros_args, duration, linger, headless, report, port), duration)
+    return until_asked(_host(loaded, ros_args, duration, linger, headless, report, port, html), duration)
 
 
 @tank.command(short_help="Publish a gamepad, or a scripted drive, on /joy.")
@@ -216,38 +222,34 @@ async def _host(
     headless: bool,
     report: Path | None,
     port: int | None,
+    html: Path | None,
 ) -> None:
     """Run a project on the event loop that is running."""
     from tutorial.host import Host
     from tutorial.record import write_record
+    from tutorial.replay import recorded
+    from tutorial.scene import Scene
+    from tutorial.view import View
+    from tutorial.web import SceneServer
 
     async with AsyncExitStack() as stack:
-        view, url = None, None
+        scene, server = Scene(), None
         if not headless:
-            view, url = await stack.enter_async_context(_served_view(project.path.stem, port))
+            server = await stack.enter_async_context(SceneServer(scene, port=port, title=project.path.stem))
+        view = None if headless and html is None else View(scene)
         with clear_ros_errors():
             host = await stack.enter_async_context(Host(project, ros_args, view))
         click.echo(project.tree())
-        if url is not None:
-            click.echo(f"look at {url}")
+        if server is not None:
+            click.echo(f"look at {server.url}")
+        if html is not None:
+            stack.enter_context(recorded(scene, host, html))
         progress = stack.enter_context(progress_bar(duration))
         try:
             await host.run(duration, linger, progress)
         finally:
             if report is not None:
                 write_record(host.record(), report)
-
-
-@asynccontextmanager
-async def _served_view(title: str, port: int | None) -> AsyncIterator[tuple[View, str]]:
-    """Serve a view, and yield it with its address."""
-    from tutorial.scene import Scene
-    from tutorial.view import View
-    from tutorial.web import SceneServer
-
-    scene = Scene()
-    async with SceneServer(scene, port=port, title=title) as server:
-        yield View(scene), server.url
 
 
 def _joy_source(drive: str | None) -> JoySource:
