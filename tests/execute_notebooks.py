@@ -1,7 +1,7 @@
 """Run notebooks from the top and save their outputs: ``make notebooks``, after a change to one of them.
 
 Nothing of the run is saved but the outputs, so that what git shows is what has changed. Of a widget only its text is:
-there is no kernel to bring it to life when the notebook is opened the next time.
+there is no kernel to bring it to life when the notebook is opened the next time. What it showed is kept for the book.
 """
 
 from __future__ import annotations
@@ -17,7 +17,16 @@ from jupyter_client.manager import AsyncKernelManager
 from nbclient import NotebookClient
 
 WIDGET = "application/vnd.jupyter.widget-view+json"
-FOLDER = Path(__file__).parent.parent / "notebooks"
+HOME = Path(__file__).parent.parent
+FOLDER = HOME / "notebooks"
+STARTUP = """
+import sys
+from pathlib import Path
+sys.path.append({book!r})
+from keepsakes import FOLDER, keep
+keep(FOLDER / {name!r})
+del sys, Path, FOLDER, keep
+"""
 
 
 def execute(path: Path) -> None:
@@ -27,6 +36,9 @@ def execute(path: Path) -> None:
     manager.kernel_spec.argv[0] = sys.executable
     with reserved_domain() as domain, tempfile.TemporaryDirectory(prefix="ipython-") as settings:
         os.environ |= {"ROS_DOMAIN_ID": str(domain), "IPYTHONDIR": settings}
+        startup = Path(settings) / "profile_default" / "startup" / "keep.py"
+        startup.parent.mkdir(parents=True)
+        startup.write_text(STARTUP.format(book=str(HOME / "book"), name=path.stem), encoding="utf-8")
         NotebookClient(
             notebook,
             km=manager,

@@ -2,6 +2,7 @@
 // before this text in the same script.
 
 const NEAR = "300px";  // of the window: a picture is made as soon as it is so near, and let go when it is farther away
+const SHORTEST = 0.1;  // that is worth a slider [s]
 const SHOWN_JOINTS = 6;
 
 /** What was compressed and written as text. */
@@ -49,6 +50,7 @@ class Replay {
       "type": "range", "min": "0", "max": String(this.duration), "step": "any", "aria-label": "time",
     });
     this.clock = make("output", "tank-replay-clock");
+    bar.hidden = this.duration < SHORTEST;
     bar.append(this.button, this.slider, this.clock);
     this.where = make("div", "tank-replay-joints");
     this.line = make("div", "tank-replay-line");
@@ -145,8 +147,10 @@ class Replay {
   }
 
   inWords() {
-    const names = Object.keys(this.joints).slice(0, SHOWN_JOINTS);
-    return names.map((name) => `${name} ${this.position(name).toFixed(3)}`.replace("-", "−")).join(" · ");
+    const names = Object.keys(this.joints), bodies = new Set(names.map((name) => name.split(" ")[0]));
+    const label = (name) => (bodies.size > 1 ? name : name.slice(name.indexOf(" ") + 1));
+    const say = (name) => `${label(name)} ${this.position(name).toFixed(3)}`.replace("-", "−");
+    return names.slice(0, SHOWN_JOINTS).map(say).join(" · ");
   }
 }
 

@@ -1,0 +1,87 @@
+"""The book: Sphinx reads the pages of this folder, and the notebooks as they are committed."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+from typing import Any
+
+BOOK = Path(__file__).parent
+sys.path[:0] = [str(BOOK.parent), str(BOOK)]
+
+# ruff: noqa: E402
+from docutils.nodes import SkipNode
+from latex2mathml.converter import convert
+from notebook_pages import write_pages
+
+import tutorial  # noqa: F401  (promises an rclpy to the API page)
+from tutorial import replay
+from tutorial.assets import meshcats_viewer
+
+project = "The tank tutorial"
+author = "the authors of the tank tutorial"
+copyright = "the authors of the tank tutorial"
+
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
+exclude_patterns = ["_build", "shown"]
+default_role = "code"
+nb_execution_mode = "off"
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}
+myst_enable_extensions = ["colon_fence", "dollarmath", "smartquotes"]
+myst_heading_anchors = 3
+napoleon_use_ivar = True
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented"
+html_math_renderer = "mathml"
+html_theme = "furo"
+html_title = project
+html_static_path = ["book.css"]
+html_css_files = ["book.css"]
+html_favicon = None
+html_copy_source = False
+html_show_sphinx = False
+copybutton_prompt_text = "$ "
+copybutton_only_copy_prompt_lines = False
+
+VIEWER = ("main.min.js", "main.min.js.LICENSE.txt")
+
+
+def setup(app: Any) -> None:
+    """Have Sphinx write the notebooks' pages first, and put the one player of replays where all pages find it."""
+    write_pages(BOOK.parent / "notebooks", BOOK / "notebooks")
+    app.add_html_math_renderer("mathml", (visit_math, None), (visit_math_block, None))
+    app.connect("html-page-context", add_player)
+    app.connect("build-finished", write_player)
+
+
+def add_player(app: Any, _page: str, _template: str, context: dict[str, Any], _tree: Any) -> None:
+    """Give a page that has replays what plays them."""
+    if '"tank-replay"' in context.get("body", ""):
+        app.add_css_file("replay.css")
+        app.add_js_file("main.min.js", loading_method="defer")
+        app.add_js_file("replay.js", loading_method="defer")
+
+
+def write_player(app: Any, error: Exception | None) -> None:
+    """Write what plays the replays of all pages."""
+    if error is not None or app.builder.format != "html":
+        return
+    static = Path(app.outdir) / "_static"
+    static.joinpath("replay.js").write_text(replay.script(), encoding="utf-8")
+    static.joinpath("replay.css").write_text(replay.style(), encoding="utf-8")
+    for name in VIEWER:
+        shutil.copy(meshcats_viewer() / name, static / name)
+
+
+def visit_math(translator: Any, node: Any) -> None:
+    """Write a formula as the browser's own mathematics; nothing has to be fetched for it."""
+    translator.body.append(convert(node.astext()))
+    raise SkipNode
+
+
+def visit_math_block(translator: Any, node: Any) -> None:
+    """Write a formula in a line of its own."""
+    translator.body.append(convert(node.astext(), display="block"))
+    raise SkipNode

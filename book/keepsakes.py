@@ -1,0 +1,107 @@
+"""What the widgets of a notebook have shown, kept while it is run, for the book, where no kernel brings them to life.
+
+``make notebooks`` has every kernel call `keep`; ``conf.py`` puts what was kept in the place of the widgets. The n-th
+widget that a notebook displays is kept as ``n.html``.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+from pathlib import Path
+from typing import Any
+
+FOLDER = Path(__file__).parent / "shown"
+WIDGET = re.compile(r"(SceneView|SideBySide|NodeGraph|JointPlot|Picture)\(")
+"""How the text of a widget begins that something is kept of."""
+
+LONGEST_PAUSE = 1.0  # [s] in a replay
+PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
+BESIDE = "<p><em>In the notebook, there is a joystick beside it.</em></p>"
+
+
+def keep(folder: Path) -> None:
+    """Keep, from now on, what is displayed in this kernel."""
+    from IPython.core.getipython import get_ipython  # noqa: PLC0415  (the book itself needs none of these)
+
+    from tutorial.notebook.program import Program  # noqa: PLC0415
+    from tutorial.widgets.picture import Picture  # noqa: PLC0415
+    from tutorial.widgets.scene_view import SceneView  # noqa: PLC0415
+    from tutorial.widgets.side_by_side import SideBySide  # noqa: PLC0415
+
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("*.html"):
+        old.unlink()
+    kept = _Kept(folder)
+    _after(Program, "__init__", kept.know)
+    _before(SceneView, "end", kept.stop)
+    for kind in (SceneView, Picture, SideBySide):
+        _before(kind, "_repr_mimebundle_", kept.show)
+    get_ipython().events.register("post_run_cell", lambda _: kept.draw())
+
+
+class _Kept:
+    """What is on display, by its number."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._count = 0
+        self._programs: dict[Any, Any] = {}
+        self._running: dict[Any, tuple[int, Any, str]] = {}
+        self._pictures: dict[int, Any] = {}
+        self._drawn: dict[int, int] = {}
+
+    def know(self, program: Any) -> None:
+        """Note whose view it is."""
+        self._programs[program.view] = program
+
+    def show(self, widget: Any) -> None:
+        """Begin to keep something that is displayed; what was kept of the same view is complete."""
+        self._count += 1
+        view, end = (widget.children[0], BESIDE) if hasattr(widget, "children") else (widget, "")
+        if view not in self._programs:
+            self._pictures[self._count] = view
+            return
+        from tutorial.replay import Recorder  # noqa: PLC0415
+
+        self.stop(view)
+        host = self._programs[view].host
+        recorder = Recorder(view._scene, lambda: host.shown_at, lambda: host.joint_positions, LONGEST_PAUSE)
+        self._running[view] = self._count, recorder, end
+
+    def stop(self, view: Any) -> None:
+        """Write what a view has shown."""
+        if view in self._running:
+            number, recorder, end = self._running.pop(view)
+            self._write(number, recorder.stop().figure(view.title) + end)
+
+    def draw(self) -> None:
+        """Write the pictures that show more than they did."""
+        for number, picture in self._pictures.items():
+            if len(picture.svg) > self._drawn.get(number, 0):
+                self._drawn[number] = len(picture.svg)
+                self._write(number, PICTURE.format(alt=html.escape(picture.alt), svg=picture.svg))
+
+    def _write(self, number: int, text: str) -> None:
+        (self._folder / f"{number}.html").write_text(text + "\n", encoding="utf-8")
+
+
+def _before(kind: type, name: str, call: Any) -> None:
+    method = getattr(kind, name)
+
+    def both(self: Any, *args: Any, **named: Any) -> Any:
+        call(self)
+        return method(self, *args, **named)
+
+    setattr(kind, name, both)
+
+
+def _after(kind: type, name: str, call: Any) -> None:
+    method = getattr(kind, name)
+
+    def both(self: Any, *args: Any, **named: Any) -> Any:
+        result = method(self, *args, **named)
+        call(self)
+        return result
+
+    setattr(kind, name, both)
