@@ -7,6 +7,7 @@
 #   make lab                  JupyterLab on the first notebook
 #   make install              .venv with everything that these need; quick when nothing has changed
 #   make screenshots          the README's pictures, taken by the browser tests
+#   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency and memory
 #   make bench | lint | clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3 python; do \
@@ -16,7 +17,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 DURATION ?=
 PYTEST_ARGS ?=
 
-.PHONY: demo test nbval notebooks screenshots lab install bench lint clean
+.PHONY: demo test nbval notebooks screenshots lab install bench soak lint clean
 
 demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
@@ -38,6 +39,9 @@ lab: install
 
 bench: install
 	@PYTHONPATH=tests $(BIN)/python tests/bench
+
+soak: install
+	@PYTHONPATH=tests $(BIN)/python tests/soak $(DURATION)
 
 lint: .venv/lint
 	$(BIN)/ruff check .

@@ -145,3 +145,20 @@ def test_the_tree_and_the_address_are_printed(program):
     assert running.ends() == 0
     assert "+ Tank\n  - JointStateSubscriber\n" in running.output
     assert "look at http://127.0.0.1:" in running.output
+
+
+def test_a_run_is_kept_as_a_page_also_without_a_view_and_when_it_is_interrupted(program, tmp_path):
+    page = tmp_path / "run.html"
+    running = program("run", "step2", "--headless", "--html", page)
+    running.says("Simulator")
+    running.asks_to_stop()
+    assert running.ends() == 0
+    assert f"the run is kept in {page}" in running.output
+    assert 'class="tank-replay"' in page.read_text(encoding="utf-8")
+
+
+def test_a_page_that_cannot_be_written_is_said_before_the_run(program, tmp_path):
+    running = program("run", "step3", "--headless", "--html", tmp_path / "nowhere" / "run.html")
+    assert running.ends() == 1
+    assert "there is no folder" in running.output
+    assert "is kept" not in running.output

@@ -158,8 +158,11 @@ async def drive_the_turret(page, notebook, folder, name="desk", side=-1):
     async def has_turned():
         return np.abs(np.subtract(await view.evaluate(WHERE_IS_THE_TURRET), before)).max() > 0.3
 
+    async def looks_different():
+        after = await pixels(page, f"{PANES} >> nth=-1")
+        return (np.abs(after - looks).max(axis=2) > 40).sum() > 50
+
     await until(has_turned, "the turret has turned")
     await picture(page, name, folder)
-    after = await pixels(page, f"{PANES} >> nth=-1")
-    assert (np.abs(after - looks).max(axis=2) > 40).sum() > 50
+    await until(looks_different, "the turret is seen to have turned")
     await page.mouse.up()

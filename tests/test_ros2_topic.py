@@ -7,34 +7,25 @@ import re
 import time
 from collections.abc import Iterator
 from contextlib import aclosing
-from pathlib import Path
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from recorded import masked, recorded
 from sensor_msgs.msg import Image, Imu, JointState, Joy
 from std_msgs.msg import Empty, Float32MultiArray, String
 
 from tutorial.errors import TutorialError
 from tutorial.ros import MeteredNode, NodeThread
 from tutorial.topics import settle, settled, topic_echo, topic_hz, topic_info, topic_list
-from tutorial.topics.inbox import message_class, reader_qos
-from tutorial.topics.message_yaml import field_text, message_to_yaml
+from tutorial.topics.message_csv import message_to_csv
+from tutorial.topics.message_form import MessageForm
+from tutorial.topics.message_yaml import message_to_yaml
+from tutorial.topics.names import message_class
+from tutorial.topics.qos import compromises, reader_qos
 
-RECORDED = (Path(__file__).parent / "data" / "ros2_topic.txt").read_text(encoding="utf-8")
 JOINT_STATE = "/Tank/joint_state"
 RATE = 50.0
-
-
-def recorded(command: str) -> str:
-    """What the real command printed, standard error included."""
-    found = re.search(rf"^\$ {re.escape(command)}\n(.*?)^\[exit ", RECORDED, re.DOTALL | re.MULTILINE)
-    assert found is not None, command
-    return found[1]
-
-
-def masked(text: str) -> str:
-    return re.sub(r"GID: [0-9a-f.]{47}\n", "GID: *\n", text)
 
 
 @pytest.fixture
@@ -202,16 +193,17 @@ class TestQoS:
     LASTING, VOLATILE = DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE
 
     @pytest.mark.parametrize(
-        ("offered", "asked"),
+        ("offered", "asked", "fallbacks"),
         [
-            ([], (BEST_EFFORT, VOLATILE)),
-            ([(RELIABLE, VOLATILE)], (RELIABLE, VOLATILE)),
-            ([(RELIABLE, LASTING)], (RELIABLE, LASTING)),
-            ([(RELIABLE, LASTING), (RELIABLE, VOLATILE)], (RELIABLE, VOLATILE)),
-            ([(RELIABLE, VOLATILE), (BEST_EFFORT, VOLATILE)], (BEST_EFFORT, VOLATILE)),
+            ([], (BEST_EFFORT, VOLATILE), []),
+            ([(RELIABLE, VOLATILE)], (RELIABLE, VOLATILE), []),
+            ([(BEST_EFFORT, VOLATILE)], (BEST_EFFORT, VOLATILE), []),
+            ([(RELIABLE, LASTING)], (RELIABLE, LASTING), []),
+            ([(RELIABLE, LASTING), (RELIABLE, VOLATILE)], (RELIABLE, VOLATILE), ["VOLATILE"]),
+            ([(RELIABLE, VOLATILE), (BEST_EFFORT, VOLATILE)], (BEST_EFFORT, VOLATILE), ["BEST_EFFORT"]),
         ],
     )
-    def test_a_reader_asks_for_what_all_publishers_offer(self, asker, offered, asked):
+    def test_a_reader_asks_for_what_all_publishers_offer(self, asker, offered, asked, fallbacks):
         for reliability, durability in offered:
             asker.create_publisher(String, "/x", QoSProfile(depth=1, reliability=reliability, durability=durability))
         deadline = time.monotonic() + 30
@@ -219,6 +211,7 @@ class TestQoS:
             assert time.monotonic() < deadline
         qos = reader_qos(asker, "/x")
         assert (qos.reliability, qos.durability) == asked
+        assert re.findall(r"Falling back to \w+\.(\w+) ", compromises(asker, "/x")) == fallbacks
 
 
 class TestYaml:
@@ -268,14 +261,45 @@ class TestYaml:
         ],
     )
     def test_fields(self, field, text):
-        assert field_text(joint_state(), field) == text
+        assert MessageForm(field).text(joint_state()) == f"{text}---\n"
 
     def test_a_field_without_a_name(self):
         with pytest.raises(TutorialError, match=r"Invalid field value '\.'"):
-            field_text(joint_state(), ".")
+            MessageForm(".")
 
-    @pytest.mark.parametrize("name", ["sensor_msgs/msg/Joyy", "no_such_msgs/msg/Joy", "Joy", ""])
+    @pytest.mark.parametrize(
+        "name", ["sensor_msgs/msg/Joyy", "no_such_msgs/msg/Joy", "Joy", "", "//Joy", "os/path/join"]
+    )
     def test_message_types_that_there_are_not(self, name):
         with pytest.raises(TutorialError) as caught:
             message_class(name)
         assert str(caught.value) == f"The message type '{name}' is invalid"
+
+
+class TestCsv:
+    def test_as_recorded(self):
+        line = f"{message_to_csv(joint_state())}\n"
+        assert masked(line) == masked(recorded(f"ros2 topic echo --once --csv {JOINT_STATE}"))
+        assert MessageForm(csv=True).text(joint_state()) == line
+
+    def test_a_field(self):
+        assert MessageForm("header.stamp", csv=True).text(joint_state()) == "8,160000000\n"
+        assert MessageForm("name", csv=True).text(joint_state()) == "['TURRET_Y', 'TURRET_P']\n---\n"
+
+    def test_truncation(self):
+        message = JointState(name=["TURRET"] * 3, position=[0.5] * 3)
+        assert message_to_csv(message, 2) == "0,0,,TU...,TU...,...,0.5,0.5,...,,"
+        assert message_to_csv(message, None) == "0,0,,TURRET,TURRET,TURRET,0.5,0.5,0.5,,"
+
+    def test_nothing_comes_before_a_comma_at_the_beginning(self):
+        """A quirk of ROS 2's, by which a line's columns shift when its first strings are empty."""
+        assert message_to_csv(KeyValue(key="", value="1")) == "1"
+
+
+class TestNoArr:
+    def test_sequences_and_arrays(self):
+        assert "position: '<sequence type: double, length: 2>'\n" in message_to_yaml(joint_state(), no_arr=True)
+        assert "orientation_covariance: '<array type: double[9]>'\n" in message_to_yaml(Imu(), no_arr=True)
+        message = DiagnosticStatus(values=[KeyValue()])
+        assert "<sequence type: diagnostic_msgs/msg/KeyValue, length: 1>" in message_to_yaml(message, no_arr=True)
+        assert message_to_csv(Float32MultiArray(), no_arr=True).endswith("<sequence type: float, length: 0>")

@@ -4,8 +4,8 @@ Importing this package promises an ``rclpy``: the real one where ROS 2 is instal
 ``tutorial/underlay``.
 """
 
-from tutorial._backend import choose, ros_backend
+from tutorial._backend import promise, ros_backend
 
 __all__ = ["ros_backend"]
 
-choose()
+promise()

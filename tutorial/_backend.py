@@ -8,13 +8,14 @@ from __future__ import annotations
 import os
 import sys
 from functools import cache
+from importlib.abc import MetaPathFinder
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal, cast
 
 from tutorial.errors import TutorialError, did_you_mean
 
-__all__ = ["choose", "ros_backend"]
+__all__ = ["choose", "promise", "ros_backend"]
 
 Backend = Literal["rclpy", "underlay"]
 
@@ -43,6 +44,28 @@ def choose() -> Backend:
     if backend == "underlay":
         join_underlay(first=wanted == "underlay")
     return cast(Backend, backend)
+
+
+def promise() -> None:
+    """See to it that ``import rclpy`` works, or says what is wrong.
+
+    A wrong ``TUTORIAL_ROS`` is no error of ``import tutorial``: without rclpy, ``tank doctor`` can still say so.
+    """
+    try:
+        choose()
+    except TutorialError as error:
+        sys.meta_path.insert(0, _Refusal(str(error)))
+
+
+class _Refusal(MetaPathFinder):
+    """Stands where rclpy would be found, and says why there is none."""
+
+    def __init__(self, reason: str) -> None:
+        self._reason = reason
+
+    def find_spec(self, fullname: str, _path: object = None, _target: object = None) -> None:
+        if fullname == "rclpy" or fullname.endswith(("_msgs", "_interfaces")):
+            raise TutorialError(self._reason)
 
 
 def real_rclpy_exists() -> bool:

@@ -4,69 +4,33 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import math
 import os
 import signal
 import sys
 import tempfile
 import threading
-from collections.abc import AsyncIterator, Iterator, Sequence
-from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from collections.abc import Sequence
+from contextlib import AsyncExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 from tqdm.contrib import DummyTqdmFile
 
+from tutorial.asking import clear_ros_errors, named_node
 from tutorial.errors import TutorialError
+from tutorial.node_commands import node
+from tutorial.options import duration_option, headless_option, linger_option, report_option
 from tutorial.terminal import INTERRUPTED, progress_bar, until_asked, with_bar
+from tutorial.topic_commands import topic
 
 if TYPE_CHECKING:
     from tutorial.joystick import JoySource
     from tutorial.project import Project
-    from tutorial.view import View
 
 __all__ = ["main"]
 
 LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow
-
-
-class Seconds(click.FloatRange):
-    """A number of seconds, which "nan" and "inf" are not."""
-
-    name = "number of seconds"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """Read it, or say what is wrong."""
-        seconds: float = super().convert(value, param, ctx)
-        if not math.isfinite(seconds):
-            self.fail(f"{value!r} is not a number of seconds.", param, ctx)
-        return seconds
-
-
-duration_option = click.option(
-    "--duration",
-    type=Seconds(min=0, min_open=True),
-    metavar="SECONDS",
-    envvar="TANK_DURATION",
-    help="End by itself after so many seconds; without it, Ctrl-C ends the run.",
-)
-linger_option = click.option(
-    "--linger",
-    type=Seconds(min=0),
-    default=0.0,
-    metavar="SECONDS",
-    envvar="TANK_LINGER",
-    help="After the duration, wait so long at most for the others to end first.",
-)
-report_option = click.option(
-    "--report",
-    type=click.Path(file_okay=False, path_type=Path),
-    metavar="DIR",
-    envvar="TANK_REPORT",
-    help="Write what was measured to DIR/NODE.json.",
-)
-headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS", help="Show no 3D view.")
 
 
 def main() -> None:
@@ -109,6 +73,12 @@ def tank() -> None:
     help="Show the 3D view on this port; else the first free from 7000.",
 )
 @click.option(
+    "--html",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Keep the run as a page that plays it again; it needs nothing else.",
+)
+@click.option(
     "--robot",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="MODEL",
@@ -131,6 +101,7 @@ def run(
     headless: bool,
     report: Path | None,
     port: int | None,
+    html: Path | None,
     robot: Path | None,
     own: tuple[Path, ...],
 ) -> int:
@@ -144,7 +115,7 @@ def run(
         loaded = loaded.with_robot(robot)
     for path in own:
         loaded = loaded.with_own(load_controllers(path))
-    return until_asked(_host(loaded, ros_args, duration, linger, headless, report, port), duration)
+    return until_asked(_host(loaded, ros_args, duration, linger, headless, report, port, html), duration)
 
 
 @tank.command(short_help="Publish a gamepad, or a scripted drive, on /joy.")
@@ -166,7 +137,7 @@ def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: 
     stop = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
-    with _node("joy", ros_args) as thread, progress_bar(duration) as progress:
+    with named_node("joy", ros_args) as thread, progress_bar(duration) as progress:
         seconds = JoyPublisher(thread.node, source).run(duration, linger, stop, progress)
         if report is not None:
             write_record(make_record(thread.node.get_name(), seconds, thread.node.meters), report)
@@ -215,6 +186,18 @@ def lab(jupyter_args: tuple[str, ...]) -> None:
     os.execv(sys.executable, lab_command(jupyter_args))
 
 
+@tank.command("doctor", short_help="Check whether this machine has what the tutorial needs.")
+def check_up() -> int:
+    """Check whether this machine has what the tutorial needs, and say what to mend."""
+    from tutorial.doctor import doctor
+
+    return doctor()
+
+
+tank.add_command(node)
+tank.add_command(topic)
+
+
 def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
     """Part ROS 2's arguments, from ``--ros-args`` to ``--`` or the end, from the command's own."""
     own: list[str] = []
@@ -239,64 +222,34 @@ async def _host(
     headless: bool,
     report: Path | None,
     port: int | None,
+    html: Path | None,
 ) -> None:
     """Run a project on the event loop that is running."""
     from tutorial.host import Host
     from tutorial.record import write_record
+    from tutorial.replay import recorded
+    from tutorial.scene import Scene
+    from tutorial.view import View
+    from tutorial.web import SceneServer
 
     async with AsyncExitStack() as stack:
-        view, url = None, None
+        scene, server = Scene(), None
         if not headless:
-            view, url = await stack.enter_async_context(_served_view(project.path.stem, port))
-        with _clear_ros_errors():
+            server = await stack.enter_async_context(SceneServer(scene, port=port, title=project.path.stem))
+        view = None if headless and html is None else View(scene)
+        with clear_ros_errors():
             host = await stack.enter_async_context(Host(project, ros_args, view))
         click.echo(project.tree())
-        if url is not None:
-            click.echo(f"look at {url}")
+        if server is not None:
+            click.echo(f"look at {server.url}")
+        if html is not None:
+            stack.enter_context(recorded(scene, host, html))
         progress = stack.enter_context(progress_bar(duration))
         try:
             await host.run(duration, linger, progress)
         finally:
             if report is not None:
                 write_record(host.record(), report)
-
-
-@asynccontextmanager
-async def _served_view(title: str, port: int | None) -> AsyncIterator[tuple[View, str]]:
-    """Serve a view, and yield it with its address."""
-    from tutorial.scene import Scene
-    from tutorial.view import View
-    from tutorial.web import SceneServer
-
-    scene = Scene()
-    async with SceneServer(scene, port=port, title=title) as server:
-        yield View(scene), server.url
-
-
-@contextmanager
-def _node(name: str, ros_args: list[str]) -> Iterator[Any]:
-    from tutorial.ros import NodeThread
-
-    with _clear_ros_errors():
-        thread = NodeThread(name, ros_args)
-    with thread:
-        yield thread
-
-
-@contextmanager
-def _clear_ros_errors() -> Iterator[None]:
-    """Turn what rclpy raises about names and arguments into an error without a traceback."""
-    from rclpy._rclpy_pybind11 import UnknownROSArgsError
-    from rclpy.exceptions import NameValidationException
-
-    try:
-        yield
-    except NameValidationException as error:
-        raise TutorialError(str(error)) from error
-    except UnknownROSArgsError as error:
-        raise TutorialError(f"ROS 2 does not know the arguments {error}") from error
-    except RuntimeError as error:
-        raise TutorialError(f"ROS 2 says: {error}") from error
 
 
 def _joy_source(drive: str | None) -> JoySource:

@@ -10,6 +10,7 @@ import base64
 import gzip
 import html
 import json
+import logging
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from tutorial.host import Host
 
 __all__ = ["Recorder", "Replay", "recorded"]
+
+_log = logging.getLogger(__name__)
 
 FRAME = 1 / 30  # [s] between two frames of what moves
 LONGEST = 600.0
@@ -157,6 +160,9 @@ class Recorder:
         self._time += min(max(now - self._heard_at, 0.0), self._longest_pause)
         self._heard_at = now
         if self._time > LONGEST:
+            if self._frames[-1].message:  # said once: the last of the frames is empty then
+                _log.warning("the first %.0f minutes of the run are kept, not more", LONGEST / 60)
+                self._frames.append(_Frame(LONGEST, b"", self._frames[-1].joints))
             return
         if self._time - self._frames[-1].time > 2 * FRAME:  # until just now, nothing has moved
             self._frames.append(_Frame(self._time - FRAME, b"", self._frames[-1].joints))
@@ -184,6 +190,7 @@ def recorded(scene: Scene, host: Host, path: Path | str, longest_pause: float = 
         yield
     finally:
         recorder.stop().save(path, host.node.get_name())
+        _log.info("the run is kept in %s: open it in a browser", path)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,21 @@
-"""What ``ros2 topic`` prints - list, info, echo, hz - as text, for whichever rclpy is in use."""
+"""What ``ros2 topic`` and ``ros2 node`` print, as text, for whichever rclpy is in use."""
 
+from tutorial.topics.listening import topic_echo, topic_hz
+from tutorial.topics.listing import topic_find, topic_info, topic_list, topic_type
+from tutorial.topics.nodes import node_info, node_names
+from tutorial.topics.publishing import topic_pub
 from tutorial.topics.settling import settle, settled
-from tutorial.topics.tools import topic_echo, topic_hz, topic_info, topic_list
 
-__all__ = ["settle", "settled", "topic_echo", "topic_hz", "topic_info", "topic_list"]
+__all__ = [
+    "node_info",
+    "node_names",
+    "settle",
+    "settled",
+    "topic_echo",
+    "topic_find",
+    "topic_hz",
+    "topic_info",
+    "topic_list",
+    "topic_pub",
+    "topic_type",
+]

@@ -5,52 +5,17 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import deque
-from importlib import import_module
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 
 from tutorial.errors import TutorialError
 from tutorial.handoff import CallQueue
+from tutorial.topics.names import message_class
+from tutorial.topics.qos import reader_qos
 
-__all__ = ["Inbox", "message_class", "reader_qos"]
-
-SENSOR_DEPTH = 5  # of rclpy's qos_profile_sensor_data, which ros2 begins with
-
-
-def message_class(type_name: str) -> Any:
-    """Return the class of a message type.
-
-    Args:
-        type_name: such as ``"sensor_msgs/msg/Joy"``.
-
-    Raises:
-        TutorialError: there is none.
-    """
-    try:
-        package, kind, name = type_name.split("/")
-        return getattr(import_module(f"{package}.{kind}"), name)
-    except (ValueError, ImportError, AttributeError):
-        raise TutorialError(f"The message type '{type_name}' is invalid") from None
-
-
-def reader_qos(node: Node, topic: str, depth: int = SENSOR_DEPTH) -> QoSProfile:
-    """Choose what a subscription can ask for so that all publishers of a topic fit it, as ``ros2`` does.
-
-    Args:
-        node: that asks.
-        topic: its full name.
-        depth: how many messages wait for the callback.
-    """
-    offered = [info.qos_profile for info in node.get_publishers_info_by_topic(topic)]
-    reliable = bool(offered) and all(qos.reliability == ReliabilityPolicy.RELIABLE for qos in offered)
-    lasting = bool(offered) and all(qos.durability == DurabilityPolicy.TRANSIENT_LOCAL for qos in offered)
-    return QoSProfile(
-        depth=depth,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if lasting else DurabilityPolicy.VOLATILE,
-    )
+__all__ = ["Inbox", "message_class"]
 
 
 class Inbox:
@@ -62,9 +27,18 @@ class Inbox:
         topic: its full name.
         kept: how many messages wait at most to be taken.
         times_only: keep None instead of each message, which is not even decoded.
+        qos: what to ask the publishers for; None for what fits all there are.
     """
 
-    def __init__(self, node: Node, kind: Any, topic: str, kept: int = 100, times_only: bool = False) -> None:
+    def __init__(
+        self,
+        node: Node,
+        kind: Any,
+        topic: str,
+        kept: int = 100,
+        times_only: bool = False,
+        qos: QoSProfile | None = None,
+    ) -> None:
         self._node = node
         self._topic = topic
         self._messages: deque[tuple[float, Any]] = deque(maxlen=kept)
@@ -73,7 +47,7 @@ class Inbox:
         self._scope = self._calls.scope(f"a look at {topic}")
         self._times_only = times_only
         self._subscription = node.create_subscription(
-            kind, topic, self._on_message, reader_qos(node, topic), raw=times_only
+            kind, topic, self._on_message, qos or reader_qos(node, topic), raw=times_only
         )
 
     async def next(self, timeout: float | None = None) -> tuple[float, Any]:

@@ -2,34 +2,40 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from array import array
+from collections.abc import Sized
 from typing import Any
 
 import numpy as np
 import yaml
 
-from tutorial.errors import TutorialError
+from tutorial.topics.names import is_message
 
-__all__ = ["TRUNCATE_LENGTH", "field_text", "message_to_yaml"]
+__all__ = ["ARRAYS", "TRUNCATE_LENGTH", "array_summary", "message_to_yaml"]
 
 TRUNCATE_LENGTH = 128
 """How much of an array or a string ``ros2 topic echo`` prints."""
 
+ARRAYS = (list, tuple, array, np.ndarray)
+"""What a field of several values may hold."""
 
-def message_to_yaml(message: Any, truncate_length: int | None = TRUNCATE_LENGTH) -> str:
+
+def message_to_yaml(message: Any, truncate_length: int | None = TRUNCATE_LENGTH, no_arr: bool = False) -> str:
     """Write a message as YAML, its fields in their order.
 
     Args:
         message: of any type.
         truncate_length: how many elements of an array and characters of a string are written, followed by ``...``;
             None for all.
+        no_arr: write of each array only what it is.
 
     Returns:
         Lines, of which the last ends in a line break too.
     """
     text: str = yaml.dump(
-        _plain(message, truncate_length),
+        _plain(message, truncate_length, no_arr),
         Dumper=yaml.SafeDumper,
         sort_keys=False,
         allow_unicode=True,
@@ -39,43 +45,40 @@ def message_to_yaml(message: Any, truncate_length: int | None = TRUNCATE_LENGTH)
     return text
 
 
-def field_text(message: Any, field: str | None = None) -> str:
-    """Write a message, or one field of it, as ``ros2 topic echo --field`` does, without the closing ``---``.
-
-    A field that is a message is written as YAML, any other as Python shows it.
+def array_summary(value: Sized, kind: str) -> str:
+    """Say of an array only what it is, as ``ros2 topic echo --no-arr``.
 
     Args:
-        message: of any type.
-        field: its name, with those of the fields around it: ``"header.stamp"``. None for the whole message.
+        value: the array.
+        kind: its field's type, such as ``"sequence<double>"``.
 
-    Raises:
-        TutorialError: there is no such field.
+    Returns:
+        For instance ``"<sequence type: double, length: 2>"``.
     """
-    names = [name for name in (field or "").split(".") if name]
-    if field is not None and not names:
-        raise TutorialError(f"Invalid field value '{field}'")
-    value = message
-    for name in names:
-        try:
-            value = getattr(value, name)
-        except AttributeError as error:
-            raise TutorialError(f"Invalid field '{'.'.join(names)}': {error}") from None
-    return message_to_yaml(value) if _is_message(value) else f"{value}\n"
+    found = re.fullmatch(r"sequence<(\S+?)(?:, (\d+))?>", kind)
+    if found is None:
+        return f"<array type: {_long(kind)}>"
+    element, bound = found.groups()
+    return f"<sequence type: {_long(element)}{f'[{bound}]' if bound else ''}, length: {len(value)}>"
 
 
-def _is_message(value: Any) -> bool:
-    return hasattr(value, "get_fields_and_field_types")
-
-
-def _plain(value: Any, length: int | None) -> Any:
+def _plain(value: Any, length: int | None, no_arr: bool, kind: str = "") -> Any:
     """Turn a field's value into what YAML knows; as in ROS 2, bytes become a string of their characters."""
-    if _is_message(value):
-        return {name: _plain(getattr(value, name), length) for name in value.get_fields_and_field_types()}
+    if is_message(value):
+        kinds = value.get_fields_and_field_types()
+        return {name: _plain(getattr(value, name), length, no_arr, kind) for name, kind in kinds.items()}
     if isinstance(value, bytes):
         value = value.decode("latin-1")
     if isinstance(value, str):
         return value if length is None or len(value) <= length else f"{value[:length]}..."
-    if isinstance(value, (list, tuple, array, np.ndarray)):
+    if isinstance(value, ARRAYS):
+        if no_arr and kind:
+            return array_summary(value, kind)
         end = [] if length is None or len(value) <= length else ["..."]
-        return [_plain(element, length) for element in value[:length]] + end
+        return [_plain(element, length, no_arr) for element in value[:length]] + end
     return value.item() if isinstance(value, np.generic) else value
+
+
+def _long(kind: str) -> str:
+    """Name a field's type in full: ``"std_msgs/msg/Header"`` for ``"std_msgs/Header"``, no length of a string."""
+    return re.sub(r"<\d+>", "", kind).replace("/", "/msg/")

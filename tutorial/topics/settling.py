@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 
 from rclpy.node import Node
 
 from tutorial.topics.names import EVERY_NODE_HAS, full_name
 
-__all__ = ["settle", "settled"]
+__all__ = ["met", "settle", "settled"]
 
 READ_EVERY = 0.1  # [s] between two looks at the graph
 QUIET_READS = 5  # that have to agree before the graph counts as settled
 PATIENCE = 5.0  # [s] for it to settle
+SHY = 2.0  # [s] that a node or topic that is asked for may take to turn up: Fast DDS is slower than Cyclone
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # whose name is still on its way
 
 
@@ -59,6 +60,23 @@ async def settled(node: Node, patience: float = PATIENCE) -> bool:
     while not (done := settling.look()) and time.monotonic() < deadline:
         await asyncio.sleep(READ_EVERY)
     return done
+
+
+async def met(node: Node, wanted: Callable[[], object]) -> bool:
+    """As `settled`, but what is asked for and not there yet is waited for a little longer.
+
+    Args:
+        node: that asks; its thread must spin.
+        wanted: whether it is there.
+
+    Returns:
+        Whether the graph has settled.
+    """
+    deadline = time.monotonic() + SHY
+    while True:
+        done = await settled(node)
+        if wanted() or time.monotonic() >= deadline:
+            return done
 
 
 def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-__all__ = ["Cardinality", "Constant", "Definition", "Field", "definition", "type_hash", "type_names"]
+__all__ = ["Cardinality", "Definition", "Field", "definition", "type_hash", "type_names"]
 
 EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
 """IDL knows no empty struct: an empty message has this uint8 on the wire, and nothing in its class."""
 
 
 class Cardinality(Enum):
-    """How many values a field holds."""
+    """How many values a field holds: a fixed number only of numbers, in all messages that there are."""
 
     SCALAR = "one"
     ARRAY = "a fixed number"
@@ -59,19 +59,11 @@ class Field:
 
 
 @dataclass(frozen=True)
-class Constant:
-    """A named value of a message, such as ``DiagnosticStatus.WARN``."""
-
-    name: str
-    value: Any
-
-
-@dataclass(frozen=True)
 class Definition:
-    """One message type: its constants, and its fields as they are on the wire."""
+    """One message type: its constants by name, and its fields as they are on the wire."""
 
     type_name: str
-    constants: tuple[Constant, ...]
+    constants: dict[str, Any]
     wire_fields: tuple[Field, ...]
 
     @property
@@ -93,7 +85,7 @@ def definition(type_name: str) -> Definition:
     constants, fields = _store().fielddefs[type_name]
     return Definition(
         type_name,
-        tuple(_constant(name, base, value) for name, base, value in constants),
+        {name: bytes([int(value)]) if base == "byte" else value for name, base, value in constants},
         tuple(_field(name, description) for name, description in fields),
     )
 
@@ -132,10 +124,6 @@ def _without_char(description: Any) -> Any:
     if isinstance(description, tuple):
         return tuple(_without_char(part) for part in description)
     return description
-
-
-def _constant(name: str, base: str, value: Any) -> Constant:
-    return Constant(name, bytes([value]) if base == "byte" else value)
 
 
 def _field(name: str, description: Any) -> Field:

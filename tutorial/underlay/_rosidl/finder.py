@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
@@ -19,6 +20,9 @@ __all__ = ["InterfaceFinder", "install"]
 
 PACKAGE_SUFFIXES = ("_msgs", "_interfaces", "_common")
 """How ROS names packages of messages. It spares every other failing import in the process a look into the store."""
+
+ONLY_IN_REAL_ROS = ("example_interfaces", "std_srvs")
+"""What the tutorials of ROS 2 import as well: mostly services and actions, and not in the store."""
 
 
 def install(*, first: bool = False) -> None:
@@ -40,12 +44,22 @@ class InterfaceFinder(MetaPathFinder, Loader):
         path: Sequence[str] | None,  # noqa: ARG002
         target: ModuleType | None = None,  # noqa: ARG002
     ) -> ModuleSpec | None:
-        """Answer for names that are message packages or inside them, and for nothing else."""
+        """Answer for names that are message packages or inside them, and for nothing else.
+
+        Raises:
+            NeedsRealROSError: the name is that of services or actions.
+            ImportError: there is no such message, but one of nearly the same name.
+        """
         package, *rest = fullname.split(".")
-        if not package.endswith(PACKAGE_SUFFIXES) or rest[:1] not in ([], ["msg"]) or len(rest) > 2:
+        names = _message_names(package) if package.endswith(PACKAGE_SUFFIXES) else {}
+        if package in ONLY_IN_REAL_ROS or (names and rest in (["srv"], ["action"])):
+            from rclpy.exceptions import NeedsRealROSError  # noqa: PLC0415  (whoever only looks needs no rclpy)
+
+            raise NeedsRealROSError(fullname)
+        if not names or rest[:1] not in ([], ["msg"]) or len(rest) > 2:
             return None
-        names = _message_names(package)
-        if not names or (len(rest) == 2 and rest[1] not in names):
+        if len(rest) == 2 and rest[1] not in names:
+            _suggest(rest[1], package, names.values())
             return None
         return ModuleSpec(fullname, self, is_package=len(rest) < 2)
 
@@ -79,6 +93,14 @@ class MessagesModule(ModuleType):
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self.__all__]
+
+
+def _suggest(name: str, package: str, known: Iterable[str]) -> None:
+    """Say which message is meant, if one is nearly called so; if none is, Python has the word."""
+    near = get_close_matches(name, known, n=1)
+    if near and near[0] != name and not name.startswith("_"):
+        path = f"{package}.msg"
+        raise ImportError(f"cannot import name {name!r} from {path!r}. Did you mean {near[0]!r}?", name=path)
 
 
 def _message_names(package: str) -> dict[str, str]:

@@ -9,8 +9,9 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from _rosidl.checks import checker
 from _rosidl.definitions import Cardinality, Definition, Field, definition
-from _rosidl.values import PRIMITIVES, checker, container, default_factory, field_type
+from _rosidl.values import PRIMITIVES, container, default_factory, field_type
 
 __all__ = ["Message", "make_message_class", "message_class"]
 
@@ -27,9 +28,9 @@ class Slot(NamedTuple):
         name: of the field.
         wire_attribute: name under which it is decoded.
         default: makes its default value.
-        contain: turns a value into the container that is kept; None keeps the value itself.
+        contain: turns what is decoded into the container that is kept; None keeps it as it is.
         store: puts a value into a message's slot.
-        prefix: what ``repr`` leaves out of the value's own, such as ``"array('d', "``.
+        is_array: whether it keeps an ``array.array``.
     """
 
     name: str
@@ -37,7 +38,7 @@ class Slot(NamedTuple):
     default: Callable[[], Any]
     contain: Callable[[Any], Any] | None
     store: Callable[[Any, Any], None]
-    prefix: str
+    is_array: bool
 
 
 class Message:  # noqa: PLW1641  (mutable, so without a hash)
@@ -55,7 +56,7 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
 
     _definition: ClassVar[Definition]
     _fields_and_field_types: ClassVar[dict[str, str]]
-    _layout: ClassVar[tuple[Slot, ...]]
+    _slots_: ClassVar[tuple[Slot, ...]]  # no field's slot can be called so: names of fields don't end with "_"
     _check_fields: bool
 
     structure_needs_at_least_one_member: ClassVar[int] = 0
@@ -64,15 +65,19 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
         self._check_fields = check_fields  # type: ignore[misc]  # a slot of the subclass
         if check_fields and (unknown := sorted(fields.keys() - self._fields_and_field_types.keys())):
             raise AssertionError(f"Invalid arguments passed to constructor: {', '.join(unknown)}")
-        for slot in self._layout:
-            setattr(self, slot.name, fields[slot.name] if slot.name in fields else slot.default())
+        for slot in self._slots_:
+            if slot.name in fields:
+                value = fields[slot.name]
+                setattr(self, slot.name, slot.contain(value) if slot.contain and slot.is_array else value)
+            else:
+                slot.store(self, slot.default())
 
     @classmethod
     def _from_wire(cls, fields: dict[str, Any]) -> Message:
         """Make a message of decoded fields, past the constructor, because this is done for every message received."""
         message: Message = object.__new__(cls)
-        message._check_fields = False  # type: ignore[misc]
-        for slot in cls._layout:
+        message._check_fields = CHECK_FIELDS  # type: ignore[misc]
+        for slot in cls._slots_:
             value = fields[slot.wire_attribute]
             slot.store(message, value if slot.contain is None else slot.contain(value))
         return message
@@ -84,13 +89,14 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
 
     def __repr__(self) -> str:
         package = type(self).__module__.rpartition(".")[0]
-        fields = ", ".join(f"{slot.name}={_shown(slot, getattr(self, slot.name))}" for slot in self._layout)
+        fields = ", ".join(f"{slot.name}={_shown(slot, getattr(self, slot.name))}" for slot in self._slots_)
         return f"{package}.{type(self).__name__}({fields})"
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, type(self)):
             return False
-        return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b for a, b in _pairs(self, other))
+        pairs = ((getattr(self, slot.name), getattr(other, slot.name)) for slot in self._slots_)
+        return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b for a, b in pairs)
 
 
 def message_class(type_name: str) -> type[Message]:
@@ -120,40 +126,47 @@ def make_message_class(type_name: str, module: str) -> type[Message]:
         "_definition": message,
         "_fields_and_field_types": {field.name: field_type(field) for field in message.fields},
     }
-    namespace.update((constant.name, constant.value) for constant in message.constants)
-    cls: type[Message] = type(name, (Message,), namespace)
-    cls._layout = tuple(_add_field(cls, field) for field in message.fields)
+    namespace.update(message.constants)
+    read_only = {name: _read_only(value) for name, value in message.constants.items()}
+    cls: type[Message] = type(f"Metaclass_{name}", (type,), read_only)(name, (Message,), namespace)
+    cls._slots_ = tuple(_add_field(cls, field) for field in message.fields)
     return cls
 
 
 def _add_field(cls: type[Message], field: Field) -> Slot:
     """Give the class the field's property, and return what else is to be known of it."""
     element = message_class(field.base) if field.is_message else PRIMITIVES[field.base].python
-    contain = container(field)
+    kept = container(field)
     check = checker(field, element)
     slot = getattr(cls, f"_{field.name}")
 
     def assign(self: Message, value: Any) -> None:
         if self._check_fields:
             check(value)
-        slot.__set__(self, value if contain is None else contain(value))
+        if kept and not (self._check_fields and isinstance(value, kept.kind)):  # checked, it is kept without a copy
+            value = kept.make(value)
+        slot.__set__(self, value)
 
     setattr(cls, field.name, property(slot.__get__, assign, doc=f"Message field '{field.name}'."))
+    contain = kept.make if kept else None
     if field.is_octet_array:
         setattr(cls, field.wire_attribute, property(lambda self: slot.__get__(self).tobytes()))
+        contain = _octets
     default = DEFAULTS.get((cls._definition.type_name, field.name))
     make_default = default_factory(field, element) if default is None else lambda: default
-    is_array = contain is not None and field.cardinality is Cardinality.SEQUENCE
-    prefix = f"array({PRIMITIVES[field.base].code!r}, " if is_array else ""
-    return Slot(field.name, field.wire_attribute, make_default, contain, slot.__set__, prefix)
+    is_array = kept is not None and field.cardinality is Cardinality.SEQUENCE
+    return Slot(field.name, field.wire_attribute, make_default, contain, slot.__set__, is_array)
+
+
+def _read_only(value: Any) -> property:
+    return property(lambda _: value)
+
+
+def _octets(decoded: bytes) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    return np.frombuffer(bytearray(decoded), np.uint8)
 
 
 def _shown(slot: Slot, value: Any) -> str:
-    text = repr(value)
-    if slot.prefix:
-        return text[len(slot.prefix) : -1] if len(value) else "[]"
-    return text
-
-
-def _pairs(left: Message, right: Message) -> list[tuple[Any, Any]]:
-    return [(getattr(left, slot.name), getattr(right, slot.name)) for slot in left._layout]
+    if not slot.is_array:
+        return repr(value)
+    return repr(value)[len("array('d', ") : -1] if len(value) else "[]"

@@ -1,22 +1,20 @@
-"""What a field may hold: its default, its container, and rclpy's checks."""
+"""What a field may hold: its type, its container and its default."""
 
 from __future__ import annotations
 
 import math
 import sys
 from array import array
-from collections import UserList, UserString
-from collections.abc import Callable, Sequence, Set
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from _rosidl.definitions import Cardinality, Field
 
-__all__ = ["PRIMITIVES", "Primitive", "checker", "container", "default_factory", "field_type"]
+__all__ = ["PRIMITIVES", "Container", "Primitive", "container", "default_factory", "field_type", "number_type"]
 
 FLOAT32_MAX = 3.402823466e38  # the literal that rosidl's checks are made of
-NO_LIMITS = (0.0, 0.0)
 
 
 class Primitive(NamedTuple):
@@ -25,39 +23,49 @@ class Primitive(NamedTuple):
     Attributes:
         idl: its name in IDL, which ``get_fields_and_field_types()`` shows.
         python: the type of a value.
-        code: of ``array.array`` for sequences and of the dtype for arrays; "" if these are lists.
-        limits: smallest and largest value.
+        code: of ``array.array`` for sequences and of the dtype for arrays; "" if it isn't a number.
+        limits: smallest and largest value of a number.
     """
 
     idl: str
     python: type
     code: str = ""
-    limits: tuple[float, float] = NO_LIMITS
+    limits: tuple[float, float] = (0, 0)
 
+    @property
+    def kind(self) -> str:
+        """What ROS 2's checks call a number of this type."""
+        return self.idl if self.python is float else "integer" if self.limits[0] else "unsigned integer"
 
-def _signed(bits: int, code: str) -> Primitive:
-    return Primitive(f"int{bits}", int, code, (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1))
-
-
-def _unsigned(bits: int, code: str) -> Primitive:
-    return Primitive(f"uint{bits}", int, code, (0, 2**bits - 1))
+    def holds(self, number: Any) -> bool:
+        """Whether a number is within the limits, or infinite or none."""
+        return not (number < self.limits[0] or number > self.limits[1]) or number in (math.inf, -math.inf)
 
 
 PRIMITIVES = {
     "bool": Primitive("boolean", bool),
     "byte": Primitive("octet", bytes),
-    "int8": _signed(8, "b"),
-    "int16": _signed(16, "h"),
-    "int32": _signed(32, "i"),
-    "int64": _signed(64, "q"),
-    "uint8": _unsigned(8, "B"),
-    "uint16": _unsigned(16, "H"),
-    "uint32": _unsigned(32, "I"),
-    "uint64": _unsigned(64, "Q"),
+    "string": Primitive("string", str),
     "float32": Primitive("float", float, "f", (-FLOAT32_MAX, FLOAT32_MAX)),
     "float64": Primitive("double", float, "d", (-sys.float_info.max, sys.float_info.max)),
-    "string": Primitive("string", str),
 }
+for bits, code in (8, "b"), (16, "h"), (32, "i"), (64, "q"):
+    PRIMITIVES[f"int{bits}"] = Primitive(f"int{bits}", int, code, (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1))
+    PRIMITIVES[f"uint{bits}"] = Primitive(f"uint{bits}", int, code.upper(), (0, 2**bits - 1))
+
+
+class Container(NamedTuple):
+    """What keeps the numbers of a field that has several of them.
+
+    Attributes:
+        kind: ``array.array`` for any number of them, ``numpy.ndarray`` for a fixed number.
+        make: makes one of other values; copies one.
+        default: makes one without values, or with zeros.
+    """
+
+    kind: type
+    make: Callable[[Any], Any]
+    default: Callable[[], Any]
 
 
 def field_type(field: Field) -> str:
@@ -72,14 +80,21 @@ def field_type(field: Field) -> str:
     return text
 
 
-def container(field: Field) -> Callable[[Any], Any] | None:
-    """Return what turns a value into the container that the field keeps, or None if it keeps the value itself."""
-    code = "" if field.is_message else PRIMITIVES[field.base].code
-    if not code or field.cardinality is Cardinality.SCALAR:
+def number_type(field: Field) -> Primitive | None:
+    """Return the type of the field's numbers, or None if it holds something else."""
+    primitive = PRIMITIVES.get(field.base)
+    return primitive if primitive and primitive.code else None
+
+
+def container(field: Field) -> Container | None:
+    """Return what keeps the field's numbers, or None if the field keeps a value as it is given."""
+    number = number_type(field)
+    if number is None or field.cardinality is Cardinality.SCALAR:
         return None
+    code = number.code
     if field.cardinality is Cardinality.SEQUENCE:
-        return lambda value: array(code, value)
-    return lambda value: np.array(bytearray(value) if isinstance(value, bytes) else value, dtype=code)
+        return Container(array, lambda value: array(code, value), lambda: array(code))
+    return Container(np.ndarray, lambda value: np.array(value, code), lambda: np.zeros(field.size, code))
 
 
 def default_factory(field: Field, element: type) -> Callable[[], Any]:
@@ -89,84 +104,8 @@ def default_factory(field: Field, element: type) -> Callable[[], Any]:
         field: which one.
         element: the message class or Python type of its values.
     """
-    make = (lambda: b"\0") if element is bytes else element
-    if field.cardinality is Cardinality.SCALAR:
-        return make
+    if kept := container(field):
+        return kept.default
     if field.cardinality is Cardinality.SEQUENCE:
         return list
-    return lambda: [make() for _ in range(field.size)]
-
-
-def checker(field: Field, element: type) -> Callable[[Any], None]:
-    """Return rclpy's check of the field, which runs only for messages made with ``check_fields=True``.
-
-    The check raises an AssertionError with rclpy's text.
-    """
-    accepts, demand = (
-        _one_value(field, element) if field.cardinality is Cardinality.SCALAR else _many_values(field, element)
-    )
-    problem = f"The '{field.name}' field must be {demand}"
-
-    def check(value: Any) -> None:
-        if not accepts(value):
-            raise AssertionError(problem)
-
-    return check
-
-
-def _one_value(field: Field, element: type) -> tuple[Callable[[Any], bool], str]:
-    limits = NO_LIMITS if field.is_message else PRIMITIVES[field.base].limits
-    if field.is_message:
-        return lambda value: isinstance(value, element), f"a sub message of type '{element.__name__}'"
-    if element is bytes:
-        return (
-            lambda value: isinstance(value, bytes) and len(value) == 1,
-            "of type 'bytes' or 'ByteString' with length 1",
-        )
-    if field.string_bound:
-        bound = field.string_bound
-        return (
-            lambda value: isinstance(value, str) and len(value) <= bound,
-            f"string value not longer than {bound}",
-        )
-    return (
-        lambda value: isinstance(value, element) and _within(value, limits),
-        f"of type '{element.__name__}'",
-    )
-
-
-def _many_values(field: Field, element: type) -> tuple[Callable[[Any], bool], str]:
-    limits = NO_LIMITS if field.is_message else PRIMITIVES[field.base].limits
-    demands = ["a set or sequence"]
-    if field.cardinality is Cardinality.ARRAY:
-        demands.append(f"with length {field.size}")
-    elif field.size:
-        demands.append(f"with length <= {field.size}")
-    demands.append(f"and each value of type '{element.__name__}'")
-    if limits != NO_LIMITS:
-        demands.append(_limits_text(PRIMITIVES[field.base]))
-
-    def accepts(values: Any) -> bool:
-        return (
-            isinstance(values, (Sequence, Set, UserList, array, np.ndarray))
-            and not isinstance(values, (str, UserString))
-            and (not field.size or _length_fits(field, len(values)))
-            and all(isinstance(value, (element, np.generic)) and _within(value, limits) for value in values)
-        )
-
-    return accepts, " ".join(demands)
-
-
-def _length_fits(field: Field, length: int) -> bool:
-    return length == field.size if field.cardinality is Cardinality.ARRAY else length <= field.size
-
-
-def _within(value: Any, limits: tuple[float, float]) -> bool:
-    return limits == NO_LIMITS or limits[0] <= value <= limits[1] or not math.isfinite(value)
-
-
-def _limits_text(primitive: Primitive) -> str:
-    low, high = primitive.limits
-    if primitive.python is float:
-        return f"and each {primitive.idl} in [{low:f}, {high:f}]"
-    return f"and each {'integer' if low else 'unsigned integer'} in [{low}, {high}]"
+    return (lambda: b"\0") if element is bytes else element

@@ -1,0 +1,55 @@
+"""Options that several commands of ``tank`` share."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import click
+
+__all__ = ["Finite", "Seconds", "duration_option", "headless_option", "linger_option", "report_option"]
+
+
+class Finite(click.FloatRange):
+    """A number, which "nan" and "inf" are not."""
+
+    name = "number"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Read it, or say what is wrong."""
+        number: float = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value!r} is not a {self.name}.", param, ctx)
+        return number
+
+
+class Seconds(Finite):
+    """A number of seconds."""
+
+    name = "number of seconds"
+
+
+duration_option = click.option(
+    "--duration",
+    type=Seconds(min=0, min_open=True),
+    metavar="SECONDS",
+    envvar="TANK_DURATION",
+    help="End by itself after so many seconds; without it, Ctrl-C ends the run.",
+)
+linger_option = click.option(
+    "--linger",
+    type=Seconds(min=0),
+    default=0.0,
+    metavar="SECONDS",
+    envvar="TANK_LINGER",
+    help="After the duration, wait so long at most for the others to end first.",
+)
+report_option = click.option(
+    "--report",
+    type=click.Path(file_okay=False, path_type=Path),
+    metavar="DIR",
+    envvar="TANK_REPORT",
+    help="Write what was measured to DIR/NODE.json.",
+)
+headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS", help="Show no 3D view.")
