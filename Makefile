@@ -8,6 +8,7 @@
 #   make install              .venv with everything that these need; quick when nothing has changed
 #   make screenshots          the README's pictures, taken by the browser tests
 #   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency and memory
+#   make book                 the pages of book/ and the notebooks, as a site in book/_build/html
 #   make bench | lint | clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3 python; do \
@@ -17,7 +18,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 DURATION ?=
 PYTEST_ARGS ?=
 
-.PHONY: demo test nbval notebooks screenshots lab install bench soak lint clean
+.PHONY: book demo test nbval notebooks screenshots lab install bench soak lint clean
 
 demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
@@ -42,6 +43,10 @@ bench: install
 
 soak: install
 	@PYTHONPATH=tests $(BIN)/python tests/soak $(DURATION)
+
+book: install
+	$(BIN)/python -m sphinx -W --keep-going -b html -d book/_build/trees book book/_build/html
+	@echo "The book is in book/_build/html/index.html"
 
 lint: .venv/lint
 	$(BIN)/ruff check .

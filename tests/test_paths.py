@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tutorial import paths
 from tutorial.paths import PACKAGE, SHIPPED, find_home
 
 
@@ -48,3 +49,10 @@ def test_a_folder_that_one_may_not_look_into_is_passed_over(tmp_path, monkeypatc
     assert find_home(tmp_path / "mine") == PACKAGE.parent
     with pytest.raises(PermissionError):
         (tmp_path / "project").is_dir()
+
+
+def test_a_strangers_folder_is_passed_over(tmp_path, monkeypatch):
+    course = make_course(tmp_path / "mine")
+    monkeypatch.setattr(paths, "ROOT", -1)
+    monkeypatch.setattr("os.getuid", lambda: course.stat().st_uid + 1)
+    assert find_home(course) == PACKAGE.parent

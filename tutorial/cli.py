@@ -180,10 +180,11 @@ def demo(duration: float | None, headless: bool) -> int:
 @click.argument("jupyter_args", nargs=-1, type=click.UNPROCESSED)
 def lab(jupyter_args: tuple[str, ...]) -> None:
     """Open JupyterLab on the first notebook; JUPYTER_ARGS after -- go to it."""
-    from tutorial.lab import lab_command, trust
+    from tutorial.lab import lab_command, own_course, trust
 
-    trust()
-    os.execv(sys.executable, lab_command(jupyter_args))
+    course = own_course()
+    trust(course / "notebooks")
+    os.execv(sys.executable, lab_command(jupyter_args, course))
 
 
 @tank.command("doctor", short_help="Check whether this machine has what the tutorial needs.")

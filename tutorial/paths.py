@@ -26,6 +26,8 @@ __all__ = [
     "with_own_commands",
 ]
 
+ROOT = 0  # the user
+
 PACKAGE = Path(__file__).resolve().parent
 """The folder of the package ``tutorial``; what is above it is where Python finds it."""
 
@@ -39,7 +41,8 @@ def find_home(start: Path) -> Path:
     Args:
         start: the folder, absolute.
     """
-    return next(filter(_is_course, (start, *start.parents, PACKAGE.parent)), SHIPPED)
+    beside = PACKAGE.parent if _is_course(PACKAGE.parent) else SHIPPED
+    return next((folder for folder in (start, *start.parents) if _is_course(folder) and _is_ours(folder)), beside)
 
 
 def _is_course(folder: Path) -> bool:
@@ -47,6 +50,11 @@ def _is_course(folder: Path) -> bool:
         return all((folder / part).is_dir() for part in ("launch_py", "notebooks", "project"))
     except PermissionError:  # a folder further up that one may not look into
         return False
+
+
+def _is_ours(folder: Path) -> bool:
+    """Whether it is no stranger's: what is in a course folder is run."""
+    return folder.stat().st_uid in (os.getuid(), ROOT)
 
 
 def _current_directory() -> Path:

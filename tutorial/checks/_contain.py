@@ -19,7 +19,7 @@ import msgspec
 
 from tutorial.checks._verdict import Finding, Place, wrong
 from tutorial.checks._watch import files_of
-from tutorial.paths import HOME
+from tutorial.paths import PACKAGE
 
 __all__ = ["Job", "contain"]
 
@@ -72,7 +72,7 @@ class _Process:
 
     def __init__(self, job: Job) -> None:
         self._report, report = os.pipe()
-        home = os.pathsep.join(filter(None, (str(HOME), os.environ.get("PYTHONPATH"))))
+        home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
         self._files = set(job.files)
         self._findings: list[Finding] = []
         self._trace: list[str] = []

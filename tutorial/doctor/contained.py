@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from tutorial.errors import TutorialError
-from tutorial.paths import HOME
+from tutorial.paths import PACKAGE
 
 __all__ = ["PATIENCE", "Ask", "UnansweredError", "ask"]
 
@@ -36,7 +36,7 @@ def ask(question: str, environment: Mapping[str, str], patience: float = PATIENC
     Raises:
         UnansweredError: it crashed, failed, or took too long.
     """
-    path = os.pathsep.join(filter(None, (str(HOME), environment.get("PYTHONPATH"))))
+    path = os.pathsep.join(filter(None, (str(PACKAGE.parent), environment.get("PYTHONPATH"))))
     try:
         process = subprocess.run(
             [sys.executable, "-P", "-m", "tutorial.doctor._child", question],
