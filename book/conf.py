@@ -41,6 +41,7 @@ html_static_path = ["book.css"]
 html_css_files = ["book.css"]
 html_favicon = None
 html_copy_source = False
+html_domain_indices = False
 html_show_sphinx = False
 copybutton_prompt_text = "$ "
 copybutton_only_copy_prompt_lines = False

@@ -100,7 +100,9 @@ MOVED = """async () => {
         replay.picture.viewer.render();
         return poses();
     };
-    return await look(0) !== await look(replay.duration / 2);
+    const seen = new Set();
+    for (const share of [0, 0.25, 0.5, 0.75, 1]) seen.add(await look(share * replay.duration));
+    return seen.size > 1;
 }"""
 
 
