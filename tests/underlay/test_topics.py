@@ -230,9 +230,9 @@ def test_announcements_of_others_are_taken_in_while_spinning(
 ) -> None:
     other = Context()
     other.init(args=[])
-    with other:
-        Node("other", context=other)
-        spin_until(lambda: node.context.graph._remote)
+    Node("other", context=other)
+    spin_until(lambda: node.context.graph._remote)
+    other.shutdown()
 
 
 def test_executors_that_are_gone_are_forgotten(context: Context) -> None:

@@ -15,8 +15,6 @@ from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.qos import Policy, Qos
 from rclpy._rclpy_pybind11 import RCLError
 
-__all__ = ["close", "configuration", "default_domain_id", "join", "leave", "lock"]
-
 MAX_PARTICIPANTS = 32
 MAX_DOMAIN_ID = 232
 
@@ -57,20 +55,15 @@ def configuration() -> str:
         raise RCLError(
             f"failed to initialize rcl: ROS_AUTOMATIC_DISCOVERY_RANGE is {reach!r}, must be OFF, LOCALHOST or SUBNET"
         )
+    outside = reach == "SUBNET" or (reach == "LOCALHOST" and peers)
+    interface = 'autodetermine="true"' if outside else 'address="127.0.0.1"'
     own = (
         '<CycloneDDS><Domain Id="any"><General>'
         f"<AllowMulticast>{str(reach == 'SUBNET').lower()}</AllowMulticast>"
-        f"<Interfaces><NetworkInterface {_interface(reach, peers)}/></Interfaces></General>"
+        f"<Interfaces><NetworkInterface {interface}/></Interfaces></General>"
         f"<Discovery>{_discovery(reach, peers)}</Discovery></Domain></CycloneDDS>"
     )
-    users = os.environ.get("CYCLONEDDS_URI", "")
-    return f"{own},{users}" if users else own
-
-
-def _interface(reach: str, peers: list[str]) -> str:
-    """Return which network interface to use: the one to the outside only if somebody is to be reached there."""
-    outside = reach == "SUBNET" or (reach == "LOCALHOST" and peers)
-    return 'autodetermine="true"' if outside else 'address="127.0.0.1"'
+    return ",".join(filter(None, (own, os.environ.get("CYCLONEDDS_URI"))))
 
 
 def _discovery(reach: str, peers: list[str]) -> str:

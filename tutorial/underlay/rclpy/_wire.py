@@ -12,9 +12,8 @@ from typing import Any, ClassVar, Self, cast
 from _rosidl.definitions import Cardinality, Field
 from _rosidl.message import Message, message_class
 from cyclonedds.idl import IdlStruct, make_idl_struct, types
+from cyclonedds.idl._support import Buffer
 from rclpy._rclpy_pybind11 import RCLError
-
-__all__ = ["Payload", "check_message_type", "decode", "encode", "payload_type", "wire_name"]
 
 PRIMITIVES: dict[str, Any] = {
     "bool": bool,
@@ -106,8 +105,12 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
     Raises:
         RCLError: the bytes are not such a message.
     """
+    buffer = Buffer(data, align_offset=4)  # the header does not count
     try:
-        return cast(Message, _wire_type(message_type).__idl__.deserialize(data))
+        message = _wire_type(message_type).__idl__.deserialize(buffer)
+        if buffer.tell() > len(data):  # which Cyclone DDS does not mind
+            raise EOFError("they end too early")
+        return cast(Message, message)
     except Exception as error:
         raise RCLError(
             f"failed to deserialize ROS message: {len(data)} bytes are no {message_type.__name__}: {error}"
