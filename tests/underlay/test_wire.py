@@ -152,7 +152,7 @@ def test_what_is_no_message_is_refused(data: bytes, cls: type[Any]) -> None:
 
 @embedded
 @given(
-    st.sampled_from([JointState, Joy, Image]),
+    st.sampled_from([JointState, Joy, Image, ByteMultiArray, NodeEntitiesInfo]),
     st.one_of(st.binary(max_size=64), st.binary(max_size=64).map(LITTLE_ENDIAN.__add__)),
 )
 def test_any_bytes_are_a_message_or_refused(cls: type[Any], data: bytes) -> None:
