@@ -474,7 +474,7 @@ def test_what_is_no_message_package() -> None:
             import_module(name)
 
 
-@pytest.mark.skipif(ros_backend() != "underlay", reason="a real ROS 2 is in use: it has services and actions")
+@pytest.mark.embedded
 class TestWhatOnlyTheEmbeddedRos2Says:
     """What a real ROS 2 has, and where the embedded one helps more."""
 

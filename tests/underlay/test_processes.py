@@ -138,6 +138,7 @@ for thread in threads:
     assert (process.returncode, errors) == (0, "")
 
 
+@pytest.mark.embedded
 def test_too_many_processes_is_said(domain: int, start: Start) -> None:
     join = f"""
 import sys
@@ -213,3 +214,21 @@ def test_coming_and_going_leaves_nothing_behind(node: Node) -> None:
     for _ in range(700):
         once()
     assert memory() - before < 700 * 1500  # it was 3800 bytes each time
+
+
+@pytest.mark.embedded
+@pytest.mark.parametrize(
+    ("reach", "uri", "said"),
+    [
+        ("", "", '<AllowMulticast>false</AllowMulticast><Interfaces><NetworkInterface address="127.0.0.1"/>'),
+        ("SUBNET", "", '<AllowMulticast>true</AllowMulticast><Interfaces><NetworkInterface autodetermine="true"/>'),
+        ("SYSTEM_DEFAULT", "", "<CycloneDDS/>"),
+        ("SYSTEM_DEFAULT", "file:///mine.xml", "file:///mine.xml"),
+    ],
+)
+def test_how_far_it_is_heard(reach: str, uri: str, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from rclpy._domain import configuration
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", reach)
+    monkeypatch.setenv("CYCLONEDDS_URI", uri)
+    assert said in configuration()

@@ -33,7 +33,7 @@ from rclpy.validate_topic_name import validate_topic_name
 from sensor_msgs.msg import Joy
 from std_msgs.msg import String
 
-from tutorial import ros_backend
+import tutorial  # noqa: F401
 
 CLASSES = (
     *(Clock, ClockType, ROSClock, Context, Duration, Joy, Node, Parameter, QoSPresetProfiles, QoSProfile, String, Time),
@@ -351,7 +351,7 @@ def test_signature(function: Callable[..., Any]) -> None:
     assert ", ".join(written) == SIGNATURES[function]
 
 
-@pytest.mark.skipif(ros_backend() != "underlay", reason="a real ROS 2 has it all")
+@pytest.mark.embedded
 @pytest.mark.parametrize(
     "code",
     [
@@ -380,7 +380,7 @@ def test_what_is_not_there_says_what_to_do(code: str, names: dict[str, Any]) -> 
     with pytest.raises((ImportError, AttributeError), match="A real ROS 2 Jazzy has: see https"):
         exec(code.replace("create_node('x'", "create_node('x', context=node.context"), names | {"executor": executor})
     executor.shutdown()
-    assert not hasattr(names["node"], "create_service") or ros_backend() != "underlay"
+    assert not hasattr(names["node"], "create_service")
 
 
 def test_unknown_options_are_type_errors(names: dict[str, Any]) -> None:
