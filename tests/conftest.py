@@ -8,7 +8,25 @@ import pytest
 from domains import reserved_domain
 from programs import Program
 
-import tutorial  # noqa: F401
+from tutorial import ros_backend
+
+
+@pytest.fixture(scope="session")
+def backend() -> str:
+    """Which ROS 2 the tests run on: ``rclpy``, a real one, or ``underlay``."""
+    return ros_backend()
+
+
+@pytest.fixture(autouse=True)
+def _embedded(request: pytest.FixtureRequest, backend: str) -> None:
+    """Skip what is about the embedded ROS 2 alone."""
+    if backend != "underlay" and request.node.get_closest_marker("embedded"):
+        pytest.skip("a real ROS 2 is in use: this is about the embedded one")
+
+
+def pytest_report_header() -> str:
+    """Say it at the top of a test run, too."""
+    return f"ROS 2: {ros_backend()}"
 
 
 @pytest.fixture

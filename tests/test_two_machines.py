@@ -19,17 +19,12 @@ import pytest
 from programs import PATIENCE, until
 from sensor_msgs.msg import JointState
 
-from tutorial import ros_backend
 from tutorial.ros import NodeThread
 
 CLONE_NEWNET = 0x40000000  # from linux/sched.h
 TOPIC = "/Tank/joint_state"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 PEERS = "ROS_STATIC_PEERS"
-
-underlay_only = pytest.mark.skipif(
-    ros_backend() != "underlay", reason="a real ROS 2 is in use: how far it is heard is its own business"
-)
 
 
 class Machine:
@@ -248,7 +243,7 @@ def test_the_desk_drives_and_shows_the_robot_over_the_network(
     assert shown["joints"]["TURRET_Y"] < -0.4, "it was turned, and it is shown"
 
 
-@underlay_only
+@pytest.mark.embedded
 @pytest.mark.parametrize("discovery", [None, "LOCALHOST"], ids=["default", "localhost"])
 def test_what_stays_on_its_machine_sends_nothing_over_the_network(start, listen, machines, tmp_path, discovery):
     robot, desk = machines
@@ -264,7 +259,7 @@ def test_what_stays_on_its_machine_sends_nothing_over_the_network(start, listen,
     assert read(tmp_path, "tank")["topics"][TOPIC]["received"] == 0
 
 
-@underlay_only
+@pytest.mark.embedded
 @pytest.mark.parametrize("quiet", ["LOCALHOST", "OFF"])
 @pytest.mark.parametrize("who", ["simulation", "viewer"])
 def test_one_that_reaches_out_does_not_meet_one_that_stays_on_its_machine(start, machines, tmp_path, quiet, who):

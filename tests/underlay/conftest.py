@@ -66,13 +66,13 @@ def spin_until(executor: SingleThreadedExecutor) -> Callable[[Callable[[], objec
 
 
 @pytest.fixture
-def start(domain: int) -> Iterator[Callable[[str], subprocess.Popen[str]]]:
-    """Start a Python program in a process of its own; what still runs at the end of the test is killed."""
+def start(domain: int) -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Start a Python program, and its arguments, in a process of its own; what still runs in the end is killed."""
     processes: list[subprocess.Popen[str]] = []
 
-    def start(code: str) -> subprocess.Popen[str]:
+    def start(code: str, *arguments: str) -> subprocess.Popen[str]:
         process = subprocess.Popen(
-            [sys.executable, "-c", f"import tutorial\n{code}"],
+            [sys.executable, "-c", f"import tutorial\n{code}", *arguments],
             cwd=REPOSITORY,
             text=True,
             stdin=subprocess.PIPE,

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import signal
 import subprocess
-import sys
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from rclpy.context import Context
 from rclpy.node import Node
 from std_msgs.msg import String
 
-Start = Callable[[str], subprocess.Popen[str]]
+Start = Callable[..., subprocess.Popen[str]]
 SpinUntil = Callable[[Callable[[], object]], None]
 
 TALKER = """
@@ -49,6 +46,8 @@ def test_messages_and_graph_across_processes(node: Node, spin_until: SpinUntil, 
     assert info.qos_profile.depth == 10
     topics = dict(node.get_publisher_names_and_types_by_node("talker", "/far"))
     assert topics.keys() == {"/words", "/rosout", "/parameter_events"}
+    with pytest.raises(RuntimeError):
+        node.get_subscriber_names_and_types_by_node("nobody", "/far")
 
 
 def test_killed_node_leaves_the_graph(node: Node, spin_until: SpinUntil, start: Start) -> None:
@@ -139,6 +138,7 @@ for thread in threads:
     assert (process.returncode, errors) == (0, "")
 
 
+@pytest.mark.embedded
 def test_too_many_processes_is_said(domain: int, start: Start) -> None:
     join = f"""
 import sys
@@ -157,29 +157,45 @@ sys.stdin.read()
     assert "too many ROS 2 programs are running on this machine (1 is the limit here)" in errors
 
 
-def _count(what: str) -> int:
-    return len(list(Path(f"/proc/self/{what}").iterdir()))
+ROUNDS = """
+import gc, os, sys, threading
+from pathlib import Path
+import rclpy
+from std_msgs.msg import String
+
+def once():
+    rclpy.init(args=[])
+    node = rclpy.create_node("x")
+    publisher = node.create_publisher(String, "x", 10)
+    node.create_subscription(String, "x", lambda message: None, 10)
+    node.create_timer(0.0, lambda: publisher.publish(String()))
+    for _ in range(3):
+        rclpy.spin_once(node, timeout_sec=0.0)
+    if sys.argv[1] == "destroyed":
+        node.destroy_node()
+    rclpy.shutdown()
+
+def resources():
+    gc.collect()
+    counts = [threading.active_count(), *(len(os.listdir(f"/proc/self/{what}")) for what in ("task", "fd"))]
+    return len(gc.get_objects()), counts, int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+
+measured = []
+for _ in range(3):
+    for _ in range(100):
+        once()
+    measured.append(resources())
+(objects, counts, memory), (objects_later, counts_later, memory_later) = measured[1:]
+print(objects_later - objects < 50, counts_later == counts, memory_later - memory < 100 * 2000)
+"""
 
 
-def test_start_and_shutdown_leaves_nothing_behind(domain: int) -> None:
-    def resources() -> tuple[int, int, int]:
-        return threading.active_count(), _count("task"), _count("fd")
-
-    def once() -> None:
-        with Context() as context:
-            node = Node("x", context=context)
-            node.create_subscription(String, "x", print, 10)
-            node.create_publisher(String, "x", 10).publish(String())
-
+@pytest.mark.parametrize("node", ["destroyed", "forgotten"])
+def test_rounds_of_everything_leave_nothing_behind(start: Start, node: str) -> None:
     if not Path("/proc/self/task").is_dir():
         pytest.skip("counts what Linux lists in /proc")
-    arguments, sys.argv = sys.argv, ["pytest"]
-    once()
-    before = resources()
-    for _ in range(50):
-        once()
-    sys.argv = arguments
-    assert resources() == before
+    output, errors = start(ROUNDS, node).communicate(timeout=110)
+    assert (output, errors) == ("True True True\n", "")
 
 
 def test_coming_and_going_leaves_nothing_behind(node: Node) -> None:
@@ -198,3 +214,21 @@ def test_coming_and_going_leaves_nothing_behind(node: Node) -> None:
     for _ in range(700):
         once()
     assert memory() - before < 700 * 1500  # it was 3800 bytes each time
+
+
+@pytest.mark.embedded
+@pytest.mark.parametrize(
+    ("reach", "uri", "said"),
+    [
+        ("", "", '<AllowMulticast>false</AllowMulticast><Interfaces><NetworkInterface address="127.0.0.1"/>'),
+        ("SUBNET", "", '<AllowMulticast>true</AllowMulticast><Interfaces><NetworkInterface autodetermine="true"/>'),
+        ("SYSTEM_DEFAULT", "", "<CycloneDDS/>"),
+        ("SYSTEM_DEFAULT", "file:///mine.xml", "file:///mine.xml"),
+    ],
+)
+def test_how_far_it_is_heard(reach: str, uri: str, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from rclpy._domain import configuration
+
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", reach)
+    monkeypatch.setenv("CYCLONEDDS_URI", uri)
+    assert said in configuration()

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from rclpy._wire import Payload
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -230,9 +229,9 @@ def test_announcements_of_others_are_taken_in_while_spinning(
 ) -> None:
     other = Context()
     other.init(args=[])
-    with other:
-        Node("other", context=other)
-        spin_until(lambda: node.context.graph._remote)
+    Node("other", context=other)
+    spin_until(lambda: node.context.graph._remote)
+    other.shutdown()
 
 
 def test_executors_that_are_gone_are_forgotten(context: Context) -> None:
@@ -254,5 +253,8 @@ def test_use_after_destruction(node: Node) -> None:
             use()
 
 
+@pytest.mark.embedded
 def test_payload_is_what_it_was_given() -> None:
+    from rclpy._wire import Payload
+
     assert Payload(b"x").serialize() == b"x" == Payload.deserialize(b"x").data

@@ -54,11 +54,10 @@ def discovery(environment: Mapping[str, str], is_real: bool) -> Iterator[Finding
     """
     given = environment.get(RANGE, "")
     reach = given or ("SUBNET" if is_real else "LOCALHOST")
-    known = [name for name in RANGES if is_real or name != "SYSTEM_DEFAULT"]
     origin = f"{RANGE} is {given}" if given else f"{reach}, the default"
     mend = f"export {RANGE}=LOCALHOST" if is_real else f"unset {RANGE}"
-    if reach not in known:
-        text = f"{RANGE} is {given!r}.{did_you_mean(given, known)}"
+    if reach not in RANGES:
+        text = f"{RANGE} is {given!r}.{did_you_mean(given, RANGES)}"
         yield Finding("discovery", "problem", text, mend)
     elif reach == "LOCALHOST":
         yield Finding("discovery", "ok", f"{RANGES[reach]} ({origin})")

@@ -6,6 +6,12 @@ It speaks to real ROS 2 programs: same topic names, types, quality of service an
 
 from __future__ import annotations
 
+import sys
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
 from _rosidl import finder
 
 finder.install()
@@ -18,41 +24,17 @@ except ImportError as error:
         "use a real ROS 2 Jazzy: https://docs.ros.org/en/jazzy/Installation.html"
     ) from error
 
-import threading  # noqa: E402
-from collections.abc import Iterator, Sequence  # noqa: E402
-from contextlib import contextmanager  # noqa: E402
-from typing import TYPE_CHECKING, Any  # noqa: E402
-
-from rclpy import logging  # noqa: E402
+from rclpy import _absent, logging, utilities  # noqa: E402, F401
 from rclpy.context import Context  # noqa: E402
-from rclpy.executors import SingleThreadedExecutor  # noqa: E402
+from rclpy.executors import Executor, SingleThreadedExecutor  # noqa: E402
 from rclpy.node import Node  # noqa: E402
-from rclpy.parameter import Parameter  # noqa: E402
+from rclpy.parameter import Parameter  # noqa: E402, F401
 from rclpy.signals import SignalHandlerOptions, install_signal_handlers, uninstall_signal_handlers  # noqa: E402
 from rclpy.task import Future  # noqa: E402
-from rclpy.utilities import get_default_context, get_rmw_implementation_identifier, ok  # noqa: E402
+from rclpy.utilities import get_default_context, get_rmw_implementation_identifier, ok  # noqa: E402, F401
 
-if TYPE_CHECKING:
-    from rclpy.executors import Executor
-
-__all__ = [
-    "Context",
-    "Future",
-    "Node",
-    "Parameter",
-    "create_node",
-    "get_default_context",
-    "get_global_executor",
-    "get_rmw_implementation_identifier",
-    "init",
-    "logging",
-    "ok",
-    "shutdown",
-    "spin",
-    "spin_once",
-    "spin_until_future_complete",
-    "try_shutdown",
-]
+sys.meta_path.append(_absent.AbsentModules())
+__getattr__ = _absent.absent("rclpy", "create_rate")
 
 _executor: SingleThreadedExecutor | None = None
 _lock = threading.Lock()
@@ -102,16 +84,12 @@ def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None 
     Raises:
         RuntimeError: it has not been started, or has been shut down.
     """
-    _stop_global_executor(context)
-    (context or get_default_context()).shutdown()
-    _uninstall(context, uninstall_handlers)
+    _end(utilities.shutdown, context, uninstall_handlers)
 
 
 def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """Shut ROS 2 down if it is running."""
-    _stop_global_executor(context)
-    (context or get_default_context()).try_shutdown()
-    _uninstall(context, uninstall_handlers)
+    """Shut ROS 2 down if it is running; arguments as for :func:`shutdown`."""
+    _end(utilities.try_shutdown, context, uninstall_handlers)
 
 
 def create_node(node_name: str, **options: Any) -> Node:
@@ -127,8 +105,7 @@ def spin(node: Node, executor: Executor | None = None) -> None:
         executor: None takes the global one.
     """
     with _running(node, executor) as running:
-        while running.context.ok():
-            running.spin_once()
+        running.spin()
 
 
 def spin_once(node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None) -> None:
@@ -168,16 +145,14 @@ def _running(node: Node, executor: Executor | None) -> Iterator[Executor]:
         executor.remove_node(node)
 
 
-def _stop_global_executor(context: Context | None) -> None:
-    """Stop the global executor without waiting for it: a callback may be asking for this."""
+def _end(shut_down: Any, context: Context | None, uninstall_handlers: bool | None) -> None:
+    """Stop the global executor without waiting for it, because a callback may be asking for this; then the context."""
     global _executor  # noqa: PLW0603
+    default = context is None or context is get_default_context()
     with _lock:
         if _executor is not None and _executor.context is (context or get_default_context()):
-            _executor.shutdown(timeout_sec=0.0)
+            _executor.shutdown()
             _executor = None
-
-
-def _uninstall(context: Context | None, uninstall_handlers: bool | None) -> None:
-    default = context is None or context is get_default_context()
+    shut_down(context=context)
     if uninstall_handlers or (uninstall_handlers is None and default):
         uninstall_signal_handlers()

@@ -2,53 +2,39 @@
 
 from __future__ import annotations
 
-import sys
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
+from rclpy._names import expand_topic_name
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
-from rclpy.expand_topic_name import expand_topic_name
-from rclpy.logging import get_logger
+from rclpy.exceptions import NeedsRealROSError
+from rclpy.logging import LoggingSeverity, get_logger
 
-__all__ = ["Arguments", "Remapping", "split"]
+REMAP, PARAMETER, LOG_LEVEL, PARAMETER_FILE = "remap rule", "parameter override rule", "log level", "parameter file"
+FLAGS = {
+    **dict.fromkeys(("-r", "--remap"), REMAP),
+    **dict.fromkeys(("-p", "--param"), PARAMETER),
+    **dict.fromkeys(("-e", "--enclave"), "enclave"),
+    **dict.fromkeys(("--log-config-file", "--log-file-name"), "file name"),
+    "--params-file": PARAMETER_FILE,
+    "--log-level": LOG_LEVEL,
+}
+"""Flags that take a value, and what that is."""
+SWITCHES = [f"--{able}-{what}-logs" for able in ("enable", "disable") for what in ("rosout", "stdout", "external-lib")]
 
-REMAP = ("-r", "--remap")
-PARAMETER = ("-p", "--param")
-LOG_LEVEL = "--log-level"
-IGNORED_WITH_VALUE = ("--params-file", "-e", "--enclave", "--log-config-file", "--log-file-name")
-IGNORED = tuple(
-    f"--{switch}-{what}"
-    for switch in ("enable", "disable")
-    for what in ("rosout-logs", "stdout-logs", "external-lib-logs")
-)
+RULE = re.compile(r"(?:(?P<node>\w+):(?!//|=))?(?:rostopic://)?(?P<name>.+?):=(?P<value>.+)", re.DOTALL)
+YES = [word for yes in ("yes", "true", "on") for word in (yes, yes.title(), yes.upper())] + ["y", "Y"]
+NO = [word for no in ("no", "false", "off") for word in (no, no.title(), no.upper())] + ["n", "N"]
 
 
-@dataclass(frozen=True)
-class Remapping:
-    """One rule ``[NODE:]FROM:=TO``."""
+class Rule(NamedTuple):
+    """One rule ``[NODE:]NAME:=VALUE``."""
 
     node: str
-    source: str
-    target: str
-
-    @classmethod
-    def parse(cls, rule: str) -> Self:
-        """Read a rule.
-
-        Raises:
-            RCLError: it has no ``:=``, or nothing on one side of it.
-        """
-        source, separator, target = rule.partition(":=")
-        if not (separator and source and target):
-            get_logger("rcl").error("Failed to parse global arguments")
-            raise RCLError(
-                f"failed to initialize rcl: Couldn't parse remap rule: '-r {rule}'. "
-                f"Error: Expected lexeme type (19) not found, search ended at index {len(source)}"
-            )
-        scheme, found, rest = source.partition("://")
-        node, _, name = (rest if found and scheme == "rostopic" else source).rpartition(":")
-        return cls(node, name, target)
+    name: str
+    value: Any
 
 
 @dataclass
@@ -57,68 +43,85 @@ class Arguments:
 
     Attributes:
         remappings: in the order in which they were given; the first that fits applies.
-        parameters: values by name.
+        parameters: in the order in which they were given; the last that fits applies.
         log_levels: severities by logger name; "" is the default of all.
     """
 
-    remappings: list[Remapping] = field(default_factory=list)
-    parameters: dict[str, Any] = field(default_factory=dict)
-    log_levels: dict[str, str] = field(default_factory=dict)
+    remappings: list[Rule] = field(default_factory=list)
+    parameters: list[Rule] = field(default_factory=list)
+    log_levels: dict[str, LoggingSeverity] = field(default_factory=dict)
 
     @classmethod
-    def parse(cls, args: Sequence[str] | None) -> Self:
+    def parse(cls, args: Sequence[str]) -> Self:
         """Read a command line.
-
-        Args:
-            args: of the process; None takes ``sys.argv``.
 
         Raises:
             RCLError: a value cannot be read.
             UnknownROSArgsError: there are others than ROS 2 knows.
         """
-        arguments = cls()
-        ros_args = iter(split(sys.argv if args is None else args)[0])
-        unknown = [arg for arg in ros_args if not arguments._accept(arg, ros_args)]
+        arguments, unknown = cls(), []
+        ros_args = iter(split(args)[0])
+        for flag in ros_args:
+            if flag in FLAGS:
+                arguments._add(flag, next(ros_args, None))
+            elif flag not in SWITCHES:
+                unknown.append(flag)
         if unknown:
             raise UnknownROSArgsError(str(unknown))
         return arguments
 
-    def node_value(self, node: str, source: str) -> str | None:
+    def node_value(self, node: str, name: str) -> str | None:
         """Return what ``__node`` or ``__ns`` of a node is remapped to, if it is."""
-        names = (source, "__name") if source == "__node" else (source,)
-        return next((rule.target for rule in self._rules_for(node) if rule.source in names), None)
+        names = (name, "__name") if name == "__node" else (name,)
+        return next((rule.value for rule in self.remappings if rule.node in ("", node) and rule.name in names), None)
 
-    def topic(self, full_name: str, node: str, namespace: str) -> str:
-        """Return what a topic is remapped to, or its own name.
+    def topic(self, full_name: str, node: str, namespace: str) -> str | None:
+        """Return what a topic is remapped to, if it is.
 
         Args:
             full_name: of the topic.
             node: that uses it.
             namespace: of that node; relative names in rules are meant in it.
         """
-        for rule in self._rules_for(node):
-            if not rule.source.startswith("__") and expand_topic_name(rule.source, node, namespace) == full_name:
-                return expand_topic_name(rule.target, node, namespace)
-        return full_name
+        for rule in self.remappings:
+            meant = rule.node in ("", node) and not rule.name.startswith("__")
+            if meant and expand_topic_name(rule.name, node, namespace) == full_name:
+                return expand_topic_name(rule.value, node, namespace)
+        return None
 
-    def _rules_for(self, node: str) -> Iterator[Remapping]:
-        return (rule for rule in self.remappings if rule.node in ("", node))
+    def overrides(self, node: str) -> Iterator[tuple[str, Any]]:
+        """Return names and values of the parameters that are given for a node."""
+        return ((rule.name, rule.value) for rule in self.parameters if rule.node in ("", node))
 
-    def _accept(self, arg: str, rest: Iterator[str]) -> bool:
-        """Take in one argument and its value; False if it is unknown."""
-        if arg in REMAP:
-            self.remappings.append(Remapping.parse(_value_of(arg, rest)))
-        elif arg in PARAMETER:
-            name, _, value = _value_of(arg, rest).partition(":=")
-            self.parameters[name.rpartition(":")[2]] = _yaml(value)
-        elif arg == LOG_LEVEL:
-            logger, _, level = _value_of(arg, rest).rpartition(":=")
-            self.log_levels[logger] = level
-        elif arg in IGNORED_WITH_VALUE:
-            _value_of(arg, rest)
-        else:
-            return arg in IGNORED
-        return True
+    def _add(self, flag: str, text: str | None) -> None:
+        kind = FLAGS[flag]
+        if text is None:
+            raise _unreadable(f"Couldn't parse trailing {flag} flag. No {kind} found.")
+        if kind in (REMAP, PARAMETER):
+            self._add_rule(flag, kind, text)
+        elif kind is LOG_LEVEL:
+            logger, _, level = text.rpartition(":=")
+            if level.upper() not in LoggingSeverity.__members__:
+                raise _unreadable(f"Couldn't parse log level rule: '{flag} {text}'.")
+            self.log_levels[logger] = LoggingSeverity[level.upper()]
+        elif kind is PARAMETER_FILE:
+            raise NeedsRealROSError(flag)
+
+    def _add_rule(self, flag: str, kind: str, text: str) -> None:
+        parts = RULE.fullmatch(text)
+        if not parts:
+            raise _unreadable(
+                f"Couldn't parse {kind}: '{flag} {text}'. "
+                f"Error: Expected lexeme type (19) not found, search ended at index {len(text.partition(':=')[0])}"
+            )
+        node, name, value = parts["node"] or "", parts["name"], parts["value"]
+        if kind is REMAP:
+            self.remappings.append(Rule(node, name, value))
+            return
+        try:
+            self.parameters.append(Rule(node, name, parameter_value(value)))
+        except ValueError as error:
+            raise _unreadable(f"Couldn't parse {kind}: '{flag} {text}'. Error: {error}") from None
 
 
 def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -136,14 +139,41 @@ def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
     return ros_args, others
 
 
-def _value_of(flag: str, rest: Iterator[str]) -> str:
-    value = next(rest, None)
-    if value is None:
-        raise RCLError(f"failed to initialize rcl: Couldn't parse trailing {flag} flag. No value found.")
-    return value
+def parameter_value(text: str) -> Any:
+    """Read a parameter's value, YAML as rcl understands it: ``1e3`` is a number and ``y`` a truth value.
 
-
-def _yaml(text: str) -> Any:
+    Raises:
+        ValueError: it is neither a scalar nor a list of scalars of one type.
+    """
     import yaml  # noqa: PLC0415  (rarely needed)
 
-    return yaml.safe_load(text)
+    try:
+        node = yaml.compose(text, Loader=yaml.SafeLoader)
+    except yaml.YAMLError as error:
+        raise ValueError(f"it is no YAML: {error}") from None
+    if isinstance(node, yaml.SequenceNode) and all(isinstance(item, yaml.ScalarNode) for item in node.value):
+        values = [_scalar(item.value, item.style) for item in node.value]
+        if len({type(value) for value in values}) > 1:
+            raise ValueError("Sequence should be of same type")
+        return values
+    if not isinstance(node, yaml.ScalarNode):
+        raise ValueError("it is neither a scalar nor a list of scalars")
+    return _scalar(node.value, node.style)
+
+
+def _scalar(text: str, style: str | None) -> Any:
+    if style:  # quoted
+        return text
+    if text in (*YES, *NO):
+        return text in YES
+    if re.fullmatch(r"[+-]?([0-9]+|0[xX][0-9a-fA-F]+)", text):
+        return int(text, 16 if "x" in text.lower() else 10)
+    try:
+        return float(re.sub(r"\.(?=(inf|nan)\Z)", "", text, flags=re.IGNORECASE).replace("_", "no number"))
+    except ValueError:
+        return text
+
+
+def _unreadable(text: str) -> RCLError:
+    get_logger("rcl").error("Failed to parse global arguments")
+    return RCLError(f"failed to initialize rcl: {text}")

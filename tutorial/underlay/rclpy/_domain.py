@@ -15,8 +15,7 @@ from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.qos import Policy, Qos
 from rclpy._rclpy_pybind11 import RCLError
 
-__all__ = ["close", "configuration", "default_domain_id", "join", "leave", "lock"]
-
+REACHES = ("OFF", "LOCALHOST", "SUBNET", "SYSTEM_DEFAULT")
 MAX_PARTICIPANTS = 32
 MAX_DOMAIN_ID = 232
 
@@ -45,32 +44,29 @@ def default_domain_id() -> int:
 def configuration() -> str:
     """Return Cyclone DDS's configuration for the discovery range that the environment asks for.
 
-    ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is OFF, LOCALHOST (the default here) or SUBNET, ``ROS_STATIC_PEERS`` a list of
-    addresses separated by ``;``. What a ``CYCLONEDDS_URI`` says comes on top, as with ROS 2's own use of Cyclone DDS.
+    ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is OFF, LOCALHOST (the default here), SUBNET or SYSTEM_DEFAULT, which leaves
+    everything to Cyclone DDS; ``ROS_STATIC_PEERS`` a list of addresses separated by ``;``. What a ``CYCLONEDDS_URI`` says comes on top, as with ROS 2's own use of Cyclone DDS.
 
     Raises:
         RCLError: the range is none of these.
     """
     reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") or "LOCALHOST"
     peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer]
-    if reach not in ("OFF", "LOCALHOST", "SUBNET"):
+    if reach not in REACHES:
         raise RCLError(
-            f"failed to initialize rcl: ROS_AUTOMATIC_DISCOVERY_RANGE is {reach!r}, must be OFF, LOCALHOST or SUBNET"
+            f"failed to initialize rcl: ROS_AUTOMATIC_DISCOVERY_RANGE is {reach!r}, must be {', '.join(REACHES)}"
         )
+    if reach == "SYSTEM_DEFAULT":
+        return os.environ.get("CYCLONEDDS_URI") or "<CycloneDDS/>"
+    outside = reach == "SUBNET" or (reach == "LOCALHOST" and peers)
+    interface = 'autodetermine="true"' if outside else 'address="127.0.0.1"'
     own = (
         '<CycloneDDS><Domain Id="any"><General>'
         f"<AllowMulticast>{str(reach == 'SUBNET').lower()}</AllowMulticast>"
-        f"<Interfaces><NetworkInterface {_interface(reach, peers)}/></Interfaces></General>"
+        f"<Interfaces><NetworkInterface {interface}/></Interfaces></General>"
         f"<Discovery>{_discovery(reach, peers)}</Discovery></Domain></CycloneDDS>"
     )
-    users = os.environ.get("CYCLONEDDS_URI", "")
-    return f"{own},{users}" if users else own
-
-
-def _interface(reach: str, peers: list[str]) -> str:
-    """Return which network interface to use: the one to the outside only if somebody is to be reached there."""
-    outside = reach == "SUBNET" or (reach == "LOCALHOST" and peers)
-    return 'autodetermine="true"' if outside else 'address="127.0.0.1"'
+    return ",".join(filter(None, (own, os.environ.get("CYCLONEDDS_URI"))))
 
 
 def _discovery(reach: str, peers: list[str]) -> str:

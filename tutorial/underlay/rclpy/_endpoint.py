@@ -10,16 +10,14 @@ from cyclonedds.core import DDSException
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
-from rclpy._dds_qos import POLICY_NAMES, to_dds
 from rclpy._domain import close, lock
+from rclpy._endpoint_qos import INCOMPATIBLE_TYPE, POLICY_NAMES, to_dds
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy._wire import payload_type
 from rclpy.qos import QoSProfile
 
 if TYPE_CHECKING:
     from rclpy.node import Node
-
-__all__ = ["Endpoint"]
 
 
 class Endpoint:
@@ -31,10 +29,16 @@ class Endpoint:
         topic: as the program called it.
         topic_name: in full.
         qos_profile: how hard to try.
+
+    Attributes:
+        guid: its identifier in DDS.
     """
 
     _kind: type[DataWriter[Any] | DataReader[Any]]
     _incompatible: int
+    """The event of a partner that does not fit."""
+    _get_incompatible: str
+    """Name of Cyclone DDS's method that tells more of it."""
     _warning: str
 
     def __init__(
@@ -43,20 +47,28 @@ class Endpoint:
         self._node = node
         self.msg_type = msg_type
         self.topic = topic
-        self.topic_name = topic_name
+        self._topic_name = topic_name
         self.qos_profile = qos_profile
         self._destroyed = False
         qos = to_dds(qos_profile, msg_type, writer=self._kind is DataWriter)
+        prefix = "" if qos_profile.avoid_ros_namespace_conventions else "rt"
         with lock:
-            participant = node.context.participant
-            self._topic = Topic(participant, f"rt{topic_name}", payload_type(msg_type))
+            participant = node.context.graph.participant
+            self._topic = Topic(participant, f"{prefix}{topic_name}", payload_type(msg_type))
             self._dds: Any = self._kind(participant, self._topic, qos)
             self._dds.set_status_mask(self._incompatible)
         self.guid: bytes = self._dds.guid.bytes
 
+    @property
+    def topic_name(self) -> str:
+        """The topic's full name."""
+        if self._destroyed:
+            raise InvalidHandle
+        return self._topic_name
+
     def destroy(self) -> None:
         """Destroy it; may be called again. Messages that wait for a callback are dropped."""
-        raise NotImplementedError
+        self._node._remove(self)
 
     def close(self) -> None:
         """Leave DDS. Called by the node."""
@@ -69,18 +81,26 @@ class Endpoint:
         return [self._dds]
 
     def report_events(self) -> None:
-        """Log a partner whose quality of service does not fit. Called by the executor."""
+        """Log a partner that does not fit. Called by the executor."""
         with suppress(DDSException):  # destroyed at this moment
-            if self._dds.take_status(self._incompatible):
-                policy = self._incompatible_policy()
-                name = POLICY_NAMES.get(policy, policy)
-                self._node.get_logger().warning(
-                    f"{self._warning.format(topic=self.topic)} Last incompatible policy: {name}"
-                )
+            if not self._dds.take_status(self._incompatible):
+                return
+            policy = getattr(self._dds, self._get_incompatible)().last_policy_id
+            if policy == INCOMPATIBLE_TYPE:
+                text = f"Incompatible type on topic '{self.topic}', no messages will be sent to it."
+            else:
+                name = POLICY_NAMES.get(policy, "INVALID")
+                text = f"{self._warning.format(topic=self.topic)} Last incompatible policy: {name}"
+            self._node.get_logger().warning(text)
 
-    def _incompatible_policy(self) -> int:
-        """Return DDS's number of the policy that did not fit last."""
-        raise NotImplementedError
+    def _count_matched(self, status: str, what: str) -> int:
+        """Return the number of partners that fit, by the name of Cyclone DDS's method."""
+        if self._destroyed:
+            raise InvalidHandle
+        try:
+            return int(getattr(self._dds, status)().current_count)
+        except DDSException as error:
+            raise self._explain(error, f"failed to get {what} count") from None
 
     def _explain(self, error: DDSException, what: str) -> RuntimeError:
         """Return what rclpy raises instead of Cyclone DDS's error."""

@@ -6,16 +6,11 @@ DDS knows participants, writers and readers, not nodes. In ROS 2 every participa
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from cyclonedds.builtin import (
-    BuiltinDataReader,
-    BuiltinTopicDcpsParticipant,
-    BuiltinTopicDcpsPublication,
-    BuiltinTopicDcpsSubscription,
-)
+from cyclonedds import builtin
 from cyclonedds.core import DDSException, InstanceState, ReadCondition, SampleState, ViewState
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
@@ -29,12 +24,11 @@ from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 if TYPE_CHECKING:
     from cyclonedds.domain import DomainParticipant
 
-__all__ = ["Endpoint", "Graph", "gids_of"]
-
+PUBLISHERS, SUBSCRIPTIONS = builtin.BuiltinTopicDcpsPublication, builtin.BuiltinTopicDcpsSubscription
 MANY = 4096
 """More endpoints than are ever read at once."""
 
-Endpoint = Any
+DiscoveredEndpoint = Any
 """A discovered writer or reader: ``cyclonedds.builtin.DcpsEndpoint``."""
 
 _BOTH_SIDES = (Policy.Reliability.Reliable(2**63 - 1), Policy.Durability.TransientLocal)
@@ -47,11 +41,6 @@ _WRITER_QOS = Qos(
 _READER_QOS = Qos(*_BOTH_SIDES, Policy.History.KeepAll, Policy.IgnoreLocal.Participant)
 
 
-def gid_of(guid: bytes) -> Gid:
-    """Return a DDS identifier, 16 bytes, as ROS 2 sends it."""
-    return Gid(data=list(guid))
-
-
 class Graph:
     """The node graph as seen from one participant; may be used from any thread.
 
@@ -59,12 +48,12 @@ class Graph:
         participant: which one.
 
     Attributes:
+        participant: that one.
         changes: what the executor waits on for :meth:`listen`.
     """
 
     def __init__(self, participant: DomainParticipant) -> None:
-        self._lock = lock
-        self._participant = participant
+        self.participant = participant
         self._local: list[NodeEntitiesInfo] = []
         self._remote: dict[bytes, list[NodeEntitiesInfo]] = {}
         self._payload = payload_type(ParticipantEntitiesInfo)
@@ -76,91 +65,80 @@ class Graph:
     def add_node(self, namespace: str, name: str) -> NodeEntitiesInfo:
         """Announce a node of this process; what is returned stands for it in the other methods."""
         node = NodeEntitiesInfo(node_namespace=namespace, node_name=name)
-        with self._lock:
+        with lock:
             self._local.append(node)
             self._announce()
         return node
 
     def remove_node(self, node: NodeEntitiesInfo) -> None:
         """Announce that a node is gone."""
-        with self._lock:
+        with lock:
             self._local = [other for other in self._local if other is not node]
             self._announce()
 
-    def set_endpoints(self, node: NodeEntitiesInfo, writers: list[bytes], readers: list[bytes]) -> None:
+    def set_endpoints(self, node: NodeEntitiesInfo, writers: Iterable[bytes], readers: Iterable[bytes]) -> None:
         """Announce which writers and readers are a node's, by their identifiers."""
-        with self._lock:
-            node.writer_gid_seq = [gid_of(guid) for guid in writers]
-            node.reader_gid_seq = [gid_of(guid) for guid in readers]
+        with lock:
+            node.writer_gid_seq = [Gid(data=list(guid)) for guid in writers]
+            node.reader_gid_seq = [Gid(data=list(guid)) for guid in readers]
             self._announce()
 
     def nodes(self) -> list[NodeEntitiesInfo]:
         """Return all nodes there are, those of this process first."""
-        with self._lock:
+        with lock:
             self.listen()
             return [*self._local, *(node for nodes in self._remote.values() for node in nodes)]
+
+    def owners(self) -> dict[bytes, NodeEntitiesInfo]:
+        """Return the nodes by the identifiers of their writers and readers."""
+        return {
+            gid.data.tobytes(): node for node in self.nodes() for gid in (*node.writer_gid_seq, *node.reader_gid_seq)
+        }
 
     def listen(self) -> None:
         """Take in what the others have announced, and forget those that are gone: a killed process says no goodbye.
 
         The executor calls it now and then, or announcements would pile up in a program that never asks.
         """
-        with self._lock:
+        with lock:
             while samples := self._reader.take(64):
                 for sample in samples:
                     if sample.sample_info.valid_data:
                         self._learn(sample.data)
-            alive = {participant.key.bytes for participant in _listed(self._participant, BuiltinTopicDcpsParticipant)}
+            alive = {participant.key.bytes for participant in self._listed(builtin.BuiltinTopicDcpsParticipant)}
             self._remote = {gid: nodes for gid, nodes in self._remote.items() if gid in alive}
 
-    def publishers(self, wire_topic: str | None = None) -> list[Endpoint]:
-        """Return the writers on a topic, or on all."""
-        return self._endpoints(BuiltinTopicDcpsPublication, wire_topic)
+    def endpoints(self, kind: Any, wire_topic: str | None = None) -> list[DiscoveredEndpoint]:
+        """Return the writers or readers on a topic, or on all.
 
-    def subscriptions(self, wire_topic: str | None = None) -> list[Endpoint]:
-        """Return the readers on a topic, or on all."""
-        return self._endpoints(BuiltinTopicDcpsSubscription, wire_topic)
-
-    def owner(self, endpoint: Endpoint) -> NodeEntitiesInfo | None:
-        """Return the node that an endpoint belongs to, None if nobody says."""
-        gid = endpoint.key.bytes
-        return next((node for node in self.nodes() if gid in gids_of(node)), None)
-
-    def _endpoints(self, listing: Any, wire_topic: str | None) -> list[Endpoint]:
-        endpoints = _listed(self._participant, listing)
-        return [endpoint for endpoint in endpoints if wire_topic in (None, endpoint.topic_name)]
+        Args:
+            kind: PUBLISHERS or SUBSCRIPTIONS.
+            wire_topic: its name in DDS.
+        """
+        return [endpoint for endpoint in self._listed(kind) if wire_topic in (None, endpoint.topic_name)]
 
     def _announce(self) -> None:
         with suppress(DDSException):  # shut down at this moment: there is nobody to tell
-            gid = gid_of(self._participant.guid.bytes)
+            gid = Gid(data=list(self.participant.guid.bytes))
             info = ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=self._local)
             self._writer.write(self._payload(encode(info)))
 
     def _learn(self, data: bytes) -> None:
-        try:
-            info: ParticipantEntitiesInfo = decode(data, ParticipantEntitiesInfo)
-        except RCLError:
-            return
-        self._remote[info.gid.data.tobytes()] = list(info.node_entities_info_seq)
+        with suppress(RCLError):
+            info: Any = decode(data, ParticipantEntitiesInfo)
+            self._remote[info.gid.data.tobytes()] = list(info.node_entities_info_seq)
 
+    def _listed(self, topic: Any) -> list[Any]:
+        """Return what Cyclone DDS lists on one of its built-in topics.
 
-def _listed(participant: DomainParticipant, topic: Any) -> list[Any]:
-    """Return what Cyclone DDS lists on one of its built-in topics.
-
-    The reader lives only as long as the call, because what is gone would pile up in it. One call at a time in the whole
-    process, also because cyclonedds keeps the policies that it is converting in variables of a class.
-    """
-    with lock:
-        reader = BuiltinDataReader(participant, topic)
-        try:
-            alive = ReadCondition(reader, ViewState.Any | SampleState.Any | InstanceState.Alive)
-            entries: list[Any] = reader.read(MANY, alive)
-            return entries
-        finally:
-            close(reader)
-
-
-def gids_of(node: NodeEntitiesInfo) -> Iterator[bytes]:
-    """Return the DDS identifiers of a node's writers and readers."""
-    for gid in (*node.writer_gid_seq, *node.reader_gid_seq):
-        yield gid.data.tobytes()
+        The reader lives only as long as the call, because what is gone would pile up in it. One call at a time in the
+        whole process, also because cyclonedds keeps the policies that it is converting in variables of a class.
+        """
+        with lock:
+            reader = builtin.BuiltinDataReader(self.participant, topic)
+            try:
+                alive = ReadCondition(reader, ViewState.Any | SampleState.Any | InstanceState.Alive)
+                entries: list[Any] = reader.read(MANY, alive)
+                return entries
+            finally:
+                close(reader)

@@ -1,10 +1,12 @@
 """Exceptions that rclpy gets from its C++ part; programs catch them by this module's name."""
 
-__all__ = ["InvalidHandle", "RCLError", "UnknownROSArgsError"]
-
 
 class RCLError(RuntimeError):
     """Something went wrong in the layers below rclpy."""
+
+
+class NodeNameNonExistentError(RCLError):
+    """There is no node of this name."""
 
 
 class InvalidHandle(RuntimeError):  # noqa: N818  (rclpy's name)

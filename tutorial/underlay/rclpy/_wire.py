@@ -12,15 +12,12 @@ from typing import Any, ClassVar, Self, cast
 from _rosidl.definitions import Cardinality, Field
 from _rosidl.message import Message, message_class
 from cyclonedds.idl import IdlStruct, make_idl_struct, types
+from cyclonedds.idl._support import Buffer
 from rclpy._rclpy_pybind11 import RCLError
-
-__all__ = ["Payload", "check_message_type", "decode", "encode", "payload_type", "wire_name"]
 
 PRIMITIVES: dict[str, Any] = {
     "bool": bool,
-    "byte": types.array[
-        types.uint8, 1
-    ],  # rclpy's byte is a bytes of length 1, which is how Cyclone shows an array of uint8
+    "byte": types.array[types.uint8, 1],  # rclpy's byte is a bytes of length 1: so Cyclone shows an array of uint8
     "string": str,
     **{f"{sign}int{bits}": getattr(types, f"{sign}int{bits}") for sign in ("", "u") for bits in (8, 16, 32, 64)},
     "float32": types.float32,
@@ -28,7 +25,7 @@ PRIMITIVES: dict[str, Any] = {
 }
 
 _lock = threading.RLock()
-_wire_types: dict[type[Message], Any] = {}
+_wire_types: dict[tuple[type[Message], Any], Any] = {}
 _payload_types: dict[type[Message], type[Payload]] = {}
 
 
@@ -40,6 +37,24 @@ class WireType(IdlStruct):  # type: ignore[misc]  # cyclonedds is untyped
     def __new__(cls, **fields: Any) -> Any:
         """Return a message: this is what Cyclone's decoder calls for every struct that it has read."""
         return cls.__message__._from_wire(fields)
+
+
+class Reader(Buffer):  # type: ignore[misc]  # as above
+    """Bytes to decode, which end where they end.
+
+    Cyclone DDS's own buffer takes no bytes for 512 zeros, and beyond its end it reads octets without an error, as often
+    as a broken length says.
+    """
+
+    def __init__(self, data: bytes) -> None:
+        super().__init__(align_offset=4)  # the header does not count
+        self._bytes = bytearray(data)
+
+    def read_bytes(self, length: int) -> bytes:
+        """Read some octets."""
+        if self._pos + length > len(self._bytes):
+            raise EOFError(f"they end before {length} bytes that they announce")
+        return cast(bytes, super().read_bytes(length))
 
 
 class Payload:
@@ -106,8 +121,12 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
     Raises:
         RCLError: the bytes are not such a message.
     """
+    reader = Reader(data)
     try:
-        return cast(Message, _wire_type(message_type).__idl__.deserialize(data))
+        message = _wire_type(message_type).__idl__.deserialize(reader)
+        if reader.tell() > len(data):  # padding, too, has to be there
+            raise EOFError("they end too early")
+        return cast(Message, message)
     except Exception as error:
         raise RCLError(
             f"failed to deserialize ROS message: {len(data)} bytes are no {message_type.__name__}: {error}"
@@ -119,7 +138,7 @@ def payload_type(message_type: type[Message]) -> type[Payload]:
     known = _payload_types.get(message_type)
     if known is not None:
         return known
-    wire_type = _wire_type(message_type)
+    wire_type = _wire_type(message_type, types.sequence[types.uint8])
     identity = {"__slots__": (), "__idl__": wire_type.__idl__, "__idl_typename__": wire_type.__idl_typename__}
     return _payload_types.setdefault(message_type, type(f"{message_type.__name__}Payload", (Payload,), identity))
 
@@ -130,31 +149,37 @@ def wire_name(type_name: str) -> str:
     return f"{package}::msg::dds_::{name}_"
 
 
-def _wire_type(message_type: type[Message]) -> Any:
-    """Return Cyclone DDS's struct for a message type; made once."""
-    known = _wire_types.get(message_type)
+def _wire_type(message_type: type[Message], octets: Any = bytes) -> Any:
+    """Return Cyclone DDS's struct for a message type; made once.
+
+    Args:
+        message_type: what to encode or decode.
+        octets: what a sequence of uint8 is. ``bytes`` is the same on the wire, and an image need not become a list of
+            numbers; but a topic describes its type to others, and knows no name for that.
+    """
+    known = _wire_types.get((message_type, octets))
     if known is not None:
         return known
     with _lock:  # make_idl_struct keeps a global stack of scopes
         definition = message_type._definition
-        fields = {field.wire_attribute: _idl_type(field) for field in definition.wire_fields}
+        fields = {field.wire_attribute: _idl_type(field, octets) for field in definition.wire_fields}
         typename = wire_name(definition.type_name)
         wire_type = make_idl_struct(
             typename.rpartition("::")[2], typename, fields, dataclassify=False, bases=(WireType,)
         )
         wire_type.__message__ = message_type
         wire_type.__idl__.populate()
-        return _wire_types.setdefault(message_type, wire_type)
+        return _wire_types.setdefault((message_type, octets), wire_type)
 
 
-def _idl_type(field: Field) -> Any:
-    base = _wire_type(message_class(field.base)) if field.is_message else PRIMITIVES[field.base]
+def _idl_type(field: Field, octets: Any) -> Any:
+    base = _wire_type(message_class(field.base), octets) if field.is_message else PRIMITIVES[field.base]
     if field.string_bound:
         base = types.bounded_str[field.string_bound]
     if field.cardinality is Cardinality.ARRAY:
         return types.array[base, field.size]
     if field.cardinality is Cardinality.SEQUENCE:
         if base is types.uint8 and not field.size:
-            return bytes  # the same on the wire, and an image need not become a list of numbers
+            return octets
         return types.sequence[base, field.size] if field.size else types.sequence[base]
     return base

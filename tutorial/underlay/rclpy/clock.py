@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
+from typing import Any, Self, cast
 
+from rclpy import _absent
 from rclpy.clock_type import ClockType
 from rclpy.time import Time
-
-__all__ = ["Clock", "ClockType", "ROSClock"]
 
 
 class Clock:
@@ -15,10 +15,20 @@ class Clock:
 
     Args:
         clock_type: which time; ROS time is the system's time here, because the underlay has no simulated time.
+
+    Raises:
+        TypeError: it is no ClockType.
     """
 
-    def __init__(self, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> None:
+    def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> Self:
+        """Make a clock, which for ROS time is a ROSClock."""
+        if not isinstance(clock_type, ClockType):
+            raise TypeError("Clock type must be a ClockType enum")
+        self: Any = object.__new__(ROSClock if clock_type is ClockType.ROS_TIME else cls)
         self._clock_type = clock_type
+        return cast(Self, self)
+
+    _clock_type: ClockType
 
     @property
     def clock_type(self) -> ClockType:
@@ -33,9 +43,17 @@ class Clock:
     def __repr__(self) -> str:
         return f"Clock(clock_type={self._clock_type.name})"
 
+    __getattr__ = _absent.absent("Clock", _absent.CLOCK)
+
 
 class ROSClock(Clock):
     """A node's clock."""
 
-    def __init__(self) -> None:
-        super().__init__(clock_type=ClockType.ROS_TIME)
+    def __new__(cls) -> Self:
+        """Make a clock of ROS time."""
+        return super().__new__(cls, clock_type=ClockType.ROS_TIME)
+
+    @property
+    def ros_time_is_active(self) -> bool:
+        """Whether the time is simulated: never here."""
+        return False

@@ -2,8 +2,6 @@
 
 from enum import IntEnum
 
-__all__ = ["ClockType"]
-
 
 class ClockType(IntEnum):
     """What a time is measured by."""

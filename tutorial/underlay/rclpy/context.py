@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import sys
 import threading
 import weakref
 from collections.abc import Sequence
@@ -12,43 +13,38 @@ from rclpy import _domain
 from rclpy._arguments import Arguments
 from rclpy._graph import Graph
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.exceptions import NotInitializedException
-from rclpy.logging import LoggingSeverity, set_logger_level
+from rclpy.logging import set_logger_level
 
 if TYPE_CHECKING:
-    from cyclonedds.domain import DomainParticipant
     from rclpy.executors import SingleThreadedExecutor
-
-__all__ = ["Context"]
 
 PATIENCE = 2.0
 """How long to wait for a callback that is running when its context shuts down [s]."""
 
-_contexts: weakref.WeakSet[Context]
+NOT_VALID = "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
+
+_contexts: weakref.WeakSet[Context] = weakref.WeakSet()
 
 
 class Context:
     """Holds what nodes and executors share: the arguments and the participant in the DDS domain.
 
-    May be used from any thread.
+    It can be started once, and shut down. May be used from any thread, and as a context manager, which starts it.
+
+    Attributes:
+        arguments: the ROS arguments that it was started with.
     """
 
     def __init__(self) -> None:
-        self._ok = False
-        self._was_initialized = False
+        self._ok = self._was_initialized = False
         self._domain_id = 0
-        self._arguments = Arguments()
-        self._participant: DomainParticipant | None = None
+        self.arguments = Arguments()
         self._graph: Graph | None = None
-        self._executors: list[weakref.ref[SingleThreadedExecutor]] = []
+        self._executors: list[weakref.ref[SingleThreadedExecutor]] = []  # never changed, but replaced
         _contexts.add(self)
 
     def init(
-        self,
-        args: Sequence[str] | None = None,
-        *,
-        initialize_logging: bool = True,
-        domain_id: int | None = None,
+        self, args: Sequence[str] | None = None, *, initialize_logging: bool = True, domain_id: int | None = None
     ) -> None:
         """Start.
 
@@ -58,20 +54,21 @@ class Context:
             domain_id: None takes ``ROS_DOMAIN_ID``, or 0.
 
         Raises:
-            RuntimeError: it has been started.
+            RuntimeError: it has been started, or the domain is negative.
             RCLError: an argument or the environment makes no sense.
         """
         with _domain.lock:
-            if self._ok:
+            if domain_id is not None and domain_id < 0:
+                raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
+            if self._was_initialized:
                 raise RuntimeError("Context.init() must only be called once")
-            self._close()
-            self._arguments = Arguments.parse(args)
+            self.arguments = Arguments.parse(sys.argv if args is None else args)
             self._domain_id = _domain.default_domain_id() if domain_id is None else domain_id
-            if not 0 <= self._domain_id <= _domain.MAX_DOMAIN_ID:
-                raise RuntimeError(f"Domain id ({domain_id}) should be in the range of 0 to {_domain.MAX_DOMAIN_ID}")
+            if self._domain_id > _domain.MAX_DOMAIN_ID:
+                raise RCLError(f"failed to initialize rcl: domain {domain_id} is above {_domain.MAX_DOMAIN_ID}")
             if initialize_logging:
-                for logger, level in self._arguments.log_levels.items():
-                    set_logger_level(logger, _severity(level))
+                for logger, level in self.arguments.log_levels.items():
+                    set_logger_level(logger, level)
             self._ok = self._was_initialized = True
 
     def ok(self) -> bool:
@@ -97,87 +94,53 @@ class Context:
             if executor := reference():
                 executor.wait_until_stopped(PATIENCE)
         with _domain.lock:
-            self._close()
+            graph, self._graph = self._graph, None
+            if graph:
+                _domain.leave(graph.participant, self._domain_id)
 
     def stop(self) -> None:
         """End every spin, and leave what takes time to :meth:`try_shutdown`; a signal handler may call this."""
-        if not self._ok:
-            return
-        self._ok = False
-        for reference in self._executors:
-            if executor := reference():
-                executor.wake()
+        if self._ok:
+            self._ok = False
+            for reference in self._executors:
+                if executor := reference():
+                    executor.wake()
 
     def add_executor(self, executor: SingleThreadedExecutor) -> None:
         """Have an executor stop before the context shuts down. It is held weakly."""
-        self._executors = [*(other for other in self._executors if other()), weakref.ref(executor)]
+        with _domain.lock:
+            self._executors = [*(other for other in self._executors if other()), weakref.ref(executor)]
 
     def get_domain_id(self) -> int:
         """Return the number of the DDS domain.
 
         Raises:
-            NotInitializedException: it has not been started.
+            RuntimeError: it has not been started.
         """
         if not self._was_initialized:
-            raise NotInitializedException("cannot get domain id")
+            raise RuntimeError("Context must be initialized before it can have a domain id")
         return self._domain_id
 
-    def destroy(self) -> None:
-        """Shut down if it has not been."""
-        self.try_shutdown()
-
     @property
-    def arguments(self) -> Arguments:
-        """The ROS arguments that it was started with."""
-        return self._arguments
-
-    @property
-    def participant(self) -> DomainParticipant:
-        """The participant in the DDS domain; joins when first asked for.
+    def graph(self) -> Graph:
+        """The node graph and the participant in the DDS domain, which joins when first asked for.
 
         Raises:
             RCLError: the context is not running, or the domain cannot be joined.
         """
-        return self._join()[0]
-
-    @property
-    def graph(self) -> Graph:
-        """The node graph; joins the domain when first asked for."""
-        return self._join()[1]
-
-    def _join(self) -> tuple[DomainParticipant, Graph]:
         with _domain.lock:
             if not self._ok:
-                raise RCLError(
-                    "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
-                )
-            if self._participant is None or self._graph is None:
-                self._participant = _domain.join(self._domain_id)
-                self._graph = Graph(self._participant)
-            return self._participant, self._graph
-
-    def _close(self) -> None:
-        participant, self._participant, self._graph = self._participant, None, None
-        if participant is not None:
-            _domain.leave(participant, self._domain_id)
+                raise RCLError(NOT_VALID)
+            if self._graph is None:
+                self._graph = Graph(_domain.join(self._domain_id))
+            return self._graph
 
     def __enter__(self) -> Self:
-        if not self._ok:
-            self.init()
+        self.init()
         return self
 
     def __exit__(self, *_: object) -> None:
         self.try_shutdown()
-
-
-def _severity(level: str) -> LoggingSeverity:
-    try:
-        return LoggingSeverity[level.upper()]
-    except KeyError:
-        raise RCLError(f"failed to initialize rcl: Couldn't parse log level rule: '--log-level {level}'") from None
-
-
-_contexts = weakref.WeakSet()
 
 
 @atexit.register

@@ -2,84 +2,119 @@
 
 from __future__ import annotations
 
-__all__ = [
-    "InvalidNamespaceException",
-    "InvalidNodeNameException",
-    "InvalidTopicNameException",
-    "NameValidationException",
-    "NeedsRealROSError",
-    "NotInitializedException",
-    "ParameterAlreadyDeclaredException",
-    "ParameterNotDeclaredException",
-]
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle  # noqa: PLC0414  (programs find it here)
+
+if TYPE_CHECKING:
+    from rclpy.parameter import Parameter
 
 
 class NotInitializedException(Exception):  # noqa: N818  (rclpy's name, as all below)
     """``rclpy.init()`` has not been called."""
 
-    def __init__(self, msg: str = "") -> None:
-        super().__init__("rclpy.init() has not been called" + (f". msg:{msg}" if msg else ""))
+    def __init__(self, message: str | None = None) -> None:
+        super().__init__("rclpy.init() has not been called." + (f" msg:{message}" if message else ""))
 
 
 class NameValidationException(Exception):  # noqa: N818
     """A name breaks the rules for names; the text points at the place."""
 
     def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
-        caret = " " * invalid_index + "^"
-        super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {caret}")
-        self.name_type, self.name, self.error_msg, self.invalid_index = (
-            name_type,
-            name,
-            error_msg,
-            invalid_index,
-        )
+        super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {' ' * invalid_index}^")
 
 
-class InvalidNodeNameException(NameValidationException):
+class _InvalidName(NameValidationException):
+    kind: ClassVar[str]
+
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__(self.kind, name, error_msg, invalid_index)
+
+
+class InvalidNodeNameException(_InvalidName):
     """A node name breaks the rules for names."""
 
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__("node name", name, error_msg, invalid_index)
+    kind = "node name"
 
 
-class InvalidNamespaceException(NameValidationException):
+class InvalidNamespaceException(_InvalidName):
     """A namespace breaks the rules for names."""
 
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__("namespace", name, error_msg, invalid_index)
+    kind = "namespace"
 
 
-class InvalidTopicNameException(NameValidationException):
+class InvalidTopicNameException(_InvalidName):
     """A topic name breaks the rules for names."""
 
-    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
-        super().__init__("topic name", name, error_msg, invalid_index)
+    kind = "topic name"
 
 
-class ParameterNotDeclaredException(Exception):  # noqa: N818
-    """A parameter was read that the node has not declared."""
+class ParameterException(Exception):  # noqa: N818
+    """Base of what is wrong with parameters."""
+
+    def __init__(self, error_msg: str, parameters: str | list[str]) -> None:
+        super().__init__(f"{error_msg}: {parameters}")
+
+
+class ParameterNotDeclaredException(ParameterException):
+    """A parameter was used that the node has not declared."""
 
     def __init__(self, parameters: str | list[str]) -> None:
-        names = [parameters] if isinstance(parameters, str) else parameters
-        super().__init__(f"Invalid access to undeclared parameter(s): {', '.join(names)}")
+        super().__init__("Invalid access to undeclared parameter(s)", parameters)
 
 
-class ParameterAlreadyDeclaredException(Exception):  # noqa: N818
+class ParameterAlreadyDeclaredException(ParameterException):
     """A parameter was declared twice."""
 
     def __init__(self, parameters: str | list[str]) -> None:
-        names = [parameters] if isinstance(parameters, str) else parameters
-        super().__init__(f"Parameter(s) already declared: {names}")
+        super().__init__("Parameter(s) already declared", parameters)
 
 
-class NeedsRealROSError(ImportError):
-    """Something was asked for that the embedded ROS 2 does not have.
+class ParameterUninitializedException(ParameterException):
+    """A parameter was read that has a type, but no value yet."""
 
-    An ImportError, because most of it is met at an import line.
-    """
+    def __init__(self, parameter_name: str) -> None:
+        super().__init__(f"The parameter '{parameter_name}' is not initialized", parameter_name)
 
+
+class InvalidParameterException(ParameterException):
+    """A parameter's name is no name."""
+
+    def __init__(self, parameter_name: str) -> None:
+        super().__init__("Invalid parameter name", parameter_name)
+
+
+class InvalidParameterTypeException(ParameterException):
+    """A parameter was given a value of another type than its own."""
+
+    def __init__(self, desired_parameter: Parameter, expected_type: str) -> None:
+        name, value, given = desired_parameter.name, desired_parameter.value, desired_parameter.type_.name
+        super().__init__(
+            f"Trying to set parameter '{name}' to '{value}' of type '{given}', expecting type '{expected_type}'", name
+        )
+
+
+class InvalidParameterValueException(ParameterException):
+    """A parameter was given a value that its descriptor does not allow."""
+
+    def __init__(self, parameter: str, value: Any, reason: str) -> None:
+        super().__init__(f"Invalid parameter value ({value}) for parameter. Reason: {reason}", parameter)
+
+
+class _NotHere(Exception):  # noqa: N818
     def __init__(self, what: str) -> None:
         super().__init__(
             f"The embedded ROS 2 of this tutorial has no {what}. A real ROS 2 Jazzy has: see "
             "https://docs.ros.org/en/jazzy/Installation.html, source its setup.bash and start again."
         )
+
+
+class NeedsRealROSError(_NotHere, ImportError):
+    """Something was asked for that the embedded ROS 2 does not have.
+
+    An ImportError, because most of it is met at an import line.
+    """
+
+
+class AbsentAttributeError(_NotHere, AttributeError):
+    """The same, asked of an object, of which ``hasattr`` says that it has no such thing."""

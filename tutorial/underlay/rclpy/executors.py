@@ -7,12 +7,14 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 from cyclonedds.core import DDSException, GuardCondition, WaitSet
+from rclpy import _absent
 from rclpy._domain import close, lock
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.exceptions import NeedsRealROSError
+from rclpy.context import NOT_VALID
+from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
@@ -47,15 +49,17 @@ class SingleThreadedExecutor:
     def __init__(self, *, context: Context | None = None) -> None:
         self._context = context or get_default_context()
         with lock:
-            self._guard = GuardCondition(self._context.participant)
+            self._guard = GuardCondition(self._context.graph.participant)
         self._wait_set: WaitSet | None = None
         self._nodes: tuple[Node, ...] = ()
-        self._timers: tuple[Timer, ...] = ()
-        self._subscriptions: tuple[Subscription, ...] = ()
+        self._timers: list[Timer] = []
+        self._subscriptions: list[Subscription] = []
+        self._publishers: list[Publisher] = []
         self._ready: deque[Subscription | Timer] = deque()
         self._outdated = True
         self._is_shutdown = False
         self._spinning = threading.Lock()
+        self._spinner: int | None = None
         self._lock = threading.Lock()
         self._context.add_executor(self)
 
@@ -107,48 +111,51 @@ class SingleThreadedExecutor:
             timeout_sec: how long to wait [s]; None or negative: without end.
 
         Raises:
-            ExternalShutdownException: the context was shut down.
+            ExternalShutdownException: the context was shut down meanwhile.
+            RCLError: it had been before.
         """
         with self._spin():
+            if not self._context.ok() and not self._is_shutdown:
+                raise RCLError(f"failed to initialize wait set: {NOT_VALID}")
             self._run_one(timeout_sec)
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
-        """Run callbacks until a future is done or time runs out.
+        """Run callbacks until a future is done or cancelled, or time runs out.
 
         Args:
             future: which one.
             timeout_sec: how long to wait [s]; None or negative: without end.
         """
+
+        def finished() -> bool:
+            return future.done() or future.cancelled()
+
         future.add_done_callback(lambda _: self.wake())
         deadline = _deadline(timeout_sec)
         with self._spin():
-            while self._context.ok() and not self._is_shutdown and not future.done() and _left(deadline) > 0:
-                self._run_one(None if deadline is None else _left(deadline), until=future.done)
+            while self._context.ok() and not self._is_shutdown and not finished():
+                self._run_one(None if deadline is None else max(_left(deadline), 0.0), until=finished)
+                if _left(deadline) <= 0:
+                    return
 
-    def shutdown(self, timeout_sec: float | None = None) -> bool:
+    def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002  (rclpy does not wait, either)
         """Stop spinning and give the nodes up; may be called again.
 
-        Args:
-            timeout_sec: how long to wait for a callback that is running [s]; None or negative: without end.
-
-        Returns:
-            Whether no callback is running any more.
+        A callback that is running on another thread is not waited for.
         """
         self._is_shutdown = True
-        self.wake()
-        if not self.wait_until_stopped(timeout_sec):
-            return False
         self._nodes = ()
-        self._ready.clear()
-        self._close_wait_set()
-        close(self._guard)
+        self.wake()
+        if self._spinning.acquire(blocking=False):
+            self._close()
+            self._spinning.release()
         return True
 
-    def wait_until_stopped(self, timeout_sec: float | None) -> bool:
-        """Wait until no thread spins, unless this is the one; False if time runs out."""
-        if getattr(self, "_spinner", None) == threading.get_ident():
+    def wait_until_stopped(self, timeout_sec: float) -> bool:
+        """Wait until no thread spins, unless this is the one; False if time runs out [s]."""
+        if self._spinner == threading.get_ident():
             return True
-        if not self._spinning.acquire(timeout=-1 if timeout_sec is None or timeout_sec < 0 else timeout_sec):
+        if not self._spinning.acquire(timeout=timeout_sec):
             return False
         self._spinning.release()
         return True
@@ -158,10 +165,12 @@ class SingleThreadedExecutor:
         """Hold the right to spin, which only one caller at a time can have."""
         if not self._spinning.acquire(blocking=False):
             raise RuntimeError("Executor is already spinning")
-        self._spinner: int | None = threading.get_ident()
+        self._spinner = threading.get_ident()
         try:
             yield
         finally:
+            if self._is_shutdown:
+                self._close()
             self._spinner = None
             self._spinning.release()
 
@@ -196,18 +205,18 @@ class SingleThreadedExecutor:
         """Begin a round, in which everything has one turn, so that a busy topic does not keep the others waiting."""
         if self._outdated:
             self._outdated = False
-            self._timers = tuple(timer for node in self._nodes for timer in node.timers)
-            self._subscriptions = tuple(subscription for node in self._nodes for subscription in node.subscriptions)
+            self._timers = [timer for node in self._nodes for timer in node.timers]
+            self._subscriptions = [subscription for node in self._nodes for subscription in node.subscriptions]
+            self._publishers = [publisher for node in self._nodes for publisher in node.publishers]
             self._renew_wait_set()
-        self._ready.extend(self._timers)
-        self._ready.extend(self._subscriptions)
+        self._ready.extend((*self._timers, *self._subscriptions))
 
     def _wait(self, timeout: float) -> bool:
         """Wait for a message, an event, a timer or :meth:`wake`; True unless time ran out."""
         for timer in self._timers:
-            next_call = timer.time_until_next_call()
-            if next_call is not None:
-                timeout = min(timeout, next_call / 1e9)
+            wait_time = timer.wait_time()
+            if wait_time is not None:
+                timeout = min(timeout, wait_time / 1e9)
         if timeout <= 0 or self._wait_set is None:
             return False
         try:
@@ -221,32 +230,39 @@ class SingleThreadedExecutor:
         with suppress(DDSException, RCLError):  # shut down at this moment
             self._guard.take()
             self._context.graph.listen()
-        for node in self._nodes:
-            for endpoint in (*node.publishers, *node.subscriptions):
-                endpoint.report_events()
+        for endpoint in (*self._publishers, *self._subscriptions):
+            endpoint.report_events()
 
     def _renew_wait_set(self) -> None:
         """Wait for what there is now. It is made anew because entities come and go on other threads."""
         self._close_wait_set()
         try:
             with lock:
-                wait_set = self._wait_set = WaitSet(self._context.participant)
+                wait_set = self._wait_set = WaitSet(self._context.graph.participant)
                 wait_set.attach(self._guard)
                 wait_set.attach(self._context.graph.changes)
         except (DDSException, RCLError):
             if self._context.ok() and not self._is_shutdown:
                 raise
             return
-        for node in self._nodes:
-            for endpoint in (*node.publishers, *node.subscriptions):
-                for source in endpoint.event_sources():
-                    with suppress(DDSException):  # destroyed at this moment, which wakes us again
-                        wait_set.attach(source)
+        for endpoint in (*self._publishers, *self._subscriptions):
+            for source in endpoint.event_sources():
+                with suppress(DDSException):  # destroyed at this moment, which wakes us again
+                    wait_set.attach(source)
 
     def _close_wait_set(self) -> None:
         wait_set, self._wait_set = self._wait_set, None
         if wait_set is not None:
             close(wait_set)
+
+    def _close(self) -> None:
+        """Let go of everything, once nobody spins any more."""
+        self._ready.clear()
+        self._timers, self._subscriptions, self._publishers = [], [], []
+        self._close_wait_set()
+        close(self._guard)
+
+    __getattr__ = _absent.absent("Executor", _absent.EXECUTOR)
 
     def __enter__(self) -> Self:
         return self
@@ -257,6 +273,8 @@ class SingleThreadedExecutor:
 
 Executor = SingleThreadedExecutor
 
+__getattr__ = _absent.absent("rclpy.executors", _absent.EXECUTORS)
+
 
 def _deadline(timeout_sec: float | None) -> float | None:
     return None if timeout_sec is None or timeout_sec < 0 else time.monotonic() + timeout_sec
@@ -264,9 +282,3 @@ def _deadline(timeout_sec: float | None) -> float | None:
 
 def _left(deadline: float | None) -> float:
     return float("inf") if deadline is None else deadline - time.monotonic()
-
-
-def __getattr__(name: str) -> Any:
-    if name == "MultiThreadedExecutor":
-        raise NeedsRealROSError(name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -5,18 +5,11 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Callable
+import weakref
+from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
-
-__all__ = [
-    "LoggingSeverity",
-    "RcutilsLogger",
-    "get_logger",
-    "get_logger_effective_level",
-    "get_logger_level",
-    "set_logger_level",
-]
+from types import FrameType
+from typing import Any, Protocol
 
 
 class LoggingSeverity(IntEnum):
@@ -30,9 +23,52 @@ class LoggingSeverity(IntEnum):
     FATAL = 50
 
 
+class Listener(Protocol):
+    """What the lines of a logger, and those of its children, are passed on to: a node, for ``/rosout``."""
+
+    def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
+        """Take a line; called on the thread that logs."""
+
+
+listeners: weakref.WeakValueDictionary[str, Listener] = weakref.WeakValueDictionary()
+"""By the name of the logger."""
+
+FILTERS = {
+    "throttle": ("throttle_duration_sec", "throttle_time_source_type"),
+    "skip_first": ("skip_first",),
+    "once": ("once",),
+}
+"""Options by the filter that they belong to, in the order in which filters are asked."""
+OPTIONS = [option for options in FILTERS.values() for option in options]
+
 _levels: dict[str, LoggingSeverity] = {"": LoggingSeverity.INFO}
 _lock = threading.RLock()
-_listeners: dict[str, Callable[[LoggingSeverity, str, str], None]] = {}
+
+
+@dataclass
+class _Place:
+    """A line of a program that logs: what it asked for the first time, and what its filters remember."""
+
+    asked: tuple[LoggingSeverity, str, list[str], dict[str, Any]]
+    last_logged: float = 0.0
+    skipped: bool = False
+    logged: bool = False
+
+    def is_due(self) -> bool:
+        """Ask the filters, each of which may remember that it was asked."""
+        _, _, filters, options = self.asked
+        if "throttle" in filters:
+            now = time.monotonic()
+            if now < self.last_logged + options["throttle_duration_sec"]:
+                return False
+            self.last_logged = now
+        if "skip_first" in filters and not self.skipped:
+            self.skipped = True
+            return False
+        if "once" in filters:
+            logged, self.logged = self.logged, True
+            return not logged
+        return True
 
 
 class RcutilsLogger:
@@ -44,11 +80,13 @@ class RcutilsLogger:
 
     def __init__(self, name: str = "") -> None:
         self.name = name
-        self._last_logged: dict[tuple[str, int], float] = {}
+        self._places: dict[tuple[str, str, int, int], _Place] = {}
 
     def get_child(self, name: str) -> RcutilsLogger:
         """Return the logger ``NAME.CHILD``."""
-        return get_logger(f"{self.name}.{name}" if self.name else name)
+        if not name:
+            raise ValueError("Child logger name must not be empty.")
+        return RcutilsLogger(f"{self.name}.{name}" if self.name else name)
 
     def set_level(self, level: LoggingSeverity | int) -> None:
         """Drop lines below this severity."""
@@ -60,72 +98,60 @@ class RcutilsLogger:
 
     def is_enabled_for(self, severity: LoggingSeverity | int) -> bool:
         """Whether a line of this severity would be written."""
-        return severity >= self.get_effective_level()
+        return LoggingSeverity(severity) >= self.get_effective_level()
 
-    def debug(self, message: str, **options: Any) -> bool:
+    def debug(self, message: str, **kwargs: Any) -> bool:
         """Log what only a developer wants to see."""
-        return self.log(message, LoggingSeverity.DEBUG, **options)
+        return self.log(message, LoggingSeverity.DEBUG, **kwargs)
 
-    def info(self, message: str, **options: Any) -> bool:
+    def info(self, message: str, **kwargs: Any) -> bool:
         """Log what is normal."""
-        return self.log(message, LoggingSeverity.INFO, **options)
+        return self.log(message, LoggingSeverity.INFO, **kwargs)
 
-    def warning(self, message: str, **options: Any) -> bool:
+    def warning(self, message: str, **kwargs: Any) -> bool:
         """Log what may be a mistake."""
-        return self.log(message, LoggingSeverity.WARN, **options)
+        return self.log(message, LoggingSeverity.WARN, **kwargs)
 
     warn = warning
 
-    def error(self, message: str, **options: Any) -> bool:
+    def error(self, message: str, **kwargs: Any) -> bool:
         """Log what went wrong."""
-        return self.log(message, LoggingSeverity.ERROR, **options)
+        return self.log(message, LoggingSeverity.ERROR, **kwargs)
 
-    def fatal(self, message: str, **options: Any) -> bool:
+    def fatal(self, message: str, **kwargs: Any) -> bool:
         """Log what ends the program."""
-        return self.log(message, LoggingSeverity.FATAL, **options)
+        return self.log(message, LoggingSeverity.FATAL, **kwargs)
 
-    def log(
-        self,
-        message: str,
-        severity: LoggingSeverity | int,
-        *,
-        throttle_duration_sec: float | None = None,
-        skip_first: bool = False,
-        once: bool = False,
-    ) -> bool:
-        """Write one line, and return whether it was written."""
+    def log(self, message: str, severity: LoggingSeverity | int, **kwargs: Any) -> bool:
+        """Write one line, and return whether it was written.
+
+        Raises:
+            TypeError: the message is no text, or there is no such option.
+            ValueError: the same line of the program has logged with other options before.
+        """
         severity = LoggingSeverity(severity)
-        if not self.is_enabled_for(severity):
-            return False
-        limited = once or skip_first or throttle_duration_sec is not None
-        if limited and not self._is_due(throttle_duration_sec, skip_first, once):
-            return False
-        _write(severity, self.name, str(message))
-        return True
-
-    def _is_due(self, throttle: float | None, skip_first: bool, once: bool) -> bool:
-        """Decide for a line of the program that has options whether it may log now."""
-        frame = sys._getframe(3 if sys._getframe(2).f_code.co_filename == __file__ else 2)
-        place = (frame.f_code.co_filename, frame.f_lineno)
-        now = time.monotonic()
+        name = kwargs.pop("name", self.name)
+        asked = (severity, name, _filters(kwargs), kwargs)
         with _lock:
-            last = self._last_logged.get(place)
-            first = last is None
-            due = not skip_first if last is None else not once and now - last >= (throttle or 0.0)
-            if due or first:
-                self._last_logged[place] = now
-        return due
-
-
-_loggers: dict[str, RcutilsLogger] = {}
+            place = self._places.setdefault(_caller(sys._getframe(1)), _Place(asked))
+            if place.asked != asked:
+                raise ValueError(_change(place.asked, asked))
+            if not self.is_enabled_for(severity) or not place.is_due():
+                return False
+        if not isinstance(message, str):
+            raise TypeError(f"rclpy_logging_rcutils_log(): incompatible function arguments: {message!r} is no str")
+        _write(severity, name, message)
+        return True
 
 
 def get_logger(name: str) -> RcutilsLogger:
-    """Return the logger of a name."""
-    return _loggers.setdefault(name, RcutilsLogger(name))
+    """Return a logger of a name."""
+    if not name:
+        raise ValueError("Logger name must not be empty.")
+    return RcutilsLogger(name)
 
 
-def set_logger_level(name: str, level: LoggingSeverity | int) -> None:
+def set_logger_level(name: str, level: LoggingSeverity | int, detailed_error: bool = False) -> None:  # noqa: ARG001
     """Drop a logger's lines below this severity; "" is the parent of all loggers."""
     _levels[name] = LoggingSeverity(level)
 
@@ -139,32 +165,46 @@ def get_logger_effective_level(name: str) -> LoggingSeverity:
     """Return the level of the logger or of its nearest parent that has one."""
     while name and not _levels.get(name):
         name = name.rpartition(".")[0]
-    return _levels[name]
+    return _levels[name] or LoggingSeverity.INFO
 
 
-def set_listener(name: str, listener: Callable[[LoggingSeverity, str, str], None] | None) -> None:
-    """Pass a logger's lines, and those of its children, on: this is how a node's log reaches ``/rosout``.
+def _filters(options: dict[str, Any]) -> list[str]:
+    """Return the filters that options ask for."""
+    filters = [name for name, params in FILTERS.items() if any(options.get(param) for param in params)]
+    if "throttle" in filters and "throttle_duration_sec" not in options:
+        raise TypeError(
+            'required parameter "throttle_duration_sec" not specified but is required for the the logging filter '
+            '"throttle"'
+        )
+    for option in options:
+        if option not in OPTIONS:
+            raise TypeError(f'parameter "{option}" is not one of the recognized logging options "{OPTIONS}"')
+    return filters
 
-    Args:
-        name: of the logger.
-        listener: called with severity, logger's name and text, on the thread that logs; None ends it.
-    """
-    if listener is None:
-        _listeners.pop(name, None)
-    else:
-        _listeners[name] = listener
+
+def _change(before: tuple[Any, ...], now: tuple[Any, ...]) -> str:
+    """Return what to say of a line of a program that suddenly logs in another way."""
+    things = ("Logger severity", "Logger name", "Requested logging filters", "Logging filter parameters")
+    return next(f"{thing} cannot be changed between calls." for thing, a, b in zip(things, before, now) if a != b)
+
+
+def _caller(frame: FrameType | None) -> tuple[str, str, int, int]:
+    """Return where the program logs: the first frame that is not of this module."""
+    while frame is not None and frame.f_code.co_filename == __file__:
+        frame = frame.f_back
+    assert frame is not None
+    return frame.f_code.co_name, frame.f_code.co_filename, frame.f_lineno, frame.f_lasti
 
 
 def _write(severity: LoggingSeverity, name: str, text: str) -> None:
     seconds, nanoseconds = divmod(time.time_ns(), 1_000_000_000)
-    line = f"[{severity.name}] [{seconds}.{nanoseconds:09d}] [{name}]: {text}\n"
     stream = sys.stderr
     if stream is not None:  # pythonw has none
         with _lock:
-            stream.write(line)
+            stream.write(f"[{severity.name}] [{seconds}.{nanoseconds:09d}] [{name}]: {text}\n")
             stream.flush()
     owner = name
-    while owner and owner not in _listeners:
+    while owner and owner not in listeners:
         owner = owner.rpartition(".")[0]
-    if listener := _listeners.get(owner):
-        listener(severity, name, text)
+    if listener := listeners.get(owner):
+        listener.publish_log(severity, name, text)

@@ -6,24 +6,25 @@ import threading
 import weakref
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from _rosidl.message import Message
 from cyclonedds.core import DDSException
 from rcl_interfaces.msg import Log, ParameterEvent
+from rclpy import _absent
 from rclpy._arguments import Arguments
+from rclpy._names import validate_topic_name
 from rclpy._node_graph import NodeGraph
 from rclpy._node_parameters import NodeParameters
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
-from rclpy._validation import validate_namespace, validate_node_name
 from rclpy._wire import check_message_type
 from rclpy.clock import Clock, ROSClock
-from rclpy.duration import S_TO_NS
-from rclpy.exceptions import NeedsRealROSError, NotInitializedException
-from rclpy.expand_topic_name import expand_topic_name
-from rclpy.logging import LoggingSeverity, RcutilsLogger, get_logger, set_listener
+from rclpy.duration import S_TO_NS, Duration
+from rclpy.exceptions import NotInitializedException
+from rclpy.logging import LoggingSeverity, RcutilsLogger, get_logger, listeners
+from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile, profile_of, qos_profile_parameter_events, qos_profile_rosout_default
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
@@ -32,9 +33,9 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.executors import SingleThreadedExecutor
 
-__all__ = ["Node"]
+Entity = TypeVar("Entity", Publisher, Subscription, Timer)
 
-NEEDS_REAL_ROS = ("create_service", "create_client", "create_guard_condition", "create_rate", "add_waitable")
+ROSOUT_QOS = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
 
 
 class Node(NodeGraph, NodeParameters):
@@ -43,10 +44,13 @@ class Node(NodeGraph, NodeParameters):
     Args:
         node_name: its name; a remapping on the command line wins.
         context: None takes the default one.
-        cli_args: ROS arguments for this node alone.
+        cli_args: a command line for this node alone.
         namespace: put before its name and its topics' names.
         use_global_arguments: heed the process's command line.
         enable_rosout: publish what it logs on ``/rosout``.
+        start_parameter_services: without effect, for there are no services here.
+        parameter_overrides: values that win over those of :meth:`declare_parameter`.
+        **options: others of rclpy's, which are not in the underlay.
 
     Raises:
         NotInitializedException: ``rclpy.init()`` has not been called.
@@ -62,44 +66,32 @@ class Node(NodeGraph, NodeParameters):
         namespace: str | None = None,
         use_global_arguments: bool = True,
         enable_rosout: bool = True,
-        **_: Any,
+        start_parameter_services: bool = True,  # noqa: ARG002
+        parameter_overrides: Sequence[Parameter] | None = None,
+        **options: Any,
     ) -> None:
+        _absent.refuse("Node.__init__", options, _absent.NODE_OPTIONS)
         self._context = context or get_default_context()
         if not self._context.ok():
             raise NotInitializedException("cannot create node")
-        self._arguments = (
-            [Arguments.parse(["--ros-args", *cli_args] if "--ros-args" not in cli_args else cli_args)]
-            if cli_args
-            else []
-        )
-        self._arguments += [self._context.arguments] if use_global_arguments else []
-        self._name, self._namespace = self._names(node_name, namespace or "/")
-        self._init_parameters(self._arguments)
+        arguments = [Arguments.parse(cli_args or ()), *([self._context.arguments] if use_global_arguments else [])]
+        self._init_names(node_name, namespace or "/", arguments)
+        self._init_parameters(self._name, arguments, parameter_overrides or ())
         self._clock = ROSClock()
-        self._logger = get_logger(self.get_fully_qualified_name()[1:].replace("/", "."))
+        self._logger = get_logger(self._full_name()[1:].replace("/", "."))
         self._executor: weakref.ref[SingleThreadedExecutor] | None = None
         self._entities: tuple[Publisher | Subscription | Timer, ...] = ()
         self._rosout: Publisher | None = None
-        self._destroyed = False
         self._lock = threading.RLock()
         self._graph = self._context.graph
         self._entry = self._graph.add_node(self._namespace, self._name)
+        self._leave_graph = weakref.finalize(self, self._graph.remove_node, self._entry)
+        self._leave_graph.atexit = False
         if enable_rosout:
-            self._rosout = self._make_publisher(Log, "/rosout", qos_profile_rosout_default)
-            set_listener(self._logger.name, self._publish_log)
+            with self._creating("publisher"):
+                self._rosout = Publisher(self, Log, "/rosout", self.resolve_topic_name("/rosout"), ROSOUT_QOS)
+            listeners[self._logger.name] = self
         self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
-
-    def get_name(self) -> str:
-        """Return its name."""
-        return self._name
-
-    def get_namespace(self) -> str:
-        """Return its namespace, which begins with a slash."""
-        return self._namespace
-
-    def get_fully_qualified_name(self) -> str:
-        """Return namespace and name."""
-        return f"{self._namespace.rstrip('/')}/{self._name}"
 
     def get_logger(self) -> RcutilsLogger:
         """Return its logger."""
@@ -120,15 +112,15 @@ class Node(NodeGraph, NodeParameters):
         return self._executor() if self._executor else None
 
     @executor.setter
-    def executor(self, new: SingleThreadedExecutor | None) -> None:
+    def executor(self, new_executor: SingleThreadedExecutor | None) -> None:
         old = self.executor
-        if old is new:
+        if old is new_executor:
             return
         if old is not None:
             old.remove_node(self)
-        self._executor = None if new is None else weakref.ref(new)
-        if new is not None:
-            new.add_node(self)
+        self._executor = None if new_executor is None else weakref.ref(new_executor)
+        if new_executor is not None:
+            new_executor.add_node(self)
 
     @property
     def publishers(self) -> Iterator[Publisher]:
@@ -146,7 +138,11 @@ class Node(NodeGraph, NodeParameters):
         return (entity for entity in self._entities if isinstance(entity, Timer))
 
     def create_publisher(
-        self, msg_type: type[Message], topic: str, qos_profile: QoSProfile | int, **_: Any
+        self,
+        msg_type: type[Message],
+        topic: str,
+        qos_profile: QoSProfile | int,
+        **options: Any,
     ) -> Publisher:
         """Make a publisher.
 
@@ -154,15 +150,16 @@ class Node(NodeGraph, NodeParameters):
             msg_type: class of the messages.
             topic: where to; relative to the node's namespace unless it begins with a slash.
             qos_profile: how hard to try; an int is the number of messages kept for those who are slow.
+            **options: others of rclpy's, which are not in the underlay.
 
         Raises:
             InvalidTopicNameException: the name breaks the rules.
             RCLError: the context has been shut down.
         """
-        qos_profile = profile_of(qos_profile)
-        publisher = self._make_publisher(msg_type, topic, qos_profile)
-        self._add(publisher)
-        return publisher
+        _absent.refuse("Node.create_publisher", options, _absent.ENDPOINT_OPTIONS)
+        profile, topic_name = self._checked(msg_type, topic, qos_profile)
+        with self._creating("publisher"):
+            return self._add(Publisher(self, msg_type, topic, topic_name, profile))
 
     def create_subscription(
         self,
@@ -172,7 +169,7 @@ class Node(NodeGraph, NodeParameters):
         qos_profile: QoSProfile | int,
         *,
         raw: bool = False,
-        **_: Any,
+        **options: Any,
     ) -> Subscription:
         """Make a subscription.
 
@@ -182,24 +179,23 @@ class Node(NodeGraph, NodeParameters):
             callback: called with each message, or with the message and a dict about it, on the thread that spins.
             qos_profile: how hard to try; an int is the number of messages that wait for the callback.
             raw: give the callback bytes instead of messages.
+            **options: others of rclpy's, which are not in the underlay.
 
         Raises:
             InvalidTopicNameException: the name breaks the rules.
             RCLError: the context has been shut down.
         """
-        qos_profile = profile_of(qos_profile)
-        check_message_type(msg_type)
-        topic_name = self.resolve_topic_name(topic)
+        _absent.refuse("Node.create_subscription", options, _absent.ENDPOINT_OPTIONS)
+        _absent.refuse_coroutine(callback)
+        profile, topic_name = self._checked(msg_type, topic, qos_profile)
         with self._creating("subscription"):
-            subscription = Subscription(self, msg_type, topic, topic_name, callback, qos_profile, raw)
-        self._add(subscription)
-        return subscription
+            return self._add(Subscription(self, msg_type, topic, topic_name, callback, profile, raw))
 
     def create_timer(
         self,
         timer_period_sec: float,
         callback: Callable[[], object],
-        callback_group: None = None,  # noqa: ARG002  (rclpy's signature)
+        callback_group: None = None,
         clock: Clock | None = None,
         autostart: bool = True,
     ) -> Timer:
@@ -215,9 +211,11 @@ class Node(NodeGraph, NodeParameters):
         Raises:
             RCLError: the period is negative.
         """
-        timer = Timer(self, callback, int(float(timer_period_sec) * S_TO_NS), clock or self._clock, autostart)
-        self._add(timer)
-        return timer
+        period_ns = int(float(timer_period_sec) * S_TO_NS)
+        _absent.refuse("Node.create_timer", {"callback_group": callback_group}, _absent.ENDPOINT_OPTIONS)
+        _absent.refuse_coroutine(callback)
+        with self._creating("timer"):
+            return self._add(Timer(self, callback, period_ns, clock or self._clock, autostart))
 
     def destroy_publisher(self, publisher: Publisher) -> bool:
         """Destroy a publisher of this node; False if it has none such any more."""
@@ -239,67 +237,66 @@ class Node(NodeGraph, NodeParameters):
             self._destroyed = True
             entities, self._entities = self._entities, ()
             rosout, self._rosout = self._rosout, None
-        set_listener(self._logger.name, None)
-        self.executor = None
+        listeners.pop(self._logger.name, None)
         for entity in (*entities, *([rosout] if rosout else [])):
             entity.close()
-        self._graph.remove_node(self._entry)
-
-    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        """Return a topic's full name, remapped unless only to be expanded."""
-        name = expand_topic_name(topic, self._name, self._namespace)
-        for arguments in () if only_expand else self._arguments:
-            if (remapped := arguments.topic(name, self._name, self._namespace)) != name:
-                return remapped
-        return name
+        self._leave_graph()
+        self.wake_executor()
 
     def wake_executor(self) -> None:
         """Make the executor look around, because something has been added or removed."""
         if executor := self.executor:
             executor.wake()
 
-    def _names(self, name: str, namespace: str) -> tuple[str, str]:
-        """Apply remappings to the node's own name and namespace, and check both."""
-        given = name
-        namespace = namespace if namespace.startswith("/") else f"/{namespace}"
-        for arguments in reversed(self._arguments):
-            name = arguments.node_value(given, "__node") or name
-            namespace = arguments.node_value(given, "__ns") or namespace
-        validate_node_name(name)
-        validate_namespace(namespace)
-        return name, namespace
+    def _checked(self, msg_type: Any, topic: str, qos_profile: Any) -> tuple[QoSProfile, str]:
+        """Return the profile that a program means and the topic's full name.
 
-    def _make_publisher(self, msg_type: type[Message], topic: str, qos_profile: QoSProfile) -> Publisher:
+        Raises:
+            ValueError: the depth is negative.
+            TypeError: the profile is none.
+            InvalidTopicNameException: the topic's name breaks the rules.
+            AttributeError: the messages' type is none.
+        """
+        if isinstance(qos_profile, int):
+            if qos_profile < 0:
+                raise ValueError("history depth must be greater than or equal to zero")
+            qos_profile = QoSProfile(depth=qos_profile)
+        if not isinstance(qos_profile, QoSProfile):
+            raise TypeError(f"Expected QoSProfile or int, but received {type(qos_profile)!r}")
+        try:
+            topic_name = self.resolve_topic_name(topic)
+        except RCLError:
+            validate_topic_name(topic)
+            self._expanded(topic)
+            raise
         check_message_type(msg_type)
-        topic_name = self.resolve_topic_name(topic)
-        with self._creating("publisher"):
-            return Publisher(self, msg_type, topic, topic_name, qos_profile)
+        return qos_profile, topic_name
 
     @contextmanager
     def _creating(self, what: str) -> Iterator[None]:
         """Say in rclpy's words why something cannot be made, also if the node goes at this very moment."""
-        self._require_alive(what)
+        self._require_context(what)
         try:
             yield
         except DDSException as error:
-            self._require_alive(what)
+            self._require_context(what)
             raise RCLError(f"Failed to create {what}: {error}") from error
 
-    def _require_alive(self, what: str) -> None:
-        if self._destroyed:
-            raise InvalidHandle
+    def _require_context(self, what: str) -> None:
+        self._require_handle()
         if not self._context.ok():
             raise RCLError(f"Failed to create {what}: rcl node's context is invalid")
 
-    def _add(self, entity: Publisher | Subscription | Timer) -> None:
+    def _add(self, entity: Entity) -> Entity:
         with self._lock:
             if self._destroyed:
                 entity.close()
                 raise InvalidHandle
             self._entities = (*self._entities, entity)
         self._endpoints_changed()
+        return entity
 
-    def _remove(self, entity: Publisher | Subscription | Timer) -> bool:
+    def _remove(self, entity: Any) -> bool:
         with self._lock:
             if entity not in self._entities:
                 return False
@@ -313,15 +310,13 @@ class Node(NodeGraph, NodeParameters):
         self._graph.set_endpoints(self._entry, writers, [subscription.guid for subscription in self.subscriptions])
         self.wake_executor()
 
-    def _publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
+    def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
+        """Publish a log line on ``/rosout``. Called by the logger."""
         rosout = self._rosout
         if rosout is not None and self._context.ok():
             rosout.publish(Log(stamp=self._clock.now().to_msg(), level=int(severity), name=name, msg=text))
 
-    def __getattr__(self, name: str) -> Any:
-        if name in NEEDS_REAL_ROS:
-            raise NeedsRealROSError(f"Node.{name}()")
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+    __getattr__ = _absent.absent("Node", _absent.NODE)
 
     def __enter__(self) -> Self:
         return self

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
+from array import array
+from dataclasses import dataclass
+from enum import Enum
 from typing import Any
 
-__all__ = ["Parameter"]
 
-
+@dataclass(frozen=True, eq=False, repr=False)
 class Parameter:
-    """A named setting.
+    """A named setting, which cannot be changed; ``Node.set_parameters`` puts another one in its place.
 
     Args:
         name: of the parameter.
@@ -21,7 +22,7 @@ class Parameter:
         ValueError: the value is not of the type given.
     """
 
-    class Type(IntEnum):
+    class Type(Enum):
         """Types that parameters can have, with the numbers of ``rcl_interfaces/msg/ParameterType``."""
 
         NOT_SET = 0
@@ -36,38 +37,39 @@ class Parameter:
         STRING_ARRAY = 9
 
         @classmethod
-        def from_parameter_value(cls, value: Any) -> Parameter.Type:
-            """Return the type of a value."""
-            if isinstance(value, (list, tuple)):
-                if not value or isinstance(value[0], bytes):
-                    return cls.BYTE_ARRAY
-                if len({type(item) for item in value}) == 1 and (element := _SCALARS.get(type(value[0]))):
-                    return cls[f"{cls(element).name}_ARRAY"]
-            elif (scalar := _SCALARS.get(type(value))) is not None:
-                return cls(scalar)
-            raise TypeError(
-                "The given value is not one of the allowed types '{}'.".format("', '".join(t.name for t in cls))
-            )
+        def from_parameter_value(cls, parameter_value: Any) -> Parameter.Type:
+            """Return the type of a value.
 
-    def __init__(self, name: str, type_: Parameter.Type | None = None, value: Any = None) -> None:
-        found = Parameter.Type.from_parameter_value(value)
-        if type_ is not None and type_ != found:
-            raise ValueError(f"Type '{type_.name}' and value '{value}' do not agree")
-        self.name = name
-        self.type_ = found
-        self.value = value
+            Raises:
+                TypeError: it is of none of them.
+            """
+            for type_ in cls:
+                if type_.check(parameter_value):
+                    return type_
+            a_list_of = "a list of " if isinstance(parameter_value, (list, tuple, array)) else ""
+            raise TypeError(f"The given value is not {a_list_of}one of the allowed types '{parameter_value}'.")
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Parameter) and (self.name, self.type_, self.value) == (
-            other.name,
-            other.type_,
-            other.value,
-        )
+        def check(self, parameter_value: Any) -> bool:
+            """Whether a value is of this type."""
+            element, is_array = _PYTHON_TYPES[self.name.removesuffix("_ARRAY")], self.name.endswith("_ARRAY")
+            if is_array:
+                return isinstance(parameter_value, (list, tuple, array)) and all(
+                    isinstance(value, element) for value in parameter_value
+                )
+            return isinstance(parameter_value, element)
 
-    __hash__ = None  # type: ignore[assignment]
+    name: str
+    type_: Parameter.Type = None  # type: ignore[assignment]  # the value's
+    value: Any = None
 
-    def __repr__(self) -> str:
-        return f"Parameter(name={self.name!r}, type={self.type_.name}, value={self.value!r})"
+    def __post_init__(self) -> None:
+        given: Any = self.type_
+        if given is None:
+            object.__setattr__(self, "type_", Parameter.Type.from_parameter_value(self.value))
+        elif not isinstance(given, Parameter.Type):
+            raise TypeError(f"type must be an instance of '{Parameter.Type!r}'")
+        if not self.type_.check(self.value):
+            raise ValueError(f"Type '{self.type_}' and value '{self.value}' do not agree")
 
 
-_SCALARS = {type(None): 0, bool: 1, int: 2, float: 3, str: 4}
+_PYTHON_TYPES = {"NOT_SET": type(None), "BOOL": bool, "INTEGER": int, "DOUBLE": float, "STRING": str, "BYTE": bytes}

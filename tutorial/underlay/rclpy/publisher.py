@@ -6,10 +6,9 @@ from _rosidl.message import Message
 from cyclonedds.core import DDSException, DDSStatus
 from cyclonedds.pub import DataWriter
 from rclpy._endpoint import Endpoint
+from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy._wire import encode
 from rclpy.duration import Duration, Infinite
-
-__all__ = ["Publisher"]
 
 
 class Publisher(Endpoint):
@@ -17,6 +16,7 @@ class Publisher(Endpoint):
 
     _kind = DataWriter
     _incompatible = DDSStatus.OfferedIncompatibleQos
+    _get_incompatible = "get_offered_incompatible_qos_status"
     _warning = (
         "New subscription discovered on topic '{topic}', requesting incompatible QoS. No messages will be sent to it."
     )
@@ -29,6 +29,8 @@ class Publisher(Endpoint):
             InvalidHandle: the publisher has been destroyed.
             RCLError: the context has been shut down.
         """
+        if self._destroyed:
+            raise InvalidHandle
         if isinstance(msg, self.msg_type):
             data = encode(msg)
         elif isinstance(msg, bytes):
@@ -42,10 +44,7 @@ class Publisher(Endpoint):
 
     def get_subscription_count(self) -> int:
         """Return the number of subscriptions that receive what is published."""
-        try:
-            return int(self._dds.get_publication_matched_status().current_count)
-        except DDSException as error:
-            raise self._explain(error, "failed to get subscription count") from None
+        return self._count_matched("get_publication_matched_status", "subscription")
 
     def wait_for_all_acked(self, timeout: Duration = Infinite) -> bool:
         """Wait until every reliable subscription has received everything; False if time runs out."""
@@ -54,10 +53,3 @@ class Publisher(Endpoint):
             return bool(self._dds.wait_for_acks(timeout.nanoseconds))
         except AttributeError:  # what cyclonedds 11.0.1 raises when time runs out
             return False
-
-    def destroy(self) -> None:
-        """Destroy it; may be called again."""
-        self._node.destroy_publisher(self)
-
-    def _incompatible_policy(self) -> int:
-        return int(self._dds.get_offered_incompatible_qos_status().last_policy_id)

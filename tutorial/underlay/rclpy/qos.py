@@ -2,30 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import IntEnum
+import warnings
+from dataclasses import MISSING, dataclass, field, fields
+from enum import Enum, IntEnum
 from typing import Any
 
-from rclpy.duration import Duration, Infinite
+from rclpy.duration import Duration
 
-__all__ = [
-    "DurabilityPolicy",
-    "HistoryPolicy",
-    "InvalidQoSProfileException",
-    "LivelinessPolicy",
-    "QoSDurabilityPolicy",
-    "QoSHistoryPolicy",
-    "QoSLivelinessPolicy",
-    "QoSPresetProfiles",
-    "QoSProfile",
-    "QoSReliabilityPolicy",
-    "ReliabilityPolicy",
-    "qos_profile_default",
-    "qos_profile_parameter_events",
-    "qos_profile_rosout_default",
-    "qos_profile_sensor_data",
-    "qos_profile_system_default",
-]
+ZERO_DEPTH = (
+    "A zero depth with KEEP_LAST doesn't make sense; no data could be stored. "
+    "This will be interpreted as SYSTEM_DEFAULT"
+)
 
 
 class InvalidQoSProfileException(Exception):  # noqa: N818  (rclpy's name)
@@ -38,9 +25,19 @@ class InvalidQoSProfileException(Exception):  # noqa: N818  (rclpy's name)
 class QoSPolicyEnum(IntEnum):
     """Base of the policies; their numbers are those of rmw."""
 
+    @classmethod
+    def short_keys(cls) -> list[str]:
+        """Return the names that the ``ros2`` command uses, such as ``"best_effort"``."""
+        return [policy.short_key for policy in cls]
+
+    @classmethod
+    def get_from_short_key(cls, name: str) -> int:
+        """Return the number of a policy by such a name."""
+        return cls[name.upper()].value
+
     @property
     def short_key(self) -> str:
-        """The name that the ``ros2`` command uses, such as ``"best_effort"``."""
+        """The name that the ``ros2`` command uses."""
         return self.name.lower()
 
 
@@ -89,7 +86,7 @@ QoSDurabilityPolicy = DurabilityPolicy
 QoSLivelinessPolicy = LivelinessPolicy
 
 
-@dataclass(kw_only=True)
+@dataclass(init=False, repr=False, slots=True)
 class QoSProfile:
     """A set of policies.
 
@@ -98,73 +95,85 @@ class QoSProfile:
         depth: how many, for ``KEEP_LAST``.
         reliability: whether lost messages are sent again.
         durability: whether a subscription that comes late receives earlier messages.
-        lifespan: age at which a message is dropped.
+        lifespan: age at which a message is dropped; 0, as for those below: none.
         deadline: longest time expected between two messages.
         liveliness: how a publisher shows that it is alive.
         liveliness_lease_duration: time after which a silent publisher counts as gone.
+        avoid_ros_namespace_conventions: the topic is one of DDS, called as it stands.
 
     Raises:
         InvalidQoSProfileException: neither history nor depth is given, or no depth for ``KEEP_LAST``.
-        ValueError: the depth is negative.
+        AssertionError: a setting is of the wrong type, or there is no such setting.
     """
 
-    history: HistoryPolicy = None  # type: ignore[assignment]  # KEEP_LAST if there is a depth
-    depth: int = None  # type: ignore[assignment]  # 0 if it does not matter
+    history: HistoryPolicy = HistoryPolicy.KEEP_LAST
+    depth: int = 10
     reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE
     durability: DurabilityPolicy = DurabilityPolicy.VOLATILE
-    lifespan: Duration = Infinite
-    deadline: Duration = Infinite
-    liveliness: LivelinessPolicy = LivelinessPolicy.AUTOMATIC
-    liveliness_lease_duration: Duration = Infinite
+    lifespan: Duration = field(default_factory=Duration)
+    deadline: Duration = field(default_factory=Duration)
+    liveliness: LivelinessPolicy = LivelinessPolicy.SYSTEM_DEFAULT
+    liveliness_lease_duration: Duration = field(default_factory=Duration)
+    avoid_ros_namespace_conventions: bool = False
 
-    def __post_init__(self) -> None:
-        history: Any = self.history
-        depth: Any = self.depth
-        if depth is None and history is None:
+    def __init__(self, **kwargs: Any) -> None:
+        assert kwargs.keys() <= DEFAULTS.keys(), f"Invalid arguments passed to constructor: {kwargs.keys()!r}"
+        if not kwargs.keys() & {"history", "depth"}:
             raise InvalidQoSProfileException("History and/or depth settings are required.")
-        if depth is None and history == HistoryPolicy.KEEP_LAST:
+        if kwargs.get("history", HistoryPolicy.KEEP_LAST) == HistoryPolicy.KEEP_LAST and "depth" not in kwargs:
             raise InvalidQoSProfileException("History set to KEEP_LAST without a depth setting.")
-        if depth is not None and depth < 0:
-            raise ValueError("history depth must be greater than or equal to zero")
-        self.history = HistoryPolicy.KEEP_LAST if history is None else HistoryPolicy(history)
-        self.depth = depth or 0
-        self.reliability = ReliabilityPolicy(self.reliability)
-        self.durability = DurabilityPolicy(self.durability)
-        self.liveliness = LivelinessPolicy(self.liveliness)
+        for name, value in (DEFAULTS | kwargs).items():
+            setattr(self, name, value)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in DEFAULTS:
+            kind = type(DEFAULTS[name])
+            is_policy = issubclass(kind, QoSPolicyEnum)
+            assert isinstance(value, int if is_policy else kind)
+            value = kind(value) if is_policy else value
+        if name == "depth" and value == 0 and self.history == HistoryPolicy.KEEP_LAST:
+            warnings.warn(ZERO_DEPTH, stacklevel=2)
+        object.__setattr__(self, name, value)
+
+    def __str__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{name}={getattr(self, name)}' for name in DEFAULTS)})"
 
 
-def profile_of(qos_profile: QoSProfile | int) -> QoSProfile:
-    """Return the profile that a program means: an int is the depth of the default one.
-
-    Raises:
-        ValueError: it is a negative int.
-        TypeError: it is something else.
-    """
-    if isinstance(qos_profile, QoSProfile):
-        return qos_profile
-    if isinstance(qos_profile, int):
-        return QoSProfile(depth=qos_profile)
-    raise TypeError(f"Expected QoSProfile or int, but received {type(qos_profile)!r}")
+DEFAULTS: dict[str, Any] = {
+    policy.name: Duration() if policy.default is MISSING else policy.default for policy in fields(QoSProfile)
+}
 
 
+def _every_policy(name: str, **others: Any) -> QoSProfile:
+    """Return the profile in which every policy that can be so is the one of this name."""
+    kinds = {setting: type(default) for setting, default in DEFAULTS.items() if isinstance(default, QoSPolicyEnum)}
+    return QoSProfile(**{policy: kind[name] for policy, kind in kinds.items() if name in kind.__members__}, **others)
+
+
+_BEST_AVAILABLE = Duration(nanoseconds=2**63 - 2)
+
+qos_profile_unknown = _every_policy("UNKNOWN", depth=0)
 qos_profile_default = QoSProfile(depth=10)
-qos_profile_system_default = QoSProfile(
-    history=HistoryPolicy.SYSTEM_DEFAULT,
-    reliability=ReliabilityPolicy.SYSTEM_DEFAULT,
-    durability=DurabilityPolicy.SYSTEM_DEFAULT,
-    liveliness=LivelinessPolicy.SYSTEM_DEFAULT,
-)
+qos_profile_system_default = _every_policy("SYSTEM_DEFAULT", depth=0)
 qos_profile_sensor_data = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+qos_profile_services_default = QoSProfile(depth=10)
+qos_profile_parameters = QoSProfile(depth=1000)
 qos_profile_parameter_events = QoSProfile(depth=1000)
-qos_profile_rosout_default = QoSProfile(
-    depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10)
+qos_profile_best_available = _every_policy(
+    "BEST_AVAILABLE", depth=10, deadline=_BEST_AVAILABLE, liveliness_lease_duration=_BEST_AVAILABLE
 )
+qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-class QoSPresetProfiles:
-    """The ready-made profiles, as attributes."""
+class QoSPresetProfiles(Enum):
+    """The predefined profiles by name; those that are equal are one."""
 
+    UNKNOWN = qos_profile_unknown
     DEFAULT = qos_profile_default
     SYSTEM_DEFAULT = qos_profile_system_default
     SENSOR_DATA = qos_profile_sensor_data
+    SERVICES_DEFAULT = qos_profile_services_default
+    PARAMETERS = qos_profile_parameters
     PARAMETER_EVENTS = qos_profile_parameter_events
+    ACTION_STATUS_DEFAULT = qos_profile_action_status_default
+    BEST_AVAILABLE = qos_profile_best_available

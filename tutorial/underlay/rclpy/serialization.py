@@ -5,8 +5,6 @@ from __future__ import annotations
 from _rosidl.message import Message
 from rclpy._wire import check_message_type, decode, encode
 
-__all__ = ["deserialize_message", "serialize_message"]
-
 
 def serialize_message(message: Message) -> bytes:
     """Return a message as it travels: a CDR header and the fields.

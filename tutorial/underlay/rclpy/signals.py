@@ -10,8 +10,6 @@ from typing import Any
 
 from rclpy.utilities import get_default_context
 
-__all__ = ["SignalHandlerOptions", "install_signal_handlers", "uninstall_signal_handlers"]
-
 
 class SignalHandlerOptions(IntFlag):
     """Which signals shut the default context down."""
@@ -22,7 +20,8 @@ class SignalHandlerOptions(IntFlag):
     ALL = 3
 
 
-_previous: dict[signal.Signals, Any] = {}
+_SIGNALS = {SignalHandlerOptions.SIGINT: signal.SIGINT, SignalHandlerOptions.SIGTERM: signal.SIGTERM}
+_previous: dict[int, Any] = {}
 
 
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
@@ -31,28 +30,23 @@ def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions
     Python allows it on the main thread only; elsewhere nothing happens. What was installed before is called, too, so
     that Ctrl-C still raises KeyboardInterrupt.
     """
-    if threading.current_thread() is not threading.main_thread():
-        return
-    for option, number in (
-        (SignalHandlerOptions.SIGINT, signal.SIGINT),
-        (SignalHandlerOptions.SIGTERM, signal.SIGTERM),
-    ):
-        if option in options and number not in _previous:
-            _previous[number] = signal.signal(number, _on_signal)
+    if threading.current_thread() is threading.main_thread():
+        for option, number in _SIGNALS.items():
+            if option in options and number not in _previous:
+                _previous[number] = signal.signal(number, _on_signal)
 
 
 def uninstall_signal_handlers() -> None:
     """Put back what was installed before, unless somebody else has installed something since."""
-    if threading.current_thread() is not threading.main_thread():
-        return
-    for number, previous in list(_previous.items()):
-        if signal.getsignal(number) is _on_signal:
-            signal.signal(number, previous)
-        del _previous[number]
+    if threading.current_thread() is threading.main_thread():
+        for number in list(_previous):
+            previous = _previous.pop(number)
+            if signal.getsignal(number) is _on_signal:
+                signal.signal(number, previous)
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
     get_default_context().stop()
-    previous = _previous.get(signal.Signals(number))
+    previous = _previous.get(number)
     if callable(previous):
         previous(number, frame)

@@ -18,8 +18,6 @@ from rclpy.qos import QoSProfile
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-__all__ = ["Subscription"]
-
 SEQUENCE_NUMBER_UNSUPPORTED = 2**64 - 1
 """What rmw_cyclonedds, too, says for sequence numbers."""
 
@@ -41,6 +39,7 @@ class Subscription(Endpoint):
 
     _kind = DataReader
     _incompatible = DDSStatus.RequestedIncompatibleQos
+    _get_incompatible = "get_requested_incompatible_qos_status"
     _warning = (
         "New publisher discovered on topic '{topic}', offering incompatible QoS. No messages will be received from it."
     )
@@ -55,22 +54,30 @@ class Subscription(Endpoint):
         qos_profile: QoSProfile,
         raw: bool,
     ) -> None:
-        self._wants_info = _wants_info(callback)
-        super().__init__(node, msg_type, topic, topic_name, qos_profile)
         self.callback = callback
         self.raw = raw
+        self._has_reported_malformed = False
+        super().__init__(node, msg_type, topic, topic_name, qos_profile)
         self._condition = ReadCondition(self._dds, ViewState.Any | InstanceState.Any | SampleState.Any)
+
+    @property
+    def callback(self) -> Callable[..., object]:
+        """What is called with each message, or with the message and a dict about it."""
+        return self._callback
+
+    @callback.setter
+    def callback(self, value: Callable[..., object]) -> None:
+        self._wants_info = not _accepts(value, 1)
+        if self._wants_info and not _accepts(value, 2):
+            raise RuntimeError(
+                "Subscription.__init__(): callback should be either be callable with one argument"
+                "(to get only the message) or two (to get message and message info)"
+            )
+        self._callback = value
 
     def get_publisher_count(self) -> int:
         """Return the number of publishers that messages are received from."""
-        try:
-            return int(self._dds.get_subscription_matched_status().current_count)
-        except DDSException as error:
-            raise self._explain(error, "failed to get publisher count") from None
-
-    def destroy(self) -> None:
-        """Destroy it; may be called again. Messages that wait for the callback are dropped."""
-        self._node.destroy_subscription(self)
+        return self._count_matched("get_subscription_matched_status", "publisher")
 
     def execute(self) -> bool:
         """Take one message, if there is one, and call back with it. Called by the executor.
@@ -85,18 +92,15 @@ class Subscription(Endpoint):
                 self._report_malformed(error)
                 continue
             if self._wants_info:
-                self.callback(message, _info(payload))
+                self._callback(message, _info(payload))
             else:
-                self.callback(message)
+                self._callback(message)
             return True
         return False
 
     def event_sources(self) -> list[Any]:
         """Return what the executor waits on: partners that don't fit, and messages."""
         return [self._dds, self._condition]
-
-    def _incompatible_policy(self) -> int:
-        return int(self._dds.get_requested_incompatible_qos_status().last_policy_id)
 
     def _take(self) -> Any:
         """Return the next message as it was received, None if there is none."""
@@ -110,10 +114,11 @@ class Subscription(Endpoint):
         return None
 
     def _report_malformed(self, error: RCLError) -> None:
-        self._node.get_logger().error(
-            f"A message on topic '{self.topic}' is dropped: {error}. Others like it are dropped without a word.",
-            once=True,
-        )
+        if not self._has_reported_malformed:
+            self._has_reported_malformed = True
+            self._node.get_logger().error(
+                f"A message on topic '{self.topic}' is dropped: {error}. Others like it are dropped without a word."
+            )
 
 
 def _info(payload: Any) -> dict[str, int]:
@@ -125,23 +130,9 @@ def _info(payload: Any) -> dict[str, int]:
     }
 
 
-def _wants_info(callback: Callable[..., object]) -> bool:
-    """Whether a callback takes the message and information about it, instead of the message only.
-
-    Raises:
-        RuntimeError: it takes neither one argument nor two.
-    """
+def _accepts(callback: Callable[..., object], count: int) -> bool:
     try:
-        signature = inspect.signature(callback)
-    except ValueError:  # some built-in functions have none
+        inspect.signature(callback).bind(*[None] * count)
+    except TypeError:
         return False
-    for arguments in ((None,), (None, None)):
-        try:
-            signature.bind(*arguments)
-        except TypeError:
-            continue
-        return len(arguments) == 2
-    raise RuntimeError(
-        "Subscription.__init__(): callback should be either be callable with one argument "
-        "(to get only the message) or two (to get message and message info)"
-    )
+    return True

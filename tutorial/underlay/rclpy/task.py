@@ -2,75 +2,86 @@
 
 from __future__ import annotations
 
+import sys
 import threading
+import warnings
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["Future"]
+from rclpy import _absent
+from rclpy.exceptions import NeedsRealROSError
+
+__getattr__ = _absent.absent("rclpy.task", "Task")
 
 
 class Future:
     """A result that comes later; may be set and read on any thread.
 
     ``rclpy.spin_until_future_complete`` waits for it while callbacks run.
+
+    Args:
+        executor: not in the underlay.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, executor: None = None) -> None:
+        if executor is not None:
+            raise NeedsRealROSError("Future(executor=...)")
         self._lock = threading.Lock()
         self._callbacks: list[Callable[[Future], object]] = []
-        self._done = False
-        self._cancelled = False
+        self._done = self._cancelled = False
         self._result: Any = None
-        self._exception: BaseException | None = None
+        self._exception: Exception | None = None
+        self._exception_fetched = False
+
+    def __del__(self) -> None:
+        if self._exception is not None and not self._exception_fetched:
+            sys.stderr.write(f"The following exception was never retrieved: {self._exception}\n")
 
     def done(self) -> bool:
-        """Whether there is a result or an exception, or it has been cancelled."""
-        return self._done or self._cancelled
+        """Whether there is a result or an exception."""
+        return self._done
 
     def cancelled(self) -> bool:
-        """Whether it has been cancelled."""
+        """Whether it has been cancelled, and has no result."""
         return self._cancelled
 
     def result(self) -> Any:
-        """Return the result, None if there is none yet.
-
-        Raises:
-            BaseException: that which was set instead of a result.
-        """
-        if self._exception is not None:
-            raise self._exception
+        """Return the result, None if there is none yet, or raise the exception that was set instead."""
+        if exception := self.exception():
+            raise exception
         return self._result
 
-    def exception(self) -> BaseException | None:
+    def exception(self) -> Exception | None:
         """Return the exception that was set instead of a result."""
+        self._exception_fetched = True
         return self._exception
 
     def set_result(self, result: Any) -> None:
         """Give it its result."""
-        self._finish(result=result)
+        self._finish(_result=result, _done=True, _cancelled=False)
 
-    def set_exception(self, exception: BaseException) -> None:
+    def set_exception(self, exception: Exception) -> None:
         """Give it an exception instead of a result."""
-        self._finish(exception=exception)
+        self._finish(_exception=exception, _exception_fetched=False, _done=True, _cancelled=False)
 
     def cancel(self) -> None:
-        """Say that the result is no longer wanted."""
-        self._finish(cancelled=True)
+        """Say that the result is no longer wanted, unless there is one."""
+        self._finish(_cancelled=not self._done)
 
     def add_done_callback(self, callback: Callable[[Future], object]) -> None:
-        """Call back when it is done, at once if it is."""
+        """Call back when there is a result or it is cancelled, at once if there is a result."""
         with self._lock:
-            if not self.done():
+            if not self._done:
                 self._callbacks.append(callback)
                 return
         callback(self)
 
-    def _finish(self, result: Any = None, exception: BaseException | None = None, cancelled: bool = False) -> None:
+    def _finish(self, **state: Any) -> None:
         with self._lock:
-            if self.done():
-                return
-            self._result, self._exception, self._cancelled = result, exception, cancelled
-            self._done = not cancelled
+            vars(self).update(state)
             callbacks, self._callbacks = self._callbacks, []
         for callback in callbacks:
-            callback(self)
+            try:
+                callback(self)
+            except Exception as error:  # noqa: BLE001  (a callback may raise anything)
+                warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)

@@ -3,39 +3,39 @@
 from __future__ import annotations
 
 from functools import total_ordering
-from typing import TYPE_CHECKING, Any, Self, overload
+from typing import Any, Self, overload
 
+from builtin_interfaces.msg import Time as TimeMessage
 from rclpy.clock_type import ClockType
-from rclpy.duration import INT64_MAX, S_TO_NS, Duration
-
-if TYPE_CHECKING:
-    from builtin_interfaces.msg import Time as TimeMessage
-
-__all__ = ["Time"]
+from rclpy.duration import S_TO_NS, Duration
 
 
 @total_ordering
-class Time:
+class Time:  # noqa: PLW1641  (rclpy's has no hash either)
     """A point in time, kept in whole nanoseconds since its clock's beginning.
 
     Args:
         seconds: [s], not negative.
         nanoseconds: [ns], not negative, added to it.
         clock_type: the kind of clock; times of different kinds cannot be compared.
+
+    Raises:
+        ValueError: it is negative.
+        OverflowError: it is longer than 2^63 ns.
     """
 
     def __init__(
-        self, *, seconds: float = 0, nanoseconds: int = 0, clock_type: ClockType = ClockType.SYSTEM_TIME
+        self, *, seconds: float = 0, nanoseconds: float = 0, clock_type: ClockType = ClockType.SYSTEM_TIME
     ) -> None:
-        if seconds < 0:
-            raise ValueError("Seconds value must not be negative")
-        if nanoseconds < 0:
-            raise ValueError("Nanoseconds value must not be negative")
-        total = int(seconds * S_TO_NS) + int(nanoseconds)
-        if total > INT64_MAX:
-            raise OverflowError("Total nanoseconds value is too large to store in C time point.")
-        self._nanoseconds = total
+        if not isinstance(clock_type, ClockType):
+            raise TypeError("Clock type must be a ClockType enum")
+        for name, value in (("Seconds", seconds), ("Nanoseconds", nanoseconds)):
+            if value < 0:
+                raise ValueError(f"{name} value must not be negative")
+        self._nanoseconds = int(seconds * S_TO_NS) + int(nanoseconds)
         self._clock_type = clock_type
+        if self._nanoseconds >= 2**63:
+            raise OverflowError("Total nanoseconds value is too large to store in C time point.")
 
     @property
     def nanoseconds(self) -> int:
@@ -53,14 +53,14 @@ class Time:
 
     def to_msg(self) -> TimeMessage:
         """Return the time as a ``builtin_interfaces.msg.Time``."""
-        from builtin_interfaces.msg import Time as TimeMessage  # noqa: PLC0415
-
         sec, nanosec = self.seconds_nanoseconds()
         return TimeMessage(sec=sec, nanosec=nanosec)
 
     @classmethod
     def from_msg(cls, msg: TimeMessage, clock_type: ClockType = ClockType.ROS_TIME) -> Self:
         """Make a time of a ``builtin_interfaces.msg.Time``."""
+        if not isinstance(msg, TimeMessage):
+            raise TypeError("Must pass a builtin_interfaces.msg.Time object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)
 
     def __repr__(self) -> str:
@@ -69,7 +69,10 @@ class Time:
     def __add__(self, other: Any) -> Time:
         if not isinstance(other, Duration):
             return NotImplemented
-        return Time(nanoseconds=self._nanoseconds + other.nanoseconds, clock_type=self._clock_type)
+        try:
+            return Time(nanoseconds=self._nanoseconds + other.nanoseconds, clock_type=self._clock_type)
+        except OverflowError as error:
+            raise OverflowError("Addition leads to overflow in C storage.") from error
 
     __radd__ = __add__
 
@@ -79,27 +82,22 @@ class Time:
     def __sub__(self, other: Duration) -> Time: ...
     def __sub__(self, other: Any) -> Any:
         if isinstance(other, Time):
-            self._require_same_clock(other, "subtract")
-            return Duration(nanoseconds=self._nanoseconds - other._nanoseconds)
-        if isinstance(other, Duration):
+            return Duration(nanoseconds=self._nanoseconds - self._comparable(other, "subtract"))
+        if not isinstance(other, Duration):
+            return NotImplemented
+        try:
             return Time(nanoseconds=self._nanoseconds - other.nanoseconds, clock_type=self._clock_type)
-        return NotImplemented
+        except ValueError as error:
+            raise ValueError("Subtraction leads to negative time.") from error
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Time):
-            return NotImplemented
-        self._require_same_clock(other, "compare")
-        return self._nanoseconds == other._nanoseconds
+        return self._nanoseconds == self._comparable(other) if isinstance(other, Time) else NotImplemented
 
     def __lt__(self, other: Any) -> bool:
-        if not isinstance(other, Time):
-            return NotImplemented
-        self._require_same_clock(other, "compare")
-        return self._nanoseconds < other._nanoseconds
+        return self._nanoseconds < self._comparable(other) if isinstance(other, Time) else NotImplemented
 
-    def __hash__(self) -> int:
-        return hash(self._nanoseconds)
-
-    def _require_same_clock(self, other: Time, what: str) -> None:
+    def _comparable(self, other: Time, what: str = "compare") -> int:
+        """Return the other time [ns] if it is one of the same kind of clock."""
         if self._clock_type != other._clock_type:
             raise TypeError(f"Can't {what} times with different clock types")
+        return other._nanoseconds

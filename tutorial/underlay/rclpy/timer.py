@@ -6,20 +6,21 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rclpy._rclpy_pybind11 import RCLError
+from rclpy import _absent
+from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy.clock import Clock
 
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-__all__ = ["Timer"]
+__getattr__ = _absent.absent("rclpy.timer", "Rate TimerInfo")
 
 
 class Timer:
     """Calls back again and again; made by ``Node.create_timer``.
 
     The callback runs on the thread that spins. If that thread is late, calls are skipped rather than made up for, and
-    the rest keep their rhythm, as in ROS 2.
+    the rest keep their rhythm, as in ROS 2. Once it is destroyed, its methods raise InvalidHandle.
 
     Args:
         node: that it belongs to.
@@ -41,39 +42,51 @@ class Timer:
         self.callback = callback
         self.timer_period_ns = timer_period_ns
         self.clock = clock
+        self._destroyed = False
         self._canceled = not autostart
         self._last_call = time.monotonic_ns()
         self._next_call = self._last_call + timer_period_ns
 
     def is_ready(self) -> bool:
         """Whether it is time to call."""
-        return not self._canceled and time.monotonic_ns() >= self._next_call
+        return not self._canceled and self._now() >= self._next_call
 
     def is_canceled(self) -> bool:
         """Whether it has been stopped."""
+        self._now()
         return self._canceled
 
     def cancel(self) -> None:
         """Stop it; :meth:`reset` starts it again."""
+        self._now()
         self._canceled = True
 
     def reset(self) -> None:
         """Start it anew: the next call is one period from now."""
-        self._next_call = time.monotonic_ns() + self.timer_period_ns
+        self._next_call = self._now() + self.timer_period_ns
         self._canceled = False
         self._node.wake_executor()
 
     def time_since_last_call(self) -> int:
         """Return the time since the last call [ns]."""
-        return time.monotonic_ns() - self._last_call
+        return self._now() - self._last_call
 
     def time_until_next_call(self) -> int | None:
         """Return the time until the next call [ns], negative if it is late; None if it has been stopped."""
-        return None if self._canceled else self._next_call - time.monotonic_ns()
+        until = self._next_call - self._now()
+        return None if self._canceled else until
 
     def destroy(self) -> None:
         """Destroy it; may be called again."""
-        self._node.destroy_timer(self)
+        self._node._remove(self)
+
+    def close(self) -> None:
+        """Stop it for good. Called by the node."""
+        self._destroyed = True
+
+    def wait_time(self) -> int | None:
+        """Return how long the executor may wait for it [ns]; None: for ever."""
+        return None if self._destroyed or self._canceled else self._next_call - time.monotonic_ns()
 
     def execute(self) -> bool:
         """Call back if it is time. Called by the executor.
@@ -81,22 +94,19 @@ class Timer:
         Returns:
             Whether the callback was called.
         """
-        if not self.is_ready():
+        late = self.wait_time()
+        if late is None or late > 0:
             return False
-        self._last_call = time.monotonic_ns()
-        self._next_call = self._following(self._last_call)
+        self._last_call = now = time.monotonic_ns()
+        self._next_call += self.timer_period_ns
+        if self._next_call < now:
+            missed = -((self._next_call - now) // self.timer_period_ns) if self.timer_period_ns else 0
+            self._next_call = self._next_call + missed * self.timer_period_ns if missed else now
         self.callback()
         return True
 
-    def close(self) -> None:
-        """Stop it for good. Called by the node."""
-        self._canceled = True
-
-    def _following(self, now: int) -> int:
-        """Return when to call next: the first time after now that is in rhythm."""
-        if not self.timer_period_ns:
-            return now
-        following = self._next_call + self.timer_period_ns
-        if following < now:
-            following += -((following - now) // self.timer_period_ns) * self.timer_period_ns
-        return following
+    def _now(self) -> int:
+        """Return the time [ns], if the timer still exists."""
+        if self._destroyed:
+            raise InvalidHandle
+        return time.monotonic_ns()

@@ -7,8 +7,6 @@ from enum import IntEnum
 
 from rclpy.qos import QoSProfile
 
-__all__ = ["TopicEndpointInfo", "TopicEndpointTypeEnum"]
-
 
 class TopicEndpointTypeEnum(IntEnum):
     """Which of the two it is."""
@@ -18,7 +16,7 @@ class TopicEndpointTypeEnum(IntEnum):
     SUBSCRIPTION = 2
 
 
-@dataclass(frozen=True)
+@dataclass
 class TopicEndpointInfo:
     """A publisher or subscription, with the node it belongs to."""
 

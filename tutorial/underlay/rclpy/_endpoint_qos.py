@@ -1,0 +1,78 @@
+"""From rclpy's QoS profiles to Cyclone DDS's policies, and back."""
+
+from __future__ import annotations
+
+from _rosidl.definitions import type_hash
+from _rosidl.message import Message
+from cyclonedds.qos import Policy, Qos
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+
+FOREVER = 2**63 - 1
+UNLIMITED = -1
+INCOMPATIBLE_TYPE = 24
+POLICY_NAMES = {2: "DURABILITY", 4: "DEADLINE", 8: "LIVELINESS", 11: "RELIABILITY"}
+"""DDS's numbers of the policies that can keep a publisher and a subscription apart."""
+
+
+def to_dds(profile: QoSProfile, msg_type: type[Message], *, writer: bool) -> Qos:
+    """Return the policies of a writer or reader.
+
+    Args:
+        profile: what the program asks for; what is best available is for a writer the most, for a reader the least.
+        msg_type: class of the messages; its hash is announced with the endpoint.
+        writer: for a writer, else for a reader.
+
+    Raises:
+        TypeError: the depth is negative.
+    """
+    if profile.depth < 0:
+        raise TypeError(f"QoSProfile: depth is {profile.depth}, must not be negative")
+    keep_all = profile.history == HistoryPolicy.KEEP_ALL
+    history = Policy.History.KeepAll if keep_all else Policy.History.KeepLast(profile.depth or 1)
+    least = () if writer else (ReliabilityPolicy.BEST_AVAILABLE,)
+    best_effort = profile.reliability in (ReliabilityPolicy.BEST_EFFORT, *least)
+    most = (DurabilityPolicy.BEST_AVAILABLE,) if writer else ()
+    kept = profile.durability in (DurabilityPolicy.TRANSIENT_LOCAL, *most)
+    manual = profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
+    liveliness = Policy.Liveliness.ManualByTopic if manual else Policy.Liveliness.Automatic
+    policies = [
+        Policy.Userdata(f"typehash={type_hash(msg_type._definition.type_name)};".encode()),
+        history,
+        Policy.Reliability.BestEffort if best_effort else Policy.Reliability.Reliable(FOREVER),
+        Policy.Durability.TransientLocal if kept else Policy.Durability.Volatile,
+        Policy.Deadline(_span(profile.deadline)),
+        liveliness(_span(profile.liveliness_lease_duration)),
+    ]
+    if kept:
+        policies.append(Policy.DurabilityService(0, history, UNLIMITED, UNLIMITED, UNLIMITED))
+    if writer:
+        policies += [Policy.Lifespan(_span(profile.lifespan)), Policy.WriterDataLifecycle(autodispose=False)]
+    return Qos(*policies)
+
+
+def from_dds(qos: Qos) -> QoSProfile:
+    """Return the profile of an endpoint as it was discovered."""
+    history, liveliness = qos[Policy.History], qos[Policy.Liveliness]
+    last = isinstance(history, Policy.History.KeepLast)
+    reliable = isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable)
+    volatile = qos[Policy.Durability] == Policy.Durability.Volatile
+    manual = isinstance(liveliness, Policy.Liveliness.ManualByTopic)
+    lifespan = qos[Policy.Lifespan].lifespan if Policy.Lifespan in qos else FOREVER
+    deadline = qos[Policy.Deadline].deadline if Policy.Deadline in qos else FOREVER
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST if last else HistoryPolicy.KEEP_ALL,
+        depth=history.depth if last else 0,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.VOLATILE if volatile else DurabilityPolicy.TRANSIENT_LOCAL,
+        lifespan=Duration(nanoseconds=lifespan),
+        deadline=Duration(nanoseconds=deadline),
+        liveliness=LivelinessPolicy.MANUAL_BY_TOPIC if manual else LivelinessPolicy.AUTOMATIC,
+        liveliness_lease_duration=Duration(nanoseconds=liveliness.lease_duration if liveliness else FOREVER),
+    )
+
+
+def _span(duration: Duration) -> int:
+    """Return a span for DDS [ns], where 0 and what is best available stand for none."""
+    nanoseconds = duration.nanoseconds
+    return nanoseconds if 0 < nanoseconds < FOREVER - 1 else FOREVER

@@ -1,0 +1,76 @@
+"""A node's own name, and what it makes of the names of topics."""
+
+from __future__ import annotations
+
+from rclpy._arguments import Arguments
+from rclpy._names import expand_topic_name, validate_full_topic_name, validate_namespace, validate_node_name
+from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
+from rclpy.exceptions import InvalidTopicNameException
+
+
+class NodeNames:
+    """The part of a node that deals with names. Its methods raise InvalidHandle once the node is destroyed."""
+
+    def _init_names(self, name: str, namespace: str, arguments: list[Arguments]) -> None:
+        """Apply remappings to the node's own name and namespace, and check both."""
+        validate_node_name(name)
+        self._destroyed = False
+        self._arguments = arguments
+        self._name, self._namespace = name, namespace if namespace.startswith("/") else f"/{namespace}"
+        for given in reversed(arguments):
+            self._name = given.node_value(name, "__node") or self._name
+            self._namespace = given.node_value(name, "__ns") or self._namespace
+        validate_node_name(self._name)
+        validate_namespace(self._namespace)
+
+    def get_name(self) -> str:
+        """Return its name."""
+        self._require_handle()
+        return self._name
+
+    def get_namespace(self) -> str:
+        """Return its namespace, which begins with a slash."""
+        self._require_handle()
+        return self._namespace
+
+    def get_fully_qualified_name(self) -> str:
+        """Return namespace and name."""
+        self._require_handle()
+        return self._full_name()
+
+    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
+        """Return a topic's full name, remapped unless only to be expanded.
+
+        Raises:
+            RCLError: the name breaks the rules.
+        """
+        self._require_handle()
+        try:
+            name = expand_topic_name(topic, self._name, self._namespace)
+            name = name if only_expand else self._remapped(name)
+            validate_full_topic_name(name)
+        except (ValueError, InvalidTopicNameException) as error:
+            raise RCLError(f"failed to resolve name: {error}") from None
+        return name
+
+    def _expanded(self, topic_name: str) -> str:
+        """Return a topic's full name, not remapped.
+
+        Raises:
+            ValueError: the name cannot be expanded.
+            InvalidTopicNameException: what comes out breaks the rules.
+        """
+        full_name = expand_topic_name(topic_name, self.get_name(), self.get_namespace())
+        validate_full_topic_name(full_name)
+        return full_name
+
+    def _full_name(self) -> str:
+        return f"{self._namespace.rstrip('/')}/{self._name}"
+
+    def _remapped(self, full_name: str) -> str:
+        found = (arguments.topic(full_name, self._name, self._namespace) for arguments in self._arguments)
+        return next((name for name in found if name is not None), full_name)
+
+    def _require_handle(self) -> None:
+        if self._destroyed:
+            raise InvalidHandle

@@ -1,5 +1,0 @@
-"""Actions: not in the embedded ROS 2."""
-
-from rclpy.exceptions import NeedsRealROSError
-
-raise NeedsRealROSError("rclpy.action")

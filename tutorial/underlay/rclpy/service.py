@@ -1,5 +1,0 @@
-"""Services: not in the embedded ROS 2."""
-
-from rclpy.exceptions import NeedsRealROSError
-
-raise NeedsRealROSError("rclpy.service")
