@@ -45,7 +45,8 @@ def configuration() -> str:
     """Return Cyclone DDS's configuration for the discovery range that the environment asks for.
 
     ``ROS_AUTOMATIC_DISCOVERY_RANGE`` is OFF, LOCALHOST (the default here), SUBNET or SYSTEM_DEFAULT, which leaves
-    everything to Cyclone DDS; ``ROS_STATIC_PEERS`` a list of addresses separated by ``;``. What a ``CYCLONEDDS_URI`` says comes on top, as with ROS 2's own use of Cyclone DDS.
+    everything to Cyclone DDS; ``ROS_STATIC_PEERS`` is a list of addresses separated by ``;``. What a ``CYCLONEDDS_URI``
+    says comes on top, as with ROS 2's own use of Cyclone DDS.
 
     Raises:
         RCLError: the range is none of these.
