@@ -24,6 +24,9 @@ def write_pages(notebooks: Path, pages: Path, kept: Path = FOLDER) -> None:
         FileNotFoundError: a widget was displayed of which nothing is kept: ``make notebooks`` makes it.
     """
     pages.mkdir(exist_ok=True)
+    for page in pages.glob("*.ipynb"):
+        if not (notebooks / page.name).exists():
+            page.unlink()
     for path in sorted(notebooks.glob("[0-9]_*.ipynb")):
         notebook = json.loads(path.read_text(encoding="utf-8"))
         _put_in_place(notebook, kept / path.stem)

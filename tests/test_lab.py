@@ -148,3 +148,20 @@ def test_a_folder_that_cannot_be_written_to_is_said(shipped, tmp_path):
     (tmp_path / "here" / "tank-tutorial").write_text("a file in the way")
     with pytest.raises(TutorialError, match=r"cannot be copied to .*tank-tutorial: .*\. Go to a folder of your own"):
         own_course()
+
+
+def test_a_strangers_course_is_not_opened(shipped, monkeypatch):
+    own_course()
+    monkeypatch.setattr(lab, "is_ours", lambda folder: False)
+    with pytest.raises(TutorialError, match=r"tank-tutorial belongs to another user\. Go to a folder of your own"):
+        own_course()
+
+
+def test_a_deleted_directory_is_said(shipped, tmp_path):
+    (tmp_path / "here").rmdir()
+    with pytest.raises(TutorialError, match="the current directory has been deleted"):
+        own_course()
+
+
+def test_no_python_file_that_lies_about_is_run():
+    assert lab_command()[1] == "-P"

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import base64
+import gzip
 import math
+import re
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
@@ -26,6 +30,12 @@ BALL = mujoco.MjModel.from_xml_string(
 )
 PATH = "/Bodies/Ball/ball"
 AT_REST = {"TURRET_Y": 0.0, "TURRET_P": 0.0}
+
+
+class Named:
+    """All that is asked of a program before it runs."""
+
+    node = SimpleNamespace(get_name=lambda: "tank")
 
 
 class Stage:
@@ -90,6 +100,17 @@ def test_what_comes_and_goes_is_seen_while_it_is_there():
     assert (late["times"], late["values"]) == ([0.0, 1.0], [False, True])
 
 
+def test_what_is_no_number_is_not_in_the_page():
+    stage = Stage()
+    stage.move(0.5, math.nan)
+    stage.move(1.0, 0.5)
+    made = stage.stop(1.5)
+    assert math.isnan(made.joints["Ball x"][1]) or math.isnan(made.joints["Ball x"][2])
+    assert clips(made)[PATH][0]["values"][::3][-1] == 0.5
+    (timeline,) = re.findall(r'class="timeline">([^<]*)<', made.figure("Ball"))
+    assert "NaN" not in gzip.decompress(base64.b64decode(timeline)).decode()
+
+
 def test_pauses_are_shortened_and_a_long_run_is_kept_only_so_far(monkeypatch):
     monkeypatch.setattr(replay, "LONGEST", 30.0)
     stage = Stage(longest_pause=1.0)
@@ -107,8 +128,11 @@ def test_titles_and_names_are_text():
 def test_a_page_that_cannot_be_written_is_an_error_before_the_run(tmp_path):
     with (
         pytest.raises(TutorialError, match=r"there is no folder .*nowhere to write out.html to"),
-        recorded(Scene(), None, tmp_path / "nowhere" / "out.html"),
+        recorded(Scene(), Named(), tmp_path / "nowhere" / "out.html"),
     ):
+        raise AssertionError("it ran")
+    (tmp_path / "taken.html").mkdir()
+    with pytest.raises(TutorialError, match="cannot be written"), recorded(Scene(), Named(), tmp_path / "taken.html"):
         raise AssertionError("it ran")
 
 
@@ -181,10 +205,24 @@ def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
     asyncio.run(asyncio.wait_for(main(), 100))
 
 
+PLAY_TWICE = """() => new Promise((resolve) => {
+    const {replay} = document.querySelector(".tank-replay"), seek = replay.seek.bind(replay);
+    window.steps = 0;
+    window.frames = 0;
+    replay.seek = (time) => { window.steps += 1; seek(time); };
+    replay.play(); replay.pause(); replay.play();
+    const count = () => { window.frames += 1; if (window.frames < 10) requestAnimationFrame(count); else resolve(); };
+    requestAnimationFrame(count);
+})"""
+
+
 async def it_plays(page):
     """The button plays it from the beginning, to the end, and there it stops."""
     await page.get_by_role("button", name="Play").click()
     await page.wait_for_function("document.querySelector('.tank-replay').replay.time > 0.3")
+    await page.get_by_role("button", name="Pause").click()
+    await page.evaluate(PLAY_TWICE)
+    assert await page.evaluate("steps") <= 1.5 * await page.evaluate("frames"), "it plays at double speed"
     await page.get_by_role("button", name="Pause").click()
     await page.get_by_role("slider", name="time").press("End")
     await page.wait_for_function(

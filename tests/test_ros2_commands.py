@@ -325,6 +325,8 @@ def test_pub_waits_for_a_subscription(program, domain):
         ("topic echo x//y", 1, "topic name"),
         ("topic hz a-b", 1, "topic name"),
         ("topic pub a-b std_msgs/msg/String", 1, "topic name"),
+        ("topic pub {foo} std_msgs/msg/String", 1, "topic name"),
+        ("topic pub /x std_msgs/msg/String {data:2001-99-99}", 1, "Failed to populate field"),
         ("topic pub /x std_msgs/msg/String data", 1, "The passed value needs to be a dictionary in YAML format\n"),
         ("topic list --ros-args --nonsense", 1, "ROS 2 does not know the arguments ['--nonsense']\n"),
     ],

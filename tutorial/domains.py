@@ -53,7 +53,7 @@ def _open(path: Path) -> int:
         made = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL)
         os.fchmod(made, 0o644)
         os.close(made)
-    return os.open(path, os.O_RDONLY)
+    return os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW)  # nothing that somebody else has put there
 
 
 def _locked(file: int) -> bool:

@@ -12,7 +12,7 @@ import nbformat
 from nbformat.sign import NotebookNotary
 
 from tutorial.errors import TutorialError
-from tutorial.paths import HOME, PACKAGE, SHIPPED
+from tutorial.paths import HOME, PACKAGE, SHIPPED, is_ours
 
 __all__ = ["NOTEBOOKS", "lab_command", "own_course", "trust"]
 
@@ -31,17 +31,22 @@ def own_course() -> Path:
     learner's folder already stays as it is; only what is missing is added, such as a later version's new notebook.
 
     Raises:
-        TutorialError: the folder cannot be written to.
+        TutorialError: the folder cannot be written to, or belongs to somebody else.
     """
-    course = Path.cwd() / OWN if HOME == SHIPPED else HOME
+    elsewhere = "Go to a folder of your own, for instance with cd ~, and type it again."
+    try:
+        course = Path.cwd() / OWN if HOME == SHIPPED else HOME
+    except FileNotFoundError as error:
+        raise TutorialError(f"the current directory has been deleted. {elsewhere}") from error
+    if course.exists() and not is_ours(course):
+        raise TutorialError(f"{course} belongs to another user. {elsewhere}")
     if (course / "tutorial" / "__init__.py").exists():  # a checkout, which has all it needs
         return course
     new = not course.exists()
     try:
         added = _add_missing(course)
     except OSError as error:
-        mend = "Go to a folder of your own, for instance with cd ~, and type it again."
-        raise TutorialError(f"the course cannot be copied to {course}: {error.strerror}. {mend}") from error
+        raise TutorialError(f"the course cannot be copied to {course}: {error.strerror}. {elsewhere}") from error
     if added:
         what = "the course is" if new else f"what was missing of the course, {added} of its files, is"
         _log.info("%s now in %s; all that you change there stays", what, course)
@@ -56,7 +61,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         course: the course folder, which is all that JupyterLab shows.
     """
     options = [f"--ServerApp.root_dir={course}", "--LabApp.default_url=/lab/tree/notebooks/0_setup.ipynb"]
-    return [sys.executable, "-m", "jupyterlab", *options, *arguments]
+    return [sys.executable, "-P", "-m", "jupyterlab", *options, *arguments]
 
 
 def trust(folder: Path = NOTEBOOKS, **settings: str) -> None:

@@ -23,6 +23,7 @@ __all__ = [
     "find_home",
     "find_launch_file",
     "find_project",
+    "is_ours",
     "with_own_commands",
 ]
 
@@ -42,7 +43,7 @@ def find_home(start: Path) -> Path:
         start: the folder, absolute.
     """
     beside = PACKAGE.parent if _is_course(PACKAGE.parent) else SHIPPED
-    return next((folder for folder in (start, *start.parents) if _is_course(folder) and _is_ours(folder)), beside)
+    return next((folder for folder in (start, *start.parents) if _is_course(folder) and is_ours(folder)), beside)
 
 
 def _is_course(folder: Path) -> bool:
@@ -52,8 +53,8 @@ def _is_course(folder: Path) -> bool:
         return False
 
 
-def _is_ours(folder: Path) -> bool:
-    """Whether it is no stranger's: what is in a course folder is run."""
+def is_ours(folder: Path) -> bool:
+    """Whether a folder is no stranger's: what is in a course folder is run."""
     return folder.stat().st_uid in (os.getuid(), ROOT)
 
 

@@ -50,7 +50,7 @@ class Replay:
     Attributes:
         scene: a message of `tutorial.scene`: what there is to see, and the animation.
         times: of the frames [s], from 0.
-        joints: by "body joint", its position in each frame [rad].
+        joints: by "body joint", its position in each frame [rad], or [m] of one that slides; NaN where there is none.
         lines: what stood below the view: (since when [s], text).
     """
 
@@ -73,12 +73,13 @@ class Replay:
         timeline = {
             "title": title,
             "times": [round(time, 4) for time in self.times],
-            "joints": {name: [round(value, 5) for value in values] for name, values in self.joints.items()},
+            "joints": {name: [_number(value) for value in values] for name, values in self.joints.items()},
             "lines": self.lines,
         }
+        packed = _packed(json.dumps(timeline, allow_nan=False).encode())
         return (
             f'<figure class="tank-replay" aria-label="{html.escape(title)}">'
-            f'<script type="text/plain" class="timeline">{_packed(json.dumps(timeline).encode())}</script>'
+            f'<script type="text/plain" class="timeline">{packed}</script>'
             f'<script type="text/plain" class="scene">{_packed(self.scene)}</script></figure>'
         )
 
@@ -100,10 +101,8 @@ class Replay:
         Raises:
             TutorialError: the file cannot be written.
         """
-        try:
+        with _told(path):
             Path(path).write_text(self.page(title), encoding="utf-8")
-        except OSError as error:
-            raise TutorialError(f"the replay cannot be written to {path}: {error.strerror}") from error
 
 
 def script() -> str:
@@ -123,7 +122,7 @@ class Recorder:
     Args:
         scene: what to watch, from now on.
         seconds: says how long the run has taken so far [s].
-        joints: says where the joints are: positions [rad] by "body joint".
+        joints: says where the joints are: positions [rad], or [m], by "body joint".
         longest_pause: a longer time in which nothing moves counts so much [s].
     """
 
@@ -182,15 +181,25 @@ def recorded(scene: Scene, host: Host, path: Path | str, longest_pause: float = 
     Raises:
         TutorialError: the file cannot be written; this is found out before the run.
     """
-    path = Path(path)
+    path, title = Path(path), host.node.get_name()
     if not path.parent.is_dir():
         raise TutorialError(f"there is no folder {path.parent} to write {path.name} to. Make it first.")
+    with _told(path), path.open("a"):  # what is there already stays until the run is over
+        pass
     recorder = Recorder(scene, lambda: host.shown_at, lambda: host.joint_positions, longest_pause)
     try:
         yield
     finally:
-        recorder.stop().save(path, host.node.get_name())
+        recorder.stop().save(path, title)
         _log.info("the run is kept in %s: open it in a browser", path)
+
+
+@contextmanager
+def _told(path: Path | str) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise TutorialError(f"the replay cannot be written to {path}: {error.strerror}") from error
 
 
 @dataclass(frozen=True)
@@ -259,6 +268,8 @@ def _with_animation(frames: list[_Frame]) -> bytes:
                 continue
             if command["type"] == "set_object":
                 sights.setdefault(path, _Sight(frame.time)).change(frame.time, True)
+            if command["type"] == "set_transform" and not np.isfinite(command["matrix"]).all():
+                continue
             if command["type"] == "set_transform" and path in tracks:
                 tracks[path].add(frame.time, before, np.array(command["matrix"], dtype=np.float64))
                 continue
@@ -302,6 +313,11 @@ def _quaternion(matrix: NDArray[np.float64]) -> list[float]:
     quaternion = np.empty(4)
     mujoco.mju_mat2Quat(quaternion, matrix.reshape(4, 4)[:3, :3].T.reshape(9))
     return [*quaternion[1:].tolist(), float(quaternion[0])]
+
+
+def _number(value: float) -> float | None:
+    """As JSON has it, which knows no NaN."""
+    return round(value, 5) if math.isfinite(value) else None
 
 
 def _packed(data: bytes) -> str:

@@ -84,6 +84,20 @@ def test_signals_end_the_spin(start: Start, number: signal.Signals, endings: lis
     assert (errors, process.returncode) == ("", 0)
 
 
+def test_a_signal_shuts_every_context_down(start: Start) -> None:
+    process = start("""
+import signal, rclpy
+from rclpy.signals import SignalHandlerOptions
+contexts = [rclpy.context.Context() for _ in range(2)]
+for context in contexts:
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.ALL)
+signal.raise_signal(signal.SIGTERM)
+print([context.ok() for context in contexts])
+""")
+    output, errors = process.communicate(timeout=60)
+    assert (output, errors) == ("[False, False]\n", "")
+
+
 def test_exit_while_another_thread_spins(start: Start) -> None:
     process = start(
         "import rclpy, threading\n"

@@ -258,3 +258,26 @@ def test_payload_is_what_it_was_given() -> None:
     from rclpy._wire import Payload
 
     assert Payload(b"x").serialize() == b"x" == Payload.deserialize(b"x").data
+
+
+def test_a_log_line_at_shutdown_is_no_error_of_who_logs(context: Context, node: Node) -> None:
+    logger = node.get_logger()
+    ok = context.ok
+    context.ok = lambda: ok() or context.__dict__.pop("ok")  # type: ignore[method-assign, func-returns-value]
+    context.try_shutdown()
+    logger.info("it is shut down between the question whether it runs and the line")
+
+
+def test_endpoints_made_at_once_on_several_threads_are_all_announced(context: Context, node: Node) -> None:
+    def make(number: int) -> None:
+        for i in range(5):
+            node.create_publisher(String, f"topic_{number}_{i}", 1)
+
+    threads = [threading.Thread(target=make, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    topics = [f"/Tank/topic_{number}_{i}" for number in range(4) for i in range(5)]
+    owners = [info.node_name for topic in topics for info in node.get_publishers_info_by_topic(topic)]
+    assert owners == 20 * ["tester"]

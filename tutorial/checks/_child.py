@@ -1,8 +1,9 @@
-"""The process that an answer is judged in: ``python -m tutorial.checks._child FD``, with the job on stdin.
+"""The process that an answer is judged in: ``python -m tutorial.checks._child FD FILE``.
 
-What it finds goes to the pipe FD as lines of JSON, and ``done`` is the last of them. The pipe stdin stays open as long
-as whoever has asked lives. A watchdog looks ten times a second whether one of the learner's methods does not return; it
-counts its own looks, not seconds, so that a machine with much else to do is not held against the learner.
+FILE is a descriptor, too: the job is read from it. What it finds goes to the pipe FD as lines of JSON, and ``done`` is
+the last of them. The pipe stdin stays open as long as whoever has asked lives. A watchdog looks ten times a second
+whether one of the learner's methods does not return; it counts its own looks, not seconds, so that a machine with much
+else to do is not held against the learner.
 """
 
 from __future__ import annotations
@@ -46,7 +47,8 @@ def main() -> NoReturn:
     report = int(sys.argv[1])
     os.set_inheritable(report, False)
     faulthandler.enable(report)
-    job = msgspec.json.decode(pickle.load(sys.stdin.buffer), type=Job)
+    with open(int(sys.argv[2]), "rb") as file:  # noqa: PTH123  (it has no path)
+        job = msgspec.json.decode(file.read(), type=Job)
     lifeline = os.dup(0)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     sys.path[:] = job.path

@@ -6,11 +6,11 @@ import asyncio
 import contextlib
 import inspect
 import os
-import pickle
 import re
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -78,17 +78,19 @@ class _Process:
         self._trace: list[str] = []
         self._done = False
         self.output: list[str] = []
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-u", "-m", "tutorial.checks._child", str(report)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            pass_fds=[report],
-            start_new_session=True,
-            env={**os.environ, "PYTHONPATH": home, "PYTHONUTF8": "1"},
-        )
+        with tempfile.TemporaryFile() as file:  # a pipe would hold only so much, and whoever writes has to wait
+            file.write(msgspec.json.encode(job))
+            file.seek(0)
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-u", "-m", "tutorial.checks._child", str(report), str(file.fileno())],
+                stdin=subprocess.PIPE,  # its end tells the process that this one is gone
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                pass_fds=[report, file.fileno()],
+                start_new_session=True,
+                env={**os.environ, "PYTHONPATH": home, "PYTHONUTF8": "1"},
+            )
         os.close(report)
-        self._job = pickle.dumps(msgspec.json.encode(job))
 
     def __enter__(self) -> _Process:
         return self
@@ -105,12 +107,8 @@ class _Process:
         os.close(self._report)
 
     async def listen(self) -> None:
-        """Hand the job over, and take in what the process says until it is done, or ended, or gone silent."""
-        assert self._process.stdin is not None
+        """Take in what the process says until it is done, or ended, or gone silent."""
         assert self._process.stdout is not None
-        with contextlib.suppress(BrokenPipeError):
-            self._process.stdin.write(self._job)  # left open: its end tells the process that this one is gone
-            self._process.stdin.flush()
         said, printed = _Lines(), _Lines()
         sources = {self._report: said, self._process.stdout.fileno(): printed}
         while not self._done and self._report in sources:

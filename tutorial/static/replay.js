@@ -22,6 +22,11 @@ function at(times, time) {
   return from;
 }
 
+/** A joint's position; one that came as no number is not known. */
+function inFigures(position) {
+  return Number.isFinite(position) ? position.toFixed(3).replace("-", "−") : "?";
+}
+
 /** One run: its picture, a button, a slider, and where the joints are. */
 class Replay {
   constructor(figure, timeline, scene) {
@@ -30,6 +35,7 @@ class Replay {
     this.time = 0;
     this.isPlaying = false;
     this.duration = this.times.at(-1) ?? 0;
+    this.sinceWhen = this.lines.map(([since]) => since);
     this.build(figure);
     this.listen();
     this.seek(0);
@@ -72,8 +78,8 @@ class Replay {
       if (!this.pane.contains(document.activeElement) && !event.ctrlKey) event.stopPropagation();
     }, {capture: true, passive: true});
     this.pane.addEventListener("pointerdown", () => this.pane.focus({preventScroll: true}));
-    new IntersectionObserver(([{isIntersecting}]) => {
-      if (isIntersecting) this.open();
+    new IntersectionObserver((entries) => {
+      if (entries.at(-1).isIntersecting) this.open();
       else this.close();
     }, {rootMargin: NEAR}).observe(this.pane);
   }
@@ -116,13 +122,14 @@ class Replay {
       if (!this.isPlaying) return;
       this.seek(Math.min(this.time + (now - before) / 1000, this.duration));
       before = now;
-      if (this.time < this.duration) requestAnimationFrame(step);
+      if (this.time < this.duration) this.request = requestAnimationFrame(step);
       else this.pause();
     };
-    requestAnimationFrame(step);
+    this.request = requestAnimationFrame(step);
   }
 
   pause() {
+    cancelAnimationFrame(this.request);
     this.isPlaying = false;
     this.button.textContent = "Play";
   }
@@ -135,13 +142,14 @@ class Replay {
     this.clock.textContent = `${time.toFixed(1)} of ${this.duration.toFixed(1)} s`;
     this.slider.setAttribute("aria-valuetext", this.clock.textContent);
     this.where.textContent = this.inWords();
-    const line = this.lines[at(this.lines.map(([since]) => since), time)];
+    const line = this.lines[at(this.sinceWhen, time)];
     this.line.textContent = line && line[0] <= time ? line[1] : "";
   }
 
-  /** Where a joint is [rad]: between two frames it moves evenly, as the picture does. */
+  /** Where a joint is [rad], or [m]: between two frames it moves evenly, as the picture does. NaN if it is not known. */
   position(name) {
-    const {times, time} = this, values = this.joints[name], i = at(times, time), j = Math.min(i + 1, times.length - 1);
+    const {times, time} = this, i = at(times, time), j = Math.min(i + 1, times.length - 1);
+    const values = this.joints[name].map((value) => value ?? NaN);
     const share = times[j] > times[i] ? (time - times[i]) / (times[j] - times[i]) : 0;
     return values[i] + share * (values[j] - values[i]);
   }
@@ -149,7 +157,7 @@ class Replay {
   inWords() {
     const names = Object.keys(this.joints), bodies = new Set(names.map((name) => name.split(" ")[0]));
     const label = (name) => (bodies.size > 1 ? name : name.slice(name.indexOf(" ") + 1));
-    const say = (name) => `${label(name)} ${this.position(name).toFixed(3)}`.replace("-", "−");
+    const say = (name) => `${label(name)} ${inFigures(this.position(name))}`;
     return names.slice(0, SHOWN_JOINTS).map(say).join(" · ");
   }
 }

@@ -68,7 +68,7 @@ class Picture {
     canvas.addEventListener("webglcontextlost", onTaken);
     const unfit = fit(viewer, element);
     let isSeen = true, request = 0;
-    const observer = new IntersectionObserver(([{isIntersecting}]) => { isSeen = isIntersecting; });
+    const observer = new IntersectionObserver((entries) => { isSeen = entries.at(-1).isIntersecting; });
     observer.observe(element);
     const draw = () => {
       request = requestAnimationFrame(draw);

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import yaml
+from rclpy.serialization import serialize_message
 
 from tutorial.errors import TutorialError
 from tutorial.topics.names import is_message, message_class
@@ -50,7 +51,7 @@ def populated(kind: Any, text: str) -> tuple[Any, list[Stamp]]:
     """
     try:
         values = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise TutorialError(f"The passed value needs to be in YAML string or a dictionary\n{error}") from error
     if not isinstance(values, dict):
         raise TutorialError("The passed value needs to be a dictionary in YAML format")
@@ -58,7 +59,8 @@ def populated(kind: Any, text: str) -> tuple[Any, list[Stamp]]:
     stamps: list[Stamp] = []
     try:
         _fill(message, values, stamps)
-    except (ArithmeticError, AssertionError, AttributeError, TypeError, ValueError) as error:
+        serialize_message(message)
+    except (ArithmeticError, AssertionError, AttributeError, RuntimeError, TypeError, ValueError) as error:
         raise TutorialError(f"Failed to populate field: {error}") from error
     return message, stamps
 

@@ -11,11 +11,11 @@ from collections.abc import AsyncGenerator, Sequence
 from typing import Any
 
 from rclpy.duration import Duration
-from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from tutorial.errors import TutorialError
+from tutorial.topics.names import full_topic
 from tutorial.topics.populate import Stamp
 from tutorial.topics.qos import offered_qos
 
@@ -78,8 +78,8 @@ async def topic_pub(
 
 def _publisher(node: Node, topic: str, message: Any, qos: QoSProfile | None) -> Any:
     try:
-        return node.create_publisher(type(message), topic, qos or offered_qos(None, None))
-    except NameValidationException as error:
+        return node.create_publisher(type(message), full_topic(node, topic), qos or offered_qos(None, None))
+    except RuntimeError as error:
         raise TutorialError(str(error)) from error
 
 

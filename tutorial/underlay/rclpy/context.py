@@ -143,6 +143,12 @@ class Context:
         self.try_shutdown()
 
 
+def stop_all() -> None:
+    """End every spin in this process; a signal handler may call this."""
+    for context in tuple(_contexts):
+        context.stop()
+
+
 @atexit.register
 def _shut_down_all() -> None:
     """Leave every domain when the interpreter ends, so that others learn at once that this process is gone.

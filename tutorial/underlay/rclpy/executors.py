@@ -146,9 +146,7 @@ class SingleThreadedExecutor:
         self._is_shutdown = True
         self._nodes = ()
         self.wake()
-        if self._spinning.acquire(blocking=False):
-            self._close()
-            self._spinning.release()
+        self._close_if_shut_down()
         return True
 
     def wait_until_stopped(self, timeout_sec: float) -> bool:
@@ -169,10 +167,9 @@ class SingleThreadedExecutor:
         try:
             yield
         finally:
-            if self._is_shutdown:
-                self._close()
             self._spinner = None
             self._spinning.release()
+            self._close_if_shut_down()
 
     def _run_one(self, timeout_sec: float | None, until: Callable[[], bool] = lambda: False) -> None:
         """Run one callback, waiting for it if necessary."""
@@ -255,12 +252,15 @@ class SingleThreadedExecutor:
         if wait_set is not None:
             close(wait_set)
 
-    def _close(self) -> None:
-        """Let go of everything, once nobody spins any more."""
+    def _close_if_shut_down(self) -> None:
+        """Let go of everything, once nobody spins any more: whoever comes last does it."""
+        if not self._is_shutdown or not self._spinning.acquire(blocking=False):
+            return
         self._ready.clear()
         self._timers, self._subscriptions, self._publishers = [], [], []
         self._close_wait_set()
         close(self._guard)
+        self._spinning.release()
 
     __getattr__ = _absent.absent("Executor", _absent.EXECUTOR)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import weakref
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from _rosidl.message import Message
@@ -306,14 +306,17 @@ class Node(NodeGraph, NodeParameters):
         return True
 
     def _endpoints_changed(self) -> None:
-        writers = [publisher.guid for publisher in (*self.publishers, *([self._rosout] if self._rosout else []))]
-        self._graph.set_endpoints(self._entry, writers, [subscription.guid for subscription in self.subscriptions])
+        with self._lock:  # what is announced last is what there is
+            writers = [publisher.guid for publisher in (*self.publishers, *([self._rosout] if self._rosout else []))]
+            self._graph.set_endpoints(self._entry, writers, [subscription.guid for subscription in self.subscriptions])
         self.wake_executor()
 
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
-        """Publish a log line on ``/rosout``. Called by the logger."""
+        """Publish a log line on ``/rosout``. Called by the logger; a shutdown meanwhile is no error of who logs."""
         rosout = self._rosout
-        if rosout is not None and self._context.ok():
+        if rosout is None or not self._context.ok():
+            return
+        with suppress(RCLError, InvalidHandle):
             rosout.publish(Log(stamp=self._clock.now().to_msg(), level=int(severity), name=name, msg=text))
 
     __getattr__ = _absent.absent("Node", _absent.NODE)

@@ -47,9 +47,18 @@ class Publisher(Endpoint):
         return self._count_matched("get_publication_matched_status", "subscription")
 
     def wait_for_all_acked(self, timeout: Duration = Infinite) -> bool:
-        """Wait until every reliable subscription has received everything; False if time runs out."""
+        """Wait until every reliable subscription has received everything; False if time runs out.
+
+        Args:
+            timeout: how long at most.
+
+        Raises:
+            RCLError: the context is shut down meanwhile.
+        """
         self.get_subscription_count()  # raises if there is no publisher any more
         try:
             return bool(self._dds.wait_for_acks(timeout.nanoseconds))
         except AttributeError:  # what cyclonedds 11.0.1 raises when time runs out
             return False
+        except DDSException as error:
+            raise self._explain(error, "Failed to wait for all acknowledgements") from None

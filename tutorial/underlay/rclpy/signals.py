@@ -8,11 +8,11 @@ from enum import IntFlag
 from types import FrameType
 from typing import Any
 
-from rclpy.utilities import get_default_context
+from rclpy.context import stop_all
 
 
 class SignalHandlerOptions(IntFlag):
-    """Which signals shut the default context down."""
+    """Which signals shut every context down."""
 
     NO = 0
     SIGINT = 1
@@ -25,7 +25,7 @@ _previous: dict[int, Any] = {}
 
 
 def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
-    """Shut the default context down at these signals.
+    """Shut every context down at these signals.
 
     Python allows it on the main thread only; elsewhere nothing happens. What was installed before is called, too, so
     that Ctrl-C still raises KeyboardInterrupt.
@@ -46,7 +46,7 @@ def uninstall_signal_handlers() -> None:
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
-    get_default_context().stop()
+    stop_all()
     previous = _previous.get(number)
     if callable(previous):
         previous(number, frame)

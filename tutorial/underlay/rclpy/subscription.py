@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from _rosidl.message import Message
 from cyclonedds.core import DDSException, DDSStatus, InstanceState, ReadCondition, SampleState, ViewState
 from cyclonedds.sub import DataReader
+from rclpy._domain import lock
 from rclpy._endpoint import Endpoint
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy._wire import decode
@@ -58,7 +59,8 @@ class Subscription(Endpoint):
         self.raw = raw
         self._has_reported_malformed = False
         super().__init__(node, msg_type, topic, topic_name, qos_profile)
-        self._condition = ReadCondition(self._dds, ViewState.Any | InstanceState.Any | SampleState.Any)
+        with lock:
+            self._condition = ReadCondition(self._dds, ViewState.Any | InstanceState.Any | SampleState.Any)
 
     @property
     def callback(self) -> Callable[..., object]:
