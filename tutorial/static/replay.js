@@ -90,7 +90,7 @@ class Replay {
     try {
       this.picture = new Picture(this.pane, () => this.say(...TAKEN));
     } catch (error) {
-      this.say(NO_WEBGL, `It has no WebGL, or WebGL is switched off. It says: ${error.message}`);
+      this.say(...noGraphics(error));
       return;
     }
     new SceneReader(this.picture.viewer, () => {}).read(this.scene);

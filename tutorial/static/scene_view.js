@@ -91,7 +91,7 @@ class CellView {
       this.picture = new Picture(this.pane, () => this.say(...TAKEN));
     } catch (error) {
       clearTimeout(this.timer);
-      this.say(NO_WEBGL, `It has no WebGL, or WebGL is switched off. It says: ${error.message}`);
+      this.say(...noGraphics(error));
       return;
     }
     this.pane.viewer = this.picture.viewer;  // for the curious, in the browser's console

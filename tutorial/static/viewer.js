@@ -6,7 +6,8 @@ const KEYS = {
   ArrowLeft: [-TURN, 0, 1], ArrowRight: [TURN, 0, 1], ArrowUp: [0, -TURN, 1], ArrowDown: [0, TURN, 1],
   "+": [0, 0, 1 / ZOOM], "=": [0, 0, 1 / ZOOM], "-": [0, 0, ZOOM], "_": [0, 0, ZOOM],
 };
-const NO_WEBGL = "This browser shows no 3D graphics.";
+const noGraphics = ({message}) =>
+  ["This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. It says: ${message}`];
 const TAKEN = ["The browser has taken the 3D graphics away.", "It does so when a page has too many. Reload the page."];
 
 /** meshcat's viewer, a script that the whole page needs once, whoever gets it first. */

@@ -70,6 +70,11 @@ class SceneView(CellWidget):
         return f"{type(self).__name__}({self.title!r})"
 
     @property
+    def scene(self) -> Scene:
+        """What it shows."""
+        return self._scene
+
+    @property
     def views(self) -> int:
         """How many views of it are on pages that keep up."""
         return len(self._audience)

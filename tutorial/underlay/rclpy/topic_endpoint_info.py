@@ -18,7 +18,14 @@ class TopicEndpointTypeEnum(IntEnum):
 
 @dataclass
 class TopicEndpointInfo:
-    """A publisher or subscription, with the node it belongs to."""
+    """A publisher or subscription, with the node it belongs to.
+
+    Attributes:
+        topic_type: such as ``"sensor_msgs/msg/Joy"``.
+        topic_type_hash: such as ``"RIHS01_..."``.
+        endpoint_gid: the 16 bytes that tell it from all others.
+        qos_profile: what it offers or asks for.
+    """
 
     node_name: str
     node_namespace: str
