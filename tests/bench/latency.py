@@ -1,6 +1,7 @@
 """From publication to callback, between two processes: a node's callback, and plain Cyclone DDS Python.
 
-Both publish the same message 100 times a second, reliably, and take the time from a stamp in it.
+Both publish the same message reliably: 100 times a second, with the time as a stamp in it; or as fast as they can, and
+those that arrive are counted.
 """
 
 import os
@@ -32,14 +33,22 @@ WARM_UP = 50
 PERIOD = 0.01  # [s]
 
 
+FLOOD = 2.0  # [s] for which those that arrive are counted
+
+
 def latency() -> tuple[Callable[[], float], Callable[[], float]]:
     """Return ours and the reference: the median latency of one run [s]."""
     return lambda: between("node"), lambda: between("plain")
 
 
-def between(kind: str) -> float:
+def throughput() -> tuple[Callable[[], float], Callable[[], float]]:
+    """Return ours and the reference: the time from one message that arrives to the next, unthrottled [s]."""
+    return lambda: between("node", "flood"), lambda: between("plain", "flood")
+
+
+def between(kind: str, pace: str = "beat") -> float:
     """Run a publisher and a subscriber in processes of their own."""
-    command = [sys.executable, __file__, kind]
+    command = [sys.executable, __file__, kind, pace]
     with (
         subprocess.Popen([*command, "publish"]) as publisher,
         subprocess.Popen([*command, "subscribe"], stdout=subprocess.PIPE, text=True) as subscriber,
@@ -52,15 +61,37 @@ def between(kind: str) -> float:
 
 
 def stamps() -> Iterator[int]:
-    """Wait out each period, and give the time at which to publish [ns]."""
+    """Wait out each period, if there is one, and give the time at which to publish [ns]."""
+    while FLOODS:
+        yield time.time_ns()
     for _ in range(MESSAGES):
         time.sleep(PERIOD)
         yield time.time_ns()
 
 
-def finish(latencies: list[int]) -> None:
-    """Hand the median over to the parent [s]."""
-    print(statistics.median(latencies[WARM_UP:]) / 1e9)
+class Log:
+    """What a subscriber notes of each message: how old it is [ns]."""
+
+    def __init__(self) -> None:
+        self._ages: list[int] = []
+        self._began = 0.0
+
+    def add(self, stamp: Any) -> None:
+        """Note a message, by the stamp in it."""
+        self._began = self._began or time.monotonic()
+        self._ages.append(time.time_ns() - stamp.sec * 1_000_000_000 - stamp.nanosec)
+
+    @property
+    def full(self) -> bool:
+        """Whether that is enough."""
+        return bool(self._began) and (time.monotonic() > self._began + FLOOD if FLOODS else len(self._ages) >= MESSAGES)
+
+    def finish(self) -> None:
+        """Hand the median, or the time between two, over to the parent [s]."""
+        if FLOODS:
+            print((time.monotonic() - self._began) / len(self._ages))
+        else:
+            print(statistics.median(self._ages[WARM_UP:]) / 1e9)
 
 
 def node_publish() -> None:
@@ -82,27 +113,36 @@ def node_subscribe() -> None:
 
     rclpy.init(args=[])
     node = rclpy.create_node("subscriber")
-    latencies: list[int] = []
-
-    def callback(message: Any) -> None:
-        stamp = message.header.stamp
-        latencies.append(time.time_ns() - stamp.sec * 1_000_000_000 - stamp.nanosec)
-
-    node.create_subscription(JointState, "bench", callback, 10)
+    log = Log()
+    node.create_subscription(JointState, "bench", lambda message: log.add(message.header.stamp), 10)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
-    while len(latencies) < MESSAGES:
+    while not log.full:
         executor.spin_once()
-    finish(latencies)
+    log.finish()
+
+
+@dataclass
+class Time(IdlStruct):
+    """A stamp."""
+
+    sec: types.int32
+    nanosec: types.uint32
+
+
+@dataclass
+class Header(IdlStruct):
+    """What the message begins with."""
+
+    stamp: Time
+    frame_id: str
 
 
 @dataclass
 class Plain(IdlStruct):
-    """The same message, in one piece."""
+    """The same message: field by field what `JointState` is on the wire."""
 
-    sec: types.int32
-    nanosec: types.uint32
-    frame_id: str
+    header: Header
     name: types.sequence[str]
     position: types.sequence[types.float64]
     velocity: types.sequence[types.float64]
@@ -132,7 +172,8 @@ def plain_publish() -> None:
         time.sleep(0.01)
     for stamp in stamps():
         sec, nanosec = divmod(stamp, 1_000_000_000)
-        writer.write(Plain(sec, nanosec, "", ["TURRET_Y", "TURRET_P"], [0.1, 0.2], [0.1, 0.2], [0.1, 0.2]))
+        header = Header(Time(sec, nanosec), "")
+        writer.write(Plain(header, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], [0.1, 0.2], [0.1, 0.2]))
     time.sleep(0.2)
 
 
@@ -143,14 +184,16 @@ def plain_subscribe() -> None:
     reader = DataReader(participant, topic, reliable())
     waitset = WaitSet(participant)
     waitset.attach(ReadCondition(reader, ViewState.Any | InstanceState.Any | SampleState.Any))
-    latencies: list[int] = []
-    while len(latencies) < MESSAGES:
+    log = Log()
+    while not log.full:
         waitset.wait(100_000_000)
         for message in reader.take(1):
             if message.sample_info.valid_data:
-                latencies.append(time.time_ns() - message.sec * 1_000_000_000 - message.nanosec)
-    finish(latencies)
+                log.add(message.header.stamp)
+    log.finish()
 
 
 if __name__ == "__main__":
-    globals()["_".join(sys.argv[1:])]()
+    kind, pace, side = sys.argv[1:]
+    FLOODS = pace == "flood"
+    globals()[f"{kind}_{side}"]()

@@ -42,19 +42,15 @@ class WireType(IdlStruct):  # type: ignore[misc]  # cyclonedds is untyped
 class Reader(Buffer):  # type: ignore[misc]  # as above
     """Bytes to decode, which end where they end.
 
-    Cyclone DDS's own buffer takes no bytes for 512 zeros, and beyond its end it reads octets without an error, as often
-    as a broken length says.
+    Beyond its end, Cyclone DDS's own buffer reads octets without an error, as often as a broken length says.
     """
-
-    def __init__(self, data: bytes) -> None:
-        super().__init__(align_offset=4)  # the header does not count
-        self._bytes = bytearray(data)
 
     def read_bytes(self, length: int) -> bytes:
         """Read some octets."""
-        if self._pos + length > len(self._bytes):
+        start, self._pos = self._pos, self._pos + length
+        if self._pos > self._size:
             raise EOFError(f"they end before {length} bytes that they announce")
-        return cast(bytes, super().read_bytes(length))
+        return bytes(self._bytes[start : self._pos])
 
 
 class Payload:
@@ -121,7 +117,7 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
     Raises:
         RCLError: the bytes are not such a message.
     """
-    reader = Reader(data)
+    reader = Reader(data or b"\0", align_offset=4)  # the header does not count; Cyclone takes no bytes for 512 zeros
     try:
         message = _wire_type(message_type).__idl__.deserialize(reader)
         if reader.tell() > len(data):  # padding, too, has to be there
