@@ -12,6 +12,7 @@ from types import SimpleNamespace
 import mujoco
 import numpy as np
 import pytest
+import umsgpack
 from browser import Witness, chromium, open_browser
 from sensor_msgs.msg import JointState
 
@@ -63,9 +64,7 @@ class Stage:
 
 def clips(made):
     """The animation within a replay, by path."""
-    commands = [
-        replay.umsgpack.unpackb(payload) for kind, payload in unpack_records(made.scene) if kind is Record.COMMAND
-    ]
+    commands = [umsgpack.unpackb(payload) for kind, payload in unpack_records(made.scene) if kind is Record.COMMAND]
     (animation,) = [command for command in commands if command["type"] == "set_animation"]
     return {each["path"]: each["clip"]["tracks"] for each in animation["animations"]}
 

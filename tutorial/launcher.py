@@ -132,7 +132,7 @@ class Launcher:
         command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
         try:
             return await asyncio.create_subprocess_exec(
-                *(sys.executable, "-S", "-I", lifeline.__file__, str(read_end), *command),
+                *lifeline.with_lifeline(read_end, command),
                 stdin=asyncio.subprocess.DEVNULL,
                 stdout=asyncio.subprocess.PIPE,
                 stderr=asyncio.subprocess.STDOUT,
@@ -191,9 +191,7 @@ class Launcher:
     def _signal_groups(self, number: int) -> bool:
         """Signal every process group that is left, 0 to ask nothing of it; return whether there is one."""
         for name, process in tuple(self._running.items()):
-            try:
-                os.killpg(process.pid, number)
-            except (ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
+            if not lifeline.signal_group(process.pid, number):
                 self._running.pop(name)
         return bool(self._running)
 

@@ -15,6 +15,7 @@ import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Sequence
 
 PATIENCE = 5.0  # [s] from asking to killing
 
@@ -35,6 +36,29 @@ def main() -> int:
         process.send_signal(number)
     status = process.wait()
     return status if status >= 0 else 128 - status
+
+
+def with_lifeline(read_end: int, words: Sequence[str]) -> list[str]:
+    """Return the command line that runs a command on a lifeline.
+
+    Args:
+        read_end: of the pipe; the process has to inherit it, and to begin a session.
+        words: the command.
+    """
+    return [sys.executable, "-S", "-I", __file__, str(read_end), *words]
+
+
+def signal_group(pid: int, number: int) -> bool:
+    """Signal a command on a lifeline, with all that comes from it; 0 asks nothing of it.
+
+    Returns:
+        Whether there is something left of it.
+    """
+    try:
+        os.killpg(pid, number)
+    except (ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
+        return False
+    return True
 
 
 def _watch(fd: int, process: subprocess.Popen[bytes]) -> None:

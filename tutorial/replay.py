@@ -1,7 +1,7 @@
 """Keeps what a scene shows over a run, as a page that plays it again: in any browser, with nothing from outside.
 
-While the run goes on, every message of the scene is put away with its time. Afterwards they become what meshcat calls
-an animation: of each object that moves, its poses and their times.
+While the run goes on, every message of the scene is put away with its time. Afterwards they become an animation
+(`tutorial.animation`), and that a page.
 """
 
 from __future__ import annotations
@@ -17,16 +17,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from string import Template
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import mujoco
-import numpy as np
-import umsgpack
-from numpy.typing import NDArray
-
+from tutorial.animation import Frame, animated, lines
 from tutorial.assets import STATIC, read_static, zipped_viewer
 from tutorial.errors import TutorialError
-from tutorial.scene import Record, Scene, unpack_records
+from tutorial.scene import Scene
 
 if TYPE_CHECKING:
     from tutorial.host import Host
@@ -139,7 +135,7 @@ class Recorder:
         self._longest_pause = longest_pause
         self._heard_at = seconds()
         self._time = 0.0
-        self._frames = [_Frame(0.0, scene.snapshot(), dict(joints()))]
+        self._frames = [Frame(0.0, scene.snapshot(), dict(joints()))]
         scene.attach(self._take)
 
     def stop(self) -> Replay:
@@ -148,10 +144,10 @@ class Recorder:
         self._take(b"")
         names = self._frames[-1].joints
         return Replay(
-            scene=_with_animation(self._frames),
+            scene=animated(self._frames),
             times=tuple(frame.time for frame in self._frames),
             joints={name: tuple(frame.joints.get(name, math.nan) for frame in self._frames) for name in names},
-            lines=tuple(_lines(self._frames)),
+            lines=tuple(lines(self._frames)),
         )
 
     def _take(self, message: bytes) -> None:
@@ -161,11 +157,11 @@ class Recorder:
         if self._time > LONGEST:
             if self._frames[-1].message:  # said once: the last of the frames is empty then
                 _log.warning("the first %.0f minutes of the run are kept, not more", LONGEST / 60)
-                self._frames.append(_Frame(LONGEST, b"", self._frames[-1].joints))
+                self._frames.append(Frame(LONGEST, b"", self._frames[-1].joints))
             return
         if self._time - self._frames[-1].time > 2 * FRAME:  # until just now, nothing has moved
-            self._frames.append(_Frame(self._time - FRAME, b"", self._frames[-1].joints))
-        self._frames.append(_Frame(self._time, message, dict(self._joints())))
+            self._frames.append(Frame(self._time - FRAME, b"", self._frames[-1].joints))
+        self._frames.append(Frame(self._time, message, dict(self._joints())))
 
 
 @contextmanager
@@ -200,119 +196,6 @@ def _told(path: Path | str) -> Iterator[None]:
         yield
     except OSError as error:
         raise TutorialError(f"the replay cannot be written to {path}: {error.strerror}") from error
-
-
-@dataclass(frozen=True)
-class _Frame:
-    time: float
-    message: bytes
-    joints: dict[str, float]
-
-
-class _Track:
-    """The poses of one object. In between two of them it moves evenly; where it stands still it has no poses."""
-
-    def __init__(self, time: float, matrix: NDArray[np.float64]) -> None:
-        self.times = [time]
-        self.matrices = [matrix]
-
-    def add(self, time: float, before: float, matrix: NDArray[np.float64]) -> None:
-        """Note where it is in a frame; until the frame before it stood where it was noted last."""
-        if self.times[-1] < before:
-            self.times.append(before)
-            self.matrices.append(self.matrices[-1])
-        self.times.append(time)
-        self.matrices.append(matrix)
-
-    def lower(self, path: str) -> dict[str, Any]:
-        """Say it as meshcat does, the numbers in one row."""
-        positions = [x for matrix in self.matrices for x in matrix[12:15].tolist()]
-        quaternions = [x for matrix in self.matrices for x in _quaternion(matrix)]
-        tracks = [
-            {"name": ".position", "type": "vector3", "times": self.times, "values": positions},
-            {"name": ".quaternion", "type": "quaternion", "times": self.times, "values": quaternions},
-        ]
-        return {"path": path, "clip": {"fps": 1, "name": "run", "tracks": tracks}}
-
-
-class _Sight:
-    """When something is there to be seen: a body may come and go during a run."""
-
-    def __init__(self, time: float) -> None:
-        self.times, self.values = [0.0], [time == 0.0]
-        self.change(time, True)
-
-    def change(self, time: float, there: bool) -> None:
-        if self.values[-1] != there:
-            self.times.append(time)
-            self.values.append(there)
-
-    def lower(self, path: str) -> dict[str, Any]:
-        """Say it as meshcat does."""
-        track = {"name": ".visible", "type": "bool", "times": self.times, "values": self.values}
-        return {"path": path, "clip": {"fps": 1, "name": "sight", "tracks": [track]}}
-
-
-def _with_animation(frames: list[_Frame]) -> bytes:
-    """Join the messages into one that shows all there ever was, and an animation that moves it."""
-    whole = Scene()
-    tracks: dict[str, _Track] = {}
-    sights: dict[str, _Sight] = {}
-    before = 0.0
-    for frame in frames:
-        for command in _commands(frame.message):
-            path = command.get("path", "")
-            if command["type"] == "delete":
-                for sight in (sight for drawn, sight in sights.items() if f"{drawn}/".startswith(f"{path}/")):
-                    sight.change(frame.time, False)
-                continue
-            if command["type"] == "set_object":
-                sights.setdefault(path, _Sight(frame.time)).change(frame.time, True)
-            if command["type"] == "set_transform" and not np.isfinite(command["matrix"]).all():
-                continue
-            if command["type"] == "set_transform" and path in tracks:
-                tracks[path].add(frame.time, before, np.array(command["matrix"], dtype=np.float64))
-                continue
-            if command["type"] == "set_transform":
-                tracks[path] = _Track(frame.time, np.array(command["matrix"], dtype=np.float64))
-            whole.send_message(command)
-        before = frame.time
-    _place_camera(whole, frames)
-    moving = [track.lower(path) for path, track in tracks.items() if len(track.times) > 1]
-    moving += [sight.lower(path) for path, sight in sights.items() if len(sight.times) > 1]
-    animation = {"type": "set_animation", "path": "", "animations": moving, "options": {"play": False}}
-    whole.send_packed(("set_animation", "", ""), umsgpack.packb(animation, force_float_precision="single"))
-    return whole.snapshot()
-
-
-def _commands(message: bytes) -> Iterator[dict[str, Any]]:
-    for kind, payload in unpack_records(message):
-        if kind is Record.COMMAND:
-            yield umsgpack.unpackb(payload)
-
-
-def _place_camera(whole: Scene, frames: list[_Frame]) -> None:
-    """Look from where one looked at first."""
-    for frame in frames:
-        for kind, payload in unpack_records(frame.message):
-            if kind is Record.CAMERA:
-                numbers = np.frombuffer(payload, "<f8").tolist()
-                whole.look_at(tuple(numbers[:3]), tuple(numbers[3:]))
-                return
-
-
-def _lines(frames: list[_Frame]) -> Iterator[tuple[float, str]]:
-    for frame in frames:
-        for kind, payload in unpack_records(frame.message):
-            if kind is Record.LINE:
-                yield round(frame.time, 3), payload.decode()
-
-
-def _quaternion(matrix: NDArray[np.float64]) -> list[float]:
-    """The turn of a matrix, whose 16 numbers are column by column, as three.js has it: (x, y, z, w)."""
-    quaternion = np.empty(4)
-    mujoco.mju_mat2Quat(quaternion, matrix.reshape(4, 4)[:3, :3].T.reshape(9))
-    return [*quaternion[1:].tolist(), float(quaternion[0])]
 
 
 def _number(value: float) -> float | None:

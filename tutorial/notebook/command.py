@@ -7,7 +7,6 @@ import shlex
 import shutil
 import signal
 import subprocess
-import sys
 import threading
 from collections import deque
 from contextlib import suppress
@@ -86,7 +85,7 @@ class Command:
         for number in (signal.SIGINT, signal.SIGKILL):
             if not self._reader.is_alive() and self.status is not None:
                 break
-            _signal_group(self._process.pid, number)
+            lifeline.signal_group(self._process.pid, number)
             try:
                 self._process.wait(PATIENCE)
             except subprocess.TimeoutExpired:
@@ -108,7 +107,7 @@ def _start(line: str, read_end: int) -> subprocess.Popen[str]:
     if not words or shutil.which(words[0], path=environment["PATH"]) is None:
         raise TutorialError(f"there is no command {line!r}. Write it as at a terminal: start_command('tank joy').")
     return subprocess.Popen(
-        [sys.executable, "-S", "-I", lifeline.__file__, str(read_end), *words],
+        lifeline.with_lifeline(read_end, words),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -119,8 +118,3 @@ def _start(line: str, read_end: int) -> subprocess.Popen[str]:
         text=True,
         errors="replace",
     )
-
-
-def _signal_group(pid: int, number: int) -> None:
-    with suppress(ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
-        os.killpg(pid, number)

@@ -45,6 +45,8 @@ class Reader(Buffer):  # type: ignore[misc]  # as above
     Beyond its end, Cyclone DDS's own buffer reads octets without an error, as often as a broken length says.
     """
 
+    _pos: int
+
     def read_bytes(self, length: int) -> bytes:
         """Read some octets."""
         start, self._pos = self._pos, self._pos + length
