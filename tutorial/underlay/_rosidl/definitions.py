@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-__all__ = ["Cardinality", "Definition", "Field", "definition", "type_hash", "type_names"]
+__all__ = ["Cardinality", "Definition", "Field", "definition", "type_hash", "type_names", "wire_description"]
 
 EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
 """IDL knows no empty struct: an empty message has this uint8 on the wire, and nothing in its class."""
@@ -54,7 +54,7 @@ class Field:
 
     @property
     def wire_attribute(self) -> str:
-        """Name of the message's attribute that has the field as Cyclone DDS wants it."""
+        """Name of the message's attribute that has the field as Cyclone DDS wants it for encoding."""
         return f"_{self.name}_octets" if self.is_octet_array else self.name
 
 
@@ -88,6 +88,11 @@ def definition(type_name: str) -> Definition:
         {name: bytes([int(value)]) if base == "byte" else value for name, base, value in constants},
         tuple(_field(name, description) for name, description in fields),
     )
+
+
+def wire_description(type_name: str) -> Any:
+    """Return the fields as rosbags describes them: a list of names with their types."""
+    return _store().fielddefs[type_name][1]
 
 
 @cache

@@ -11,7 +11,7 @@ import numpy as np
 
 from _rosidl.checks import checker
 from _rosidl.definitions import Cardinality, Definition, Field, definition
-from _rosidl.values import PRIMITIVES, container, default_factory, field_type
+from _rosidl.values import PRIMITIVES, container, default_factory, field_type, from_wire
 
 __all__ = ["Message", "make_message_class", "message_class"]
 
@@ -26,19 +26,17 @@ class Slot(NamedTuple):
 
     Attributes:
         name: of the field.
-        wire_attribute: name under which it is decoded.
         default: makes its default value.
-        contain: turns what is decoded into the container that is kept; None keeps it as it is.
+        contain: turns what the constructor is given into the container that is kept; None keeps it as it is.
+        from_wire: turns what is decoded into what is kept; None keeps it as it is.
         store: puts a value into a message's slot.
-        is_array: whether it keeps an ``array.array``.
     """
 
     name: str
-    wire_attribute: str
     default: Callable[[], Any]
     contain: Callable[[Any], Any] | None
+    from_wire: Callable[[Any], Any] | None
     store: Callable[[Any, Any], None]
-    is_array: bool
 
 
 class Message:  # noqa: PLW1641  (mutable, so without a hash)
@@ -68,18 +66,17 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
         for slot in self._slots_:
             if slot.name in fields:
                 value = fields[slot.name]
-                setattr(self, slot.name, slot.contain(value) if slot.contain and slot.is_array else value)
+                setattr(self, slot.name, slot.contain(value) if slot.contain else value)
             else:
                 slot.store(self, slot.default())
 
     @classmethod
-    def _from_wire(cls, fields: dict[str, Any]) -> Message:
+    def _from_wire(cls, *values: Any) -> Message:
         """Make a message of decoded fields, past the constructor, because this is done for every message received."""
         message: Message = object.__new__(cls)
         message._check_fields = CHECK_FIELDS  # type: ignore[misc]
-        for slot in cls._slots_:
-            value = fields[slot.wire_attribute]
-            slot.store(message, value if slot.contain is None else slot.contain(value))
+        for slot, value in zip(cls._slots_, values):
+            slot.store(message, value if slot.from_wire is None else slot.from_wire(value))
         return message
 
     @classmethod
@@ -148,25 +145,19 @@ def _add_field(cls: type[Message], field: Field) -> Slot:
         slot.__set__(self, value)
 
     setattr(cls, field.name, property(slot.__get__, assign, doc=f"Message field '{field.name}'."))
-    contain = kept.make if kept else None
     if field.is_octet_array:
         setattr(cls, field.wire_attribute, property(lambda self: slot.__get__(self).tobytes()))
-        contain = _octets
     default = DEFAULTS.get((cls._definition.type_name, field.name))
     make_default = default_factory(field, element) if default is None else lambda: default
-    is_array = kept is not None and field.cardinality is Cardinality.SEQUENCE
-    return Slot(field.name, field.wire_attribute, make_default, contain, slot.__set__, is_array)
+    contain = kept.make if kept and field.cardinality is Cardinality.SEQUENCE else None
+    return Slot(field.name, make_default, contain, from_wire(field), slot.__set__)
 
 
 def _read_only(value: Any) -> property:
     return property(lambda _: value)
 
 
-def _octets(decoded: bytes) -> np.ndarray[Any, np.dtype[np.uint8]]:
-    return np.frombuffer(bytearray(decoded), np.uint8)
-
-
 def _shown(slot: Slot, value: Any) -> str:
-    if not slot.is_array:
+    if slot.contain is None:
         return repr(value)
     return repr(value)[len("array('d', ") : -1] if len(value) else "[]"

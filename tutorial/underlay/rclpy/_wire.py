@@ -1,7 +1,7 @@
-"""From messages to bytes and back, by Cyclone DDS's own CDR codec.
+"""From messages to bytes and back.
 
-A message type's wire type is made from its field list. Encoding reads the attributes of our messages; decoding makes
-our messages at once, because calling a wire type returns a message.
+A message type's wire type, made from its field list, is what topics show to others, and what Cyclone DDS's own codec
+encodes by: it reads the attributes of our messages. Decoding is done by rosbags' compiled code.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from __future__ import annotations
 import threading
 from typing import Any, ClassVar, Self, cast
 
+from _rosidl import cdr
 from _rosidl.definitions import Cardinality, Field
 from _rosidl.message import Message, message_class
-from cyclonedds.idl import IdlStruct, make_idl_struct, types
-from cyclonedds.idl._support import Buffer
+from cyclonedds.idl import make_idl_struct, types
 from rclpy._rclpy_pybind11 import RCLError
 
 PRIMITIVES: dict[str, Any] = {
@@ -27,32 +27,6 @@ PRIMITIVES: dict[str, Any] = {
 _lock = threading.RLock()
 _wire_types: dict[tuple[type[Message], Any], Any] = {}
 _payload_types: dict[type[Message], type[Payload]] = {}
-
-
-class WireType(IdlStruct):  # type: ignore[misc]  # cyclonedds is untyped
-    """Base of the wire types."""
-
-    __message__: ClassVar[type[Message]]
-
-    def __new__(cls, **fields: Any) -> Any:
-        """Return a message: this is what Cyclone's decoder calls for every struct that it has read."""
-        return cls.__message__._from_wire(fields)
-
-
-class Reader(Buffer):  # type: ignore[misc]  # as above
-    """Bytes to decode, which end where they end.
-
-    Beyond its end, Cyclone DDS's own buffer reads octets without an error, as often as a broken length says.
-    """
-
-    _pos: int
-
-    def read_bytes(self, length: int) -> bytes:
-        """Read some octets."""
-        start, self._pos = self._pos, self._pos + length
-        if self._pos > self._size:
-            raise EOFError(f"they end before {length} bytes that they announce")
-        return bytes(self._bytes[start : self._pos])
 
 
 class Payload:
@@ -119,12 +93,8 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
     Raises:
         RCLError: the bytes are not such a message.
     """
-    reader = Reader(data or b"\0", align_offset=4)  # the header does not count; Cyclone takes no bytes for 512 zeros
     try:
-        message = _wire_type(message_type).__idl__.deserialize(reader)
-        if reader.tell() > len(data):  # padding, too, has to be there
-            raise EOFError("they end too early")
-        return cast(Message, message)
+        return cdr.decode(data, message_type)
     except Exception as error:
         raise RCLError(
             f"failed to deserialize ROS message: {len(data)} bytes are no {message_type.__name__}: {error}"
@@ -162,10 +132,7 @@ def _wire_type(message_type: type[Message], octets: Any = bytes) -> Any:
         definition = message_type._definition
         fields = {field.wire_attribute: _idl_type(field, octets) for field in definition.wire_fields}
         typename = wire_name(definition.type_name)
-        wire_type = make_idl_struct(
-            typename.rpartition("::")[2], typename, fields, dataclassify=False, bases=(WireType,)
-        )
-        wire_type.__message__ = message_type
+        wire_type = make_idl_struct(typename.rpartition("::")[2], typename, fields, dataclassify=False)
         wire_type.__idl__.populate()
         return _wire_types.setdefault((message_type, octets), wire_type)
 
