@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 from tutorial.checks._answer import missing
 from tutorial.checks._node import Ear, Mouth, WatchedNode
 from tutorial.checks._verdict import Finding, right, wrong
 
 __all__ = ["ear_on", "judge_leaving", "mouth_on"]
+
+End = TypeVar("End", Ear, Mouth)
 
 
 def ear_on(node: WatchedNode, topic: str, message_type: type, call: str) -> tuple[Finding, Ear | None]:
@@ -22,20 +25,14 @@ def ear_on(node: WatchedNode, topic: str, message_type: type, call: str) -> tupl
     """
     if not node.ears:
         return wrong("configure subscribes to nothing", f"Most likely the call is missing: {call}."), None
-    for ear in node.ears:
-        if ear.topic == topic and ear.message_type is message_type:
-            return right(f"it listens to {topic}"), ear
-    return _other_topic(node.ears[0], "listens to", topic, message_type), None
+    return _among(node.ears, "listens to", topic, message_type)
 
 
 def mouth_on(node: WatchedNode, topic: str, message_type: type, call: str) -> tuple[Finding, Mouth | None]:
     """Find the publisher that the exercise asks for; the arguments are those of `ear_on`."""
     if not node.mouths:
         return wrong("configure makes no publisher", f"Most likely the call is missing: {call}."), None
-    for mouth in node.mouths:
-        if mouth.topic == topic and mouth.message_type is message_type:
-            return right(f"it publishes on {topic}"), mouth
-    return _other_topic(node.mouths[0], "publishes on", topic, message_type), None
+    return _among(node.mouths, "publishes on", topic, message_type)
 
 
 def judge_leaving(answer: type, unconfigure: Callable[[], None], made: Ear | Mouth) -> Finding:
@@ -60,6 +57,14 @@ def judge_leaving(answer: type, unconfigure: Callable[[], None], made: Ear | Mou
     if lacking is not None and "misspelled" in lacking.cause:
         cause = lacking.cause
     return wrong(f"after unconfigure it still {does}", cause)
+
+
+def _among(made: Sequence[End], does: str, topic: str, message_type: type) -> tuple[Finding, End | None]:
+    """Find the one for a topic and a type among those that the learner has made."""
+    for end in made:
+        if end.topic == topic and end.message_type is message_type:
+            return right(f"it {does} {topic}"), end
+    return _other_topic(made[0], does, topic, message_type), None
 
 
 def _other_topic(made: Ear | Mouth, does: str, topic: str, message_type: type) -> Finding:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from tutorial.topics.message_yaml import ARRAYS, TRUNCATE_LENGTH, array_summary
+from tutorial.topics.message_yaml import ARRAYS, TRUNCATE_LENGTH, array_summary, ellipsis
 from tutorial.topics.names import is_message
 
 __all__ = ["message_to_csv"]
@@ -30,10 +30,9 @@ def _text(value: Any, length: int | None, no_arr: bool, kind: str = "") -> str:
     if isinstance(value, ARRAYS):
         if no_arr and kind:
             return array_summary(value, kind)
-        end = [] if length is None or len(value) <= length else ["..."]
-        return _joined([_text(element, length, no_arr) for element in value[:length]] + end)
-    if isinstance(value, str) and length is not None and len(value) > length:
-        return f"{value[:length]}..."
+        return _joined([_text(element, length, no_arr) for element in value[:length]] + ellipsis(value, length))
+    if isinstance(value, str):
+        return "".join([value[:length], *ellipsis(value, length)])
     return str(value)
 
 

@@ -13,7 +13,7 @@ import yaml
 
 from tutorial.topics.names import is_message
 
-__all__ = ["ARRAYS", "TRUNCATE_LENGTH", "array_summary", "message_to_yaml"]
+__all__ = ["ARRAYS", "TRUNCATE_LENGTH", "array_summary", "ellipsis", "message_to_yaml"]
 
 TRUNCATE_LENGTH = 128
 """How much of an array or a string ``ros2 topic echo`` prints."""
@@ -70,13 +70,17 @@ def _plain(value: Any, length: int | None, no_arr: bool, kind: str = "") -> Any:
     if isinstance(value, bytes):
         value = value.decode("latin-1")
     if isinstance(value, str):
-        return value if length is None or len(value) <= length else f"{value[:length]}..."
+        return "".join([value[:length], *ellipsis(value, length)])
     if isinstance(value, ARRAYS):
         if no_arr and kind:
             return array_summary(value, kind)
-        end = [] if length is None or len(value) <= length else ["..."]
-        return [_plain(element, length, no_arr) for element in value[:length]] + end
+        return [_plain(element, length, no_arr) for element in value[:length]] + ellipsis(value, length)
     return value.item() if isinstance(value, np.generic) else value
+
+
+def ellipsis(value: Sized, length: int | None) -> list[str]:
+    """Return what follows the first ``length`` elements or characters: three dots if there are more."""
+    return ["..."] if length is not None and len(value) > length else []
 
 
 def _long(kind: str) -> str:

@@ -20,20 +20,27 @@ NAMELESS = "_NODE_NAME_UNKNOWN_"  # whose name is still on its way
 
 
 class _Settling:
-    """Tells when the node graph has stopped changing, as one node sees it."""
+    """Tells when the node graph has stopped changing, as one node sees it.
 
-    def __init__(self, node: Node) -> None:
+    Attributes:
+        done: whether it has.
+    """
+
+    def __init__(self, node: Node, patience: float) -> None:
+        self.done = False
         self._node = node
+        self._deadline = time.monotonic() + patience
         self._seen: Hashable = None
         self._agreeing = 0
 
-    def look(self) -> bool:
-        """Look once more; True when all has been the same for a while, and every endpoint has its node's name."""
+    def goes_on(self) -> bool:
+        """Look once more, and say whether to look again: until all has been the same for a while, or time is over."""
         seen = _snapshot(self._node)
-        is_complete = all(NAMELESS not in names for names in seen)
+        is_complete = all(NAMELESS not in names for names in seen)  # every endpoint has its node's name
         self._agreeing = self._agreeing + 1 if is_complete and seen == self._seen else 0
         self._seen = seen
-        return self._agreeing >= QUIET_READS
+        self.done = self._agreeing >= QUIET_READS
+        return not self.done and time.monotonic() < self._deadline
 
 
 def settle(node: Node, patience: float = PATIENCE) -> bool:
@@ -48,18 +55,18 @@ def settle(node: Node, patience: float = PATIENCE) -> bool:
     Returns:
         Whether the graph has settled.
     """
-    settling, deadline = _Settling(node), time.monotonic() + patience
-    while not (done := settling.look()) and time.monotonic() < deadline:
+    settling = _Settling(node, patience)
+    while settling.goes_on():
         time.sleep(READ_EVERY)
-    return done
+    return settling.done
 
 
 async def settled(node: Node, patience: float = PATIENCE) -> bool:
     """As `settle`, but other things go on meanwhile."""
-    settling, deadline = _Settling(node), time.monotonic() + patience
-    while not (done := settling.look()) and time.monotonic() < deadline:
+    settling = _Settling(node, patience)
+    while settling.goes_on():
         await asyncio.sleep(READ_EVERY)
-    return done
+    return settling.done
 
 
 async def met(node: Node, wanted: Callable[[], object]) -> bool:
