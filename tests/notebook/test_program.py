@@ -142,6 +142,20 @@ def test_what_there_is_not_is_said_with_the_nearest_name(in_a_cell):
     in_a_cell(scenario)
 
 
+def test_time_that_passes_in_pieces_is_one_run(in_a_cell):
+    """The barrel hangs by the weight of its gun below the reference that it had at first, and does not sink on."""
+
+    async def scenario():
+        program = open_program("step1")
+        for _ in range(10):
+            program.advance(0.02)
+        program.advance(1.8)
+        barrel = program.simulation.bodies["Tank"].joint("TURRET_P")
+        assert barrel.position == pytest.approx(-9.80665 * 0.2 / 200, rel=0.01)
+
+    in_a_cell(scenario)
+
+
 def test_time_is_started_and_stopped_twice_and_not_when_closed(in_a_cell):
     async def scenario():
         program = open_program("step1")

@@ -127,6 +127,8 @@ class Program:
     def advance(self, seconds: float) -> None:
         """Let simulated time pass as fast as the machine can; real time is stopped first.
 
+        One after the other they are one run: the controllers go on where they were.
+
         Args:
             seconds: how much [s].
 
@@ -135,7 +137,8 @@ class Program:
             TutorialError: the program only displays, or was closed.
         """
         self._check_open()
-        self.stop()
+        if self.simulation.running:
+            self.stop()
         self.simulation.advance(seconds)
 
     async def run(self, seconds: float) -> None:
