@@ -30,19 +30,19 @@ nbval: install
 	$(BIN)/python -m pytest notebooks $(PYTEST_ARGS)
 
 notebooks: install
-	$(BIN)/python tests/execute_notebooks.py
+	$(BIN)/python tests/support/execute_notebooks.py
 
 screenshots: install
-	TANK_SCREENSHOTS=book/images $(BIN)/python -m pytest tests/test_notebooks_in_browser.py -k desk
+	TANK_SCREENSHOTS=book/images $(BIN)/python -m pytest tests/course/test_notebooks_in_browser.py -k desk
 
 lab: install
 	@$(BIN)/tank lab
 
 bench: install
-	@PYTHONPATH=tests $(BIN)/python tests/bench
+	@PYTHONPATH=tests/support $(BIN)/python tests/bench
 
 soak: install
-	@PYTHONPATH=tests $(BIN)/python tests/soak $(DURATION)
+	@PYTHONPATH=tests/support $(BIN)/python tests/soak $(DURATION)
 
 book: install
 	$(BIN)/python -m sphinx -W --keep-going -b html -d book/_build/trees book book/_build/html

@@ -16,8 +16,8 @@ from latex2mathml.converter import convert
 from notebook_pages import write_pages
 
 import tutorial  # noqa: F401  (promises an rclpy to the API page)
-from tutorial import replay
-from tutorial.assets import meshcats_viewer
+from tutorial.view import replay
+from tutorial.view.assets import meshcats_viewer
 
 project = "The tank tutorial"
 author = "the authors of the tank tutorial"

@@ -25,9 +25,9 @@ def keep(folder: Path) -> None:
     from IPython.core.getipython import get_ipython  # noqa: PLC0415  (the book itself needs none of these)
 
     from tutorial.notebook.program import Program  # noqa: PLC0415
-    from tutorial.widgets.picture import Picture  # noqa: PLC0415
-    from tutorial.widgets.scene_view import SceneView  # noqa: PLC0415
-    from tutorial.widgets.side_by_side import SideBySide  # noqa: PLC0415
+    from tutorial.notebook.widgets.picture import Picture  # noqa: PLC0415
+    from tutorial.notebook.widgets.scene_view import SceneView  # noqa: PLC0415
+    from tutorial.notebook.widgets.side_by_side import SideBySide  # noqa: PLC0415
 
     folder.mkdir(parents=True, exist_ok=True)
     for old in folder.glob("*.html"):
@@ -62,7 +62,7 @@ class _Kept:
         if view not in self._programs:
             self._pictures[self._count] = view
             return
-        from tutorial.replay import Recorder  # noqa: PLC0415
+        from tutorial.view.replay import Recorder  # noqa: PLC0415
 
         self.stop(view)
         host = self._programs[view].host

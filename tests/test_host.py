@@ -18,9 +18,9 @@ from tutorial.errors import TutorialError
 from tutorial.host import Host
 from tutorial.paths import find_project
 from tutorial.project import Project
-from tutorial.ros import NodeThread
-from tutorial.scene import Scene
-from tutorial.view import View
+from tutorial.ros.node_thread import NodeThread
+from tutorial.view.bodies import View
+from tutorial.view.scene import Scene
 
 
 async def until(condition, what="the condition"):

@@ -9,7 +9,7 @@ import pytest
 from std_msgs.msg import String
 
 from tutorial.handoff import CallQueue
-from tutorial.ros import NodeThread
+from tutorial.ros.node_thread import NodeThread
 from tutorial.trace import Handoff, HandoffTrace, Moment, waiting_calls
 
 

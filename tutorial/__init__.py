@@ -1,10 +1,10 @@
 """The tank tutorial: learn ROS 2 by building a tank, step by step, in the browser.
 
 Importing this package promises an ``rclpy``: the real one where ROS 2 is installed, else the embedded one of
-``tutorial/underlay``.
+``tutorial/ros/underlay``.
 """
 
-from tutorial._backend import promise, ros_backend
+from tutorial.ros.backend import promise, ros_backend
 
 __all__ = ["ros_backend"]
 

@@ -4,7 +4,7 @@ import signal
 
 signal.signal(signal.SIGINT, signal.SIG_DFL)  # until a command takes Ctrl-C over, it ends all without a traceback
 
-from tutorial.cli import main  # noqa: E402 - it takes a moment, in which Ctrl-C may come
+from tutorial.commands.tank import main  # noqa: E402 - it takes a moment, in which Ctrl-C may come
 
 if __name__ == "__main__":
     main()

@@ -15,13 +15,13 @@ from tutorial.errors import TutorialError, did_you_mean, file_of, tell
 from tutorial.handoff import CallQueue, CallScope
 from tutorial.joints import JointReport, JointTally
 from tutorial.record import make_record
-from tutorial.ros import MeteredNode, NodeThread
+from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.simulation import Simulation
 
 if TYPE_CHECKING:
     from tutorial.project import BodyItem, Project
     from tutorial.trace import HandoffTrace
-    from tutorial.view import View
+    from tutorial.view.bodies import View
 
 __all__ = ["Host"]
 
@@ -153,12 +153,10 @@ class Host:
         """How long the program has run [s]: simulated time where it simulates."""
         return self.simulation.time if self.simulation is not None else self._seconds
 
-    @property
     def shown_at(self) -> float:
         """The time of what the view shows [s]: simulated time where it simulates, else of `time.monotonic`."""
         return self._shown if self.simulation is not None else time.monotonic()
 
-    @property
     def joint_positions(self) -> dict[str, float]:
         """Where the displayed joints are [rad], or [m] for those that slide, by ``"body joint"``."""
         return {f"{name} {joint.name}": joint.position for name, body in self.bodies.items() for joint in body.joints}

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from tutorial import ros_backend
 from tutorial.errors import TutorialError
 from tutorial.joints import JointTally
-from tutorial.ros import TopicMeter
+from tutorial.ros.backend import ros_backend
+from tutorial.ros.node_thread import TopicMeter
 
 __all__ = ["make_record", "write_record"]
 

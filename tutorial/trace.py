@@ -93,7 +93,7 @@ class Handoff:
 class HandoffTrace:
     """The newest handoffs of a program. May be used from any thread.
 
-    Give it to `tutorial.handoff.CallQueue`, and to the attribute ``trace`` of a `tutorial.ros.MeteredNode`.
+    Give it to `tutorial.handoff.CallQueue`, and to the attribute ``trace`` of a `tutorial.ros.node_thread.MeteredNode`.
 
     Args:
         capacity: how many are kept; the oldest go first.

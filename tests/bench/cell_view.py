@@ -25,9 +25,9 @@ import itertools, time, warnings
 import numpy as np
 from tutorial.body import Body
 from tutorial.paths import HOME
-from tutorial.scene import Scene, unpack_records
-from tutorial.view import View
-from tutorial.widgets.scene_view import SceneView
+from tutorial.view.scene import Scene, unpack_records
+from tutorial.view.bodies import View
+from tutorial.notebook.widgets.scene_view import SceneView
 from tutorial.world import Placement
 warnings.simplefilter("ignore")
 import meshcat
@@ -79,10 +79,10 @@ from sensor_msgs.msg import JointState
 from tutorial.host import Host
 from tutorial.paths import find_project
 from tutorial.project import Project
-from tutorial.ros import NodeThread
-from tutorial.scene import Scene
-from tutorial.view import View
-from tutorial.widgets.scene_view import SceneView
+from tutorial.ros.node_thread import NodeThread
+from tutorial.view.scene import Scene
+from tutorial.view.bodies import View
+from tutorial.notebook.widgets.scene_view import SceneView
 
 scene = Scene()
 view = View(scene)

@@ -23,10 +23,10 @@ from tutorial.controllers.tank_controller import TankController
 from tutorial.joints import match_joints
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
-from tutorial.ros import NodeThread
-from tutorial.scene import Scene
+from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import Simulation
-from tutorial.view import View
+from tutorial.view.bodies import View
+from tutorial.view.scene import Scene
 from tutorial.world import Placement
 
 STEPS = 2000

@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 from run import Outcome, run
 
-from tutorial.terminal import INTERRUPTED, progress_bar
+from tutorial.commands.terminal import INTERRUPTED, progress_bar
 
 KINDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "show"}
 

@@ -24,7 +24,7 @@ import msgspec
 from tutorial.checks._contain import Job
 from tutorial.checks._verdict import Finding, wrong
 from tutorial.checks._watch import watch
-from tutorial.domains import reserved_domain
+from tutorial.ros.domains import reserved_domain
 
 LOOK = 0.1  # [s] between two looks of the watchdog
 PATIENCE = 15  # looks that a single call may take; it should take none

@@ -11,7 +11,7 @@ import threading
 from collections import deque
 from contextlib import suppress
 
-from tutorial import lifeline
+from tutorial.commands import lifeline
 from tutorial.errors import TutorialError
 from tutorial.notebook.desk import until
 from tutorial.paths import HOME, with_own_commands

@@ -12,8 +12,8 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any, TypeVar
 
-from tutorial.domains import reserved_domain
 from tutorial.errors import TutorialError
+from tutorial.ros.domains import reserved_domain
 
 __all__ = ["close_all", "keep", "keep_once", "log", "until"]
 

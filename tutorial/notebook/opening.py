@@ -9,17 +9,17 @@ from ipywidgets import Widget
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import keep
 from tutorial.notebook.program import Program
+from tutorial.notebook.widgets.joint_plot import JointPlot
+from tutorial.notebook.widgets.joystick import Joystick
+from tutorial.notebook.widgets.node_graph import NodeGraph
+from tutorial.notebook.widgets.side_by_side import SideBySide
+from tutorial.notebook.widgets.swimlane import swimlane as picture_of
 from tutorial.paths import find_project
 from tutorial.project import Project
-from tutorial.ros import MeteredNode, NodeThread
-from tutorial.widgets.joint_plot import JointPlot
-from tutorial.widgets.joystick import Joystick
-from tutorial.widgets.node_graph import NodeGraph
-from tutorial.widgets.side_by_side import SideBySide
-from tutorial.widgets.swimlane import swimlane as picture_of
+from tutorial.ros.node_thread import MeteredNode, NodeThread
 
 if TYPE_CHECKING:
-    from tutorial.widgets.picture import Picture
+    from tutorial.notebook.widgets.picture import Picture
 
 __all__ = [
     "joint_plot",

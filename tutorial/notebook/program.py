@@ -10,11 +10,11 @@ from ipywidgets import FloatProgress
 
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.host import FRAME, Host
-from tutorial.replay import recorded
-from tutorial.scene import Scene
+from tutorial.notebook.widgets.scene_view import SceneView
 from tutorial.trace import HandoffTrace
-from tutorial.view import View
-from tutorial.widgets.scene_view import SceneView
+from tutorial.view.bodies import View
+from tutorial.view.replay import recorded
+from tutorial.view.scene import Scene
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -187,7 +187,9 @@ class Program:
             TutorialError: the file cannot be written, or the program was closed.
         """
         self._check_open()
-        return recorded(self._scene, self.host, path, LONGEST_PAUSE)
+        host = self.host
+        title = host.node.get_name()
+        return recorded(self._scene, path, title, host.shown_at, host.joint_positions, LONGEST_PAUSE)
 
     def close(self) -> None:
         """End the program: its simulation, its controllers, its node. Its last picture stays. Idempotent."""

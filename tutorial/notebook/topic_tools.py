@@ -6,10 +6,10 @@ import logging
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
 
-from tutorial import topics
 from tutorial.notebook.desk import keep_once
-from tutorial.ros import MeteredNode, NodeThread
-from tutorial.topics import settled
+from tutorial.ros import topics
+from tutorial.ros.node_thread import MeteredNode, NodeThread
+from tutorial.ros.topics import settled
 
 __all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
 

@@ -1,0 +1,103 @@
+"""Drive files, and what is said when they are wrong."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+from tutorial.commands.joystick import ScriptedDrive
+from tutorial.errors import TutorialError
+from tutorial.paths import find_drive
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(text):
+        path = tmp_path / "drive.yaml"
+        path.write_text(textwrap.dedent(text))
+        return path
+
+    return write
+
+
+def test_the_axes_are_held_from_each_moment_on(write):
+    drive = ScriptedDrive(write("drive:\n- {time: 1, axes: [0, 0.5]}\n- {time: 2.5, axes: [1]}"))
+    assert drive.read(0.0) == ([0.0] * 6, [])
+    assert drive.read(1.0) == ([0.0, 0.5], [])
+    assert drive.read(2.4) == ([0.0, 0.5], [])
+    assert drive.read(99.0) == ([1.0], [])
+
+
+def test_a_drive_may_repeat(write):
+    drive = ScriptedDrive(
+        write("repeat: true\ndrive:\n- {time: 0, axes: [0.1]}\n- {time: 1, axes: [0.2]}\n- {time: 2, axes: []}")
+    )
+    assert drive.read(0.5)[0] == drive.read(2.5)[0] == drive.read(200.5)[0] == [0.1]
+    assert drive.read(1.5)[0] == drive.read(3.5)[0] == [0.2]
+
+
+def test_the_tour_loads_and_moves_every_stick():
+    tour = ScriptedDrive(find_drive("tour"))
+    seen = [tour.read(t / 10)[0] for t in range(150)]
+    assert all(any(axes[i] != 0 for axes in seen) for i in range(4))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("drive: 3", "line 1: drive: expected a list, got a whole number."),
+        ("drives: []", "line 1: 'drives' is not known here. Did you mean 'drive'?"),
+        (
+            "drive:\n- {time: 0, axes: [2]}",
+            "line 2: drive[0].axes[0]: expected a number <= 1.0.",
+        ),
+        ("drive:\n- {time: -1, axes: [0]}", "line 2: drive[0].time: expected a number >= 0.0."),
+        (
+            "drive:\n- {time: 1, axes: [0]}\n- {time: 1, axes: [0]}",
+            "line 3: 1.0 is not later than 1.0. Put the moments in order.",
+        ),
+        ("drive:\n- {time: 1, axis: [0]}", "line 2: 'axis' is not known here. Did you mean 'axes'?"),
+    ],
+)
+def test_a_bad_drive_is_named_with_its_line_and_the_mend(write, text, said):
+    path = write(text)
+    with pytest.raises(TutorialError) as info:
+        ScriptedDrive(path)
+    assert str(info.value).startswith(f"{path}, {said}")
+
+
+def test_a_missing_drive_is_named_with_the_nearest():
+    with pytest.raises(TutorialError, match=r"there is no drive 'tuor'\. Did you mean 'tour'\?"):
+        find_drive("tuor")
+
+
+VIRTUAL_GAMEPAD = """
+import ctypes
+import tutorial
+from tutorial.commands.joystick import Gamepad
+
+assert Gamepad.find() is None
+path = next(line.split()[-1] for line in open("/proc/self/maps") if "libSDL2-2" in line)
+sdl = ctypes.CDLL(path)
+sdl.SDL_JoystickOpen.restype = ctypes.c_void_p
+index = sdl.SDL_JoystickAttachVirtual(1, 6, 15, 0)  # a game controller with six axes and fifteen buttons
+stick = ctypes.c_void_p(sdl.SDL_JoystickOpen(index))
+gamepad = Gamepad.find()
+for axis, value in enumerate((-32768, -32768, 16384, 32767, 32767)):
+    sdl.SDL_JoystickSetVirtualAxis(stick, axis, ctypes.c_int16(value))
+sdl.SDL_JoystickSetVirtualButton(stick, 0, ctypes.c_uint8(1))
+axes, buttons = gamepad.read(0.0)
+print([round(axis, 2) for axis in axes], buttons[:2])
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="SDL's library is looked up in /proc")
+def test_a_gamepads_sticks_are_left_and_forward_positive():
+    pytest.importorskip("pygame", reason="the extra 'gamepad' is not installed")
+    said = subprocess.run(
+        [sys.executable, "-W", "error", "-c", VIRTUAL_GAMEPAD], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert said.stdout == "[1.0, 1.0, -0.5, -1.0, 1.0, 0.0] [1, 0]\n", said.stderr

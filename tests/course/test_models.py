@@ -1,0 +1,299 @@
+"""What the models must do, as physics: no number in them is tuned towards a number here."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from tutorial.world import Placement, compose
+
+MODELS = Path(__file__).parents[2] / "project" / "models"
+START = (-2.0, -0.5, 0.1)
+TURRET = ("TURRET_Y", "TURRET_P")
+TRACKS = ("TRACK_L", "TRACK_R")
+LEVEL = math.radians(5)
+
+
+class Drive:
+    """The tank in the laboratory, under the control law of step 1."""
+
+    def __init__(self, position=START, heading_deg=0.0, *more):
+        half = math.radians(heading_deg) / 2
+        self.model = compose(
+            [
+                Placement("Labo", MODELS / "labo.xml"),
+                Placement("Tank", MODELS / "tank.xml", position, (math.cos(half), 0, 0, math.sin(half))),
+                *more,
+            ]
+        )
+        self.data = mujoco.MjData(self.model)
+        self.turret = [self.model.joint(f"Tank/{name}").qposadr[0] for name in TURRET]
+        self.motors = [self.model.actuator(f"Tank/{name}").id for name in TURRET]
+        self.tracks = [self.model.actuator(f"Tank/{name}").id for name in TRACKS]
+        self.chassis = self.model.body("Tank/CHASSIS").id
+        self.last = self.data.qpos[self.turret]
+        self.steepest = 0.0
+        mujoco.mj_forward(self.model, self.data)
+
+    def run(self, seconds, v=0.0, h=0.0, each: Callable[[], object] | None = None):
+        """Drive with the left stick at (v, h); the turret's reference stays at zero."""
+        for _ in range(round(seconds / self.model.opt.timestep)):
+            position = self.data.qpos[self.turret]
+            velocity = (position - self.last) / self.model.opt.timestep
+            self.last = position
+            self.data.ctrl[self.motors] = -200 * position - 50 * velocity
+            self.data.ctrl[self.tracks] = 2 * v - h, 2 * v + h
+            mujoco.mj_step(self.model, self.data)
+            self.steepest = max(self.steepest, self.tilt)
+            if each:
+                each()
+        return self
+
+    @property
+    def position(self):
+        return self.data.xpos[self.chassis].copy()
+
+    @property
+    def heading(self):
+        rotation = self.data.xmat[self.chassis]
+        return math.atan2(rotation[3], rotation[0])
+
+    @property
+    def tilt(self):
+        """Between the chassis's own up and the world's [rad]."""
+        return math.acos(min(1.0, self.data.xmat[self.chassis][8]))
+
+    def touching(self, *names):
+        pair = {self.model.geom(name).id for name in names}
+        return any(set(contact.geom) == pair for contact in self.data.contact[: self.data.ncon])
+
+    @property
+    def warnings(self):
+        return [warning.number for warning in self.data.warning]
+
+
+def names(model, kind, count):
+    return [mujoco.mj_id2name(model, kind, i) for i in range(count)]
+
+
+@pytest.fixture
+def log_dir(tmp_path, monkeypatch):
+    """MuJoCo writes its warnings to a file in the working directory."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+# ----------------------------------------------------------------------------------------------- the files
+
+
+@pytest.mark.parametrize("file", ["tank.xml", "labo.xml", "crane.xml"])
+def test_each_file_compiles_alone_without_a_warning(file, log_dir, capfd):
+    model = mujoco.MjModel.from_xml_path(str(MODELS / file))
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 100)
+    assert not any(warning.number for warning in data.warning)
+    assert not list(log_dir.iterdir())
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("file", "expected"),
+    [("tank.xml", list(TURRET)), ("labo.xml", []), ("crane.xml", ["BRIDGE", "SLEW", "LUFF"])],
+)
+def test_the_joints_of_the_shown_groups_are_the_robots_joints(file, expected):
+    model = mujoco.MjModel.from_xml_path(str(MODELS / file))
+    shown = [
+        model.joint(i).name
+        for i in range(model.njnt)
+        if model.jnt_group[i] <= 2
+        and mujoco.mjtJoint(model.jnt_type[i]) in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+    ]
+    assert shown == expected
+    motors = names(model, mujoco.mjtObj.mjOBJ_ACTUATOR, model.nu)
+    assert [name for name in motors if name not in TRACKS] == expected
+
+
+def test_the_tank_is_the_originals():
+    model = mujoco.MjModel.from_xml_path(str(MODELS / "tank.xml"))
+    mass = {model.body(i).name: model.body_mass[i] for i in range(model.nbody)}
+    assert mass["CHASSIS"] == 8
+    for side in "LR":
+        assert sum(m for name, m in mass.items() if name[:7] in (f"TRACK_{side}", f"WHEEL_{side}")) == 7
+    assert (mass["TURRET_Y"], mass["TURRET_P"], mass["GUN"]) == (4, 3, 1)
+    assert sum(mass.values()) == 30
+    for name in ("TURRET_Y", "TURRET_P", "GUN"):
+        np.testing.assert_allclose(model.body(name).inertia, 0.1)
+    np.testing.assert_allclose(model.joint("TURRET_Y").axis, (0, 0, -1))
+    np.testing.assert_allclose(model.joint("TURRET_P").axis, (0, -1, 0))
+    np.testing.assert_allclose(np.degrees(model.joint("TURRET_Y").range), (-360, 360))
+    np.testing.assert_allclose(np.degrees(model.joint("TURRET_P").range), (-10, 45))
+    assert names(model, mujoco.mjtObj.mjOBJ_ACTUATOR, model.nu) == [*TRACKS, *TURRET]
+    assert names(model, mujoco.mjtObj.mjOBJ_TENDON, model.ntendon) == list(TRACKS)
+    assert names(model, mujoco.mjtObj.mjOBJ_SENSOR, model.nsensor) == ["ACCEL_SENSOR", "GYRO"]
+    assert names(model, mujoco.mjtObj.mjOBJ_CAMERA, model.ncam) == ["CAMERA"]
+
+
+@pytest.mark.parametrize("file", ["tank.xml", "labo.xml", "crane.xml"])
+def test_what_the_view_shows_are_shapes_it_can_draw(file):
+    model = mujoco.MjModel.from_xml_path(str(MODELS / file))
+    kinds = mujoco.mjtGeom
+    known = {
+        kinds.mjGEOM_BOX,
+        kinds.mjGEOM_CYLINDER,
+        kinds.mjGEOM_SPHERE,
+        kinds.mjGEOM_CAPSULE,
+        kinds.mjGEOM_PLANE,
+    }
+    shown = [i for i in range(model.ngeom) if model.geom_group[i] <= 2]
+    assert shown
+    assert {mujoco.mjtGeom(model.geom_type[i]) for i in shown} <= known
+
+
+def test_nothing_in_the_laboratory_moves():
+    assert mujoco.MjModel.from_xml_path(str(MODELS / "labo.xml")).nv == 0
+
+
+# ------------------------------------------------------------------------------------------------- at rest
+
+
+def test_rest_pose_and_effort_are_those_the_original_prints():
+    drive = Drive().run(2)
+    yaw, pitch = drive.data.qpos[drive.turret]
+    effort = drive.data.actuator_force[drive.motors]
+    assert pitch == pytest.approx(-0.00979, rel=0.01)
+    assert effort[1] == pytest.approx(1 * 9.80665 * 0.2, rel=0.01)
+    assert abs(yaw) < 1e-6
+    assert abs(effort[0]) < 1e-6
+
+
+def test_the_tank_stays_where_it_is():
+    drive = Drive().run(1)
+    before = drive.position
+    drive.run(2)
+    assert np.linalg.norm(drive.position - before) < 0.001 * 2
+
+
+def test_the_sensors_at_rest():
+    drive = Drive().run(1)
+    np.testing.assert_allclose(drive.data.sensor("Tank/ACCEL_SENSOR").data, (0, 0, 9.80665), atol=0.02)
+    np.testing.assert_allclose(drive.data.sensor("Tank/GYRO").data, 0, atol=0.001)
+
+
+# ------------------------------------------------------------------------------------------------- driving
+
+
+@pytest.mark.parametrize("v", [1.0, 0.5, -1.0, -0.5])
+def test_straight(v):
+    drive = Drive(START if v > 0 else (2.2, -0.5, 0.1)).run(0.3)
+    before = drive.position
+    drive.run(2, v=v)
+    forward, sideways, _ = drive.position - before
+    assert abs(sideways) < 0.02 * abs(forward)
+    assert drive.data.qvel[0] == pytest.approx(2 * v, rel=0.03)
+    assert abs(forward) > 0.85 * abs(2 * v) * 2
+
+
+@pytest.mark.parametrize("h", [1.0, -1.0, 0.5])
+def test_on_the_spot(h):
+    drive = Drive().run(0.3)
+    before = drive.position
+    headings = [drive.heading]
+    drive.run(2, h=h, each=lambda: headings.append(drive.heading))
+    turned = np.unwrap(headings)[-1] - headings[0]
+    assert np.linalg.norm((drive.position - before)[:2]) < 0.1
+    assert turned * h > 0, "positive h is to the left"
+    # The tracks are 0.44 m apart: without slip it would turn by 2 |h| / 0.44 m each second. A tank slips.
+    without_slip = 2 * abs(h) / 0.44 * 2
+    assert 0.25 * without_slip < abs(turned) < without_slip
+
+
+WALLS = {
+    "wall": ((0, -1.2, 0.1), -90, 1),
+    "corner": ((2, -1.5, 0.1), -45, 1),
+    "rack": ((-1.3, 0.9, 0.1), 90, 1),
+    "edge of a rack": ((-0.45, 0.9, 0.1), 90, 1),
+    "oblique": ((-1, -1.2, 0.1), -35, 1),
+    "backwards": ((-1, 1, 0.1), 0, -1),
+    "backwards into the corner": ((-2, -1.5, 0.1), 45, -1),
+}
+
+
+@pytest.mark.parametrize("case", WALLS)
+def test_full_speed_into_a_wall_for_5_s_does_not_climb(case):
+    position, heading, v = WALLS[case]
+    drive = Drive(position, heading).run(0.1).run(5, v=v)
+    assert drive.steepest < LEVEL
+    assert drive.position[2] < 0.12
+
+
+@pytest.mark.parametrize("friction", [0.2, 1.0])
+@pytest.mark.parametrize("x", [-0.2, 0.0, 0.3])
+def test_a_wall_that_a_learner_adds_is_not_climbed_either(x, friction, tmp_path):
+    wall = tmp_path / "wall.xml"
+    wall.write_text(
+        "<mujoco><worldbody><body>"
+        f"<geom type='box' pos='0 0 0.3' size='0.05 1 0.3' friction='{friction} 0.005 0.0001'/>"
+        "</body></worldbody></mujoco>"
+    )
+    drive = Drive(START, 0, Placement("Wall", wall, (x, -0.5, 0))).run(0.1).run(3, v=1)
+    assert drive.position[0] < x - 0.3
+    assert drive.steepest < LEVEL
+
+
+@pytest.mark.parametrize("v", [1.0, 0.5])
+def test_straight_ahead_from_the_start_the_rail_lifts_the_barrel(v):
+    """The drive that shows it: from the start pose straight ahead, until the tracks meet the wall below."""
+    drive = Drive().run(1.5)
+    rest = drive.data.qpos[drive.turret]
+    moved = []
+
+    def look():
+        if drive.touching("Tank/BARREL", "Labo/RAIL"):
+            moved.append(np.abs(drive.data.qpos[drive.turret] - rest).max())
+
+    drive.run(2.5 / v + 0.5, v=v, each=look)
+    assert moved, "the barrel and the rail never touched"
+    assert max(moved) > 0.01
+    assert drive.steepest < LEVEL
+    drive.run(1)
+    lifted = drive.data.qpos[drive.turret[1]]
+    assert lifted > rest[1] + 0.01, "it rests on the rail"
+    drive.run(1, v=-v).run(1)
+    assert drive.data.qpos[drive.turret[1]] == pytest.approx(rest[1], rel=0.02), "it comes down again"
+
+
+def test_a_minute_of_random_driving():
+    drive = Drive()
+    random = np.random.default_rng(7)
+    model, data = drive.model, drive.data
+    for _ in range(150):
+        v, h = random.uniform(-1, 1, 2)
+        data.ctrl[drive.tracks] = 2 * v - h, 2 * v + h
+        data.ctrl[drive.motors] = random.uniform(-20, 20), random.uniform(-3, 7)
+        mujoco.mj_step(model, data, 400)
+        x, y, z = drive.position
+        assert abs(x) < 3
+        assert abs(y) < 2.5
+        assert 0.09 < z < 0.15
+    assert np.isfinite(data.qpos).all()
+    assert not any(drive.warnings)
+
+
+# ----------------------------------------------------------------------------------------------- the crane
+
+
+def test_the_crane_keeps_its_pose_and_obeys_its_motors():
+    model = compose([Placement("Labo", MODELS / "labo.xml"), Placement("Crane", MODELS / "crane.xml", (1, 1, 0))])
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 2000)
+    np.testing.assert_allclose(data.qpos, 0, atol=1e-3)
+    for name, force in (("BRIDGE", 30), ("SLEW", 3), ("LUFF", 3)):
+        data.ctrl[:] = 0
+        data.actuator(f"Crane/{name}").ctrl = force
+        before = data.joint(f"Crane/{name}").qpos[0]
+        mujoco.mj_step(model, data, 500)
+        assert data.joint(f"Crane/{name}").qpos[0] > before + 0.01
+    assert not any(warning.number for warning in data.warning)

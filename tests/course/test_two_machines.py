@@ -1,0 +1,281 @@
+"""Robot and desk on two machines: two network namespaces and a cable, which this test makes and which end with it.
+
+That two programs do not meet cannot be seen by waiting. It is seen on the cable: to be met, a program has to be heard,
+so one whose machine has not put a single packet on it has met nobody there.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import shutil
+import subprocess
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from pathlib import Path
+
+import psutil
+import pytest
+from programs import PATIENCE, until
+from sensor_msgs.msg import JointState
+
+from tutorial.ros.node_thread import NodeThread
+
+CLONE_NEWNET = 0x40000000  # from linux/sched.h
+TOPIC = "/Tank/joint_state"
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+PEERS = "ROS_STATIC_PEERS"
+
+
+class Machine:
+    """A network namespace, with an interface ``lan`` once it is cabled.
+
+    It has no name, and lives as long as a process in it: first of all ``cat``, which ends when this process does,
+    whatever ends it. The cable goes with it.
+
+    Attributes:
+        address: on the cable.
+    """
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+        self._holder = subprocess.Popen(
+            ["unshare", "--net", "cat"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+        )
+        until(lambda: self._made() or self._holder.poll() is not None, "a network namespace")
+        self._name = _namespace_of(self._holder.pid)
+        if self._holder.poll() is not None:
+            pytest.skip(f"no network namespace can be made here: {self._holder.communicate()[1].decode().strip()}")
+
+    @contextmanager
+    def inside(self) -> Iterator[None]:
+        """Be on this machine: the sockets, threads and processes that this thread makes meanwhile are there."""
+        with Path("/proc/thread-self/ns/net").open() as home, self._namespace.open() as there:
+            _enter(there.fileno())
+            try:
+                yield
+            finally:
+                _enter(home.fileno())
+
+    def cable_to(self, other: Machine) -> None:
+        """Join two machines. What is sent over the cable is the programs' doing alone: IPv6 would add its own."""
+        with self.inside():
+            try:
+                _ip(f"link add lan type veth peer name lan netns {other._holder.pid}")
+            except subprocess.CalledProcessError as error:
+                pytest.skip(f"no cable between network namespaces can be made here: {error.stderr.strip()}")
+        for machine in (self, other):
+            with machine.inside():
+                _ip("link set lo up")
+                _ip("link set lan addrgenmode none")
+                _ip(f"address add {machine.address}/24 dev lan")
+                _ip("link set lan up")
+
+    @property
+    def sent(self) -> int:
+        """How many packets this machine has put on the cable."""
+        counters = Path(f"/proc/{self._holder.pid}/net/dev").read_text().split("lan:")[1].split()
+        return int(counters[9])
+
+    def close(self) -> None:
+        """End it."""
+        self._holder.stdin.close()
+        self._holder.wait(PATIENCE)
+        self._holder.stderr.close()
+
+    @property
+    def inhabitants(self) -> list[psutil.Process]:
+        """The processes on this machine."""
+        return [process for process in psutil.process_iter() if _namespace_of(process.pid) == self._name]
+
+    @property
+    def _namespace(self) -> Path:
+        return Path(f"/proc/{self._holder.pid}/ns/net")
+
+    def _made(self) -> bool:
+        return _namespace_of(self._holder.pid) not in (_namespace_of("self"), None)
+
+
+def _namespace_of(process: int | str) -> Path | None:
+    """Return the network namespace of a process; None where it has ended, or is another user's."""
+    try:
+        return Path(f"/proc/{process}/ns/net").readlink()
+    except OSError:
+        return None
+
+
+def _enter(namespace: int) -> None:
+    """Put the calling thread into a network namespace, as `os.setns` does from Python 3.12 on."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    if libc.setns(namespace, CLONE_NEWNET):
+        raise OSError(ctypes.get_errno(), "setns")
+
+
+def _ip(words: str) -> None:
+    subprocess.run(["ip", *words.split()], check=True, capture_output=True, text=True)
+
+
+@contextmanager
+def joined_machines() -> Iterator[tuple[Machine, Machine]]:
+    """Make two machines and a cable between them, which are gone afterwards."""
+    for tool in ("ip", "unshare"):
+        if shutil.which(tool) is None:
+            pytest.skip(f"there is no command {tool!r} to make a network namespace with")
+    with ExitStack() as stack:
+        first, second = (
+            stack.enter_context(closing(Machine(address)))
+            for address in ("192.0.2.1", "192.0.2.2")  # from the range for documentation: nobody's
+        )
+        first.cable_to(second)
+        yield first, second
+
+
+@pytest.fixture
+def machines():
+    """The robot's machine and the desk's."""
+    with joined_machines() as (robot, desk):
+        yield robot, desk
+
+
+@pytest.fixture
+def start(machines, program, monkeypatch):
+    """Start a ``tank`` command on a machine, with a discovery range (None: that of the default) and peers."""
+
+    def start(machine, discovery, *arguments, peer=None):
+        set_reach(monkeypatch, discovery, peer)
+        with machine.inside():
+            return program(*arguments)
+
+    return start
+
+
+@pytest.fixture
+def listen(machines, domain, monkeypatch):
+    """Collect the joint states that are heard on a machine."""
+    nodes = []
+
+    def listen(machine, discovery, peer=None):
+        set_reach(monkeypatch, discovery, peer)
+        heard = []
+        with machine.inside():
+            nodes.append(NodeThread("listener"))
+            nodes[-1].node.create_subscription(JointState, TOPIC, heard.append, 100)
+        return heard
+
+    yield listen
+    for node in nodes:
+        node.close()
+
+
+def set_reach(monkeypatch, discovery, peer):
+    """Say how far what is started from now on is heard."""
+    for name, value in ((RANGE, discovery), (PEERS, peer and peer.address)):
+        if value is None:
+            monkeypatch.delenv(name, raising=False)
+        else:
+            monkeypatch.setenv(name, value)
+
+
+def stop(running):
+    running.asks_to_stop()
+    assert running.ends() == 0, running.output
+    running.leaves_nothing()
+
+
+def read(directory, name):
+    return json.loads((directory / f"{name}.json").read_text())
+
+
+def test_nothing_is_left_of_the_machines_when_a_test_fails():
+    made, home = [], _namespace_of("self")
+
+    def fail():
+        with joined_machines() as machines:
+            made.extend(machines)
+            with machines[0].inside():
+                assert set(psutil.net_if_addrs()) == {"lo", "lan"}
+                raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail()
+    assert len(made) == 2
+    assert not any(machine.inhabitants for machine in made)
+    assert _namespace_of("thread-self") == home
+    assert "lan" not in psutil.net_if_addrs()
+
+
+@pytest.mark.parametrize(
+    ("robots", "robot_knows", "desks", "desk_knows"),
+    [
+        pytest.param("SUBNET", False, "SUBNET", False, id="subnet"),
+        pytest.param("LOCALHOST", True, "LOCALHOST", True, id="localhost and each other"),
+        pytest.param("LOCALHOST", True, "SUBNET", False, id="localhost and the desk, subnet"),
+    ],
+)
+def test_the_desk_drives_and_shows_the_robot_over_the_network(
+    start, listen, machines, tmp_path, robots, robot_knows, desks, desk_knows
+):
+    robot, desk = machines
+    robots_peer, desks_peer = desk if robot_knows else None, robot if desk_knows else None
+    drive = tmp_path / "drive.yaml"
+    drive.write_text("drive:\n  - {time: 0.2, axes: [0, 0, 1, 1]}\n  - {time: 0.7, axes: [0, 0, 0, 0]}\n")
+    heard = listen(desk, desks, desks_peer)
+    drains = ("--duration", 1, "--linger", 2 * PATIENCE)  # it ends when the simulation has gone and all is shown
+    viewer = start(
+        desk, desks, "run", "step3", "--headless", "--report", tmp_path, *drains,
+        "--ros-args", "-r", "__node:=viewer", peer=desks_peer,
+    )  # fmt: skip
+    viewer.says("- JointStateSubscriber")
+    simulation = start(
+        robot, robots, "run", "step2", "--headless", "--report", tmp_path,
+        "--ros-args", "-r", "__node:=simulation", peer=robots_peer,
+    )  # fmt: skip
+    joystick = start(desk, desks, "joy", "--drive", drive, peer=desks_peer)
+    until(lambda: heard and heard[-1].position[0] < -0.5, "the turret turned by the other machine's joystick")
+    stop(simulation)
+    stop(joystick)
+    assert viewer.ends() == 0, viewer.output
+    assert robot.sent > len(heard), "each message was a packet, at least"
+    published, shown = read(tmp_path, "simulation"), read(tmp_path, "viewer")
+    counts = shown["topics"][TOPIC]
+    assert counts["applied"] == counts["received"] > 0
+    assert shown["joints"] == published["joints"]
+    assert shown["joints"]["TURRET_Y"] < -0.4, "it was turned, and it is shown"
+
+
+@pytest.mark.embedded
+@pytest.mark.parametrize("discovery", [None, "LOCALHOST"], ids=["default", "localhost"])
+def test_what_stays_on_its_machine_sends_nothing_over_the_network(start, listen, machines, tmp_path, discovery):
+    robot, desk = machines
+    viewer = start(desk, discovery, "run", "step3", "--headless", "--report", tmp_path)
+    viewer.says("- JointStateSubscriber")
+    heard = listen(robot, discovery)
+    simulation = start(robot, discovery, "run", "step2", "--headless")
+    until(lambda: len(heard) > 100, "the simulation, on its own machine")
+    assert (robot.sent, desk.sent) == (0, 0)
+    stop(simulation)
+    stop(viewer)
+    assert (robot.sent, desk.sent) == (0, 0)
+    assert read(tmp_path, "tank")["topics"][TOPIC]["received"] == 0
+
+
+@pytest.mark.embedded
+@pytest.mark.parametrize("quiet", ["LOCALHOST", "OFF"])
+@pytest.mark.parametrize("who", ["simulation", "viewer"])
+def test_one_that_reaches_out_does_not_meet_one_that_stays_on_its_machine(start, machines, tmp_path, quiet, who):
+    robot, desk = machines
+    silent, calling = (robot, desk) if who == "simulation" else (desk, robot)
+    viewer = start(
+        desk, quiet if desk is silent else "SUBNET", "run", "step3", "--headless", "--report", tmp_path,
+        "--ros-args", "-r", "__node:=viewer",
+    )  # fmt: skip
+    viewer.says("- JointStateSubscriber")
+    simulation = start(robot, quiet if robot is silent else "SUBNET", "run", "step2", "--headless")
+    simulation.says("- JointStatePublisher")
+    before = calling.sent
+    until(lambda: calling.sent >= before + 3, "three announcements on the cable")
+    assert silent.sent == 0
+    stop(simulation)
+    stop(viewer)
+    assert silent.sent == 0
+    assert read(tmp_path, "viewer")["topics"][TOPIC]["received"] == 0

@@ -1,0 +1,231 @@
+"""What the README and the pages around it tell a reader to type, to click and to look up: all of it is there."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from functools import cache
+from itertools import dropwhile, takewhile
+from pathlib import Path
+
+import click
+import pytest
+
+from tutorial.commands.tank import tank
+from tutorial.paths import HOME, find_drive, find_launch_file, find_project
+
+NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
+PAGES = [HOME / "README.md", HOME / "CONTRIBUTING.md", *sorted((HOME / "book").glob("*.md"))]
+
+FOREIGN = {".", "bash", "export", "pixi", "python", "python3", "ros2", "source", "sudo"}
+"""Programs that are not the tutorial's: of their commands only the files that they name are looked for."""
+
+READERS_OWN = "mine"
+"""How a file is called that the reader is asked to write."""
+
+STEPS = {
+    "notebook": "notebooks/[0-9]_*.ipynb",
+    "controller": "tutorial/controllers/[a-z]*.py",
+    "check": "tutorial/checks/[a-z]*_*.py",
+    "project": "project/step*.yaml",
+    "launch file": "launch_py/step*.launch.py",
+}
+"""What a step consists of, by the column of the tables."""
+
+TABLES = [
+    *(("README.md", column, STEPS[column]) for column in ("notebook", "controller", "project", "launch file")),
+    *(("CONTRIBUTING.md", column, STEPS[column]) for column in STEPS),
+    ("book/index.md", "step", STEPS["notebook"]),
+]
+
+
+def commands(page):
+    """What stands behind a ``$`` in a page's console blocks: a list of words for each, without comments."""
+    for block in re.findall(r"^```console\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL):
+        for line in block.splitlines():
+            if line.startswith("$ "):
+                words = shlex.split(line.removeprefix("$ "), comments=True)
+                yield list(dropwhile(lambda word: re.fullmatch(r"[A-Z_]+=\S*", word), words))
+
+
+def each_command():
+    found = {(page.name, shlex.join(words)): words for page in PAGES for words in commands(page) if words}
+    return [pytest.param(words, id=f"{name}: {text}") for (name, text), words in found.items()]
+
+
+@pytest.mark.parametrize("words", each_command())
+def test_a_command_that_the_reader_is_told_to_type_works(words, monkeypatch):
+    monkeypatch.chdir(HOME)
+    program, *arguments = words
+    if program == "tank":
+        is_understood(arguments)
+    elif program == "make":
+        has_recipe(arguments)
+    elif program.startswith(".venv/bin/"):
+        assert Path(program).name in {requirement for extra in extras().values() for requirement in extra}
+    else:
+        assert program in FOREIGN, f"{program!r} is no command of the tutorial's. If it is another's, add it to FOREIGN"
+    if arguments[:3] == ["-m", "pip", "install"]:
+        is_installable(arguments[3:])
+    for word in arguments:
+        if "/" in word and not word.startswith(("/", ".venv/")) and (HOME / Path(word).parts[0]).is_dir():
+            assert (HOME / word).exists(), word
+
+
+def is_understood(arguments):
+    """Have the command line parse it, and run nothing."""
+    rest = list(takewhile(lambda word: word != "--ros-args", arguments))
+    command, context = tank, click.Context(tank, info_name="tank")
+    while isinstance(command, click.Group):
+        name, command, rest = command.resolve_command(context, rest)
+        context = click.Context(command, parent=context, info_name=name)
+    values = command.make_context(command.name, rest, parent=context.parent).params
+    for option, find in (("project", find_project), ("step", find_launch_file), ("drive", find_drive)):
+        if values.get(option, READERS_OWN) not in (READERS_OWN, None):
+            find(values[option])
+
+
+def has_recipe(arguments):
+    """Have make say what it would do, and do nothing."""
+    done = subprocess.run(
+        ["make", "-n", f"PYTHON={sys.executable}", *arguments], cwd=HOME, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+def is_installable(arguments):
+    """The extras that are asked for are those that the project has."""
+    asked = re.findall(r"\.\[(.+)\]", " ".join(arguments))
+    assert asked
+    assert set(asked[0].split(",")) <= set(extras())
+
+
+def extras():
+    """The names of the packages of every extra."""
+    project = tomllib.loads((HOME / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return {
+        extra: [re.match(r"[\w-]+", requirement)[0] for requirement in requirements]
+        for extra, requirements in project["optional-dependencies"].items()
+    }
+
+
+def prose(page):
+    """A page without its blocks of code; of a notebook, its words."""
+    text = page.read_text(encoding="utf-8")
+    if page.suffix == ".ipynb":
+        cells = json.loads(text)["cells"]
+        text = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "markdown")
+    return re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("page", [*PAGES, *NOTEBOOKS], ids=lambda page: page.name)
+def test_every_link_leads_somewhere(page):
+    for link in re.findall(r"\]\((?!https?://)([^)\s]+)\)", prose(page)):
+        target, _, anchor = link.partition("#")
+        path = (page.parent / target if target else page).resolve()
+        if page.parent.name == "book" and target.startswith("notebooks/"):  # the book has a copy of them
+            path = HOME / target
+        assert path.exists(), link
+        assert not anchor or anchor in anchors(path), f"{link}: there are {sorted(anchors(path))}"
+
+
+@cache
+def anchors(page):
+    """What a link can lead to within a page: its headings, and the terms of the glossary."""
+    text = page.read_text(encoding="utf-8")
+    headings = re.findall(r"^#+ (.+)", text, re.MULTILINE)
+    slugs = {re.sub(r"[^\w\s-]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+    return slugs | {f"term-{term.replace(' ', '-')}" for term in terms(text)}
+
+
+def terms(text):
+    """What a glossary explains."""
+    glossary = "".join(re.findall(r"^```\{glossary\}\n(.*?)^```", text, re.MULTILINE | re.DOTALL))
+    return re.findall(r"^(\w.*)$", glossary, re.MULTILINE)
+
+
+def test_the_glossary_explains_every_term_once():
+    words = terms((HOME / "book" / "glossary.md").read_text(encoding="utf-8"))
+    assert len(words) > 30
+    assert len(words) == len({word.lower() for word in words})
+
+
+def steps(page):
+    """The rows of a page's table of steps: by column, what is in the cell."""
+    table = re.search(r"^\| step \|.*\n\|[-|]+\n(?:\|.*\n)+", (HOME / page).read_text(encoding="utf-8"), re.MULTILINE)
+    assert table, f"{page} has no table of steps"
+    head, _, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in table[0].splitlines())
+    return [dict(zip(head, row, strict=True)) for row in rows]
+
+
+def linked(cell):
+    """What a cell of a table links to, and the words of the link."""
+    link = re.fullmatch(r"\[`?(.+?)`?\]\((.+)\)", cell)
+    return (link[2], link[1]) if link else (None, None)
+
+
+def committed(pattern):
+    """The files that the course has, so that a learner's own may lie beside them: those that git knows."""
+    found = {path.relative_to(HOME).as_posix() for path in HOME.glob(pattern)}
+    if shutil.which("git") is None:
+        return found
+    listing = subprocess.run(["git", "ls-files"], cwd=HOME, capture_output=True, text=True, check=False)
+    return found & set(listing.stdout.splitlines()) if listing.stdout else found
+
+
+@pytest.mark.parametrize(("page", "column", "pattern"), TABLES)
+def test_the_tables_of_steps_have_all_files_and_no_others(page, column, pattern):
+    named = [linked(row[column])[0] for row in steps(page) if row[column]]
+    assert len(named) == len(set(named))
+    assert committed(pattern) <= set(named)
+    assert set(named) <= {path.relative_to(HOME).as_posix() for path in HOME.glob(pattern)}
+
+
+@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md"])
+def test_each_row_is_of_one_step(page):
+    for number, row in enumerate(steps(page)):
+        assert row["step"] == str(number)
+        for column in STEPS.keys() & row.keys():
+            target, words = linked(row[column])
+            assert target is None or words in (Path(target).name, Path(target).stem)
+        name = linked(row["notebook"])[1].removeprefix(f"{number}_")
+        assert linked(row["controller"])[1] in (f"{name}.py", None)
+        assert linked(row["project"])[1] in (f"step{number}.yaml", None)
+        assert linked(row["launch file"])[1] in (f"step{number}.launch.py", None)
+        others = [row[column] for column in STEPS.keys() & row.keys() - {"notebook"}]
+        assert all(others) if number else not any(others), "step 0 builds nothing, the others have all files"
+
+
+def test_a_steps_topic_is_its_controllers():
+    shown = {row["step"].split("]")[0].removeprefix("[Step "): row["topic"] for row in steps("book/index.md")}
+    for row in steps("README.md"):
+        assert shown[row["step"]] == row["topic"]
+        if row["topic"]:
+            source = (HOME / linked(row["controller"])[0]).read_text(encoding="utf-8")
+            assert f'{row["topic"].strip("`").rsplit("/")[-1]}"' in source, row["topic"]
+
+
+@pytest.mark.parametrize("page", ["README.md", "book/index.md"])
+def test_the_lines_of_step_3_are_the_librarys(page):
+    (block,) = re.findall(r"^```python\n(.*?)^```", (HOME / page).read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    library = functions((HOME / "tutorial" / "controllers" / "joint_state_subscriber.py").read_text(encoding="utf-8"))
+    shown = functions(block)
+    assert len(shown) == 2
+    assert shown == {name: library[name] for name in shown}
+
+
+def functions(source):
+    """By name, the arguments and statements of all functions, without docstrings and annotations."""
+    found = {}
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef):
+            body = node.body[1:] if ast.get_docstring(node) else node.body
+            found[node.name] = [argument.arg for argument in node.args.args], [ast.unparse(each) for each in body]
+    return found

@@ -1,0 +1,231 @@
+"""The picture of the node graph."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+from itertools import pairwise
+from xml.etree import ElementTree
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sensor_msgs.msg import JointState, Joy
+
+from tutorial.errors import TutorialError
+from tutorial.notebook.widgets.graph_picture import picture
+from tutorial.notebook.widgets.graph_watch import TopicNews, Topology
+from tutorial.notebook.widgets.layers import GAP, SPACING, lay_out
+from tutorial.notebook.widgets.node_graph import NodeGraph
+from tutorial.ros.node_thread import NodeThread
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def topology(nodes: str | dict[str, int], **topics: tuple[str, str]) -> Topology:
+    """A graph in short: names separated by blanks, for each topic its publishers and its subscribers."""
+    counts = nodes if isinstance(nodes, dict) else dict.fromkeys(nodes.split(), 1)
+    news = {
+        f"/{topic}": TopicNews("std_msgs/msg/String", 50.02, tuple(a.split()), tuple(b.split()))
+        for topic, (a, b) in topics.items()
+    }
+    return Topology(counts, news)
+
+
+CHAIN = topology(
+    "/joystick /simulation /viewer", joy=("/joystick", "/simulation"), joint_state=("/simulation", "/viewer")
+)
+
+
+def drawn(graph: Topology):
+    svg, alt = picture(graph)
+    return ElementTree.fromstring(svg), alt
+
+
+def places(root) -> dict[str, tuple[float, float]]:
+    """Where each name is written."""
+    return {text.text: (float(text.get("x")), float(text.get("y"))) for text in root.iter(f"{SVG}text")}
+
+
+def edges_of(arrows: str) -> list[tuple[tuple[str], tuple[str]]]:
+    return [((a,), (b,)) for a, b in (arrow.split(">") for arrow in arrows.split())]
+
+
+def laid_out(arrows: str):
+    edges = edges_of(arrows)
+    return lay_out({vertex: (100.0, 40.0) for edge in edges for vertex in edge}, edges)
+
+
+async def until(condition: Callable[[], object]) -> None:
+    async with asyncio.timeout(60):
+        while not condition():
+            await asyncio.sleep(0.02)
+
+
+class TestPicture:
+    def test_the_tutorials_chain_is_one_row(self):
+        root, alt = drawn(CHAIN)
+        where = places(root)
+        chain = [where[name] for name in ("/joystick", "/joy", "/simulation", "/joint_state", "/viewer")]
+        assert [x for x, _ in chain] == sorted(x for x, _ in chain)
+        assert len({y for _, y in chain[::2]}) == 1
+        assert len({y for _, y in chain[1::2]}) == 1
+        assert len(list(root.iter(f"{SVG}ellipse"))) == 3
+        assert len(list(root.iter(f"{SVG}rect"))) == 2
+        assert len(list(root.iter(f"{SVG}polygon"))) == 4
+        assert alt == (
+            "Nodes: /joystick, /simulation, /viewer. /joy (50 Hz): from /joystick to /simulation. "
+            "/joint_state (50 Hz): from /simulation to /viewer."
+        )
+
+    def test_two_nodes_of_one_name(self):
+        root, alt = drawn(topology({"/tank": 2}, joint_state=("/tank", "/tank")))
+        assert "2 nodes of one name" in places(root)
+        assert len(list(root.iter(f"{SVG}ellipse"))) == 1
+        assert alt.startswith("Nodes: /tank (2 nodes of one name). ")
+
+    def test_topics_without_publishers_or_subscribers(self):
+        root, alt = drawn(topology("/a /b", heard=("", "/a"), said=("/b", "")))
+        assert {"/heard", "/said"} <= places(root).keys()
+        assert "/heard (50 Hz): from nobody to /a. /said (50 Hz): from /b to nobody." in alt
+
+    @pytest.mark.parametrize(
+        ("rate", "text"), [(49.96, "50 Hz"), (9.44, "9.4 Hz"), (9.5, "10 Hz"), (0.0, "0 Hz"), (1000.2, "1000 Hz")]
+    )
+    def test_rates(self, rate, text):
+        graph = Topology({"/a": 1}, {"/x": TopicNews("T", rate, ("/a",), ())})
+        assert text in places(drawn(graph)[0])
+
+    def test_a_rate_that_is_not_known_is_not_shown(self):
+        graph = Topology({"/a": 1}, {"/x": TopicNews("T", None, ("/a",), ())})
+        assert places(drawn(graph)[0]).keys() == {"/a", "/x"}
+
+    def test_names_are_text(self):
+        root, _ = drawn(topology("/<script>alert(1)</script>", x=("/a&b", "")))
+        assert not list(root.iter(f"{SVG}script"))
+        assert "/a&b" in places(root)
+
+    def test_a_crowd_is_bounded(self):
+        root, words = drawn(topology({f"/node{i}": 1 for i in range(200)}))
+        assert len(list(root.iter(f"{SVG}ellipse"))) == 80
+        assert "and 120 more, not shown" in places(root)
+        assert words.endswith("/node79, 120 more.")
+
+    def test_nobody(self):
+        assert drawn(Topology())[1] == "there are no nodes yet"
+
+
+class TestLayout:
+    def test_arrows_lead_to_the_right(self):
+        layout = laid_out("a>b b>c a>d d>c")
+        x = {vertex[0]: place[0] for vertex, place in layout.places.items()}
+        assert x["a"] < x["b"] == x["d"] < x["c"]
+        assert not layout.backward
+
+    def test_a_source_is_beside_what_it_leads_to(self):
+        layout = laid_out("a>b b>c z>c")
+        assert layout.places["z",][0] == layout.places["b",][0]
+
+    def test_a_circle_has_one_arrow_back(self):
+        layout = laid_out("a>b b>c c>d d>a")
+        assert len(layout.backward) == 1
+        ((start, end),) = layout.backward
+        assert layout.places[start][0] > layout.places[end][0]
+        x = [place[0] for place in layout.lanes[start, end]]
+        assert x == sorted(x, reverse=True)
+
+    def test_a_long_arrow_passes_the_layers_between_in_a_lane_of_its_own(self):
+        layout = laid_out("a>b b>c a>c")
+        lane = layout.lanes[("a",), ("c",)]
+        assert len(lane) == 2
+        assert all(abs(y - layout.places["b",][1]) > 20 for _, y in lane)
+
+    def test_nothing(self):
+        assert lay_out({}, []).size == (0.0, 0.0)
+
+    @settings(deadline=None)
+    @given(
+        st.sets(st.tuples(st.integers(0, 9), st.integers(0, 9)).filter(lambda edge: edge[0] != edge[1]), max_size=25)
+    )
+    def test_any_graph_is_laid_out_without_overlaps(self, numbers):
+        layout = laid_out(" ".join(f"{a}>{b}" for a, b in sorted(numbers)))
+        columns: dict[float, list[float]] = {}
+        for x, y in layout.places.values():
+            columns.setdefault(x, []).append(y)
+        for column in columns.values():
+            assert all(b - a >= 40 + SPACING - 1e-6 for a, b in pairwise(sorted(column)))
+        assert all(b - a >= 100 + GAP for a, b in pairwise(sorted(columns)))
+        width, height = layout.size
+        assert all(0 <= x <= width and 0 <= y <= height for x, y in layout.places.values())
+        for a, b in edges_of(" ".join(f"{a}>{b}" for a, b in numbers)):
+            assert (layout.places[a][0] > layout.places[b][0]) == ((a, b) in layout.backward)
+
+
+class TestWidget:
+    def test_the_graph_is_drawn_with_its_rates(self, domain):
+        async def main():
+            graph = NodeGraph()
+            with (
+                NodeThread("simulation") as simulation,
+                NodeThread("viewer") as viewer,
+                NodeThread("_hidden") as hidden,
+            ):
+                publisher = simulation.node.create_publisher(JointState, "/Tank/joint_state", 1)
+                simulation.node.create_subscription(Joy, "/joy", lambda _: None, 1)
+                simulation.node.create_timer(0.02, lambda: publisher.publish(JointState()))
+                viewer.node.create_subscription(JointState, "/Tank/joint_state", lambda _: None, 1)
+                hidden.node.create_publisher(Joy, "/joy", 1)
+                hidden.node.create_publisher(Joy, "/_joy", 1)
+                await until(lambda: "/Tank/joint_state (" in graph.alt and "/joy: from nobody to" in graph.alt)
+                alt = graph.alt
+            await until(lambda: graph.alt == "there are no nodes yet")
+            assert repr(graph) == "NodeGraph()"
+            graph.close()
+            graph.close()
+            return alt
+
+        threads = set(threading.enumerate())
+        alt = asyncio.run(main())
+        assert set(threading.enumerate()) <= threads
+        assert alt.startswith("Nodes: /simulation, /viewer. /Tank/joint_state (")
+        assert alt.endswith(" Hz): from /simulation to /viewer. /joy: from nobody to /simulation.")
+
+    def test_two_nodes_of_one_name(self, domain):
+        async def main():
+            graph = NodeGraph(rates=False)
+            with NodeThread("tank"), NodeThread("tank"):
+                await until(lambda: "/tank (2 nodes of one name)" in graph.alt)
+            graph.close()
+
+        asyncio.run(main())
+
+    def test_without_rates_it_subscribes_to_nothing(self, domain):
+        async def main():
+            graph = NodeGraph(rates=False)
+            with NodeThread("joystick") as joystick:
+                joystick.node.create_publisher(Joy, "/joy", 1)
+                await until(lambda: "/joy: from /joystick to nobody." in graph.alt)
+                assert not list(graph.node.subscriptions)
+            graph.close()
+
+        asyncio.run(main())
+
+    def test_an_ended_one_keeps_its_picture_and_no_thread(self, domain):
+        async def main():
+            threads = threading.active_count()
+            graph = NodeGraph()
+            with NodeThread("alone"):
+                await until(lambda: "/alone" in graph.alt)
+            graph.end()
+            graph.end()
+            assert graph.ended
+            assert "/alone" in graph.svg
+            assert threading.active_count() == threads
+            graph.close()
+
+        asyncio.run(main())
+
+    def test_it_needs_a_loop(self):
+        with pytest.raises(TutorialError, match=r"none runs here\. Make it in a cell\."):
+            NodeGraph()

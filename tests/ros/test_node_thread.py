@@ -1,0 +1,88 @@
+"""What is counted about topics, while they go on."""
+
+from __future__ import annotations
+
+import sys
+import threading
+
+import pytest
+from sensor_msgs.msg import Joy
+
+from tutorial.ros import node_thread as ros
+from tutorial.ros.node_thread import NodeThread, TopicMeter
+
+
+@pytest.fixture
+def meter():
+    return TopicMeter("/joy", Joy, "received")
+
+
+def test_a_meter_counts_and_keeps_the_newest(meter):
+    assert (meter.count, meter.rate, meter.last) == (0, 0.0, None)
+    assert meter.type_name == "sensor_msgs/msg/Joy"
+    for latency in (1_000_000, 3_000_000):
+        meter.add(latency, latency)
+    assert (meter.count, meter.last) == (2, 3_000_000)
+    assert meter.rate > 0
+    assert meter.latency_ms() == {"median": 2.0, "p99": 2.98}
+
+
+def test_latency_is_unknown_until_there_are_two(meter):
+    meter.add("message", 1_000_000)
+    assert meter.latency_ms() == {"median": None, "p99": None}
+
+
+def test_latencies_may_be_asked_for_while_messages_arrive(meter, monkeypatch):
+    monkeypatch.setattr(meter, "_latencies_ns", type(meter._latencies_ns)(maxlen=100))
+    stop = threading.Event()
+
+    def receive():
+        while not stop.is_set():
+            meter.add("message", 1_000_000)
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    thread = threading.Thread(target=receive)
+    thread.start()
+    try:
+        for _ in range(1000):
+            meter.latency_ms()
+    finally:
+        stop.set()
+        thread.join()
+        sys.setswitchinterval(interval)
+
+
+def test_a_callback_that_does_not_return_does_not_hold_whoever_closes(domain, monkeypatch, caplog):
+    monkeypatch.setattr(ros, "STUCK", 0.1)
+    entered, release = threading.Event(), threading.Event()
+
+    def wait():
+        entered.set()
+        release.wait()
+
+    stuck = NodeThread("stuck")
+    stuck.node.create_timer(0.001, wait)
+    assert entered.wait(60)
+    stuck.close()
+    stuck.close()
+    assert "a callback of the node 'stuck' does not return: it is at " in caplog.text
+    release.set()
+    stuck._closed = False  # now it can end after all, and leaves nothing to the other tests
+    monkeypatch.setattr(ros, "STUCK", 60.0)
+    stuck.close()
+
+
+def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):
+    thread = NodeThread("interrupted")
+
+    def interrupted(_timeout):
+        monkeypatch.undo()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(thread._thread, "join", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        thread.close()
+    thread.close()
+    assert not thread._thread.is_alive()
+    assert not thread._context.ok()

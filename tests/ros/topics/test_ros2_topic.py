@@ -1,0 +1,305 @@
+"""What ``ros2 topic`` prints, compared with what a real one printed: tutorial/topics."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import time
+from collections.abc import Iterator
+from contextlib import aclosing
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from recorded import masked, recorded
+from sensor_msgs.msg import Image, Imu, JointState, Joy
+from std_msgs.msg import Empty, Float32MultiArray, String
+
+from tutorial.errors import TutorialError
+from tutorial.ros.node_thread import MeteredNode, NodeThread
+from tutorial.ros.topics import settle, settled, topic_echo, topic_hz, topic_info, topic_list
+from tutorial.ros.topics.message_csv import message_to_csv
+from tutorial.ros.topics.message_form import MessageForm
+from tutorial.ros.topics.message_yaml import message_to_yaml
+from tutorial.ros.topics.names import message_class
+from tutorial.ros.topics.qos import compromises, reader_qos
+
+JOINT_STATE = "/Tank/joint_state"
+RATE = 50.0
+
+
+@pytest.fixture
+def simulation(domain: int) -> Iterator[MeteredNode]:
+    """The three nodes of the recording; this is the one that publishes joint states."""
+    with NodeThread("simulation") as simulation, NodeThread("viewer") as viewer, NodeThread("joystick") as joystick:
+        publisher = simulation.node.create_publisher(JointState, JOINT_STATE, 1)
+        simulation.node.create_subscription(Joy, "/joy", lambda _: None, 1)
+        viewer.node.create_subscription(JointState, JOINT_STATE, lambda _: None, 1)
+        joystick.node.create_publisher(Joy, "/joy", 1)
+        message = joint_state()
+        simulation.node.create_timer(1 / RATE, lambda: publisher.publish(message))
+        yield simulation.node
+
+
+@pytest.fixture
+def asker(domain: int) -> Iterator[MeteredNode]:
+    """The node that asks, hidden as that of ``ros2`` is."""
+    with NodeThread("_asker") as thread:
+        yield thread.node
+
+
+def joint_state() -> JointState:
+    message = JointState(name=["TURRET_Y", "TURRET_P"], position=[0.25, -0.00979])
+    message.velocity, message.effort = [0.0, 0.0], [0.0, 1.9613]
+    message.header.stamp.sec, message.header.stamp.nanosec = 8, 160_000_000
+    return message
+
+
+async def first(texts) -> str:
+    async with aclosing(texts):
+        return await anext(texts)
+
+
+class TestGraph:
+    def test_list(self, simulation, asker):
+        assert settle(asker)
+        assert topic_list(asker) == recorded("ros2 topic list")
+        assert topic_list(asker, show_types=True) == recorded("ros2 topic list -t")
+
+    def test_info(self, simulation, asker):
+        assert settle(asker)
+        assert topic_info(asker, JOINT_STATE) == recorded(f"ros2 topic info {JOINT_STATE}")
+        verbose = topic_info(asker, JOINT_STATE, verbose=True)
+        assert masked(verbose) == masked(recorded(f"ros2 topic info -v {JOINT_STATE}"))
+
+    def test_info_of_what_is_not_there(self, asker):
+        with pytest.raises(TutorialError) as caught:
+            topic_info(asker, "/nothing")
+        assert f"{caught.value}\n" == recorded("ros2 topic info /nothing")
+
+    def test_hidden_topics_are_not_listed(self, asker):
+        asker.create_publisher(String, "/_secret", 1)
+        asker.create_publisher(String, "/Tank/_secret", 1)
+        asker.create_publisher(String, "/Tank/plain_", 1)
+        settle(asker)
+        assert "secret" not in topic_list(asker)
+        assert "/Tank/plain_" in topic_list(asker).splitlines()
+
+    def test_settled_waits_for_the_others(self, simulation, domain):
+        with NodeThread("_newcomer") as newcomer:
+            assert asyncio.run(settled(newcomer.node))
+            names = {info.node_name for info in newcomer.node.get_subscriptions_info_by_topic(JOINT_STATE)}
+        assert names == {"viewer"}
+
+    def test_settled_gives_up_when_the_graph_keeps_changing(self, asker, monkeypatch):
+        nodes = iter(range(1000))
+        monkeypatch.setattr(asker, "get_node_names_and_namespaces", lambda: [(f"node{next(nodes)}", "/")])
+        assert not settle(asker, patience=0.3)
+
+
+class TestEcho:
+    def test_once(self, simulation, asker):
+        assert settle(asker)
+        text = asyncio.run(first(topic_echo(asker, JOINT_STATE, count=1)))
+        assert text == recorded(f"ros2 topic echo --once {JOINT_STATE}")
+
+    def test_field(self, simulation, asker):
+        assert settle(asker)
+        text = asyncio.run(first(topic_echo(asker, JOINT_STATE, count=1, field="position")))
+        assert text == recorded(f"ros2 topic echo --once --field position {JOINT_STATE}")
+
+    def test_counts(self, simulation, asker):
+        async def echo():
+            return [text async for text in topic_echo(asker, JOINT_STATE, count=3)]
+
+        assert settle(asker)
+        assert len(asyncio.run(echo())) == 3
+        assert not list(asker.subscriptions)
+
+    def test_unknown_topic(self, asker):
+        with pytest.raises(TutorialError) as caught:
+            asyncio.run(first(topic_echo(asker, "/nothing")))
+        assert f"{caught.value}\n" == recorded("ros2 topic echo --once /nothing")
+
+    def test_unknown_field(self, simulation, asker):
+        assert settle(asker)
+        with pytest.raises(TutorialError, match=r"Invalid field 'header.positions': 'Header' object has no attribute"):
+            asyncio.run(first(topic_echo(asker, JOINT_STATE, field="header.positions")))
+        assert not list(asker.subscriptions)
+
+    def test_nothing_comes(self, simulation, asker):
+        assert settle(asker)
+        with pytest.raises(TutorialError, match=r"no message came on /joy within 0.1 s; it has 1 publisher\."):
+            asyncio.run(first(topic_echo(asker, "/joy", timeout=0.1)))
+        assert not list(asker.subscriptions)
+
+    def test_cancelling_takes_the_subscription_back(self, simulation, asker):
+        async def cancel():
+            echo = asyncio.create_task(first(topic_echo(asker, "/joy")))
+            while not list(asker.subscriptions):
+                await asyncio.sleep(0.01)
+            echo.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await echo
+
+        assert settle(asker)
+        asyncio.run(cancel())
+        assert not list(asker.subscriptions)
+
+    def test_two_types_on_one_topic(self, asker):
+        asker.create_publisher(String, "/both", 1)
+        asker.create_publisher(Joy, "/both", 1)
+        settle(asker)
+        problem = (
+            "Cannot echo topic '/both', as it contains more than one type: [sensor_msgs/msg/Joy, std_msgs/msg/String]"
+        )
+        with pytest.raises(TutorialError) as caught:
+            asyncio.run(first(topic_echo(asker, "/both")))
+        assert str(caught.value) == problem
+        assert topic_info(asker, "/both").startswith("Type: ['sensor_msgs/msg/Joy', 'std_msgs/msg/String']\n")
+
+
+class TestHz:
+    def test_figures(self, simulation, asker):
+        """The layout is ros2's; the figures depend on the machine, so they have to agree with one another only."""
+        assert settle(asker)
+        text = asyncio.run(first(topic_hz(asker, JOINT_STATE, window=50)))
+        shape = re.sub(r"[0-9]+", "0", recorded(f"ros2 topic hz --window 50 {JOINT_STATE}").split("average rate")[1])
+        assert re.sub(r"[0-9]+", "0", text) == f"average rate{shape}"
+        rate, low, high, deviation, count = map(float, re.findall(r"[0-9]+\.?[0-9]*", text))
+        assert count <= 50
+        rounded = 0.0005  # [s]
+        assert low - rounded <= 1 / rate <= high + rounded
+        assert deviation <= high - low + 2 * rounded
+
+    def test_unknown_topic_is_waited_for(self, asker):
+        async def watch():
+            async with aclosing(topic_hz(asker, "/late")) as texts:
+                warning = await anext(texts)
+                publisher = asker.create_publisher(String, "/late", 1)
+                timer = asker.create_timer(0.01, lambda: publisher.publish(String()))
+                rate = await anext(texts)
+                timer.destroy()
+                return warning, rate
+
+        warning, rate = asyncio.run(watch())
+        assert warning == recorded("ros2 topic hz /nothing").replace("/nothing", "/late")
+        assert rate.startswith("average rate: ")
+        assert not list(asker.subscriptions)
+
+
+class TestQoS:
+    RELIABLE, BEST_EFFORT = ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT
+    LASTING, VOLATILE = DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE
+
+    @pytest.mark.parametrize(
+        ("offered", "asked", "fallbacks"),
+        [
+            ([], (BEST_EFFORT, VOLATILE), []),
+            ([(RELIABLE, VOLATILE)], (RELIABLE, VOLATILE), []),
+            ([(BEST_EFFORT, VOLATILE)], (BEST_EFFORT, VOLATILE), []),
+            ([(RELIABLE, LASTING)], (RELIABLE, LASTING), []),
+            ([(RELIABLE, LASTING), (RELIABLE, VOLATILE)], (RELIABLE, VOLATILE), ["VOLATILE"]),
+            ([(RELIABLE, VOLATILE), (BEST_EFFORT, VOLATILE)], (BEST_EFFORT, VOLATILE), ["BEST_EFFORT"]),
+        ],
+    )
+    def test_a_reader_asks_for_what_all_publishers_offer(self, asker, offered, asked, fallbacks):
+        for reliability, durability in offered:
+            asker.create_publisher(String, "/x", QoSProfile(depth=1, reliability=reliability, durability=durability))
+        deadline = time.monotonic() + 30
+        while len(asker.get_publishers_info_by_topic("/x")) < len(offered):
+            assert time.monotonic() < deadline
+        qos = reader_qos(asker, "/x")
+        assert (qos.reliability, qos.durability) == asked
+        assert re.findall(r"Falling back to \w+\.(\w+) ", compromises(asker, "/x")) == fallbacks
+
+
+class TestYaml:
+    def test_truncation_begins_after_128(self):
+        message = Float32MultiArray(data=[0.5] * 128)
+        assert "..." not in message_to_yaml(message)
+        message.data = [0.5] * 129
+        assert message_to_yaml(message).count("- 0.5\n") == 128
+        assert message_to_yaml(message).endswith("- 0.5\n- '...'\n")
+        assert message_to_yaml(message, None).count("- 0.5\n") == 129
+
+    def test_strings(self):
+        assert message_to_yaml(String()) == "data: ''\n"
+        assert message_to_yaml(String(data="Panzer für 3: 'x'")) == "data: 'Panzer für 3: ''x'''\n"
+        assert message_to_yaml(String(data="a b " * 40)) == f"data: {'a b ' * 32}...\n"
+        assert message_to_yaml(String(data="123")) == "data: '123'\n"
+        assert message_to_yaml(String(data="a\nb")) == "data: 'a\n\n  b'\n"
+
+    def test_empty(self):
+        assert message_to_yaml(Empty()) == "{}\n"
+        assert "name: []\nposition: []\n" in message_to_yaml(JointState())
+
+    def test_bytes_and_byte_arrays(self):
+        assert message_to_yaml(DiagnosticStatus(level=b"\x02")).startswith('level: "\\x02"\n')
+        text = message_to_yaml(Image(data=bytes(range(200))))
+        assert "data:\n- 0\n- 1\n" in text
+        assert text.endswith("- 127\n- '...'\n")
+
+    def test_nested_messages(self):
+        message = DiagnosticStatus(values=[KeyValue(key="a", value="1"), KeyValue(key="b", value="2")])
+        assert message_to_yaml(message).endswith("values:\n- key: a\n  value: '1'\n- key: b\n  value: '2'\n")
+
+    def test_numpy_arrays(self):
+        assert "orientation_covariance:\n- 0.0\n- 0.0\n" in message_to_yaml(Imu())
+
+    def test_numbers(self):
+        message = JointState(position=[float("nan"), float("inf"), -float("inf"), 1e-20, 1e22])
+        assert "position:\n- .nan\n- .inf\n- -.inf\n- 1.0e-20\n- 1.0e+22\n" in message_to_yaml(message)
+
+    @pytest.mark.parametrize(
+        ("field", "text"),
+        [
+            ("header.stamp", "sec: 8\nnanosec: 160000000\n"),
+            ("header.frame_id", "\n"),
+            ("name", "['TURRET_Y', 'TURRET_P']\n"),
+            ("header.stamp.sec", "8\n"),
+        ],
+    )
+    def test_fields(self, field, text):
+        assert MessageForm(field).text(joint_state()) == f"{text}---\n"
+
+    def test_a_field_without_a_name(self):
+        with pytest.raises(TutorialError, match=r"Invalid field value '\.'"):
+            MessageForm(".")
+
+    @pytest.mark.parametrize(
+        "name", ["sensor_msgs/msg/Joyy", "no_such_msgs/msg/Joy", "Joy", "", "//Joy", "os/path/join"]
+    )
+    def test_message_types_that_there_are_not(self, name):
+        with pytest.raises(TutorialError) as caught:
+            message_class(name)
+        assert str(caught.value) == f"The message type '{name}' is invalid"
+
+
+class TestCsv:
+    def test_as_recorded(self):
+        line = f"{message_to_csv(joint_state())}\n"
+        assert masked(line) == masked(recorded(f"ros2 topic echo --once --csv {JOINT_STATE}"))
+        assert MessageForm(csv=True).text(joint_state()) == line
+
+    def test_a_field(self):
+        assert MessageForm("header.stamp", csv=True).text(joint_state()) == "8,160000000\n"
+        assert MessageForm("name", csv=True).text(joint_state()) == "['TURRET_Y', 'TURRET_P']\n---\n"
+
+    def test_truncation(self):
+        message = JointState(name=["TURRET"] * 3, position=[0.5] * 3)
+        assert message_to_csv(message, 2) == "0,0,,TU...,TU...,...,0.5,0.5,...,,"
+        assert message_to_csv(message, None) == "0,0,,TURRET,TURRET,TURRET,0.5,0.5,0.5,,"
+
+    def test_nothing_comes_before_a_comma_at_the_beginning(self):
+        """A quirk of ROS 2's, by which a line's columns shift when its first strings are empty."""
+        assert message_to_csv(KeyValue(key="", value="1")) == "1"
+
+
+class TestNoArr:
+    def test_sequences_and_arrays(self):
+        assert "position: '<sequence type: double, length: 2>'\n" in message_to_yaml(joint_state(), no_arr=True)
+        assert "orientation_covariance: '<array type: double[9]>'\n" in message_to_yaml(Imu(), no_arr=True)
+        message = DiagnosticStatus(values=[KeyValue()])
+        assert "<sequence type: diagnostic_msgs/msg/KeyValue, length: 1>" in message_to_yaml(message, no_arr=True)
+        assert message_to_csv(Float32MultiArray(), no_arr=True).endswith("<sequence type: float, length: 0>")

@@ -1,0 +1,88 @@
+"""Fixtures: a context and a node for each test, in a domain of its own, and a helper to spin until."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+import tutorial  # noqa: F401  (promises an rclpy)
+
+REPOSITORY = Path(__file__).parents[3]
+PATIENCE = 30.0
+"""How long a condition may take to come true [s]: long, for both cores may be busy. Only a failing test waits so."""
+
+
+@pytest.fixture
+def context(domain: int) -> Iterator[Context]:
+    """A running context, not the default one."""
+    context = Context()
+    context.init(args=[])
+    yield context
+    context.try_shutdown()
+
+
+@pytest.fixture
+def default_context(domain: int) -> Iterator[None]:
+    """The default context, running."""
+    rclpy.init(args=[])
+    yield
+    rclpy.try_shutdown()
+
+
+@pytest.fixture
+def node(context: Context) -> Node:
+    """A node called ``/Tank/tester``."""
+    return Node("tester", context=context, namespace="/Tank")
+
+
+@pytest.fixture
+def executor(context: Context, node: Node) -> Iterator[SingleThreadedExecutor]:
+    """An executor that runs the node's callbacks when the test spins it."""
+    with SingleThreadedExecutor(context=context) as executor:
+        executor.add_node(node)
+        yield executor
+
+
+@pytest.fixture
+def spin_until(executor: SingleThreadedExecutor) -> Callable[[Callable[[], object]], None]:
+    """Spin until a condition holds; fails if it never does."""
+
+    def spin_until(condition: Callable[[], object]) -> None:
+        deadline = time.monotonic() + PATIENCE
+        while not condition():
+            assert time.monotonic() < deadline, "waited in vain"
+            executor.spin_once(timeout_sec=0.05)
+
+    return spin_until
+
+
+@pytest.fixture
+def start(domain: int) -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Start a Python program, and its arguments, in a process of its own; what still runs in the end is killed."""
+    processes: list[subprocess.Popen[str]] = []
+
+    def start(code: str, *arguments: str) -> subprocess.Popen[str]:
+        process = subprocess.Popen(
+            [sys.executable, "-c", f"import tutorial\n{code}", *arguments],
+            cwd=REPOSITORY,
+            text=True,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+        processes.append(process)
+        return process
+
+    yield start
+    for process in processes:
+        process.kill()
+        process.communicate()

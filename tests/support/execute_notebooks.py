@@ -1,0 +1,60 @@
+"""Run notebooks from the top and save their outputs: ``make notebooks``, after a change to one of them.
+
+Nothing of the run is saved but the outputs, so that what git shows is what has changed. Of a widget only its text is:
+there is no kernel to bring it to life when the notebook is opened the next time. What it showed is kept for the book.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import nbformat
+from domains import reserved_domain
+from jupyter_client.manager import AsyncKernelManager
+from nbclient import NotebookClient
+
+WIDGET = "application/vnd.jupyter.widget-view+json"
+HOME = Path(__file__).parents[2]
+FOLDER = HOME / "notebooks"
+STARTUP = """
+import sys
+from pathlib import Path
+sys.path.append({book!r})
+from keepsakes import FOLDER, keep
+keep(FOLDER / {name!r})
+del sys, Path, FOLDER, keep
+"""
+
+
+def execute(path: Path) -> None:
+    """Run one notebook in a ROS domain of its own, and save it."""
+    notebook = nbformat.read(path, as_version=4)
+    manager = AsyncKernelManager(kernel_name="python3")
+    manager.kernel_spec.argv[0] = sys.executable
+    with reserved_domain() as domain, tempfile.TemporaryDirectory(prefix="ipython-") as settings:
+        os.environ |= {"ROS_DOMAIN_ID": str(domain), "IPYTHONDIR": settings}
+        startup = Path(settings) / "profile_default" / "startup" / "keep.py"
+        startup.parent.mkdir(parents=True)
+        startup.write_text(STARTUP.format(book=str(HOME / "book"), name=path.stem), encoding="utf-8")
+        NotebookClient(
+            notebook,
+            km=manager,
+            timeout=120,
+            record_timing=False,
+            store_widget_state=False,
+            resources={"metadata": {"path": str(path.parent)}},
+            on_cell_executed=lambda cell, **_: print(f"{path.name}: [{cell.execution_count}]", end="\r"),
+        ).execute()
+    for output in (output for cell in notebook.cells for output in cell.get("outputs", ())):
+        output.get("data", {}).pop(WIDGET, None)
+    notebook.metadata.language_info = {"name": "python"}
+    nbformat.write(notebook, path)
+    print(f"{path.name}: saved" + " " * 10)
+
+
+if __name__ == "__main__":
+    for given in map(Path, sys.argv[1:] or sorted(FOLDER.glob("*.ipynb"))):
+        execute(given.resolve())

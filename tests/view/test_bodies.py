@@ -1,0 +1,323 @@
+"""The view draws what MuJoCo has, where MuJoCo has it."""
+
+import threading
+
+import mujoco
+import numpy as np
+import pytest
+import umsgpack
+
+from tutorial.errors import TutorialError, WrongThreadError
+from tutorial.view.bodies import View
+from tutorial.view.scene import Record, Scene, unpack_records
+
+POSE = 'pos="1 2 3" quat="0.5 0.5 -0.5 0.5"'
+
+FALLING = """
+<mujoco>
+  <worldbody>
+    <geom name="floor" type="plane" size="0 0 1"/>
+    <body name="Tank/still" pos="0 1 1"><geom type="sphere" size="0.1"/></body>
+    <body name="Tank/ball" pos="0 0 1"><freejoint/><geom name="Tank/skin" type="sphere" size="0.1"/></body>
+    <body name="hidden" pos="0 0 3"><freejoint/><geom type="sphere" size="0.1" group="3"/></body>
+  </worldbody>
+</mujoco>
+"""
+
+
+class Eye:
+    """Keeps what a scene shows, by path."""
+
+    def __init__(self, scene):
+        self.messages = []
+        self.moved = []
+        self.objects = {}
+        self.transforms = {}
+        self.properties = {}
+        self.read(scene.snapshot())
+        scene.attach(self.read)
+
+    def read(self, message):
+        self.messages.append(message)
+        self.moved.clear()
+        for kind, payload in unpack_records(message):
+            if kind is Record.COMMAND:
+                getattr(self, umsgpack.unpackb(payload)["type"])(umsgpack.unpackb(payload))
+
+    def set_object(self, command):
+        self.objects[command["path"]] = command["object"]
+
+    def set_transform(self, command):
+        self.moved.append(command["path"])
+        self.transforms[command["path"]] = np.reshape(command["matrix"], (4, 4)).T
+
+    def set_property(self, command):
+        self.properties[command["path"], command["property"]] = command["value"]
+
+    def delete(self, command):
+        for path in [path for path in self.objects if path.startswith(command["path"] + "/")]:
+            del self.objects[path]
+
+    def drawn(self):
+        """The bodies' objects, without the lights."""
+        return {path: drawing for path, drawing in self.objects.items() if path.startswith("/Bodies/")}
+
+
+def model_of(geom, assets=""):
+    xml = f"<mujoco><asset>{assets}</asset><worldbody><body name='b'>{geom}</body></worldbody></mujoco>"
+    return mujoco.MjModel.from_xml_string(xml)
+
+
+def drawing_of(geom, assets=""):
+    """The (geometry, material, 4 x 4 pose in the body) that one geom is drawn with."""
+    scene = Scene()
+    View(scene).add("x", model_of(geom, assets))
+    [drawing] = Eye(scene).drawn().values()
+    [geometry], [material] = drawing["geometries"], drawing["materials"]
+    assert drawing["object"]["geometry"] == geometry["uuid"]
+    assert drawing["object"]["material"] == material["uuid"]
+    return geometry, material, np.reshape(drawing["object"]["matrix"], (4, 4)).T
+
+
+def corners(geometry):
+    """Some points of the geometry's surface as three.js makes them, (n, 3)."""
+    kind = geometry["type"]
+    if kind == "PlaneGeometry":
+        return np.array([[x * geometry["width"], y * geometry["height"], 0] for x in (-0.5, 0.5) for y in (-0.5, 0.5)])
+    if kind == "BoxGeometry":
+        sides = [geometry[name] / 2 for name in ("width", "height", "depth")]
+        return np.array(np.meshgrid(*[(-side, side) for side in sides])).reshape(3, -1).T
+    if kind == "SphereGeometry":
+        return np.vstack([np.eye(3), -np.eye(3)]) * geometry["radius"]
+    if kind == "CylinderGeometry":
+        radius, half = geometry["radiusTop"], geometry["height"] / 2
+        assert radius == geometry["radiusBottom"]
+        return np.array(
+            [[x * radius, y * half, z * radius] for x, z in ((1, 0), (0, 1), (-1, 0), (0, -1)) for y in (-1, 1)]
+        )
+    if kind == "LatheGeometry":
+        turns = [(1, 0), (0, 1), (-1, 0), (0, -1)]
+        return np.array([[p["x"] * x, p["y"], p["x"] * z] for p in geometry["points"] for x, z in turns])
+    points = geometry["data"]["attributes"]["position"]
+    assert points["itemSize"] == 3
+    return np.frombuffer(points["array"].data, "<f4").reshape(-1, 3)
+
+
+@pytest.mark.parametrize(
+    ("geom", "half"),
+    [
+        ('type="plane" size="0.3 0.4 1"', (0.3, 0.4, 0)),
+        ('type="plane" size="0 0.4 1"', (10, 0.4, 0)),
+        ('type="box" size="0.1 0.2 0.3"', (0.1, 0.2, 0.3)),
+        ('type="sphere" size="0.2"', (0.2, 0.2, 0.2)),
+        ('type="ellipsoid" size="0.1 0.2 0.3"', (0.1, 0.2, 0.3)),
+        ('type="cylinder" size="0.1 0.3"', (0.1, 0.1, 0.3)),
+        ('type="capsule" size="0.1 0.3"', (0.1, 0.1, 0.4)),
+    ],
+)
+def test_each_shape_has_its_size_and_pose(geom, half):
+    geometry, _, pose = drawing_of(f"<geom {geom} {POSE}/>")
+    rotation = np.empty(9)
+    mujoco.mju_quat2Mat(rotation, [0.5, 0.5, -0.5, 0.5])
+    in_body = corners(geometry) @ pose[:3, :3].T + pose[:3, 3]
+    in_geom = (in_body - [1, 2, 3]) @ rotation.reshape(3, 3)
+    np.testing.assert_allclose(in_geom.max(axis=0), half, atol=1e-3)
+    np.testing.assert_allclose(in_geom.min(axis=0), np.negative(half), atol=1e-3)
+
+
+def test_a_mesh_is_where_its_vertices_are():
+    vertices = "0 0 0  0.6 0 0  0 0.8 0  0 0 1"
+    geometry, _, pose = drawing_of(f'<geom type="mesh" mesh="m" {POSE}/>', f'<mesh name="m" vertex="{vertices}"/>')
+    rotation = np.empty(9)
+    mujoco.mju_quat2Mat(rotation, [0.5, 0.5, -0.5, 0.5])
+    in_body = corners(geometry) @ pose[:3, :3].T + pose[:3, 3]
+    given = np.array(vertices.split(), float).reshape(-1, 3) @ rotation.reshape(3, 3).T + [1, 2, 3]
+    assert len(in_body) == 3 * 4  # four faces
+    assert np.abs(in_body[:, None] - given).max(axis=2).min(axis=1).max() < 1e-5
+    normals = np.frombuffer(geometry["data"]["attributes"]["normal"]["array"].data, "<f4").reshape(-1, 3)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-5)
+
+
+RED = '<material name="m" rgba="1 0 0 1" shininess="1" specular="0.5" emission="0.2"/>'
+CHECKED = (
+    '<texture name="t" type="2d" builtin="flat" rgb1="0 1 0" width="8" height="8"/>'
+    '<material name="m" texture="t" rgba="1 1 1 1"/>'
+)
+
+
+@pytest.mark.parametrize(
+    ("look", "assets", "expected"),
+    [
+        ('rgba="1 0.5 0 1"', "", {"color": 0xFF8000, "opacity": 1, "transparent": False}),
+        ('rgba="0 0 1 0.25"', "", {"color": 0x0000FF, "opacity": 0.25, "transparent": True}),
+        ("", "", {"color": 0x808080}),
+        (
+            'material="m"',
+            RED,
+            {"color": 0xFF0000, "shininess": 128, "specular": 0x404040, "emissive": 0x330000},
+        ),
+        ('material="m" rgba="0 0 1 1"', RED, {"color": 0x0000FF, "shininess": 128}),
+        ('material="m"', CHECKED, {"color": 0x00FF00}),
+    ],
+)
+def test_the_colour_is_the_one_that_mujoco_shows(look, assets, expected):
+    _, material, _ = drawing_of(f'<geom type="sphere" size="1" {look}/>', assets)
+    assert {key: material[key] for key in expected} == expected
+
+
+@pytest.mark.parametrize("look", ['group="3"', 'rgba="1 0 0 0"'])
+def test_what_is_not_to_be_seen_is_not_drawn(look):
+    scene = Scene()
+    View(scene).add("x", model_of(f'<geom type="sphere" size="1" {look}/>'))
+    assert Eye(scene).drawn() == {}
+
+
+def drawn_falling():
+    model = mujoco.MjModel.from_xml_string(FALLING)
+    scene = Scene()
+    view = View(scene)
+    view.add("world", model)
+    eye = Eye(scene)
+    view.flush()
+    return model, mujoco.MjData(model), scene, view, eye
+
+
+def test_paths_are_readable_in_the_viewers_controls():
+    *_, eye = drawn_falling()
+    ball, floor, still = "Tank.ball/Tank.skin", "world/floor", "Tank.still/1"
+    assert sorted(eye.drawn()) == [f"/Bodies/world/{part}" for part in (ball, still, floor)]
+
+
+def test_a_body_that_was_only_added_stands_where_its_model_has_it():
+    *_, eye = drawn_falling()
+    np.testing.assert_allclose(eye.transforms["/Bodies/world/Tank.ball"][:3, 3], [0, 0, 1])
+
+
+def test_a_moving_body_is_where_mujoco_has_it_and_only_it_is_sent():
+    model, data, _, view, eye = drawn_falling()
+    data.qvel[:6] = [1, 0, 0, 1, 2, 3]
+    for _ in range(5):
+        mujoco.mj_step(model, data, nstep=10)
+        mujoco.mj_kinematics(model, data)
+        view.update("world", data)
+        view.flush()
+        pose = eye.transforms["/Bodies/world/Tank.ball"]
+        np.testing.assert_allclose(pose[:3, :3], data.body("Tank/ball").xmat.reshape(3, 3), atol=1e-6)
+        np.testing.assert_allclose(pose[:3, 3], data.body("Tank/ball").xpos, atol=1e-6)
+        assert pose[3].tolist() == [0, 0, 0, 1]
+        assert eye.moved == ["/Bodies/world/Tank.ball"]
+
+
+def test_what_stands_still_sends_nothing():
+    model, data, _, view, eye = drawn_falling()
+    mujoco.mj_forward(model, data)
+    for _ in range(3):
+        view.update("world", data)
+        view.flush()
+    assert len(eye.messages) == 1
+
+
+def test_a_late_view_is_complete():
+    model, data, scene, view, eye = drawn_falling()
+    mujoco.mj_step(model, data, nstep=100)
+    view.update("world", data)
+    view.flush()
+    late = Eye(scene)
+    assert late.objects == eye.objects
+    for path, transform in eye.transforms.items():
+        np.testing.assert_array_equal(late.transforms[path], transform)
+
+
+def test_adding_a_name_again_replaces_it_and_removing_takes_it_away():
+    _, _, scene, view, _ = drawn_falling()
+    view.add("world", model_of('<geom name="g" type="sphere" size="1"/>'))
+    assert list(Eye(scene).drawn()) == ["/Bodies/world/b/g"]
+    assert view.names == ("world",)
+    view.remove("world")
+    assert Eye(scene).drawn() == {}
+    assert view.names == ()
+
+
+def test_the_grid_is_there_as_long_as_there_is_no_floor():
+    scene = Scene()
+    view = View(scene)
+    view.add("ball", model_of('<geom type="sphere" size="1"/>'))
+    assert Eye(scene).properties["/Grid", "visible"] is True
+    view.add("room", mujoco.MjModel.from_xml_string(FALLING))
+    assert Eye(scene).properties["/Grid", "visible"] is False
+    view.remove("room")
+    assert Eye(scene).properties["/Grid", "visible"] is True
+    view.show_grid(False)
+    assert Eye(scene).properties["/Grid", "visible"] is False
+
+
+@pytest.mark.parametrize("method", ["update", "remove"])
+def test_an_unknown_name_is_told_the_nearest(method):
+    _, data, _, view, _ = drawn_falling()
+    arguments = ("wordl", data) if method == "update" else ("wordl",)
+    with pytest.raises(TutorialError, match=r"no 'wordl' in the 3D view. Did you mean 'world'\? .* add\(name, model\)"):
+        getattr(view, method)(*arguments)
+
+
+def test_data_of_another_model_is_refused():
+    *_, view, _ = drawn_falling()
+    other = mujoco.MjData(model_of('<geom type="sphere" size="1"/>'))
+    with pytest.raises(TutorialError, match=r"with 4 bodies, and this data has 2. Give data of the same model"):
+        view.update("world", other)
+
+
+@pytest.mark.parametrize("name", ["", "a/b"])
+def test_a_name_that_makes_no_path_is_refused(name):
+    with pytest.raises(TutorialError, match="Give one without a slash"):
+        View(Scene()).add(name, model_of('<geom type="sphere" size="1"/>'))
+
+
+@pytest.mark.parametrize(
+    ("method", "arguments"),
+    [
+        ("add", ("x", model_of('<geom type="sphere" size="1"/>'))),
+        ("update", ("x", None)),
+        ("remove", ("x",)),
+        ("look_at", ((1, 1, 1), (0, 0, 0))),
+        ("show_grid", ()),
+        ("flush", ()),
+    ],
+)
+def test_another_thread_is_sent_away(method, arguments):
+    view, errors = View(Scene()), []
+
+    def visit():
+        try:
+            getattr(view, method)(*arguments)
+        except WrongThreadError as error:
+            errors.append(str(error))
+
+    thread = threading.Thread(target=visit, name="simulation")
+    thread.start()
+    thread.join()
+    assert errors == [
+        f"View.{method} was called on the thread 'simulation', but the 3D view belongs to the thread "
+        "'MainThread'. Post the call instead: call_later(f, message)."
+    ]
+
+
+@pytest.mark.parametrize("size", [0.1, 2.0])
+def test_a_close_up_is_as_far_away_as_the_body_is_large(size):
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><worldbody><body pos="1 2 3"><geom type="sphere" size="{size}"/></body></worldbody></mujoco>'
+    )
+    view = View(scene := Scene())
+    eye = Eye(scene)
+    view.add("Ball", model)
+    view.look_at_body("Ball")
+    view.flush()
+    camera = [payload for kind, payload in unpack_records(scene.snapshot()) if kind is Record.CAMERA]
+    numbers = np.frombuffer(camera[-1], dtype="<f8")
+    assert numbers[3:] == pytest.approx([1, 2, 3])
+    assert np.linalg.norm(numbers[:3] - numbers[3:]) == pytest.approx(np.sqrt(2) * model.stat.extent)
+    assert eye.properties["/Grid", "scale"] == pytest.approx([model.stat.extent / 10] * 3)
+
+
+def test_a_close_up_of_what_is_not_there_is_a_clear_error():
+    with pytest.raises(TutorialError, match="there is no 'Tnak' in the 3D view"):
+        View(Scene()).look_at_body("Tnak")

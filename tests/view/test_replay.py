@@ -1,0 +1,226 @@
+"""A run is kept as a page, and the page shows the run."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import gzip
+import math
+import re
+
+import mujoco
+import numpy as np
+import pytest
+import umsgpack
+from browser import Witness, chromium, open_browser
+from sensor_msgs.msg import JointState
+
+from tutorial.errors import TutorialError
+from tutorial.host import Host
+from tutorial.paths import find_project
+from tutorial.project import Project
+from tutorial.ros.node_thread import NodeThread
+from tutorial.view import replay
+from tutorial.view.bodies import View
+from tutorial.view.replay import Recorder, recorded
+from tutorial.view.scene import Record, Scene, unpack_records
+
+BALL = mujoco.MjModel.from_xml_string(
+    "<mujoco><worldbody><body name='ball'><freejoint/><geom size='0.1'/></body></worldbody></mujoco>"
+)
+PATH = "/Bodies/Ball/ball"
+AT_REST = {"TURRET_Y": 0.0, "TURRET_P": 0.0}
+
+
+class Stage:
+    """A scene with a ball, a clock that the test turns, and a recorder."""
+
+    def __init__(self, **options):
+        self.time = 5.0
+        self.scene = Scene()
+        self.view = View(self.scene)
+        self.view.add("Ball", BALL)
+        self.data = mujoco.MjData(BALL)
+        self.recorder = Recorder(self.scene, lambda: self.time, lambda: {"Ball x": self.data.qpos[0]}, **options)
+
+    def move(self, time, x):
+        self.time = 5.0 + time
+        self.data.qpos[0] = x
+        mujoco.mj_kinematics(BALL, self.data)
+        self.view.update("Ball", self.data)
+        self.view.flush()
+
+    def stop(self, time):
+        self.time = 5.0 + time
+        return self.recorder.stop()
+
+
+def clips(made):
+    """The animation within a replay, by path."""
+    commands = [umsgpack.unpackb(payload) for kind, payload in unpack_records(made.scene) if kind is Record.COMMAND]
+    (animation,) = [command for command in commands if command["type"] == "set_animation"]
+    return {each["path"]: each["clip"]["tracks"] for each in animation["animations"]}
+
+
+def test_what_moves_has_poses_and_stays_where_it_is_until_it_moves():
+    stage = Stage()
+    for time, x in ((0.1, 0.5), (2.0, 1.0), (2.03, 1.5)):
+        stage.move(time, x)
+    made = stage.stop(3.0)
+    position, quaternion = clips(made)[PATH]
+    assert position["times"] == pytest.approx([0, 0.067, 0.1, 1.967, 2.0, 2.03], abs=1e-3)
+    assert position["values"][::3] == [0, 0, 0.5, 0.5, 1.0, 1.5]
+    assert quaternion["values"][:4] == [0, 0, 0, 1]
+    assert made.duration == pytest.approx(3.0)
+    assert made.joints["Ball x"][-1] == 1.5
+
+
+def test_what_stands_still_has_none():
+    assert clips(Stage().stop(2.0)) == {}
+
+
+def test_what_comes_and_goes_is_seen_while_it_is_there():
+    stage = Stage()
+    stage.move(1.0, 0.5)
+    stage.view.remove("Ball")
+    stage.view.add("Late", BALL)
+    stage.view.flush()
+    tracks = clips(stage.stop(2.0))
+    sights = {path: track[0] for path, track in tracks.items() if track[0]["name"] == ".visible"}
+    gone, late = (next(sights[path] for path in sights if name in path) for name in ("/Ball", "/Late"))
+    assert (gone["times"], gone["values"]) == ([0.0, 1.0], [True, False])
+    assert (late["times"], late["values"]) == ([0.0, 1.0], [False, True])
+
+
+def test_what_is_no_number_is_not_in_the_page():
+    stage = Stage()
+    stage.move(0.5, math.nan)
+    stage.move(1.0, 0.5)
+    made = stage.stop(1.5)
+    assert math.isnan(made.joints["Ball x"][1]) or math.isnan(made.joints["Ball x"][2])
+    assert clips(made)[PATH][0]["values"][::3][-1] == 0.5
+    (timeline,) = re.findall(r'class="timeline">([^<]*)<', made.figure("Ball"))
+    assert "NaN" not in gzip.decompress(base64.b64decode(timeline)).decode()
+
+
+def test_pauses_are_shortened_and_a_long_run_is_kept_only_so_far(monkeypatch):
+    monkeypatch.setattr(replay, "LONGEST", 30.0)
+    stage = Stage(longest_pause=1.0)
+    for second in range(0, 1000, 10):
+        stage.move(second, second / 1000)
+    made = stage.stop(1000.0)
+    assert made.times[-1] == 30.0
+    assert clips(made)[PATH][0]["values"][::3][-1] == pytest.approx(0.3, abs=0.011)
+
+
+def test_titles_and_names_are_text():
+    assert "<b>" not in Stage().stop(1.0).page("<b>")
+
+
+def test_a_page_that_cannot_be_written_is_an_error_before_the_run(tmp_path):
+    with (
+        pytest.raises(TutorialError, match=r"there is no folder .*nowhere to write out.html to"),
+        recorded(Scene(), tmp_path / "nowhere" / "out.html", "tank", float),
+    ):
+        raise AssertionError("it ran")
+    (tmp_path / "taken.html").mkdir()
+    with (
+        pytest.raises(TutorialError, match="cannot be written"),
+        recorded(Scene(), tmp_path / "taken.html", "tank", float),
+    ):
+        raise AssertionError("it ran")
+
+
+async def show_step_3(path):
+    """Run step 3's viewer while its joints are moved evenly; return what was published."""
+    scene, published = Scene(), [AT_REST]
+    async with Host(Project.load(find_project("step3")), None, View(scene)) as host:
+        keeping = recorded(scene, path, "tank", host.shown_at, host.joint_positions)
+        with NodeThread("publisher") as thread, keeping:
+            publisher = thread.node.create_publisher(JointState, "Tank/joint_state", 1)
+            running = asyncio.ensure_future(host.run(30.0))
+            while not publisher.get_subscription_count():
+                await asyncio.sleep(0.01)
+            for i in range(100):
+                published.append({"TURRET_Y": 0.02 * i, "TURRET_P": 0.3 * math.sin(i / 20)})
+                names, positions = list(published[-1]), list(published[-1].values())
+                publisher.publish(JointState(name=names, position=positions))
+                await asyncio.sleep(0.02)
+            while host.joint_positions()["Tank TURRET_Y"] != published[-1]["TURRET_Y"]:
+                await asyncio.sleep(0.01)
+            await asyncio.sleep(0.1)
+            running.cancel()
+    return published
+
+
+ANGLES = """time => {
+    const {replay} = document.querySelector(".tank-replay");
+    replay.slider.value = time;
+    replay.slider.dispatchEvent(new Event("input"));
+    const tree = replay.picture.viewer.scene_tree;
+    const pose = (name) => tree.find(["Bodies", "Tank", `Tank.${name}`]).object.quaternion.toArray();
+    return [["CHASSIS", "TURRET_Y", "TURRET_P"].map(pose), replay.where.textContent];
+}"""
+
+
+def angle(before, after, axis):
+    """By how much a body is turned against the one before it, about an axis [rad]; quaternions are (x, y, z, w)."""
+    inverse, turn = np.empty(4), np.empty(4)
+    mujoco.mju_negQuat(inverse, np.roll(before, 1))
+    mujoco.mju_mulQuat(turn, inverse, np.roll(after, 1))
+    return 2 * math.atan2(float(np.dot(turn[1:], axis)), float(turn[0]))
+
+
+@pytest.mark.browser
+def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
+    path, browser = tmp_path / "viewer.html", chromium()
+
+    async def main():
+        published = await show_step_3(path)
+        async with open_browser(browser) as page:
+            witness = Witness(page)
+            await page.goto(path.as_uri())
+            await page.wait_for_function("document.querySelector('.tank-replay')?.replay?.picture")
+            timeline = await page.evaluate(
+                "(({times, joints}) => ({times, joints}))(document.querySelector('.tank-replay').replay)"
+            )
+            times, joints = timeline["times"], timeline["joints"]
+            for share in (0.3, 0.6, 1.0):
+                frame = round(share * (len(times) - 1))
+                (chassis, turret, barrel), words = await page.evaluate(ANGLES, times[frame])
+                shown = [angle(chassis, turret, (0, 0, -1)), angle(turret, barrel, (0, -1, 0))]
+                kept = [joints[f"Tank {name}"][frame] for name in AT_REST]
+                assert shown == pytest.approx(kept, abs=1e-3)
+                assert any(kept == pytest.approx(list(each.values()), abs=1e-5) for each in published)
+                assert f"TURRET_Y {kept[0]:.3f}" in words
+            assert kept == pytest.approx(list(published[-1].values()), abs=1e-5)
+            await it_plays(page)
+            assert not witness.complaints
+            assert all(url.startswith(("file:", "blob:", "data:")) for url in witness.requests)
+
+    asyncio.run(asyncio.wait_for(main(), 100))
+
+
+PLAY_TWICE = """() => new Promise((resolve) => {
+    const {replay} = document.querySelector(".tank-replay"), seek = replay.seek.bind(replay);
+    window.steps = 0;
+    window.frames = 0;
+    replay.seek = (time) => { window.steps += 1; seek(time); };
+    replay.play(); replay.pause(); replay.play();
+    const count = () => { window.frames += 1; if (window.frames < 10) requestAnimationFrame(count); else resolve(); };
+    requestAnimationFrame(count);
+})"""
+
+
+async def it_plays(page):
+    """The button plays it from the beginning, to the end, and there it stops."""
+    await page.get_by_role("button", name="Play").click()
+    await page.wait_for_function("document.querySelector('.tank-replay').replay.time > 0.3")
+    await page.get_by_role("button", name="Pause").click()
+    await page.evaluate(PLAY_TWICE)
+    assert await page.evaluate("steps") <= 1.5 * await page.evaluate("frames"), "it plays at double speed"
+    await page.get_by_role("button", name="Pause").click()
+    await page.get_by_role("slider", name="time").press("End")
+    await page.wait_for_function(
+        "(r => r.time === r.duration && !r.isPlaying)(document.querySelector('.tank-replay').replay)"
+    )

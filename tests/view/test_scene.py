@@ -1,0 +1,306 @@
+"""The scene keeps what was drawn: its snapshot shows what all messages together have shown."""
+
+import subprocess
+import sys
+import threading
+import warnings
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+import umsgpack
+from hypothesis import given
+
+from tutorial.errors import TutorialError, WrongThreadError
+from tutorial.view.scene import LINE_LENGTH, Record, Scene, pack_record, unpack_records
+
+PATHS = ["/a", "/a/b", "/a/b/c", "/ab", "/a/<object>", "/Grid", "/Lights/SpotLight"]
+
+
+def set_object(path, shape):
+    return {"type": "set_object", "path": path, "object": {"shape": shape}}
+
+
+def set_transform(path, number):
+    return {"type": "set_transform", "path": path, "matrix": [number] * 16}
+
+
+def set_property(path, key, value):
+    return {"type": "set_property", "path": path, "property": key, "value": value}
+
+
+def delete(path):
+    return {"type": "delete", "path": path}
+
+
+paths = st.sampled_from(PATHS)
+numbers = st.integers(0, 9)
+commands = st.one_of(
+    st.builds(set_object, paths, numbers),
+    st.builds(set_transform, paths, numbers),
+    st.builds(set_property, paths, st.sampled_from(["position", "visible", "color"]), numbers),
+    st.builds(delete, paths),
+)
+
+
+class Node:
+    """As ``SceneNode`` in meshcat's viewer."""
+
+    def __init__(self):
+        self.children = {}
+        self.state = {}
+
+    def find(self, parts):
+        return self.children.setdefault(parts[0], Node()).find(parts[1:]) if parts else self
+
+    def seen(self):
+        """What there is to see: everything that is not as it is in a node that was just made."""
+        below = {name: child.seen() for name, child in self.children.items()}
+        return self.state, {name: seen for name, seen in below.items() if seen != ({}, {})}
+
+
+class Viewer:
+    """What a browser makes of the messages, as far as it matters here (meshcat's ``viewer/src/index.js``)."""
+
+    def __init__(self):
+        self.line = ""
+        self.camera = b""
+        self.clear()
+
+    def clear(self):
+        self.root = Node()
+        for name in ("Grid", "Lights/SpotLight"):  # what a viewer has to begin with
+            self.root.find([*name.split("/"), "<object>"]).state["shape"] = name
+
+    def read(self, message):
+        for kind, payload in unpack_records(message):
+            if kind is Record.COMMAND:
+                self.handle(umsgpack.unpackb(payload))
+            elif kind is Record.LINE:
+                self.line = payload.decode()
+            elif kind is Record.CAMERA:
+                self.camera = payload
+            else:
+                self.clear()
+
+    def handle(self, command):
+        parts = command["path"].strip("/").split("/")
+        if command["type"] == "delete":
+            self.root.find(parts[:-1]).children.pop(parts[-1], None)
+        elif command["type"] == "set_object":  # a new object comes as it was made, without children
+            node = self.root.find(parts).children[("<object>")] = Node()
+            node.state["shape"] = command["object"]["shape"]
+        elif command["type"] == "set_transform":
+            self.root.find(parts).state.update(position=command["matrix"][0], rotation=command["matrix"][0])
+        elif command["property"] == "color":
+            self.colour(self.root.find(parts), command["value"])
+        else:
+            self.root.find(parts).state[command["property"]] = command["value"]
+
+    def colour(self, node, value):
+        if "shape" in node.state:
+            node.state["color"] = value
+        for child in node.children.values():
+            self.colour(child, value)
+
+    def seen(self):
+        return self.root.seen(), self.line, self.camera
+
+
+def showing(message):
+    viewer = Viewer()
+    viewer.read(message)
+    return viewer.seen()
+
+
+@given(st.lists(st.tuples(st.sampled_from(Record), st.binary(max_size=40))))
+def test_a_message_comes_apart_as_it_was_put_together(records):
+    assert unpack_records(b"".join(pack_record(*record) for record in records)) == records
+
+
+@given(st.binary(min_size=1, max_size=40), st.data())
+def test_a_message_cut_short_is_an_error(payload, data):
+    message = pack_record(Record.COMMAND, payload)
+    with pytest.raises(ValueError, match="record"):
+        unpack_records(message[: data.draw(st.integers(1, len(message) - 1))])
+
+
+@given(st.lists(st.lists(commands, max_size=6), max_size=6))
+def test_the_snapshot_shows_what_all_messages_have_shown(frames):
+    scene, frame_by_frame, one_by_one = Scene(), Viewer(), Viewer()
+    scene.attach(frame_by_frame.read)
+    for frame in frames:
+        for command in frame:
+            scene.send_message(command)
+            one_by_one.handle(command)
+        scene.flush()
+        assert frame_by_frame.seen() == one_by_one.seen()
+        assert showing(scene.snapshot()) == one_by_one.seen()
+
+
+@given(st.lists(commands, max_size=8), st.lists(commands, max_size=8))
+def test_whoever_comes_in_the_middle_of_a_frame_sees_the_same(before, after):
+    scene, first, late = Scene(), Viewer(), Viewer()
+    scene.attach(first.read)
+    for command in before:
+        scene.send_message(command)
+    late.read(scene.snapshot())
+    scene.attach(late.read)
+    for command in after:
+        scene.send_message(command)
+    scene.flush()
+    assert late.seen() == first.seen()
+
+
+def test_one_frame_is_one_message_with_the_last_transform_of_each_path():
+    scene, messages = Scene(), []
+    scene.attach(messages.append)
+    for number in range(3):
+        scene.send_message(set_transform("/a", number))
+        scene.send_message(set_transform("/b", number))
+    scene.flush()
+    scene.flush()
+    [message] = messages
+    sent = [umsgpack.unpackb(payload) for _, payload in unpack_records(message)]
+    assert sent == [set_transform("/a", 2), set_transform("/b", 2)]
+
+
+@pytest.mark.parametrize("attached", [False, True])
+def test_what_it_holds_does_not_grow(attached):
+    scene = Scene()
+    if attached:
+        scene.attach(lambda message: None)
+
+    def a_while():
+        for number in range(300):
+            scene.send_message(set_object("/a", number % 10))
+            scene.send_message(set_transform("/a", number % 10))
+            scene.send_message(set_property("/a", "visible", number % 10))
+            scene.send_message(set_object(f"/passing/{number}", 1))
+            scene.send_message(delete(f"/passing/{number}"))
+            scene.line(f"{number % 10}")
+            scene.look_at((number, 0, 0), (0, 0, 0))
+            scene.flush()
+        return len(scene.snapshot()), len(scene._kept), len(scene._frame)
+
+    assert a_while() == a_while()
+
+
+def test_a_meshcat_visualizer_draws_into_it():
+    with warnings.catch_warnings():  # meshcat 0.3.2 as it is imported
+        warnings.filterwarnings("ignore", message="zmq.eventloop.ioloop is deprecated", category=DeprecationWarning)
+        import meshcat
+    scene = Scene()
+    box = meshcat.Visualizer(window=scene)["box"]
+    box.set_object(meshcat.geometry.Box([1, 2, 3]))
+    box.set_transform(np.eye(4))
+    box.set_property("visible", False)
+    commands = [umsgpack.unpackb(payload) for _, payload in unpack_records(scene.snapshot())[1:]]
+    assert [(command["type"], command["path"]) for command in commands] == [
+        ("set_object", "/meshcat/box"),
+        ("set_transform", "/meshcat/box"),
+        ("set_property", "/meshcat/box"),
+    ]
+    assert commands[0]["object"]["geometries"][0]["depth"] == 3
+    box.delete()
+    assert unpack_records(scene.snapshot()) == [(Record.CLEAR, b"")]
+
+
+def test_what_asks_a_browser_for_an_answer_is_refused():
+    with pytest.raises(TutorialError, match=r"this 3D view cannot do 'capture_image'. Known are 'delete', 'set_a"):
+        Scene().send_message({"type": "capture_image"})
+
+
+def test_a_wrong_command_is_told_the_right_one():
+    with pytest.raises(TutorialError, match=r"cannot do 'set_transfrom'. Did you mean 'set_transform'\?"):
+        Scene().send_message({"type": "set_transfrom", "path": "/a"})
+
+
+@pytest.mark.parametrize("path", ["/", ""])
+def test_deleting_everything_is_refused(path):
+    with pytest.raises(TutorialError, match="Delete what is below it"):
+        Scene().send_message(delete(path))
+
+
+@given(st.text(max_size=600))
+def test_the_line_is_one_short_line(text):
+    scene, viewer = Scene(), Viewer()
+    scene.line(text)
+    viewer.read(scene.snapshot())
+    assert len(viewer.line) <= LINE_LENGTH
+    assert viewer.line.splitlines() in ([], [viewer.line])
+
+
+def test_the_line_is_cut_where_one_can_see_it():
+    scene, viewer = Scene(), Viewer()
+    scene.line("<b>joint</b>\n" + 300 * "x")
+    viewer.read(scene.snapshot())
+    assert viewer.line.startswith("<b>joint</b> xxx")
+    assert viewer.line.endswith("x…")
+
+
+def test_one_view_that_fails_does_not_cost_the_others(caplog):
+    scene, messages = Scene(), []
+
+    def broken(message):
+        raise OSError("gone")
+
+    scene.attach(broken)
+    scene.attach(messages.append)
+    for text in ("one", "two"):
+        scene.line(text)
+        scene.flush()
+    assert len(messages) == 2
+    assert caplog.text.count("OSError: gone") == 1
+
+
+def test_attaching_and_detaching_twice_is_once():
+    scene, messages = Scene(), []
+    sink = messages.append
+    scene.attach(sink)
+    scene.attach(sink)
+    scene.line("one")
+    scene.flush()
+    scene.detach(sink)
+    scene.detach(sink)
+    scene.line("two")
+    scene.flush()
+    assert len(messages) == 1
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda scene: scene.send_message(set_object("/a", 1)),
+        lambda scene: scene.send_packed(("set_transform", "/a", ""), b""),
+        lambda scene: scene.line("text"),
+        lambda scene: scene.look_at((1, 1, 1), (0, 0, 0)),
+        lambda scene: scene.flush(),
+        lambda scene: scene.snapshot(),
+        lambda scene: scene.attach(print),
+        lambda scene: scene.detach(print),
+    ],
+)
+def test_another_thread_is_sent_away(call):
+    scene, errors = Scene(), []
+
+    def visit():
+        try:
+            call(scene)
+        except WrongThreadError as error:
+            errors.append(str(error))
+
+    thread = threading.Thread(target=visit, name="executor")
+    thread.start()
+    thread.join()
+    [error] = errors
+    assert error.startswith("Scene.")
+    assert "on the thread 'executor', but the 3D view belongs to the thread 'MainThread'" in error
+    assert "call_later(" in error
+
+
+def test_it_brings_neither_meshcat_nor_zmq_along():
+    modules = "tutorial.view.bodies, tutorial.view.web"
+    code = f"import sys, {modules}; print({{'meshcat', 'zmq', 'IPython'}} & set(sys.modules))"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert shown.stdout.strip() == "set()"

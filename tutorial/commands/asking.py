@@ -1,0 +1,111 @@
+"""A command's own node: made by ROS 2's arguments, and asked something until there is an answer or Ctrl-C."""
+
+# ruff: noqa: PLC0415 - rclpy takes a moment, and help is to come at once
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import sys
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import click
+
+from tutorial.commands.terminal import until_asked
+from tutorial.errors import TutorialError
+
+if TYPE_CHECKING:
+    from tutorial.ros.node_thread import MeteredNode, NodeThread
+
+__all__ = ["ask", "clear_ros_errors", "meet", "named_node", "say"]
+
+BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
+
+_log = logging.getLogger(__name__)
+
+
+def ask(
+    ros_args: Sequence[str], question: Callable[[MeteredNode], Awaitable[int | None]], name: str | None = None
+) -> int:
+    """Make a node, and run a question with it on a fresh event loop.
+
+    Args:
+        ros_args: ROS 2's arguments.
+        question: is given the node, prints what there is to say, and returns the exit status; None is 0.
+        name: of the node; None for one of its own that is hidden, as that of ``ros2``.
+
+    Returns:
+        The exit status, which is that of ``ros2``: 1 after an error, whose text is on stderr then; 2 after Ctrl-C.
+    """
+    status: int = signal.SIGINT
+
+    async def program(node: MeteredNode) -> None:
+        nonlocal status
+        status = await question(node) or 0
+
+    try:
+        with named_node(name or f"_tank_{os.getpid()}", ros_args) as thread:
+            until_asked(program(thread.node), None)
+    except TutorialError as error:
+        click.echo(str(error), err=True)
+        return 1
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
+        return BROKEN_PIPE
+    return int(status)
+
+
+async def meet(node: MeteredNode, wanted: Callable[[], object] = lambda: True) -> None:
+    """Wait until a node has met all others, and a little longer for what is asked for.
+
+    Args:
+        node: that asks.
+        wanted: whether it is there.
+    """
+    from tutorial.ros.topics.settling import met
+
+    if not await met(node, wanted):
+        _log.warning("nodes still come and go: what is printed may be incomplete")
+
+
+def say(text: str) -> None:
+    """Print a text that has its line breaks, at once, also into a pipe."""
+    click.echo(text, nl=False)
+
+
+@contextmanager
+def named_node(name: str, ros_args: Sequence[str]) -> Iterator[NodeThread]:
+    """Make a node with a thread of its own, for as long as the context lasts.
+
+    Args:
+        name: its name, unless it is remapped.
+        ros_args: ROS 2's arguments.
+
+    Raises:
+        TutorialError: a name or an argument is wrong.
+    """
+    from tutorial.ros.node_thread import NodeThread
+
+    with clear_ros_errors():
+        thread = NodeThread(name, ros_args)
+    with thread:
+        yield thread
+
+
+@contextmanager
+def clear_ros_errors() -> Iterator[None]:
+    """Turn what rclpy raises about names and arguments into an error without a traceback."""
+    from rclpy._rclpy_pybind11 import UnknownROSArgsError
+    from rclpy.exceptions import NameValidationException
+
+    try:
+        yield
+    except NameValidationException as error:
+        raise TutorialError(str(error)) from error
+    except UnknownROSArgsError as error:
+        raise TutorialError(f"ROS 2 does not know the arguments {error}") from error
+    except RuntimeError as error:
+        raise TutorialError(f"ROS 2 says: {error}") from error

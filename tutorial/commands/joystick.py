@@ -1,0 +1,175 @@
+"""The joystick: a gamepad, or a drive that is written down in a file, published as `sensor_msgs/Joy`."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from bisect import bisect_right
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Protocol
+
+import msgspec
+from sensor_msgs.msg import Joy
+
+from tutorial.ros.node_thread import MeteredNode
+from tutorial.yamlfile import YamlFile
+
+__all__ = ["Gamepad", "JoyPublisher", "JoySource", "ScriptedDrive"]
+
+RATE = 50  # [Hz]
+NEUTRAL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class _Moment(msgspec.Struct, forbid_unknown_fields=True):
+    time: Annotated[float, msgspec.Meta(ge=0)]
+    axes: Annotated[list[Annotated[float, msgspec.Meta(ge=-1, le=1)]], msgspec.Meta(max_length=6)]
+
+
+class _DriveFile(msgspec.Struct, forbid_unknown_fields=True):
+    """What a drive file looks like."""
+
+    drive: Annotated[list[_Moment], msgspec.Meta(min_length=1)]
+    repeat: bool = False
+
+
+class JoySource(Protocol):
+    """What can be published as a joystick."""
+
+    def read(self, seconds: float) -> tuple[list[float], list[int]]:
+        """Return axes and buttons, as of the ROS 2 joy package's ``game_controller_node``.
+
+        Args:
+            seconds: since somebody began to listen [s].
+        """
+
+
+class ScriptedDrive:
+    """A drive that is written down in a YAML file: from each time on, these axes.
+
+    Args:
+        path: the file. With ``repeat: true`` it begins anew at the time of its last moment.
+
+    Raises:
+        TutorialError: the file is missing or malformed; the text names the line and the mend.
+    """
+
+    def __init__(self, path: Path) -> None:
+        file = YamlFile(path, _DriveFile, "drive")
+        self._times = [moment.time for moment in file.data.drive]
+        self._axes = [moment.axes for moment in file.data.drive]
+        for i, (before, after) in enumerate(pairwise(self._times), start=1):
+            if after <= before:
+                text = f"{after} is not later than {before}. Put the moments in order."
+                raise file.error(("drive", i, "time"), text)
+        self._period = self._times[-1] if file.data.repeat else 0.0
+
+    def read(self, seconds: float) -> tuple[list[float], list[int]]:
+        """Return the axes at this time of the drive; it has no buttons."""
+        if self._period:
+            seconds %= self._period
+        i = bisect_right(self._times, seconds) - 1
+        return (self._axes[i] if i >= 0 else list(NEUTRAL)), []
+
+
+class Gamepad:
+    """A gamepad, through SDL's game controllers, which know where every make has its sticks (pygame-ce).
+
+    Args:
+        controller: pygame's controller.
+    """
+
+    def __init__(self, controller: Any) -> None:
+        self._controller = controller
+
+    @classmethod
+    def find(cls) -> Gamepad | None:
+        """Return the first gamepad that is connected; None where there is none, or no pygame."""
+        os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
+        os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+        try:
+            import pygame  # noqa: PLC0415 - an optional extra
+            from pygame._sdl2 import controller  # noqa: PLC0415
+        except ImportError:
+            return None
+        pygame.display.init()  # events are SDL's video subsystem's
+        controller.init()
+        for i in range(controller.get_count()):
+            if controller.is_controller(i):
+                return cls(controller.Controller(i))
+        return None
+
+    @property
+    def name(self) -> str:
+        """What the gamepad calls itself."""
+        return str(self._controller.name)
+
+    def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad lives in the present
+        """Return what the hands do now. SDL has right and backward positive; ROS 2 has left and forward."""
+        import pygame  # noqa: PLC0415
+
+        pygame.event.pump()
+        raw = [self._controller.get_axis(axis) / 32767 for axis in range(6)]
+        axes = [-axis + 0.0 for axis in raw[:4]] + raw[4:]
+        buttons = [int(self._controller.get_button(button)) for button in range(15)]
+        return [max(-1.0, min(axis, 1.0)) for axis in axes], buttons
+
+
+class JoyPublisher:
+    """Publishes a joystick on ``joy`` at 50 Hz.
+
+    A scripted drive begins when somebody listens, so that nothing of it is lost. In the end the sticks are let go.
+
+    Args:
+        node: the node to publish with.
+        source: the joystick.
+    """
+
+    def __init__(self, node: MeteredNode, source: JoySource) -> None:
+        self._node = node
+        self._source = source
+        self._publisher = node.create_publisher(Joy, "joy", 1)
+
+    def run(
+        self,
+        duration: float | None,
+        linger: float,
+        stop: threading.Event,
+        progress: Callable[[float], object] | None = None,
+    ) -> float:
+        """Publish until it is time to stop.
+
+        Args:
+            duration: how long [s]; None for until `stop`.
+            linger: after the duration, go on for at most so long [s] until those who listen have come and gone.
+            stop: set it to stop, from any thread.
+            progress: called with the seconds that have passed.
+
+        Returns:
+            How long it has published [s].
+        """
+        began = time.monotonic()
+        heard_at: float | None = None
+        tick = 0
+        while not stop.wait(max(0.0, began + tick / RATE - time.monotonic())):
+            elapsed = time.monotonic() - began
+            listeners = self._publisher.get_subscription_count()
+            if heard_at is None and listeners:
+                heard_at = elapsed
+            deserted = heard_at is not None and not listeners
+            if duration is not None and elapsed >= duration and (deserted or elapsed >= duration + linger):
+                break
+            self._publish(*self._source.read(elapsed - heard_at if heard_at is not None else 0.0))
+            if progress is not None:
+                progress(elapsed)
+            tick = max(tick + 1, int(elapsed * RATE))
+        self._publish(list(NEUTRAL), [])
+        return time.monotonic() - began
+
+    def _publish(self, axes: list[float], buttons: list[int]) -> None:
+        message = Joy(axes=axes, buttons=buttons)
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        message.header.frame_id = "joy"
+        self._publisher.publish(message)

@@ -1,0 +1,236 @@
+"""Runs a ROS 2 launch file where there is no ROS 2, and says what each process says."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import runpy
+import shutil
+import signal
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import datetime
+from importlib import import_module
+from itertools import chain, count, cycle
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, TextIO
+
+from honcho.colour import get_colours
+from honcho.printer import Message, Printer
+
+from tutorial.commands import lifeline
+from tutorial.errors import TutorialError
+from tutorial.paths import with_own_commands
+from tutorial.ros.backend import UNDERLAY
+
+if TYPE_CHECKING:
+    from launch.actions import ExecuteProcess
+
+__all__ = ["Launcher", "load_launch_file"]
+
+PATIENCE = 8.0  # [s] from asking a process to stop to killing it
+
+
+def load_launch_file(path: Path) -> list[ExecuteProcess]:
+    """Read the list of processes from a launch file.
+
+    It is run with the tutorial's own `launch`, also beside a real ROS 2, so that what ``tank launch`` does does not
+    depend on what is installed.
+
+    Raises:
+        TutorialError: it fails, or uses more of `launch` than the tutorial has.
+    """
+    with _own_launch() as launch:
+        try:
+            generate = runpy.run_path(str(path)).get("generate_launch_description")
+            if generate is None:
+                raise TutorialError(f"{path} has no function generate_launch_description().")
+            description = generate()
+        except TutorialError:
+            raise
+        except ImportError as error:
+            mend = f"Run it with a real ROS 2: ros2 launch {path}"
+            raise TutorialError(f"{path} uses more than the tutorial's launch has: {error}. {mend}") from error
+        except Exception as error:
+            raise TutorialError(f"{path} failed: {type(error).__name__}: {error}") from error
+    if not isinstance(description, launch.LaunchDescription):
+        raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription.")
+    execute_process = launch.actions.ExecuteProcess
+    entities = list(description.entities)
+    if not entities:
+        raise TutorialError(f"{path} describes no process. Give its LaunchDescription an ExecuteProcess.")
+    for entity in entities:
+        if not isinstance(entity, execute_process):
+            raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
+    return entities
+
+
+class Launcher:
+    """Starts processes, prints their output with their names in front, and sees to it that they end together.
+
+    When one fails, the others are stopped: asked first, killed if they don't. None outlives the launcher, even when it
+    is killed: see `tutorial.commands.lifeline`.
+
+    Args:
+        processes: what to start.
+        environment: variables to add to the processes' environment.
+        output: where to print.
+    """
+
+    def __init__(
+        self,
+        processes: Sequence[ExecuteProcess],
+        environment: Mapping[str, str],
+        output: TextIO | None = None,
+    ) -> None:
+        self._processes = _by_name(processes)
+        self._environment = environment
+        self._printer = Printer(output or sys.stdout, width=max(map(len, self._processes)))
+        self._colours = dict(zip(self._processes, cycle(get_colours())))
+        self._running: dict[str, asyncio.subprocess.Process] = {}
+        self._stop = asyncio.Event()
+        self.interrupted = False
+
+    async def run(self) -> int:
+        """Run the processes to their end.
+
+        Returns:
+            The exit status: that of the process that failed first, 0 when none did.
+        """
+        loop = asyncio.get_running_loop()
+        signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        for number in signals:
+            loop.add_signal_handler(number, self._interrupt)
+        read_end, write_end = os.pipe()
+        try:
+            for name, process in self._processes.items():
+                self._running[name] = await self._start(name, process, read_end)
+            return await self._see_through()
+        finally:
+            await self._stop_all()
+            os.close(read_end)
+            os.close(write_end)
+            for number in signals:
+                loop.remove_signal_handler(number)
+
+    def _interrupt(self) -> None:
+        self.interrupted = True
+        self._stop.set()
+
+    async def _start(self, name: str, process: ExecuteProcess, read_end: int) -> asyncio.subprocess.Process:
+        environment = with_own_commands(
+            {
+                **(os.environ if process.env is None else process.env),
+                "PYTHONUNBUFFERED": "1",
+                **self._environment,
+                **(process.additional_env or {}),
+            }
+        )
+        command = [str(word) for word in process.cmd]
+        command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
+        try:
+            return await asyncio.create_subprocess_exec(
+                *lifeline.with_lifeline(read_end, command),
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.STDOUT,
+                pass_fds=(read_end,),
+                start_new_session=True,
+                env=environment,
+                cwd=process.cwd,
+            )
+        except OSError as error:
+            raise TutorialError(f"{name} could not be started: {error.strerror}: {error.filename!r}") from error
+
+    async def _see_through(self) -> int:
+        """Print and wait; at the first failure, or when asked to, stop all."""
+        watchers = {asyncio.create_task(self._follow(name, process)): name for name, process in self._running.items()}
+        stopper = asyncio.create_task(self._stop.wait())
+        status = 0
+        waiting: set[asyncio.Task[int]] = set(watchers)
+        stopped: asyncio.Task[None] | None = None
+        while waiting:
+            done, _ = await asyncio.wait(
+                {*waiting, *([] if stopped else [stopper])}, return_when=asyncio.FIRST_COMPLETED
+            )
+            for task in done & waiting:
+                waiting.discard(task)
+                if task.result() and not status and not self._stop.is_set():
+                    status = task.result()
+                    self._say(watchers[task], f"failed with exit status {status}; the others are stopped")
+                    self._stop.set()
+            if self._stop.is_set() and stopped is None:
+                stopped = asyncio.create_task(self._stop_all())
+        stopper.cancel()
+        if stopped is not None:
+            await stopped
+        return status
+
+    async def _follow(self, name: str, process: asyncio.subprocess.Process) -> int:
+        """Print a process's lines until it has ended; return its exit status."""
+        assert process.stdout is not None
+        while line := await _read_line(process.stdout):
+            self._say(name, line, self._colours[name])
+        status = await process.wait()
+        self._running.pop(name, None)
+        return status if status >= 0 else 128 - status
+
+    async def _stop_all(self) -> None:
+        """Ask every process group that is left to stop, and kill what hasn't in time."""
+        self._signal_groups(signal.SIGINT)
+        for _ in range(round(PATIENCE / 0.1)):
+            if not self._signal_groups(0):
+                return
+            await asyncio.sleep(0.1)
+        for name in self._running:
+            self._say(name, f"did not stop within {PATIENCE:g} s and is killed")
+        self._signal_groups(signal.SIGKILL)
+
+    def _signal_groups(self, number: int) -> bool:
+        """Signal every process group that is left, 0 to ask nothing of it; return whether there is one."""
+        for name, process in tuple(self._running.items()):
+            if not lifeline.signal_group(process.pid, number):
+                self._running.pop(name)
+        return bool(self._running)
+
+    def _say(self, name: str, line: str, colour: str | None = None) -> None:
+        try:
+            self._printer.write(Message(type="line", data=line, time=datetime.now(), name=name, colour=colour))
+        except BrokenPipeError:  # whoever read has gone, as head does
+            self._stop.set()
+
+
+async def _read_line(stream: asyncio.StreamReader) -> str:
+    """Read one line, or the part of an overlong one that fits; empty at the end."""
+    try:
+        return (await stream.readline()).decode("utf-8", "replace")
+    except ValueError:  # longer than the reader's buffer, which is emptied
+        return "...\n"
+
+
+def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
+    """Call each process by its name, or else its program's; a second one of the same name gets a number."""
+    named: dict[str, ExecuteProcess] = {}
+    for process in processes:
+        name = process.name or Path(str(process.cmd[0])).name
+        unique = next(each for each in chain([name], (f"{name}-{n}" for n in count(2))) if each not in named)
+        named[unique] = process
+    return named
+
+
+@contextmanager
+def _own_launch() -> Iterator[ModuleType]:
+    """Make ``import launch`` mean the tutorial's own, for a while."""
+    hidden = {name: sys.modules.pop(name) for name in tuple(sys.modules) if name.split(".")[0] == "launch"}
+    sys.path.insert(0, str(UNDERLAY))
+    try:
+        import_module("launch.actions")
+        yield sys.modules["launch"]
+    finally:
+        sys.path.remove(str(UNDERLAY))
+        for name in tuple(sys.modules):
+            if name.split(".")[0] == "launch":
+                del sys.modules[name]
+        sys.modules.update(hidden)

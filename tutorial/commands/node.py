@@ -1,0 +1,71 @@
+"""The commands ``tank node``: what ``ros2 node`` prints."""
+
+# ruff: noqa: PLC0415 - rclpy takes a moment, and help is to come at once
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from tutorial.commands.asking import ask, meet, say
+
+if TYPE_CHECKING:
+    from tutorial.ros.node_thread import MeteredNode
+
+__all__ = ["node"]
+
+SAME_NAME = (
+    "WARNING: Be aware that there are nodes in the graph that share an exact name, "
+    "which can have unintended side effects."
+)
+
+
+@click.group(short_help="List the nodes, or look at one, as ros2 node does.")
+def node() -> None:
+    """Look at nodes, as ros2 node does."""
+
+
+@node.command("list")
+@click.option("-a", "--all", "include_hidden", is_flag=True, help="List hidden nodes, too.")
+@click.option("-c", "--count-nodes", is_flag=True, help="Print only how many there are.")
+@click.pass_obj
+def list_nodes(ros_args: list[str], include_hidden: bool, count_nodes: bool) -> int:
+    """List the nodes there are, in all programs."""
+
+    async def question(asker: MeteredNode) -> None:
+        from tutorial.ros.topics import node_names
+
+        await meet(asker)
+        names = node_names(asker, include_hidden)
+        if count_nodes:
+            say(f"{len(names)}\n")
+            return
+        if len(set(names)) < len(names):
+            click.echo(SAME_NAME, err=True)
+        say("".join(f"{name}\n" for name in names))
+
+    return ask(ros_args, question)
+
+
+@node.command()
+@click.argument("node_name")
+@click.option("--include-hidden", is_flag=True, help="Show hidden topics and services, too.")
+@click.pass_obj
+def info(ros_args: list[str], node_name: str, include_hidden: bool) -> int:
+    """Say what a node publishes, subscribes to and offers. NODE_NAME is its full name, such as /simulation."""
+
+    async def question(asker: MeteredNode) -> None:
+        from tutorial.ros.topics import node_info, node_names
+
+        await meet(asker, lambda: node_name in node_names(asker, include_hidden))
+        count = node_names(asker, include_hidden).count(node_name)
+        if count > 1:
+            click.echo(
+                f'There are {count} nodes in the graph with the exact name "{node_name}". '
+                "You are seeing information about only one of them.",
+                err=True,
+            )
+        say(node_info(asker, node_name, include_hidden))
+
+    return ask(ros_args, question)

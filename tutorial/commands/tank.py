@@ -1,0 +1,285 @@
+"""The command ``tank``."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+import signal
+import sys
+import tempfile
+import threading
+from collections.abc import Sequence
+from contextlib import AsyncExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from tqdm.contrib import DummyTqdmFile
+
+from tutorial.commands.asking import clear_ros_errors, named_node
+from tutorial.commands.node import node
+from tutorial.commands.options import duration_option, headless_option, linger_option, report_option
+from tutorial.commands.terminal import INTERRUPTED, progress_bar, until_asked, with_bar
+from tutorial.commands.topic import topic
+from tutorial.errors import TutorialError
+
+if TYPE_CHECKING:
+    from tutorial.commands.joystick import JoySource
+    from tutorial.project import Project
+
+__all__ = ["main"]
+
+LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow
+
+
+def main() -> None:
+    """Run the command that the shell was given, and exit with its status."""
+    words, ros_args = _split(sys.argv[1:])
+    logging.basicConfig(format="[%(levelname)s] %(message)s", level=logging.INFO)
+    try:
+        status = tank.main(args=words, prog_name="tank", standalone_mode=False, obj=ros_args)
+    except click.exceptions.Exit as end:
+        status = end.exit_code
+    except click.ClickException as error:
+        error.show()
+        status = error.exit_code
+    except TutorialError as error:
+        click.echo(f"Error: {error}", err=True)
+        status = 1
+    except (KeyboardInterrupt, click.Abort):
+        status = INTERRUPTED
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="tank-tutorial", prog_name="tank")
+def tank() -> None:
+    """Learn ROS 2 by building a tank, step by step.
+
+    Every command takes ROS 2's arguments after --ros-args, such as -r __node:=viewer.
+    """
+
+
+@tank.command(short_help="Run a project: a simulation, or a viewer.")
+@click.argument("project")
+@duration_option
+@linger_option
+@headless_option
+@report_option
+@click.option(
+    "--port",
+    type=click.IntRange(1, 65535),
+    help="Show the 3D view on this port; else the first free from 7000.",
+)
+@click.option(
+    "--html",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Keep the run as a page that plays it again; it needs nothing else.",
+)
+@click.option(
+    "--robot",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="MODEL",
+    help="Put this model in the place of the project's robot; the body is called after the file.",
+)
+@click.option(
+    "--controller",
+    "own",
+    multiple=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Take the controllers in this Python file in the place of the project's of the same names.",
+)
+@click.pass_obj
+def run(
+    ros_args: list[str],
+    project: str,
+    duration: float | None,
+    linger: float,
+    headless: bool,
+    report: Path | None,
+    port: int | None,
+    html: Path | None,
+    robot: Path | None,
+    own: tuple[Path, ...],
+) -> int:
+    """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
+    from tutorial.catalogue import load_controllers
+    from tutorial.paths import find_project
+    from tutorial.project import Project
+
+    loaded = Project.load(find_project(project))
+    if robot is not None:
+        loaded = loaded.with_robot(robot)
+    for path in own:
+        loaded = loaded.with_own(load_controllers(path))
+    return until_asked(_host(loaded, ros_args, duration, linger, headless, report, port, html), duration)
+
+
+@tank.command(short_help="Publish a gamepad, or a scripted drive, on /joy.")
+@click.option(
+    "--drive",
+    metavar="FILE",
+    help="Publish this drive, a file or the name of one of the tutorial's, such as tour, gamepad or not.",
+)
+@duration_option
+@linger_option
+@report_option
+@click.pass_obj
+def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: float, report: Path | None) -> int:
+    """Publish a gamepad on /joy; where there is none, a scripted drive."""
+    from tutorial.commands.joystick import JoyPublisher
+    from tutorial.record import make_record, write_record
+
+    source = _joy_source(drive)
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    with named_node("joy", ros_args) as thread, progress_bar(duration) as progress:
+        seconds = JoyPublisher(thread.node, source).run(duration, linger, stop, progress)
+        if report is not None:
+            write_record(make_record(thread.node.get_name(), seconds, thread.node.meters), report)
+    return INTERRUPTED if stop.is_set() and duration is not None else 0
+
+
+@tank.command(short_help="Run all programs of a launch file.")
+@click.argument("step")
+@duration_option
+@headless_option
+@report_option
+def launch(step: str, duration: float | None, headless: bool, report: Path | None) -> int:
+    """Run a launch file: STEP is a path, or the name of one of the tutorial's, such as step3."""
+    return _launch(step, duration, headless, report)
+
+
+@tank.command(short_help="Run step 3 as a whole, and sum it up in a table.")
+@duration_option
+@headless_option
+def demo(duration: float | None, headless: bool) -> int:
+    """Run step 3 as a whole, and end with a table of what went over the topics."""
+    from rich.console import Console
+
+    from tutorial.commands.demo import read_records, summary
+
+    if duration is None and not (sys.stdin.isatty() and sys.stdout.isatty()):
+        duration = 20.0
+    click.echo("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.")
+    click.echo("Look at the two addresses that the simulation and the viewer print.")
+    click.echo(f"It ends after {duration:g} s." if duration else "Ctrl-C ends it.")
+    with tempfile.TemporaryDirectory(prefix="tank-") as directory:
+        status = _launch("step3", duration, headless, Path(directory))
+        records = read_records(Path(directory))
+    if records:
+        Console().print(summary(records))
+    return status
+
+
+@tank.command(short_help="Open JupyterLab on the first notebook.")
+@click.argument("jupyter_args", nargs=-1, type=click.UNPROCESSED)
+def lab(jupyter_args: tuple[str, ...]) -> None:
+    """Open JupyterLab on the first notebook; JUPYTER_ARGS after -- go to it."""
+    from tutorial.commands.lab import lab_command, own_course, trust
+
+    course = own_course()
+    trust(course / "notebooks")
+    os.execv(sys.executable, lab_command(jupyter_args, course))
+
+
+@tank.command("doctor", short_help="Check whether this machine has what the tutorial needs.")
+def check_up() -> int:
+    """Check whether this machine has what the tutorial needs, and say what to mend."""
+    from tutorial.commands.doctor import doctor
+
+    return doctor()
+
+
+tank.add_command(node)
+tank.add_command(topic)
+
+
+def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Part ROS 2's arguments, from ``--ros-args`` to ``--`` or the end, from the command's own."""
+    own: list[str] = []
+    ros: list[str] = []
+    into = own
+    for word in words:
+        if word == "--ros-args":
+            into = ros
+        if word == "--" and into is ros:
+            ros.append(word)
+            into = own
+        else:
+            into.append(word)
+    return own, ros
+
+
+async def _host(
+    project: Project,
+    ros_args: list[str],
+    duration: float | None,
+    linger: float,
+    headless: bool,
+    report: Path | None,
+    port: int | None,
+    html: Path | None,
+) -> None:
+    """Run a project on the event loop that is running."""
+    from tutorial.host import Host
+    from tutorial.record import write_record
+    from tutorial.view.bodies import View
+    from tutorial.view.replay import recorded
+    from tutorial.view.scene import Scene
+    from tutorial.view.web import SceneServer
+
+    async with AsyncExitStack() as stack:
+        scene, server = Scene(), None
+        if not headless:
+            server = await stack.enter_async_context(SceneServer(scene, port=port, title=project.path.stem))
+        view = None if headless and html is None else View(scene)
+        with clear_ros_errors():
+            host = await stack.enter_async_context(Host(project, ros_args, view))
+        click.echo(project.tree())
+        if server is not None:
+            click.echo(f"look at {server.url}")
+        if html is not None:
+            stack.enter_context(recorded(scene, html, host.node.get_name(), host.shown_at, host.joint_positions))
+        progress = stack.enter_context(progress_bar(duration))
+        try:
+            await host.run(duration, linger, progress)
+        finally:
+            if report is not None:
+                write_record(host.record(), report)
+
+
+def _joy_source(drive: str | None) -> JoySource:
+    from tutorial.commands.joystick import Gamepad, ScriptedDrive
+    from tutorial.paths import find_drive
+
+    gamepad = None if drive else Gamepad.find()
+    if gamepad is not None:
+        click.echo(f"gamepad: {gamepad.name}")
+        return gamepad
+    path = find_drive(drive or "tour")
+    click.echo(f"scripted drive: {path.name}" if drive else f"no gamepad is connected; scripted drive: {path.name}")
+    return ScriptedDrive(path)
+
+
+def _launch(step: str, duration: float | None, headless: bool, report: Path | None) -> int:
+    """Run a launch file in this terminal; its processes learn duration and the rest from their environment."""
+    from tutorial.commands.launcher import Launcher, load_launch_file
+    from tutorial.paths import find_launch_file
+
+    environment: dict[str, str] = {}
+    if duration is not None:
+        environment |= {"TANK_DURATION": str(duration), "TANK_LINGER": str(LINGER + duration)}
+    if headless:
+        environment["TANK_HEADLESS"] = "1"
+    if report is not None:
+        environment["TANK_REPORT"] = str(report.absolute())
+    processes = load_launch_file(find_launch_file(step))
+    above_the_bar: Any = DummyTqdmFile(sys.stdout)
+    launcher = Launcher(processes, environment, above_the_bar)
+    status = asyncio.run(with_bar(launcher.run, duration))
+    return INTERRUPTED if launcher.interrupted and duration is not None and not status else status

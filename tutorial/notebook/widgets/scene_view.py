@@ -1,0 +1,224 @@
+"""The 3D view in a cell: a scene, shown by meshcat's viewer over the notebook's own connection."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+
+import traitlets
+
+from tutorial.errors import TutorialError
+from tutorial.handoff import CallQueue, running_loop
+from tutorial.notebook.widgets.cell_widget import CellWidget
+from tutorial.view.assets import read_static, zipped_viewer
+from tutorial.view.scene import Record, Scene, pack_record, unpack_records
+
+__all__ = ["SceneView"]
+
+FRAMES_AHEAD = 60
+"""How many frames a page may be behind before it is taken to be gone. Jupyter keeps for a closed page what is sent."""
+
+FRAME = 1 / 40  # [s] between two messages at the least; a program draws 30 frames a second
+LONGEST_ID = 64
+
+_TRANSFORM = b"\x83\xa4type\xadset_transform"
+_MATRIX = b"\xa6matrix"
+
+NO_LOOP = (
+    "a 3D view in a cell needs the event loop of the notebook's kernel, and none runs here. Make it in a "
+    "notebook; a script shows a scene with SceneServer."
+)
+
+
+class SceneView(CellWidget):
+    """Shows a scene in a notebook's cell, as often as it is displayed, on every page that has the notebook open.
+
+    Make it in a cell, on the main thread: it belongs to the thread of the scene. A page that comes to look is answered
+    when that thread is free; those who look already see at once what a busy cell flushes.
+
+    Args:
+        scene: what to show.
+        title: what a screen reader says it is.
+        height: of the picture, in pixels of the page.
+
+    Raises:
+        TutorialError: no event loop runs, or the height is not positive.
+        WrongThreadError: made on another thread than the scene's.
+    """
+
+    _esm = read_static("make.js", "cell.js", "scene.js", "viewer.js", "scene_view.js")
+    _css = read_static("scene_view.css")
+    title = traitlets.Unicode().tag(sync=True)
+    height = traitlets.Int().tag(sync=True)
+
+    def __init__(self, scene: Scene, title: str = "Tank", height: int = 420) -> None:
+        if height <= 0:
+            raise TutorialError(f"a 3D view cannot be {height} pixels high. Give a height such as 420.")
+        self._scene = scene
+        self._loop = running_loop(NO_LOOP)
+        self._calls = CallQueue(self._loop)
+        self._audience = _Audience()
+        self._waiting = _Backlog()
+        self._timer: asyncio.TimerHandle | None = None
+        self._next_at = 0.0
+        scene.attach(self._show)
+        super().__init__(title=title, height=height)
+        self._scope = self._calls.scope(repr(self))
+        self.on_msg(self._on_message)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.title!r})"
+
+    @property
+    def scene(self) -> Scene:
+        """What it shows."""
+        return self._scene
+
+    @property
+    def views(self) -> int:
+        """How many views of it are on pages that keep up."""
+        return len(self._audience)
+
+    def end(self) -> None:
+        """Show no more of what the scene becomes; the last picture stays on the page, also on one that comes later.
+
+        Idempotent.
+
+        Raises:
+            WrongThreadError: called on another thread than the scene's.
+        """
+        self._scene.detach(self._show)
+        if self._timer is not None:
+            self._send_frame()
+        super().end()
+
+    def close(self) -> None:
+        """Take the view off every page, and let the scene go. Idempotent.
+
+        Raises:
+            WrongThreadError: called on another thread than the scene's.
+        """
+        if self.comm is not None:
+            self._scene.detach(self._show)
+            self._calls.close()
+            self._cancel_timer()
+        super().close()
+
+    def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
+        """Take what a page says: on whatever thread, so what touches the scene is posted."""
+        if not isinstance(content, dict):
+            return
+        view, frame = content.get("view"), content.get("frame", 0)
+        if not isinstance(view, str) or len(view) > LONGEST_ID or not isinstance(frame, int):
+            return
+        match content.get("type"):
+            case "library":
+                self._scope.call_latest("library", self._send_library)
+            case "hello":
+                self._scope.call_latest(("hello", view), self._welcome, view)
+            case "seen" if not self._audience.note(view, frame):  # it was taken to be gone, and has missed frames
+                self._scope.call_latest(("hello", view), self._welcome, view)
+            case "bye":
+                self._audience.leave(view)
+
+    def _send_library(self) -> None:
+        self.say("library", [zipped_viewer()])
+
+    def _welcome(self, view: str) -> None:
+        """Show the whole scene to one view, and from now on all that changes."""
+        self._audience.join(view)
+        self.say("scene", [self._scene.snapshot()], view=view, frame=self._audience.frame)
+
+    def _show(self, message: bytes) -> None:
+        """Send one frame; if the last one was only just sent, soon. Main thread: the scene calls it in `flush`."""
+        if not len(self._audience):
+            return
+        self._waiting.add(message)
+        if self._loop.time() >= self._next_at:
+            self._send_frame()
+        elif self._timer is None:
+            self._timer = self._loop.call_at(self._next_at, self._send_frame)
+
+    def _send_frame(self) -> None:
+        self._cancel_timer()
+        self._next_at = self._loop.time() + FRAME
+        message = self._waiting.take()
+        if self._audience.next_frame():
+            self.say("frame", [message], frame=self._audience.frame)
+
+    def _cancel_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+
+class _Audience:
+    """Who looks, and which frame each has seen. Whoever is too far behind is forgotten. Any thread.
+
+    Attributes:
+        frame: the number of the last frame that was sent.
+    """
+
+    def __init__(self) -> None:
+        self.frame = 0
+        self._lock = threading.Lock()
+        self._seen: dict[str, int] = {}
+
+    def __len__(self) -> int:
+        return len(self._seen)
+
+    def join(self, view: str) -> None:
+        with self._lock:
+            self._seen[view] = self.frame
+
+    def leave(self, view: str) -> None:
+        with self._lock:
+            self._seen.pop(view, None)
+
+    def note(self, view: str, frame: int) -> bool:
+        """Note what a view has seen; False when it is not one of those who look."""
+        with self._lock:
+            if view not in self._seen:
+                return False
+            self._seen[view] = max(self._seen[view], min(frame, self.frame))
+            return True
+
+    def next_frame(self) -> bool:
+        """Forget those who are too far behind; if anybody is left, count one more frame."""
+        with self._lock:
+            oldest = self.frame - FRAMES_AHEAD
+            self._seen = {view: frame for view, frame in self._seen.items() if frame > oldest}
+            self.frame += bool(self._seen)
+            return bool(self._seen)
+
+
+class _Backlog:
+    """The messages of a scene that wait to be sent as one, in which of each body's poses only the last counts."""
+
+    def __init__(self) -> None:
+        self._messages: list[bytes] = []
+
+    def add(self, message: bytes) -> None:
+        self._messages.append(message)
+        if len(self._messages) > FRAMES_AHEAD:  # nothing grows, however often a scene is flushed
+            self._messages = [self._merged()]
+
+    def take(self) -> bytes:
+        message = self._messages[0] if len(self._messages) == 1 else self._merged()
+        self._messages = []
+        return message
+
+    def _merged(self) -> bytes:
+        merged: dict[object, bytes] = {}
+        for number, (kind, payload) in enumerate(unpack_records(b"".join(self._messages))):
+            key = _subject(kind, payload) or number
+            merged.pop(key, None)
+            merged[key] = pack_record(kind, payload)
+        return b"".join(merged.values())
+
+
+def _subject(kind: Record, payload: bytes) -> object:
+    """What a later record of the same subject makes void; None for one that has to stay."""
+    if kind is not Record.COMMAND:
+        return kind.name
+    return payload[: payload.rindex(_MATRIX)] if payload.startswith(_TRANSFORM) else None

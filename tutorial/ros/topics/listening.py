@@ -1,0 +1,135 @@
+"""What comes over a topic: ``ros2 topic echo`` and ``hz``, as text.
+
+The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections import deque
+from collections.abc import AsyncGenerator
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+
+from tutorial.errors import TutorialError
+from tutorial.ros.topics.inbox import Inbox
+from tutorial.ros.topics.message_form import MessageForm
+from tutorial.ros.topics.names import message_class
+
+__all__ = ["NO_TYPE", "not_published", "topic_echo", "topic_hz", "type_of"]
+
+LOOK_EVERY = 0.1  # [s] for a topic that is not there yet
+HZ_EVERY = 1.0  # [s] between two texts of topic_hz
+DEFAULT_WINDOW = 10_000  # intervals, of ros2 topic hz
+
+NO_TYPE = "Could not determine the type for the passed topic"
+
+
+async def topic_echo(
+    node: Node,
+    topic: str,
+    *,
+    count: int | None = None,
+    field: str | None = None,
+    timeout: float | None = None,
+    form: MessageForm | None = None,
+    kind: Any = None,
+    qos: QoSProfile | None = None,
+) -> AsyncGenerator[str, None]:
+    """Show messages as they come, as ``ros2 topic echo``.
+
+    The subscription lives as long as the iteration: give that up with `contextlib.aclosing`, or by cancelling.
+
+    Args:
+        node: that subscribes; its thread must spin.
+        topic: its full name.
+        count: how many messages; 1 is ``--once``, None goes on for ever.
+        field: show only this field: ``"position"``, ``"header.stamp"``.
+        timeout: how long to wait for each message at most [s]; None for ever.
+        form: how to write the messages; None for YAML, of the field if there is one.
+        kind: the class of the messages; None to find it out.
+        qos: what to ask the publishers for; None for what fits all there are.
+
+    Yields:
+        The text of each message, with the closing ``---``.
+
+    Raises:
+        TutorialError: the topic or the field is unknown, with the text of ``ros2``; or no message came in time.
+    """
+    form = form or MessageForm(field)
+    if kind is None:
+        type_name = type_of(node, topic)
+        if type_name is None:
+            raise TutorialError(f"{not_published(topic)}\n{NO_TYPE}")
+        kind = message_class(type_name)
+    inbox = Inbox(node, kind, topic, qos=qos)
+    try:
+        while count is None or count > 0:
+            _, message = await inbox.next(timeout)
+            yield form.text(message)
+            count = None if count is None else count - 1
+    finally:
+        inbox.close()
+
+
+async def topic_hz(node: Node, topic: str, *, window: int = DEFAULT_WINDOW) -> AsyncGenerator[str, None]:
+    """Measure the rate at which messages come in, as ``ros2 topic hz``; it goes on for ever.
+
+    While nothing new comes, it says nothing.
+
+    Args:
+        node: that subscribes; its thread must spin.
+        topic: its full name. If there is none, a warning is the first text, and the wait for it begins.
+        window: how many intervals between messages count, the newest.
+
+    Yields:
+        About once a second: average rate [Hz], and of the intervals the extremes and the standard deviation [s].
+    """
+    if type_of(node, topic) is None:
+        yield f"{not_published(topic)}\n"
+    while (type_name := type_of(node, topic)) is None:
+        await asyncio.sleep(LOOK_EVERY)
+    inbox = Inbox(node, message_class(type_name), topic, kept=window + 1, times_only=True)
+    intervals: deque[float] = deque(maxlen=window)
+    try:
+        before, _ = await inbox.next()
+        told = before
+        while True:
+            now, _ = await inbox.next()
+            intervals.append(now - before)
+            before = now
+            if now >= told + HZ_EVERY:
+                told = now
+                yield _rate_text(intervals)
+    finally:
+        inbox.close()
+
+
+def type_of(node: Node, topic: str) -> str | None:
+    """Return the type of a topic; None if there is no such topic.
+
+    Raises:
+        TutorialError: it has several.
+    """
+    types = dict(node.get_topic_names_and_types()).get(topic, [])
+    if len(types) > 1:
+        raise TutorialError(f"Cannot echo topic '{topic}', as it contains more than one type: [{', '.join(types)}]")
+    return types[0] if types else None
+
+
+def not_published(topic: str) -> str:
+    """Say that there is no such topic, in the words of ``ros2``."""
+    return f"WARNING: topic [{topic}] does not appear to be published yet"
+
+
+def _rate_text(intervals: deque[float]) -> str:
+    """The two lines of ``ros2 topic hz``."""
+    mean = sum(intervals) / len(intervals)
+    deviation = math.sqrt(sum((interval - mean) ** 2 for interval in intervals) / len(intervals))
+    return (
+        f"average rate: {1 / mean if mean > 0 else 0.0:.3f}\n"
+        f"\tmin: {min(intervals):.3f}s max: {max(intervals):.3f}s std dev: {deviation:.5f}s window: {len(intervals)}\n"
+    )

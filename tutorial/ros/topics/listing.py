@@ -1,0 +1,126 @@
+"""Which topics there are and who is on them: ``ros2 topic list``, ``info``, ``type`` and ``find``, as text.
+
+The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+"""
+
+from __future__ import annotations
+
+from rclpy.duration import Duration, Infinite
+from rclpy.node import Node
+from rclpy.qos import HistoryPolicy
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from tutorial.errors import TutorialError
+from tutorial.ros.topics.names import is_hidden
+
+__all__ = ["topic_find", "topic_info", "topic_list", "topic_type", "topics_with_types"]
+
+
+def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, list[str]]:
+    """Return the types of each topic there is, in the order of the topics' names.
+
+    Args:
+        node: that asks.
+        include_hidden: also topics whose names have a part that begins with an underscore.
+    """
+    found = sorted(node.get_topic_names_and_types())
+    return {topic: types for topic, types in found if include_hidden or not is_hidden(topic)}
+
+
+def topic_list(node: Node, show_types: bool = False, include_hidden: bool = False, verbose: bool = False) -> str:
+    """List the topics there are, as ``ros2 topic list``.
+
+    Args:
+        node: that asks.
+        show_types: add each topic's type, as with ``-t``.
+        include_hidden: also hidden ones, as with ``--include-hidden-topics``.
+        verbose: with types, and how many publish and subscribe, as with ``-v``.
+
+    Returns:
+        One line for each topic.
+    """
+    topics = topics_with_types(node, include_hidden)
+    if verbose and topics:
+        return _counts(node, topics, publishers=True) + _counts(node, topics, publishers=False)
+    return "".join(f"{_with_types(topic, topics) if show_types else topic}\n" for topic in topics)
+
+
+def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
+    """Say who publishes and subscribes, as ``ros2 topic info``.
+
+    Args:
+        node: that asks.
+        topic: its full name.
+        verbose: describe each publisher and subscription with its quality of service, as with ``-v``.
+
+    Raises:
+        TutorialError: there is no such topic; the text is that of ``ros2``.
+    """
+    types = topics_with_types(node, include_hidden=True).get(topic)
+    if types is None:
+        raise TutorialError(f"Unknown topic '{topic}'")
+    publishers = node.get_publishers_info_by_topic(topic)
+    subscriptions = node.get_subscriptions_info_by_topic(topic)
+    parts = [f"Type: {types[0] if len(types) == 1 else types}", f"Publisher count: {len(publishers)}"]
+    parts += [_endpoint_text(info) for info in publishers if verbose]
+    parts += [f"Subscription count: {len(subscriptions)}"]
+    parts += [_endpoint_text(info) for info in subscriptions if verbose]
+    end = "\n\n" if verbose else "\n"
+    return end.join(parts) + end
+
+
+def topic_type(node: Node, topic: str, include_hidden: bool = False) -> str:
+    """Name the types of a topic, one a line, as ``ros2 topic type``; nothing when there is no such topic."""
+    types = topics_with_types(node, include_hidden).get(topic, [])
+    return "".join(f"{type_name}\n" for type_name in types)
+
+
+def topic_find(node: Node, type_name: str, include_hidden: bool = False) -> str:
+    """List the topics of a type, one a line, as ``ros2 topic find``."""
+    topics = topics_with_types(node, include_hidden)
+    return "".join(f"{topic}\n" for topic, types in topics.items() if type_name in types)
+
+
+def _with_types(topic: str, topics: dict[str, list[str]]) -> str:
+    return f"{topic} [{', '.join(topics[topic])}]"
+
+
+def _counts(node: Node, topics: dict[str, list[str]], publishers: bool) -> str:
+    """One half of ``ros2 topic list -v``."""
+    count_of, who = (node.count_publishers, "publisher") if publishers else (node.count_subscribers, "subscriber")
+    text = "Published topics:\n" if publishers else "Subscribed topics:\n"
+    for topic in topics:
+        count = count_of(topic)
+        if count:
+            text += f" * {_with_types(topic, topics)} {count} {who}{'s' if count > 1 else ''}\n"
+    return f"{text}\n"
+
+
+def _endpoint_text(info: TopicEndpointInfo) -> str:
+    """Describe a publisher or subscription in the lines of ``ros2 topic info -v``."""
+    qos = info.qos_profile
+    history = qos.history.name
+    if qos.history == HistoryPolicy.KEEP_LAST:
+        history += f" ({qos.depth})"
+    return "\n".join(
+        (
+            f"Node name: {info.node_name}",
+            f"Node namespace: {info.node_namespace}",
+            f"Topic type: {info.topic_type}",
+            f"Topic type hash: {info.topic_type_hash}",
+            f"Endpoint type: {info.endpoint_type.name}",
+            f"GID: {'.'.join(f'{byte:02x}' for byte in info.endpoint_gid)}",
+            "QoS profile:",
+            f"  Reliability: {qos.reliability.name}",
+            f"  History (Depth): {history}",
+            f"  Durability: {qos.durability.name}",
+            f"  Lifespan: {_duration_text(qos.lifespan)}",
+            f"  Deadline: {_duration_text(qos.deadline)}",
+            f"  Liveliness: {qos.liveliness.name}",
+            f"  Liveliness lease duration: {_duration_text(qos.liveliness_lease_duration)}",
+        )
+    )
+
+
+def _duration_text(duration: Duration) -> str:
+    return "Infinite" if duration == Infinite else f"{duration.nanoseconds} nanoseconds"

@@ -1,0 +1,64 @@
+"""Which part of a message ``ros2 topic echo`` shows, and how."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from tutorial.errors import TutorialError
+from tutorial.ros.topics.message_csv import message_to_csv
+from tutorial.ros.topics.message_yaml import TRUNCATE_LENGTH, message_to_yaml
+from tutorial.ros.topics.names import is_message
+
+__all__ = ["MessageForm"]
+
+
+@dataclass(frozen=True)
+class MessageForm:
+    """How a message is written, by the options of ``ros2 topic echo``.
+
+    Attributes:
+        field: show only this field, named with those around it: ``"header.stamp"``. None for the whole message.
+        csv: write one line with commas instead of YAML.
+        truncate_length: how many elements of an array and characters of a string are written; None for all.
+        no_arr: write of each array only what it is.
+
+    Raises:
+        TutorialError: the field is no name.
+    """
+
+    field: str | None = None
+    csv: bool = False
+    truncate_length: int | None = TRUNCATE_LENGTH
+    no_arr: bool = False
+
+    def __post_init__(self) -> None:
+        if self.field is not None and not self._path():
+            raise TutorialError(f"Invalid field value '{self.field}'")
+
+    def text(self, message: Any) -> str:
+        """Write a message, or its field, with what closes it: ``---``, or for CSV nothing but the line's end.
+
+        A field that is no message is written as Python shows it.
+
+        Raises:
+            TutorialError: the message has no such field.
+        """
+        value = self._select(message)
+        if not is_message(value):
+            return f"{value}\n---\n"
+        if self.csv:
+            return f"{message_to_csv(value, self.truncate_length, self.no_arr)}\n"
+        return f"{message_to_yaml(value, self.truncate_length, self.no_arr)}---\n"
+
+    def _path(self) -> list[str]:
+        return [name for name in (self.field or "").split(".") if name]
+
+    def _select(self, message: Any) -> Any:
+        value = message
+        for name in self._path():
+            try:
+                value = getattr(value, name)
+            except AttributeError as error:
+                raise TutorialError(f"Invalid field '{'.'.join(self._path())}': {error}") from None
+        return value

@@ -1,0 +1,78 @@
+"""Which nodes there are and what each does: ``ros2 node list`` and ``info``, as text.
+
+The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib import import_module
+from typing import Any
+
+from rclpy.node import Node
+
+from tutorial.errors import TutorialError
+from tutorial.ros.topics.names import full_name, is_hidden, parted
+
+__all__ = ["node_info", "node_names"]
+
+NamesAndTypes = Iterable[tuple[str, list[str]]]
+
+
+def node_names(node: Node, include_hidden: bool = False) -> list[str]:
+    """Return the full names of the nodes there are, sorted; a name that several have comes as often.
+
+    Args:
+        node: that asks.
+        include_hidden: also nodes whose names begin with an underscore.
+    """
+    found = node.get_node_names_and_namespaces()
+    return sorted(full_name(name, space) for name, space in found if include_hidden or not name.startswith("_"))
+
+
+def node_info(node: Node, name: str, include_hidden: bool = False) -> str:
+    """Say what a node subscribes to, publishes and offers, as ``ros2 node info``.
+
+    Args:
+        node: that asks.
+        name: the full name of the node in question.
+        include_hidden: also a hidden node, and hidden topics and services.
+
+    Raises:
+        TutorialError: there is no such node; the text is that of ``ros2``.
+    """
+    if name not in node_names(node, include_hidden):
+        raise TutorialError(f"Unable to find node '{name}'")
+    who = parted(name)
+    sections: dict[str, NamesAndTypes] = {
+        "Subscribers": node.get_subscriber_names_and_types_by_node(*who),
+        "Publishers": node.get_publisher_names_and_types_by_node(*who),
+        "Service Servers": _services(node, "get_service_names_and_types_by_node", who),
+        "Service Clients": _services(node, "get_client_names_and_types_by_node", who),
+        "Action Servers": _actions(node, "get_action_server_names_and_types_by_node", who),
+        "Action Clients": _actions(node, "get_action_client_names_and_types_by_node", who),
+    }
+    return f"{name}\n" + "".join(_section(title, has, include_hidden) for title, has in sections.items())
+
+
+def _section(title: str, names_and_types: NamesAndTypes, include_hidden: bool) -> str:
+    """One section; an empty one has an empty line."""
+    shown = (item for item in names_and_types if include_hidden or not is_hidden(item[0]))
+    lines = [f"    {name}: {', '.join(types)}" for name, types in shown]
+    return "\n".join((f"  {title}:", *(lines or [""]))) + "\n"
+
+
+def _services(node: Node, question: str, who: tuple[str, str]) -> NamesAndTypes:
+    """Ask the rclpy in use about services; one without services has none to tell of."""
+    ask: Any = getattr(node, question, None)
+    return ask(*who) if ask is not None else ()
+
+
+def _actions(node: Node, question: str, who: tuple[str, str]) -> NamesAndTypes:
+    """Ask the rclpy in use about actions; one without actions has none to tell of."""
+    try:
+        actions: Any = import_module("rclpy.action")
+    except ImportError:
+        return ()
+    found: NamesAndTypes = getattr(actions, question)(node, *who)
+    return found

@@ -1,0 +1,156 @@
+"""Turns the messages of a scene over time into one message: all there was to see, and an animation that moves it.
+
+That is what meshcat calls an animation: of each object that moves, its poses and their times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+import umsgpack
+from numpy.typing import NDArray
+
+from tutorial.view.scene import Record, Scene, unpack_records
+
+__all__ = ["Frame", "animated", "lines"]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What a scene said at one time.
+
+    Attributes:
+        time: of the run [s].
+        message: the scene's; empty where nothing changed.
+        joints: by "body joint", its position [rad], or [m] of one that slides.
+    """
+
+    time: float
+    message: bytes
+    joints: dict[str, float]
+
+
+def animated(frames: Iterable[Frame]) -> bytes:
+    """Join the messages of frames, the earliest first, into one that shows all there ever was, and moves it."""
+    film = _Film()
+    for frame in frames:
+        film.add(frame)
+    return film.finish()
+
+
+def lines(frames: Iterable[Frame]) -> Iterator[tuple[float, str]]:
+    """Yield what stood below the view: (since when [s], text)."""
+    for frame in frames:
+        for kind, payload in unpack_records(frame.message):
+            if kind is Record.LINE:
+                yield round(frame.time, 3), payload.decode()
+
+
+class _Film:
+    """The frames so far: a scene with all that was drawn, and what became of it over time."""
+
+    def __init__(self) -> None:
+        self._scene = Scene()
+        self._tracks: dict[str, _Track] = {}
+        self._sights: dict[str, _Sight] = {}
+        self._before = self._now = 0.0
+        self._has_camera = False
+
+    def add(self, frame: Frame) -> None:
+        self._before, self._now = self._now, frame.time
+        for kind, payload in unpack_records(frame.message):
+            if kind is Record.COMMAND:
+                self._take(umsgpack.unpackb(payload))
+            elif kind is Record.CAMERA and not self._has_camera:  # one looks from where one looked at first
+                self._has_camera = True
+                numbers = np.frombuffer(payload, "<f8").tolist()
+                self._scene.look_at(tuple(numbers[:3]), tuple(numbers[3:]))
+
+    def finish(self) -> bytes:
+        moving = [track.lower(path) for path, track in self._tracks.items() if len(track.times) > 1]
+        moving += [sight.lower(path) for path, sight in self._sights.items() if len(sight.times) > 1]
+        animation = {"type": "set_animation", "path": "", "animations": moving, "options": {"play": False}}
+        packed = umsgpack.packb(animation, force_float_precision="single")
+        self._scene.send_packed(("set_animation", "", ""), packed)
+        return self._scene.snapshot()
+
+    def _take(self, command: dict[str, Any]) -> None:
+        match command["type"]:
+            case "delete":
+                self._hide(command["path"])
+            case "set_transform":
+                self._move(command)
+            case "set_object":
+                self._sights.setdefault(command["path"], _Sight(self._now)).change(self._now, True)
+                self._scene.send_message(command)
+            case _:
+                self._scene.send_message(command)
+
+    def _hide(self, path: str) -> None:
+        for drawn, sight in self._sights.items():
+            if f"{drawn}/".startswith(f"{path}/"):
+                sight.change(self._now, False)
+
+    def _move(self, command: dict[str, Any]) -> None:
+        matrix = np.array(command["matrix"], dtype=np.float64)
+        if not np.isfinite(matrix).all():
+            return
+        if track := self._tracks.get(command["path"]):
+            track.add(self._now, self._before, matrix)
+        else:
+            self._tracks[command["path"]] = _Track(self._now, matrix)
+            self._scene.send_message(command)
+
+
+class _Track:
+    """The poses of one object. In between two of them it moves evenly; where it stands still it has no poses."""
+
+    def __init__(self, time: float, matrix: NDArray[np.float64]) -> None:
+        self.times = [time]
+        self.matrices = [matrix]
+
+    def add(self, time: float, before: float, matrix: NDArray[np.float64]) -> None:
+        """Note where it is in a frame; until the frame before it stood where it was noted last."""
+        if self.times[-1] < before:
+            self.times.append(before)
+            self.matrices.append(self.matrices[-1])
+        self.times.append(time)
+        self.matrices.append(matrix)
+
+    def lower(self, path: str) -> dict[str, Any]:
+        """Say it as meshcat does, the numbers in one row."""
+        positions = [x for matrix in self.matrices for x in matrix[12:15].tolist()]
+        quaternions = [x for matrix in self.matrices for x in _quaternion(matrix)]
+        tracks = [
+            {"name": ".position", "type": "vector3", "times": self.times, "values": positions},
+            {"name": ".quaternion", "type": "quaternion", "times": self.times, "values": quaternions},
+        ]
+        return {"path": path, "clip": {"fps": 1, "name": "run", "tracks": tracks}}
+
+
+class _Sight:
+    """When something is there to be seen: a body may come and go during a run."""
+
+    def __init__(self, time: float) -> None:
+        self.times, self.values = [0.0], [time == 0.0]
+
+    def change(self, time: float, there: bool) -> None:
+        if self.values[-1] != there:
+            self.times.append(time)
+            self.values.append(there)
+
+    def lower(self, path: str) -> dict[str, Any]:
+        """Say it as meshcat does."""
+        track = {"name": ".visible", "type": "bool", "times": self.times, "values": self.values}
+        return {"path": path, "clip": {"fps": 1, "name": "sight", "tracks": [track]}}
+
+
+def _quaternion(matrix: NDArray[np.float64]) -> list[float]:
+    """The turn of a matrix, whose 16 numbers are column by column, as three.js has it: (x, y, z, w)."""
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, matrix.reshape(4, 4)[:3, :3].T.reshape(9))
+    return [*quaternion[1:].tolist(), float(quaternion[0])]

@@ -1,0 +1,212 @@
+"""Keeps what a scene shows over a run, as a page that plays it again: in any browser, with nothing from outside.
+
+While the run goes on, every message of the scene is put away with its time. Afterwards they become an animation
+(`tutorial.view.animation`), and that a page.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import html
+import json
+import logging
+import math
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from string import Template
+
+from tutorial.errors import TutorialError
+from tutorial.view.animation import Frame, animated, lines
+from tutorial.view.assets import STATIC, read_static, zipped_viewer
+from tutorial.view.scene import Scene
+
+__all__ = ["Recorder", "Replay", "recorded"]
+
+_log = logging.getLogger(__name__)
+
+FRAME = 1 / 30  # [s] between two frames of what moves
+LONGEST = 600.0
+"""How much of a run is kept [s]: its first ten minutes."""
+
+SCRIPTS = ("make.js", "scene.js", "viewer.js", "replay.js")
+STYLES = ("scene_view.css", "replay.css")
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A run, to be looked at again.
+
+    Attributes:
+        scene: a message of `tutorial.view.scene`: what there is to see, and the animation.
+        times: of the frames [s], from 0.
+        joints: by "body joint", its position in each frame [rad], or [m] of one that slides; NaN where there is none.
+        lines: what stood below the view: (since when [s], text).
+    """
+
+    scene: bytes
+    times: tuple[float, ...]
+    joints: dict[str, tuple[float, ...]]
+    lines: tuple[tuple[float, str], ...]
+
+    @property
+    def duration(self) -> float:
+        """How long it takes [s]."""
+        return self.times[-1] if self.times else 0.0
+
+    def figure(self, title: str) -> str:
+        """Return it as a piece of HTML; a page needs `script` and `style` once, and meshcat's viewer.
+
+        Args:
+            title: what a screen reader says it is.
+        """
+        timeline = {
+            "title": title,
+            "times": [round(time, 4) for time in self.times],
+            "joints": {name: [_number(value) for value in values] for name, values in self.joints.items()},
+            "lines": self.lines,
+        }
+        packed = _packed(json.dumps(timeline, allow_nan=False).encode())
+        return (
+            f'<figure class="tank-replay" aria-label="{html.escape(title)}">'
+            f'<script type="text/plain" class="timeline">{packed}</script>'
+            f'<script type="text/plain" class="scene">{_packed(self.scene)}</script></figure>'
+        )
+
+    def page(self, title: str) -> str:
+        """Return it as a page of its own, which needs nothing else.
+
+        Args:
+            title: of the page.
+        """
+        template = Template((STATIC / "replay.html").read_text(encoding="utf-8"))
+        viewer = base64.b64encode(zipped_viewer()).decode()
+        return template.substitute(
+            title=html.escape(title), style=style(), script=script(), viewer=viewer, figure=self.figure(title)
+        )
+
+    def save(self, path: Path | str, title: str) -> None:
+        """Write it as a page of its own.
+
+        Raises:
+            TutorialError: the file cannot be written.
+        """
+        with _told(path):
+            Path(path).write_text(self.page(title), encoding="utf-8")
+
+
+def script() -> str:
+    """Return what plays the figures of a page, as a plain script."""
+    text = read_static(*SCRIPTS).replace("\nexport ", "\n")
+    return f"(() => {{\n{text}\n}})();\n"
+
+
+def style() -> str:
+    """Return how the figures of a page look."""
+    return read_static(*STYLES)
+
+
+class Recorder:
+    """Puts a scene's messages away, each with its time. It belongs to the scene's thread.
+
+    Args:
+        scene: what to watch, from now on.
+        seconds: says how long the run has taken so far [s].
+        joints: says where the joints are: positions [rad], or [m], by "body joint".
+        longest_pause: a longer time in which nothing moves counts so much [s].
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        seconds: Callable[[], float],
+        joints: Callable[[], Mapping[str, float]] = dict,
+        longest_pause: float = math.inf,
+    ) -> None:
+        self._scene = scene
+        self._seconds = seconds
+        self._joints = joints
+        self._longest_pause = longest_pause
+        self._heard_at = seconds()
+        self._time = 0.0
+        self._frames = [Frame(0.0, scene.snapshot(), dict(joints()))]
+        scene.attach(self._take)
+
+    def stop(self) -> Replay:
+        """Watch no more, and return what was seen."""
+        self._scene.detach(self._take)
+        self._take(b"")
+        names = self._frames[-1].joints
+        return Replay(
+            scene=animated(self._frames),
+            times=tuple(frame.time for frame in self._frames),
+            joints={name: tuple(frame.joints.get(name, math.nan) for frame in self._frames) for name in names},
+            lines=tuple(lines(self._frames)),
+        )
+
+    def _take(self, message: bytes) -> None:
+        now = self._seconds()
+        self._time += min(max(now - self._heard_at, 0.0), self._longest_pause)
+        self._heard_at = now
+        if self._time > LONGEST:
+            if self._frames[-1].message:  # said once: the last of the frames is empty then
+                _log.warning("the first %.0f minutes of the run are kept, not more", LONGEST / 60)
+                self._frames.append(Frame(LONGEST, b"", self._frames[-1].joints))
+            return
+        if self._time - self._frames[-1].time > 2 * FRAME:  # until just now, nothing has moved
+            self._frames.append(Frame(self._time - FRAME, b"", self._frames[-1].joints))
+        self._frames.append(Frame(self._time, message, dict(self._joints())))
+
+
+@contextmanager
+def recorded(
+    scene: Scene,
+    path: Path | str,
+    title: str,
+    seconds: Callable[[], float],
+    joints: Callable[[], Mapping[str, float]] = dict,
+    longest_pause: float = math.inf,
+) -> Iterator[None]:
+    """Keep what a scene shows, while something runs within, as a page.
+
+    Args:
+        scene: what to watch.
+        path: of the page.
+        title: of the page.
+        seconds: says what time the scene shows [s].
+        joints: says where the joints are: positions [rad], or [m], by "body joint".
+        longest_pause: a longer time in which nothing moves counts so much [s].
+
+    Raises:
+        TutorialError: the file cannot be written; this is found out before the run.
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise TutorialError(f"there is no folder {path.parent} to write {path.name} to. Make it first.")
+    with _told(path), path.open("a"):  # what is there already stays until the run is over
+        pass
+    recorder = Recorder(scene, seconds, joints, longest_pause)
+    try:
+        yield
+    finally:
+        recorder.stop().save(path, title)
+        _log.info("the run is kept in %s: open it in a browser", path)
+
+
+@contextmanager
+def _told(path: Path | str) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise TutorialError(f"the replay cannot be written to {path}: {error.strerror}") from error
+
+
+def _number(value: float) -> float | None:
+    """As JSON has it, which knows no NaN."""
+    return round(value, 5) if math.isfinite(value) else None
+
+
+def _packed(data: bytes) -> str:
+    return base64.b64encode(gzip.compress(data, 9, mtime=0)).decode()

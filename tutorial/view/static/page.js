@@ -1,0 +1,47 @@
+// The page of tutorial/view/web.py: a meshcat viewer, connected to the program for as long as it runs, and again when it is restarted.
+
+import {fit, SceneReader} from "./scene.js";
+
+const PATIENCE = {first: 250, most: 2000};  // between two attempts to connect [ms]
+
+const pane = document.getElementById("pane");
+const line = document.getElementById("line");
+const curtain = document.getElementById("curtain");
+
+function say(title, hint) {
+  curtain.querySelector("h1").textContent = title;
+  curtain.querySelector("p").textContent = hint;
+  curtain.hidden = false;
+}
+
+function connect(reader, patience = PATIENCE.first) {
+  const socket = new WebSocket(new URL("socket", location.href.replace(/^http/, "ws")));
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => { patience = PATIENCE.first; };
+  socket.onmessage = ({data}) => {
+    reader.read(data);
+    curtain.hidden = true;
+  };
+  socket.onclose = () => {
+    if (curtain.hidden) say("The program has ended.", "Start it again, and it appears here by itself.");
+    setTimeout(() => connect(reader, Math.min(2 * patience, PATIENCE.most)), patience);
+  };
+}
+
+function start() {
+  let viewer;
+  try {
+    viewer = new MeshCat.Viewer(pane);
+  } catch (error) {
+    say("This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. It says: ${error.message}`);
+    return;
+  }
+  fit(viewer, pane);
+  window.viewer = viewer;  // for the curious, in the browser's console
+  connect(new SceneReader(viewer, (text) => {
+    line.textContent = text;
+    line.hidden = text === "";
+  }));
+}
+
+start();

@@ -1,0 +1,75 @@
+// Feeds the messages of tutorial/view/scene.py to a meshcat viewer, in a page or in a notebook cell.
+
+const COMMAND = 0, LINE = 1, CLEAR = 2, CAMERA = 3;  // as Record in tutorial/view/scene.py
+const EVERY_VIEWER_HAS = new Set(["Axes", "Background", "Cameras", "Grid", "Lights"]);
+
+/** The records of a message, as {kind, payload}. */
+export function* records(message) {
+  const view = message instanceof ArrayBuffer
+    ? new DataView(message)
+    : new DataView(message.buffer, message.byteOffset, message.byteLength);
+  for (let start = 0; start < view.byteLength;) {
+    const length = view.getUint32(start, true);
+    const kind = view.getUint8(start + 4);
+    yield {kind, payload: new Uint8Array(view.buffer, view.byteOffset + start + 5, length)};
+    start += 5 + length;
+  }
+}
+
+/** Shows the messages of one scene. */
+export class SceneReader {
+  /** viewer: a MeshCat.Viewer. showLine: called with the text of the line under the view. */
+  constructor(viewer, showLine) {
+    this.viewer = viewer;
+    this.showLine = showLine;
+    this.camera = "";
+  }
+
+  /** message: an ArrayBuffer, a DataView or a Uint8Array. */
+  read(message) {
+    let isWhole = false;
+    for (const {kind, payload} of records(message)) {
+      try {
+        if (kind === CLEAR) { isWhole = true; this.clear(); }
+        else if (kind === COMMAND) this.viewer.handle_command_bytearray(payload);
+        else if (kind === LINE) this.showLine(new TextDecoder().decode(payload));
+        else if (kind === CAMERA) this.place(payload, isWhole);
+      } catch (error) {  // one bad record does not cost the others
+        console.error("a record of kind", kind, "cannot be shown:", error);
+      }
+    }
+  }
+
+  clear() {
+    for (const name of Object.keys(this.viewer.scene_tree.children)) {
+      if (!EVERY_VIEWER_HAS.has(name)) this.viewer.delete_path([name]);
+    }
+    this.showLine("");
+    this.viewer.set_dirty();
+  }
+
+  // A view turned by hand stays so when the same scene is shown once more.
+  place(payload, isWhole) {
+    if (isWhole && this.camera === payload.join()) return;
+    this.camera = payload.join();
+    const view = new DataView(payload.buffer, payload.byteOffset, payload.byteLength);
+    const [x, y, z, toX, toY, toZ] = [0, 8, 16, 24, 32, 40].map((start) => view.getFloat64(start, true));
+    const {viewer} = this;
+    viewer.set_transform(["Cameras", "default"], [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, toX, toY, toZ, 1]);
+    viewer.camera.position.set(x - toX, z - toZ, toY - y);  // three.js: y is up
+    viewer.controls.target.set(0, 0, 0);
+    viewer.set_dirty();
+  }
+}
+
+/** Keep the picture as large as its element; meshcat itself takes the height of the window. Returns how to stop. */
+export function fit(viewer, element) {
+  const resize = viewer.set_3d_pane_size.bind(viewer);
+  viewer.set_3d_pane_size = () => {
+    if (element.clientWidth && element.clientHeight) resize(element.clientWidth, element.clientHeight);
+  };
+  const observer = new ResizeObserver(() => viewer.set_3d_pane_size());
+  observer.observe(element);
+  viewer.set_3d_pane_size();
+  return () => observer.disconnect();
+}

@@ -1,0 +1,248 @@
+"""Serves the 3D view to browsers on this machine: for programs outside Jupyter.
+
+The server is part of the program: no thread, no second process. It lives on the event loop of the main
+thread and is gone when the program is, however it ends.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import html
+import os
+import socket
+from string import Template
+from types import TracebackType
+from typing import Any, Self
+from urllib.parse import urlsplit
+
+from tornado.httpserver import HTTPServer
+from tornado.web import Application, HTTPError, RequestHandler, StaticFileHandler
+from tornado.websocket import WebSocketClosedError, WebSocketHandler
+
+from tutorial.errors import TutorialError
+from tutorial.handoff import ThreadGuard, running_loop
+from tutorial.view.assets import STATIC, meshcats_viewer
+from tutorial.view.scene import Scene
+
+__all__ = ["SceneServer"]
+
+ADDRESS = "127.0.0.1"
+FIRST_PORT = 7000
+PORTS_TRIED = 100
+
+POLICY = (
+    "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
+    "worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'"
+)
+"""The page asks nothing but its own origin, and the browser sees to it."""
+
+BACKLOG = 1 << 18
+"""What the system holds for one browser [bytes]. One that is further behind misses frames."""
+
+NO_LOOP = "the 3D view is served by an event loop, and none runs here. Make it within asyncio.run(main())."
+
+
+class SceneServer:
+    """A page that shows a scene, on this machine only.
+
+    Make it on the main thread while its event loop runs. Leaving ``with`` or ``async with`` closes it.
+
+    Args:
+        scene: what to show.
+        port: where to serve; 0 for any that is free, None for the first free one from 7000 on.
+        title: of the page.
+
+    Raises:
+        TutorialError: the port is in use or not allowed, or no event loop runs.
+    """
+
+    def __init__(self, scene: Scene, port: int | None = None, title: str = "Tank") -> None:
+        self._guard = ThreadGuard("the server of the 3D view")
+        self._loop = running_loop(NO_LOOP)
+        self._browsers: set[_Browser] = set()
+        self._listener = _listen(port)
+        self._listener.setblocking(False)
+        self._port = int(self._listener.getsockname()[1])
+        self._http = HTTPServer(_application(scene, title, self._browsers))
+        self._http.add_socket(self._listener)
+        self._closing: asyncio.Task[None] | None = None
+
+    @property
+    def url(self) -> str:
+        """Where the page is, for instance ``http://127.0.0.1:7000/``."""
+        return f"http://{ADDRESS}:{self._port}/"
+
+    @property
+    def browsers(self) -> int:
+        """How many pages are connected."""
+        return len(self._browsers)
+
+    def close(self) -> None:
+        """Say goodbye to the browsers and free the port, at once. A second time does nothing.
+
+        Raises:
+            WrongThreadError: called on another thread than the server's.
+        """
+        self._guard.check("SceneServer.close")
+        if self._loop.is_closed():
+            self._listener.close()
+        if self._closing is not None or self._loop.is_closed():
+            return
+        self._http.stop()
+        for browser in tuple(self._browsers):
+            browser.leave()
+        self._closing = self._loop.create_task(self._http.close_all_connections())
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+        if self._closing is not None:
+            await self._closing
+
+
+def _listen(port: int | None) -> socket.socket:
+    """Take a port of this machine's own address.
+
+    Raises:
+        TutorialError: it cannot be had.
+    """
+    if port is not None:
+        return _listen_on(port)
+    for candidate in range(FIRST_PORT, FIRST_PORT + PORTS_TRIED):
+        try:
+            return socket.create_server((ADDRESS, candidate))
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
+    last = FIRST_PORT + PORTS_TRIED - 1
+    raise TutorialError(f"the ports {FIRST_PORT} to {last} are all in use. Give port=0 for any other.")
+
+
+def _listen_on(port: int) -> socket.socket:
+    mend = "Give another one, or none to take the first that is free."
+    if not 0 <= port <= 65535:
+        raise TutorialError(f"the 3D view cannot have port {port}: ports are 0 to 65535. {mend}")
+    try:
+        return socket.create_server((ADDRESS, port))
+    except OSError as error:
+        in_use = error.errno == errno.EADDRINUSE
+        reason = "another program uses it already" if in_use else os.strerror(error.errno or 0).lower()
+        raise TutorialError(f"the 3D view cannot have port {port}: {reason}. {mend}") from error
+
+
+def _application(scene: Scene, title: str, browsers: set[_Browser]) -> Application:
+    return Application(
+        [
+            (r"/", _Page, {"title": title}),
+            (r"/socket", _Browser, {"scene": scene, "browsers": browsers}),
+            (r"/static/(.*)", _Files, {"path": str(STATIC)}),
+            (r"/meshcat/(.*)", _Files, {"path": str(meshcats_viewer())}),
+        ],
+        log_function=lambda _handler: None,
+        websocket_max_message_size=1024,
+    )
+
+
+class _Page(RequestHandler):
+    def initialize(self, title: str) -> None:
+        self.title = title
+
+    def set_default_headers(self) -> None:
+        _protect(self)
+
+    def get(self) -> None:
+        page = Template((STATIC / "page.html").read_text(encoding="utf-8"))
+        self.finish(page.substitute(title=html.escape(self.title)))
+
+
+class _Files(StaticFileHandler):
+    def set_extra_headers(self, path: str) -> None:  # noqa: ARG002 (tornado's name)
+        _protect(self)
+
+
+def _protect(handler: RequestHandler) -> None:
+    handler.set_header("Cache-Control", "no-cache")
+    handler.set_header("Content-Security-Policy", POLICY)
+    handler.set_header("X-Content-Type-Options", "nosniff")
+
+
+class _Browser(WebSocketHandler):
+    """One page that looks at the scene: it gets the whole scene, then each frame that it can keep up with."""
+
+    def initialize(self, scene: Scene, browsers: set[_Browser]) -> None:
+        self.scene = scene
+        self.browsers = browsers
+        self.is_behind = False
+
+    def prepare(self) -> None:
+        """Let in the page from here, and no other that happens to know the address.
+
+        The host is looked at as well as the origin: a page from elsewhere can have its own name lead to this
+        machine (DNS rebinding), and then its origin and host agree.
+        """
+        host = self.request.host
+        origin = self.request.headers.get("Origin")
+        is_local = urlsplit(f"//{host}").hostname in (ADDRESS, "localhost")
+        if not is_local or origin not in (None, f"http://{host}"):
+            raise HTTPError(403, "only its own page may look at the scene")
+
+    def open(self, *_args: str, **_kwargs: str) -> None:
+        if self._stream.closed():  # hung up already
+            return
+        self.set_nodelay(True)
+        self._stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BACKLOG)
+        self.browsers.add(self)
+        self._send(self.scene.snapshot())
+        self.scene.attach(self.show)
+
+    def on_message(self, message: str | bytes) -> None:
+        """The page has nothing to say."""
+
+    def on_close(self) -> None:
+        self.browsers.discard(self)
+        self.scene.detach(self.show)
+
+    def show(self, message: bytes) -> None:
+        """Send one frame, unless an earlier one still waits: then all is sent when that is gone."""
+        if self._stream.writing():
+            self.is_behind = True
+        else:
+            self._send(message)
+
+    def leave(self) -> None:
+        """Say goodbye and hang up, whether the other side listens or not."""
+        self.on_close()
+        stream = self._stream
+        self.close(1001, "the program has ended")
+        stream.close()
+
+    @property
+    def _stream(self) -> Any:
+        assert self.ws_connection is not None
+        return self.ws_connection.stream
+
+    def _send(self, message: bytes) -> None:
+        try:
+            self.write_message(message, binary=True).add_done_callback(self._sent)
+        except WebSocketClosedError:
+            self.on_close()
+
+    def _sent(self, done: asyncio.Future[None]) -> None:
+        if done.cancelled() or done.exception() is not None:
+            self.on_close()
+        elif self.is_behind and self in self.browsers:
+            self.is_behind = False
+            self._send(self.scene.snapshot())
