@@ -52,6 +52,7 @@ lint: .venv/lint
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	PYTHONPATH=tutorial/ros/underlay $(BIN)/lint-imports --no-logo --no-cache
 
 install: .venv/install
 
