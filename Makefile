@@ -17,6 +17,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 DURATION ?=
 PYTEST_ARGS ?=
+export PYTHONDONTWRITEBYTECODE :=  # modules are compiled once, not by each of hundreds of processes
 
 .PHONY: book demo test nbval notebooks screenshots lab install bench soak lint clean
 
@@ -24,7 +25,7 @@ demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
 
 test: install
-	$(BIN)/python -m pytest $(PYTEST_ARGS)
+	$(BIN)/python -m pytest $(if $(PYTEST_ARGS),,-n auto --no-loadscope-reorder) $(PYTEST_ARGS)
 
 nbval: install
 	$(BIN)/python -m pytest notebooks $(PYTEST_ARGS)

@@ -148,13 +148,13 @@ class Notebook:
 
     async def errors(self) -> list[str]:
         """What the cells raised, as one line each, with the cell's number."""
-        errors = []
-        for cell in range(await self.count()):
-            if await self._do(f"content.widgets[{cell}].model.type") == "code":
-                for output in await self.outputs(cell):
-                    if output["output_type"] == "error":
-                        errors.append(f"cell {cell}: {output['ename']}: {output['evalue']}")
-        return errors
+        cells = "content.widgets.map((cell) => cell.model.outputs?.toJSON() ?? [])"
+        return [
+            f"cell {cell}: {output['ename']}: {output['evalue']}"
+            for cell, outputs in enumerate(await self._do(cells))
+            for output in outputs
+            if output["output_type"] == "error"
+        ]
 
     async def clear(self, cell: int) -> None:
         """Take a cell's outputs away."""
