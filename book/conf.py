@@ -53,8 +53,19 @@ def setup(app: Any) -> None:
     """Have Sphinx write the notebooks' pages first, and put the one player of replays where all pages find it."""
     write_pages(BOOK.parent / "notebooks", BOOK / "notebooks")
     app.add_html_math_renderer("mathml", (visit_math, None), (visit_math_block, None))
+    app.connect("env-get-outdated", lambda *_: ["controllers"])
+    app.connect("source-read", add_controllers)
     app.connect("html-page-context", add_player)
     app.connect("build-finished", write_player)
+
+
+def add_controllers(_app: Any, page: str, source: list[str]) -> None:
+    """Show the controllers on their page, in the order of the notebooks that build them."""
+    if page == "controllers":
+        for path in sorted((BOOK.parent / "notebooks").glob("[1-9]_*.ipynb")):
+            number, name = path.stem.split("_", 1)
+            source[0] += f"\n## Step {number}: `{name}.py`\n\n"
+            source[0] += f"```{{literalinclude}} ../tutorial/controllers/{name}.py\n:language: python\n```\n"
 
 
 def add_player(app: Any, _page: str, _template: str, context: dict[str, Any], _tree: Any) -> None:

@@ -130,7 +130,7 @@ def test_a_command_that_is_asked_to_stop_before_it_runs_is_told(tmp_path):
     ready_then_sleep = f"import pathlib; pathlib.Path({str(ready)!r}).touch()\n{SLEEP}"
     script = (
         "import os, signal, subprocess, sys\n"
-        "from tutorial import lifeline\n"
+        "from tutorial.commands import lifeline\n"
         "class Slow(subprocess.Popen):\n"
         "    def __init__(self, command):\n"
         "        os.kill(os.getpid(), signal.SIGINT)\n"
