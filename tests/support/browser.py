@@ -14,8 +14,8 @@ from PIL import Image
 from playwright.async_api import Page, async_playwright
 
 NAMES = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
-ARGUMENTS = ["--disable-gpu", "--enable-unsafe-swiftshader", "--no-sandbox"]  # only WebGL is drawn as by a graphics card,
-OF_ITS_OWN = "GPU stall due to ReadPixels"  # and read back for the rest of the page, which Chromium warns of
+ARGUMENTS = ["--disable-gpu", "--enable-unsafe-swiftshader", "--no-sandbox"]  # WebGL alone is drawn as by a card
+OF_ITS_OWN = "GPU stall due to ReadPixels"  # what Chromium then warns of
 PATIENCE = 60.0
 
 
