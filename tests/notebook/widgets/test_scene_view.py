@@ -375,6 +375,8 @@ shown
 BUSY = """
 import time
 for i in range(201):
+    while shown._audience.frame > min(tuple(shown._audience._seen.values()), default=shown._audience.frame) + 30:
+        time.sleep(0.001)  # the page is slow, and what it shows is not to depend on that
     move(i / 200, 0)
     time.sleep(0.015)
 time.sleep(600)
@@ -458,29 +460,26 @@ async def lose_the_connection(page, notebook, witness):
         await notebook.reconnect()
         await is_seen(page, 0, x, 0)
     await notebook.start(3)
-    await until(lambda: is_at_the_end(page), "the kernel is busy with the end of the cell")
+    await until(lambda: is_near_the_end(page), "the kernel is busy")
     await page.locator(pane(0)).evaluate(TAKE_THE_BOX_AWAY)
     for _ in range(2):
         await notebook.reconnect()
     await notebook.interrupt()
     await notebook.is_done()
-    await is_seen(page, 0, 1, 0)
+    await notebook.run_new("move(0.7, 0)")
+    await is_seen(page, 0, 0.7, 0)
     assert [text for text in witness.complaints if not text.startswith("Connection lost, reconnecting")] == []
     witness.complaints.clear()
 
 
-async def is_at_the_end(page):
-    return (await page.locator(pane(0)).evaluate(WHERE_IS_THE_BOX))[0] == 1
+async def is_near_the_end(page):
+    return (await page.locator(pane(0)).evaluate(WHERE_IS_THE_BOX))[0] > 0.9
 
 
 async def watch_a_busy_cell(page, notebook):
     """A cell that gives the loop no turn is seen all along, longer than a page may fall behind."""
     await notebook.start(3)
-
-    async def is_near_the_end():
-        return (await page.locator(pane(0)).evaluate(WHERE_IS_THE_BOX))[0] > 0.9
-
-    await until(is_near_the_end, "the page shows the end of what a busy cell draws")
+    await until(lambda: is_near_the_end(page), "the page shows the end of what a busy cell draws")
     assert await notebook.is_busy()
     await notebook.interrupt()
     await notebook.is_done()
