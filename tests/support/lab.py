@@ -170,6 +170,10 @@ class Notebook:
         await self.page.reload()
         await self.is_ready()
 
+    async def reconnect(self) -> None:
+        """Have the page drop its connection to the kernel and make a new one; wait until that is there."""
+        await self._do("sessionContext.session.kernel.reconnect()")
+
     async def restart(self) -> None:
         """Restart the kernel, and wait until it is ready."""
         await self._do("sessionContext.restartKernel()")

@@ -7,12 +7,13 @@ import base64
 import gzip
 import math
 import re
+from contextlib import suppress
 
 import mujoco
 import numpy as np
 import pytest
 import umsgpack
-from browser import Witness, chromium, open_browser
+from browser import PATIENCE, Witness, chromium, open_browser
 from sensor_msgs.msg import JointState
 
 from tutorial.errors import TutorialError
@@ -138,7 +139,7 @@ async def show_step_3(path):
         keeping = recorded(scene, path, "tank", host.shown_at, host.joint_positions)
         with NodeThread("publisher") as thread, keeping:
             publisher = thread.node.create_publisher(JointState, "Tank/joint_state", 1)
-            running = asyncio.ensure_future(host.run(30.0))
+            running = asyncio.ensure_future(host.run())
             while not publisher.get_subscription_count():
                 await asyncio.sleep(0.01)
             for i in range(100):
@@ -148,8 +149,9 @@ async def show_step_3(path):
                 await asyncio.sleep(0.02)
             while host.joint_positions()["Tank TURRET_Y"] != published[-1]["TURRET_Y"]:
                 await asyncio.sleep(0.01)
-            await asyncio.sleep(0.1)
             running.cancel()
+            with suppress(asyncio.CancelledError):
+                await running  # it draws once more
     return published
 
 
@@ -172,6 +174,7 @@ def angle(before, after, axis):
 
 
 @pytest.mark.browser
+@pytest.mark.timeout(300)
 def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
     path, browser = tmp_path / "viewer.html", chromium()
 
@@ -179,6 +182,7 @@ def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
         published = await show_step_3(path)
         async with open_browser(browser) as page:
             witness = Witness(page)
+            await page.clock.install(time=0)
             await page.goto(path.as_uri())
             await page.wait_for_function("document.querySelector('.tank-replay')?.replay?.picture")
             timeline = await page.evaluate(
@@ -194,33 +198,49 @@ def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
                 assert any(kept == pytest.approx(list(each.values()), abs=1e-5) for each in published)
                 assert f"TURRET_Y {kept[0]:.3f}" in words
             assert kept == pytest.approx(list(published[-1].values()), abs=1e-5)
-            await it_plays(page)
+            await it_plays(page, times[-1])
             assert not witness.complaints
             assert all(url.startswith(("file:", "blob:", "data:")) for url in witness.requests)
 
-    asyncio.run(asyncio.wait_for(main(), 100))
+    asyncio.run(asyncio.wait_for(main(), 4 * PATIENCE))
 
 
-PLAY_TWICE = """() => new Promise((resolve) => {
+STATE = """() => {
+    const {time, isPlaying, button} = document.querySelector(".tank-replay").replay;
+    return [time, isPlaying, button.textContent];
+}"""
+PLAY_TWICE = """() => {
     const {replay} = document.querySelector(".tank-replay"), seek = replay.seek.bind(replay);
     window.steps = 0;
     window.frames = 0;
     replay.seek = (time) => { window.steps += 1; seek(time); };
     replay.play(); replay.pause(); replay.play();
-    const count = () => { window.frames += 1; if (window.frames < 10) requestAnimationFrame(count); else resolve(); };
+    const count = () => { window.frames += 1; requestAnimationFrame(count); };
     requestAnimationFrame(count);
-})"""
+}"""
 
 
-async def it_plays(page):
-    """The button plays it from the beginning, to the end, and there it stops."""
-    await page.get_by_role("button", name="Play").click()
-    await page.wait_for_function("document.querySelector('.tank-replay').replay.time > 0.3")
-    await page.get_by_role("button", name="Pause").click()
+async def it_plays(page, duration):
+    """The button plays it from the beginning to the end, in its own time, and stops. The test turns the clock."""
+    await page.clock.pause_at(3600)  # [s]: later than it is
+    play, pause = (page.get_by_role("button", name=name, exact=True) for name in ("Play", "Pause"))
+    await play.click()
+    await page.clock.run_for(400)
+    time, *doing = await page.evaluate(STATE)
+    assert time == pytest.approx(0.4, abs=0.05)
+    assert doing == [True, "Pause"]
+    await pause.click()
+    await page.clock.run_for(400)
+    assert await page.evaluate(STATE) == [time, False, "Play"]
     await page.evaluate(PLAY_TWICE)
-    assert await page.evaluate("steps") <= 1.5 * await page.evaluate("frames"), "it plays at double speed"
-    await page.get_by_role("button", name="Pause").click()
+    await page.clock.run_for(200)
+    assert 10 <= await page.evaluate("steps") <= 1.5 * await page.evaluate("frames"), "it plays at double speed"
+    await pause.click()
+    assert (await page.evaluate(STATE))[0] == pytest.approx(time + 0.2, abs=0.05)
+    await play.click()
+    await page.clock.fast_forward(1000 * duration)  # as if the machine had slept
+    assert await page.evaluate(STATE) == [duration, False, "Play"]
+    await play.click()
+    await page.clock.run_for(200)
     await page.get_by_role("slider", name="time").press("End")
-    await page.wait_for_function(
-        "(r => r.time === r.duration && !r.isPlaying)(document.querySelector('.tank-replay').replay)"
-    )
+    assert await page.evaluate(STATE) == [duration, False, "Play"]

@@ -419,3 +419,67 @@ def test_a_view_turned_by_hand_stays_so_after_a_restart():
                 await box.is_seen(page)
 
     run(main)
+
+
+WHAT_THERE_IS_TO_SEE = """() => {
+    const seen = [], controls = [];
+    viewer.scene.traverse((each) => {
+        const {type, name, visible, position, quaternion, scale, intensity, color, material} = each;
+        const colours = [color, material?.color].map((each) => each?.getHex());
+        const numbers = [position, quaternion, scale].flatMap((each) => each.toArray());
+        if (!each.isCamera) seen.push([type, name, visible, intensity, ...colours, ...numbers].join());
+    });
+    for (const row of viewer.gui.domElement.querySelectorAll("li")) controls.push(row.className);
+    const {top_color, bottom_color, visible} = viewer.scene_tree.find(["Background"]).object;
+    return [seen.sort(), controls.sort(), [top_color, bottom_color, visible]];
+}"""
+
+
+def furnish_oddly(scene):
+    """Change everything that a viewer has to begin with, and add to it."""
+    lamp = {"metadata": {"version": 4.5, "type": "Object"}, "object": {"type": "PointLight", "color": 255, "uuid": "l"}}
+    for path, key, value in (
+        ("/Grid", "scale", [3, 3, 3]),
+        ("/Axes", "visible", True),
+        ("/Background", "visible", False),
+        ("/Lights/SpotLight", "position", [1, 2, 3]),
+    ):
+        scene.send_message({"type": "set_property", "path": path, "property": key, "value": value})
+    for path in ("/Lights/Lamp", "/Grid/lamp"):
+        scene.send_message({"type": "set_object", "path": path, "object": lamp})
+    scene.send_message({"type": "delete", "path": "/Lights/FillLight"})
+    scene.flush()
+
+
+@pytest.mark.browser
+@pytest.mark.timeout(300)
+def test_a_scene_that_is_shown_once_more_is_as_if_it_were_the_first_time():
+    """The connection is lost and comes back, to the same program and then to another, without a complaint."""
+    path = chromium()
+
+    async def main():
+        async with open_browser(path) as page:
+            witness, box = Witness(page), RedBox()
+            async with SceneServer(box.scene, 0) as server:
+                await page.goto(server.url)
+                await box.is_seen(page)
+                for x in (0.3, 0.6, 0.9):
+                    for browser in tuple(server._browsers):
+                        browser._stream.close()
+                    box.move(x, 0)  # nobody looks
+                    await box.is_seen(page)
+                furnish_oddly(box.scene)
+                await page.wait_for_function("viewer.scene_tree.find(['Lights', 'Lamp', '<object>']).object.isLight")
+                assert witness.complaints == []
+            again = RedBox()
+            again.move(-0.5, 0.5)
+            async with SceneServer(again.scene, port_of(server)) as server:
+                await again.is_seen(page)
+                complaints = [text for text in witness.complaints if "ERR_CONNECTION_REFUSED" not in text]
+                assert complaints == []
+                old = await page.evaluate(WHAT_THERE_IS_TO_SEE)
+                await page.reload()
+                await again.is_seen(page)
+                assert old == await page.evaluate(WHAT_THERE_IS_TO_SEE)
+
+    run(main)

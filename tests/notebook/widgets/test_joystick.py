@@ -198,9 +198,11 @@ STRANGE_GAMEPAD = """() => {
     const gamepad = {id: "Wheel", connected: true, mapping: "", axes: [1, 1, 1], buttons: []};
     navigator.getGamepads = () => [gamepad];
 }"""
-BLOCK_THE_PAGE = """() => setTimeout(() => {
-    for (const end = performance.now() + 2000; performance.now() < end;);
-    window.isBlockOver = true;
+FREEZE_THE_PAGE = """() => setTimeout(() => {
+    const request = new XMLHttpRequest();
+    request.open("GET", "/until-it-thaws", false);  // the whole page waits for the answer
+    request.send();
+    window.isThawed = true;
 })"""
 
 
@@ -222,13 +224,15 @@ class Hands:
         return box["x"] + box["width"] / 2 * (1 + x), box["y"] + box["height"] / 2 * (1 + y)
 
     async def cause(self, *axes):
-        """Wait until these are the axes of the first two sticks."""
+        """Wait until these are the axes of the first two sticks; return the message that says so."""
+        found = []
 
         async def is_so():
-            newest = list(self.listener.messages[-1].axes) if self.listener.messages else []
-            return newest[:4] == pytest.approx(axes, abs=0.02)
+            found[:] = self.listener.messages[-1:]
+            return bool(found) and list(found[0].axes[:4]) == pytest.approx(axes, abs=0.02)
 
         await until(is_so, f"the axes are {axes}")
+        return found[0]
 
 
 async def use_the_mouse(hands):
@@ -282,12 +286,20 @@ async def drive_a_busy_kernel(hands, notebook):
 
 async def freeze_the_page(hands):
     """What is held is let go while the page is silent, and taken up again."""
+    thaw = asyncio.Event()
+
+    async def answer(route):
+        await thaw.wait()
+        await route.fulfill(body="")
+
+    await hands.page.route("**/until-it-thaws", answer)
     await hands.drag(0, 0, -1)
     await hands.cause(0, 1, 0, 0)
-    await hands.page.evaluate(BLOCK_THE_PAGE)
+    await hands.page.evaluate(FREEZE_THE_PAGE)
     await hands.cause(0, 0, 0, 0)
-    assert await hands.page.evaluate("window.isBlockOver")
+    thaw.set()
     await hands.cause(0, 1, 0, 0)
+    assert await hands.page.evaluate("window.isThawed")
 
 
 @pytest.mark.browser
@@ -312,10 +324,9 @@ def test_a_notebook_drives_by_mouse_fingers_keys_and_gamepad(domain, listener, t
             await page.get_by_text("is not used: Wheel. Drag a stick").wait_for()
             await hands.cause(0, 0, 0, 0)
             await page.evaluate(GAMEPAD)
-            await hands.cause(-0.5, 1, -0.25, 0)
-            newest = listener.messages[-1]
-            assert list(newest.axes[4:]) == [0, 1]
-            assert list(newest.buttons) == [1] + 13 * [0] + [1]
+            held = await hands.cause(-0.5, 1, -0.25, 0)
+            assert list(held.axes[4:]) == [0, 1]
+            assert list(held.buttons) == [1] + 13 * [0] + [1]
             await page.get_by_text("Gamepad: Pad <b>", exact=True).wait_for()
             await page.close()  # with the gamepad held
             await hands.cause(0, 0, 0, 0)

@@ -1,7 +1,7 @@
 // Feeds the messages of tutorial/view/scene.py to a meshcat viewer, in a page or in a notebook cell.
 
 const COMMAND = 0, LINE = 1, CLEAR = 2, CAMERA = 3;  // as Record in tutorial/view/scene.py
-const EVERY_VIEWER_HAS = new Set(["Axes", "Background", "Cameras", "Grid", "Lights"]);
+const ONLY_ONCE = new Set(["Background", "Cameras"]);  // of what a viewer has to begin with, it can make all else anew
 
 /** The records of a message, as {kind, payload}. */
 export function* records(message) {
@@ -16,6 +16,25 @@ export function* records(message) {
   }
 }
 
+/**
+ * Let a viewer replace a light as often as one likes. meshcat takes a light's controls off the page, but not off its list:
+ * from the third light on, it takes them off once more, which the browser refuses. The light's map of shadows it forgets.
+ */
+function mend(viewer) {
+  const replace = viewer.set_object.bind(viewer);
+  viewer.set_object = (path, object) => {
+    const node = viewer.scene_tree.find([...path, "<object>"]);
+    letGo(node);
+    for (const control of node.controllers.splice(0)) node.folder.remove(control);
+    replace(path, object);
+  };
+}
+
+/** Give back what meshcat forgets about when it disposes of a part of the scene. */
+function letGo({object}) {
+  object.traverse((each) => { if (each.isLight) each.dispose(); });
+}
+
 /** Shows the messages of one scene. */
 export class SceneReader {
   /** viewer: a MeshCat.Viewer. showLine: called with the text of the line under the view. */
@@ -23,6 +42,9 @@ export class SceneReader {
     this.viewer = viewer;
     this.showLine = showLine;
     this.camera = "";
+    const {top_color, bottom_color, visible} = viewer.scene_tree.find(["Background"]).object;
+    this.sky = {top_color, bottom_color, visible};
+    mend(viewer);
   }
 
   /** message: an ArrayBuffer, a DataView or a Uint8Array. */
@@ -40,12 +62,20 @@ export class SceneReader {
     }
   }
 
+  /** Make everything as it was in the beginning, but for the camera, which somebody may have turned by hand. */
   clear() {
-    for (const name of Object.keys(this.viewer.scene_tree.children)) {
-      if (!EVERY_VIEWER_HAS.has(name)) this.viewer.delete_path([name]);
+    const {viewer} = this;
+    for (const [name, node] of Object.entries(viewer.scene_tree.children)) {
+      if (ONLY_ONCE.has(name)) continue;
+      letGo(node);
+      viewer.delete_path([name]);
     }
+    viewer.add_default_scene_elements();
+    Object.assign(viewer.scene_tree.find(["Background"]).object, this.sky);
+    viewer.scene.background?.dispose();
+    viewer.show_background();
     this.showLine("");
-    this.viewer.set_dirty();
+    viewer.set_dirty();
   }
 
   // A view turned by hand stays so when the same scene is shown once more.
