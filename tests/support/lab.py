@@ -129,6 +129,11 @@ class Notebook:
         """Interrupt what the kernel does."""
         await self._do("sessionContext.session.kernel.interrupt()")
 
+    async def code_cells(self) -> list[int]:
+        """The numbers of the cells that hold code."""
+        kinds = await self._do("content.widgets.map((cell) => cell.model.type)")
+        return [cell for cell, kind in enumerate(kinds) if kind == "code"]
+
     async def count(self) -> int:
         """How many cells there are."""
         return int(await self._do("content.widgets.length"))
