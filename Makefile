@@ -12,7 +12,7 @@
 #   make bench | lint | clean
 
 PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3 python; do \
-	$$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && echo $$p && break; done)
+	$$p -c 'import ensurepip, sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && echo $$p && break; done)
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 DURATION ?=
@@ -54,11 +54,13 @@ lint: .venv/lint
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	PYTHONPATH=tutorial/ros/underlay $(BIN)/lint-imports --no-logo --no-cache
+	$(BIN)/check-jsonschema -q --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(BIN)/check-jsonschema -q --builtin-schema custom.github-workflows-require-timeout .github/workflows/*.yml
 
 install: .venv/install
 
 .venv/install: pyproject.toml constraints.txt
-	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 is needed and none was found. Install one, or say which: make PYTHON=/path/to/python3.12"; exit 1; }
+	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 is needed, on Debian and Ubuntu with its package python3-venv, and none was found. Install one, or say which: make PYTHON=/path/to/python3.12"; exit 1; }
 	@echo "Installing into .venv: about 700 MB, which takes some minutes the first time."
 	@$(PYTHON) -m venv --clear .venv
 	@$(PIP) install --progress-bar off -q -c constraints.txt -e ".[gamepad,test,book]"

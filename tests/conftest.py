@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Callable, Iterator
 
 import pytest
@@ -14,6 +15,15 @@ from tutorial import ros_backend
 
 LONG = "test_notebooks_in_browser.py"
 """The file whose tests are shared out one by one: each takes longer than most files."""
+
+
+def pytest_configure() -> None:
+    """Have Ctrl-C end what the tests start, however they themselves were started.
+
+    A background job of a shell ignores it, and so would every process that the tests start: this is handed down.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

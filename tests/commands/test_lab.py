@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
+import json
 import logging
+import os
+import re
 import shutil
+import socket
+import sys
+from base64 import b64encode
+from contextlib import closing, contextmanager
+from http.client import HTTPConnection
+from http.cookiejar import CookieJar
+from urllib.parse import urlsplit
+from urllib.request import HTTPCookieProcessor, Request, build_opener
 
 import nbformat
 import pytest
 from nbformat.sign import NotebookNotary
+from programs import PATIENCE, answer, until
 
 from tutorial.commands import lab
 from tutorial.commands.lab import NOTEBOOKS, lab_command, own_course, trust
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME
 
+ADDRESS = re.compile(r"http://127\.0\.0\.1:(\d+)/lab/tree/notebooks/0_setup\.ipynb\?token=(\w+)")
+CODESPACE = {"CODESPACE_NAME": "animated-tank", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN": "app.github.dev"}
+FORWARDED = "https://animated-tank-8888.app.github.dev"
 FOLDERS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")
 
 
@@ -51,15 +66,163 @@ def is_trusted(path, folder):
         notary.store.close()
 
 
-def test_it_opens_on_the_first_notebook_and_trusts_them_all(program, own_folders):
-    running = program("lab", "--", "--no-browser", "--ServerApp.port=0", "--allow-root", environment=own_folders)
-    running.says("http://127.0.0.1:")
-    running.says("/lab/tree/notebooks/0_setup.ipynb?token=")
+@pytest.fixture
+def open_lab(program, own_folders):
+    """Start ``tank lab`` where there is no browser, with more of JupyterLab's arguments, until it has said its say."""
+
+    def start(*arguments, environment=None):
+        nowhere = dict.fromkeys(("BROWSER", "DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"), "")
+        nowhere |= dict.fromkeys(("JUPYTER_TOKEN", "JUPYTER_TOKEN_FILE", *CODESPACE), "")
+        arguments = ("--ServerApp.port=0", *arguments)
+        running = program("lab", "--", *arguments, environment={**nowhere, **own_folders, **(environment or {})})
+        running.says("Ctrl-C ends it.\n")
+        return running
+
+    return start
+
+
+def address_of(running):
+    """The address that it has said."""
+    return ADDRESS.search(running.output)[0]
+
+
+def part_of(address, path):
+    """Another address of the same server, with the token."""
+    return f"{address.partition('/lab/')[0]}{path}?{urlsplit(address).query}"
+
+
+def test_where_there_is_no_browser_it_says_in_one_line_what_to_open(open_lab):
+    """As root, too, which the tests are in a container."""
+    running = open_lab()
+    said, how_to_end, *more = running.output.splitlines()
+    assert re.fullmatch("Open this in a browser: " + ADDRESS.pattern, said)
+    assert how_to_end == "Ctrl-C ends it."
+    assert more == []
+    with answer(address_of(running)) as page:
+        assert page.url == address_of(running)  # and not the page that asks for the token
+
+
+def test_ctrl_c_ends_it_and_its_kernels_without_a_word(open_lab):
+    running = open_lab()
+    said = list(running.lines)
+    run_kernel(address_of(running))
+    assert len(running.family()) == 2
+    running.asks_to_stop()
+    assert running.ends() == 0
+    assert [line for line in running.lines if not line.startswith("[IPKernelApp]")] == said
+    running.leaves_nothing()
+
+
+def run_kernel(address):
+    """Start a kernel, as a notebook does, and wait until it is ready."""
+    kernels = part_of(address, "/api/kernels")
+    with answer(Request(kernels, data=b"{}", method="POST")) as reply:
+        channels = f"/api/kernels/{json.load(reply)['id']}/channels"
+
+    def is_ready():
+        with answer(kernels) as reply:
+            return json.load(reply)[0]["execution_state"] == "idle"
+
+    with websocket(part_of(address, channels)) as status:
+        assert status == 101
+        until(is_ready, "the kernel")
+
+
+@contextmanager
+def websocket(address, **headers):
+    """Ask a server to go on as a websocket; yield the status that it answers with."""
+    url = urlsplit(address)
+    asking = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
+    connection = HTTPConnection(url.netloc, timeout=PATIENCE)
+    with closing(connection):
+        key = b64encode(bytes(16)).decode()
+        connection.request("GET", f"{url.path}?{url.query}", headers={**asking, "Sec-WebSocket-Key": key, **headers})
+        yield connection.getresponse().status
+
+
+def test_it_trusts_the_notebooks(open_lab, own_folders):
+    running = open_lab()
     for path in NOTEBOOKS.glob("*.ipynb"):
         assert is_trusted(path, own_folders["JUPYTER_DATA_DIR"]), path
     running.process.terminate()
-    running.ends()
+    assert running.ends() == 0
     running.leaves_nothing()
+
+
+@pytest.fixture
+def browser(tmp_path):
+    """A browser that writes down what it is asked to open."""
+    script, opened = tmp_path / "browser", tmp_path / "opened"
+    script.write_text(f'#!/bin/sh\necho "$1" > "{opened}.part" && mv "{opened}.part" "{opened}"\n')
+    script.chmod(0o755)
+    return script, opened
+
+
+def test_where_there_is_a_browser_it_opens(open_lab, browser):
+    script, opened = browser
+    running = open_lab(environment={"BROWSER": str(script)})
+    assert running.output == f"It opens in the browser, at {address_of(running)}\nCtrl-C ends it.\n"
+    until(opened.exists, "the browser to be opened")
+    with build_opener().open(opened.read_text().strip()) as page:  # a file that hides the token from other users
+        assert address_of(running) in page.read().decode()
+
+
+@pytest.mark.parametrize("sign", ["WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"])
+def test_a_browser_that_cannot_read_this_machines_files_gets_the_address(open_lab, browser, sign):
+    script, opened = browser
+    running = open_lab(environment={"BROWSER": str(script), sign: "yes"})
+    until(opened.exists, "the browser to be opened")
+    assert opened.read_text().strip() == address_of(running)
+
+
+def test_a_browser_in_the_terminal_is_none(open_lab, browser):
+    script, opened = browser
+    lynx = script.rename(script.with_name("lynx"))
+    path = os.pathsep.join((str(lynx.parent), os.environ["PATH"]))
+    running = open_lab(environment={"BROWSER": "lynx", "PATH": path})
+    assert running.output.startswith("Open this in a browser: ")
+    assert not opened.exists()
+
+
+def test_the_users_own_arguments_are_heard(open_lab):
+    running = open_lab("--no-browser", "--log-level=INFO", "--IdentityProvider.token=mine", "--ServerApp.prot=1")
+    assert "Jupyter Server" in running.output
+    assert "Did you mean `port`?" in running.output
+    assert "/lab/tree/notebooks/0_setup.ipynb?token=..." in running.output  # he knows it, and others may look on
+
+
+def test_a_port_in_use_leads_to_another(program, own_folders):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        options = ("--no-browser", f"--port={port}")
+        running = program("lab", "--", *options, environment=own_folders)
+        running.says("Ctrl-C ends it.\n")
+        assert len(running.lines) == 2
+        assert ADDRESS.search(running.output)[1] != str(port)
+        running = program("lab", "--", *options, "--port-retries=0", environment=own_folders)
+        assert running.ends() == 1
+        assert f"port {port} is not available" in running.output
+
+
+@pytest.mark.skipif(os.geteuid() != 0 or sys.platform != "linux", reason="is about root, and an address that Linux has")
+def test_root_has_to_ask_for_another_address(program, own_folders):
+    options = ("--no-browser", "--port=0", "--ip=127.0.0.2")
+    running = program("lab", "--", *options, environment=own_folders)
+    assert running.ends() == 1
+    assert "Use --allow-root" in running.output
+
+
+def test_in_a_codespace_the_forwarded_page_reaches_its_server_and_no_other_does(open_lab):
+    running = open_lab(environment=CODESPACE)
+    cookies = CookieJar()  # by which a page goes on that was opened with the token
+    build_opener(HTTPCookieProcessor(cookies)).open(address_of(running)).close()
+    sent = "; ".join(f"{cookie.name}={cookie.value}" for cookie in cookies)
+    events = address_of(running).partition("/lab/")[0] + "/api/events/subscribe"
+    answered = {}
+    for origin in (FORWARDED, "https://another-tank-8888.app.github.dev", f"{FORWARDED}.example"):
+        with websocket(events, Cookie=sent, Origin=origin) as status:
+            answered[origin] = status
+    assert list(answered.values()) == [101, 403, 403]
 
 
 def test_only_what_is_there_now_is_trusted(tmp_path):

@@ -10,9 +10,9 @@ import tarfile
 import zipfile
 from ast import literal_eval
 from pathlib import Path
-from urllib.request import urlopen
 
 import pytest
+from programs import answer
 
 from tutorial.paths import PACKAGE
 
@@ -134,16 +134,15 @@ def test_the_lab_opens_a_course_of_the_learners_own(installed, site, program, tm
     folders = {f"JUPYTER_{name}_DIR": str(tmp_path / name) for name in ("CONFIG", "DATA", "RUNTIME")}
     folders["JUPYTERLAB_WORKSPACES_DIR"] = str(tmp_path / "workspaces")
     before = names_in(site)
-    options = ("--no-browser", "--ServerApp.port=0", "--allow-root")
-    running = program("lab", "--", *options, environment={**installed, **folders})
+    running = program("lab", "--", "--no-browser", "--ServerApp.port=0", environment={**installed, **folders})
     running.says("http://127.0.0.1:")
     course = Path.cwd() / "tank-tutorial"
     assert f"the course is now in {course}" in running.output
     address = re.search(r"http://127\.0\.0\.1:\S+", running.output).group()
-    with urlopen(address) as page:
+    with answer(address) as page:
         assert page.status == 200
         assert "/lab/tree/notebooks/0_setup.ipynb" in page.url  # and not the page that asks for the token
-    with urlopen(address.replace("/lab/tree/", "/files/")) as file:
+    with answer(address.replace("/lab/tree/", "/files/")) as file:
         assert file.read() == (course / "notebooks" / "0_setup.ipynb").read_bytes()
     running.process.terminate()
     running.ends()

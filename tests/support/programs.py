@@ -10,7 +10,10 @@ import threading
 import time
 import uuid
 from collections.abc import Callable
+from http.client import HTTPResponse
 from pathlib import Path
+from urllib.error import URLError
+from urllib.request import Request, urlopen
 
 import psutil
 
@@ -25,6 +28,18 @@ def until(condition: Callable[[], object], what: str = "the condition", patience
     deadline = time.monotonic() + patience
     while not condition():
         assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(0.02)
+
+
+def answer(request: Request | str, patience: float = PATIENCE) -> HTTPResponse:
+    """Ask a server for something, as soon as it listens."""
+    deadline = time.monotonic() + patience
+    while True:
+        try:
+            return urlopen(request, timeout=patience)
+        except URLError as error:
+            if not isinstance(error.reason, ConnectionRefusedError) or time.monotonic() > deadline:
+                raise
         time.sleep(0.02)
 
 

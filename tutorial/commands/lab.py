@@ -61,7 +61,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         course: the course folder, which is all that JupyterLab shows.
     """
     options = [f"--ServerApp.root_dir={course}", "--LabApp.default_url=/lab/tree/notebooks/0_setup.ipynb"]
-    return [sys.executable, "-P", "-m", "jupyterlab", *options, *arguments]
+    return [sys.executable, "-P", "-m", "tutorial.commands.lab_server", *options, *arguments]
 
 
 def trust(folder: Path = NOTEBOOKS, **settings: str) -> None:
@@ -74,6 +74,7 @@ def trust(folder: Path = NOTEBOOKS, **settings: str) -> None:
         folder: whose notebooks.
         settings: of Jupyter's notary, for instance ``data_dir``.
     """
+    logging.getLogger("traitlets").setLevel(logging.WARNING)  # it tells everyone where it keeps its key
     notary = NotebookNotary(**settings)  # type: ignore[no-untyped-call]
     for path in sorted(folder.glob("[0-9]_*.ipynb")):
         try:
