@@ -6,7 +6,7 @@
 #   make nbval                only the notebooks: run from the top, outputs compared with those that are committed
 #   make lab                  JupyterLab on the first notebook
 #   make install              .venv with everything that these need; quick when nothing has changed
-#   make screenshots          the README's pictures, taken by the browser tests
+#   make screenshots          the README's picture, which moves; it takes some minutes
 #   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency and memory
 #   make book                 the pages of book/ and the notebooks, as a site in book/_build/html
 #   make bench | lint | clean
@@ -34,7 +34,7 @@ notebooks: install
 	$(BIN)/python tests/support/execute_notebooks.py
 
 screenshots: install
-	TANK_SCREENSHOTS=book/images $(BIN)/python -m pytest tests/course/test_notebooks_in_browser.py -k desk
+	TANK_SCREENSHOTS=book/images $(BIN)/python -m pytest tests/course/test_moving_picture.py
 
 lab: install
 	@$(BIN)/tank lab

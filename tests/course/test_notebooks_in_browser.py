@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import os
-import shutil
 from contextlib import asynccontextmanager
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -50,14 +47,6 @@ def run(main):
     asyncio.run(asyncio.wait_for(main(), 6 * PATIENCE))
 
 
-async def picture(page: object, name: str, folder: Path) -> None:
-    """Take a screenshot; into the book, if it is being illustrated."""
-    path = folder / f"{name}.png"
-    await page.screenshot(path=path)
-    if target := os.environ.get("TANK_SCREENSHOTS"):
-        shutil.copy(path, target)
-
-
 async def cell_with(notebook, text):
     """The number of the first code cell that holds a text."""
     for cell in await notebook.code_cells():
@@ -93,15 +82,15 @@ def test_the_desk_is_driven_reloaded_and_restarted(domain, tmp_path):
             notebook = await lab.open(page, DESK)
             await page.evaluate("void window.jupyterapp.commands.execute('application:toggle-left-area')")
             await run_up_to_the_drive(notebook)
-            await drive_the_turret(page, notebook, tmp_path)
+            await drive_the_turret(page, notebook)
             await notebook.reload()
-            await drive_the_turret(page, notebook, tmp_path, "desk-reloaded", side=1)
+            await drive_the_turret(page, notebook, side=1)
             assert witness.complaints == []
             await notebook.restart()
             await page.get_by_text("The kernel has ended or was restarted.").first.wait_for()
             witness.complaints.clear()  # JupyterLab warns that it lost the kernel
             await run_up_to_the_drive(notebook)
-            await drive_the_turret(page, notebook, tmp_path)
+            await drive_the_turret(page, notebook)
             await close_the_desk(page, notebook)
             assert await notebook.errors() == []
             assert witness.complaints == []
@@ -143,7 +132,7 @@ async def close_the_desk(page, notebook):
     assert await page.locator(PANES).last.evaluate(HAS_TURRET)
 
 
-async def drive_the_turret(page, notebook, folder, name="desk", side=-1):
+async def drive_the_turret(page, notebook, side=-1):
     """Hold the right stick to one side with the mouse, until the turret has turned, in the scene and in pixels."""
     await notebook.scroll_to(await cell_with(notebook, "side_by_side"))
     pads, view = page.locator(".tank-stick-pad"), page.locator(PANES).last
@@ -165,6 +154,5 @@ async def drive_the_turret(page, notebook, folder, name="desk", side=-1):
         return (np.abs(after - looks).max(axis=2) > 40).sum() > 50
 
     await until(has_turned, "the turret has turned")
-    await picture(page, name, folder)
     await until(looks_different, "the turret is seen to have turned")
     await page.mouse.up()

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import click
 import pytest
+from PIL import Image
 
 from tutorial.commands.tank import tank
 from tutorial.paths import HOME, find_drive, find_launch_file, find_project
@@ -155,6 +156,16 @@ def test_the_glossary_explains_every_term_once():
     words = terms((HOME / "book" / "glossary.md").read_text(encoding="utf-8"))
     assert len(words) > 30
     assert len(words) == len({word.lower() for word in words})
+
+
+def test_the_picture_at_the_top_moves_and_is_soon_there():
+    top = (HOME / "README.md").read_text(encoding="utf-8").partition("```")[0]
+    (path,) = re.findall(r"^!\[[^]]{40,}\]\((.+)\)$", top, re.MULTILINE)  # with a text for those who don't see it
+    with Image.open(HOME / path) as picture:
+        assert picture.n_frames > 1
+        assert picture.info["loop"] == 0, "it stops"
+        assert 800 <= picture.width <= 1000
+    assert (HOME / path).stat().st_size < 1_500_000
 
 
 def steps(page):

@@ -82,7 +82,7 @@ class Notebook:
 
         await until(is_so, "the notebook's kernel is ready")
         await self._do("sessionContext.ready")
-        assert await self._python() == sys.executable
+        assert await self.ask("import sys; print(sys.executable)") == sys.executable
 
     async def run_all(self) -> None:
         """Run all cells, and wait until they are done."""
@@ -112,6 +112,21 @@ class Notebook:
         assert errors == []
         await self._command("notebook:delete-cell")
         return text
+
+    async def ask(self, source: str) -> str:
+        """Run code in the kernel that no cell shows, and return what it printed; fail if it raised."""
+        said = await self.page.evaluate(
+            """(code) => {
+                const {kernel} = window.jupyterapp.shell.currentWidget.sessionContext.session;
+                const future = kernel.requestExecute({code, silent: false, store_history: false});
+                let text = "";
+                future.onIOPub = ({content}) => { text += content.text ?? content.traceback?.join("\\n") ?? ""; };
+                return future.done.then(({content}) => [content.status, text.trim()]);
+            }""",
+            source,
+        )
+        assert said[0] == "ok", said[1]
+        return str(said[1])
 
     async def is_busy(self) -> bool:
         """Whether a cell runs or waits to run."""
@@ -203,20 +218,6 @@ class Notebook:
 
     async def _command(self, name: str) -> None:
         await self.page.evaluate("(name) => window.jupyterapp.commands.execute(name)", name)
-
-    async def _python(self) -> str:
-        """The Python that the kernel runs: it has to be the one that runs the tests."""
-        code = "import sys; print(sys.executable)"
-        return str(
-            await self.page.evaluate(
-                """(code) => new Promise((resolve) => {
-                    const kernel = window.jupyterapp.shell.currentWidget.sessionContext.session.kernel;
-                    const future = kernel.requestExecute({code, silent: false, store_history: false});
-                    future.onIOPub = ({content}) => { if (content.text) resolve(content.text.trim()); };
-                })""",
-                code,
-            )
-        )
 
 
 @asynccontextmanager

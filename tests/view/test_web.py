@@ -11,6 +11,7 @@ from contextlib import asynccontextmanager
 from urllib.parse import urlsplit
 
 import mujoco
+import numpy as np
 import psutil
 import pytest
 from browser import PATIENCE, Witness, chromium, open_browser, pixels, red_spot, until
@@ -327,7 +328,13 @@ class RedBox:
         self.scene = Scene()
         self.view = View(self.scene)
         self.view.add("box", self.model)
-        self.view.look_at((0, -DISTANCE, 0), (0, 0, 0))
+        self.look_at(0, 0)
+
+    def look_at(self, x, z):
+        """Have the camera look along y at a point in the plane of the box."""
+        self.middle = x, z
+        self.view.look_at((x, -DISTANCE, z), (x, 0, z))
+        self.view.flush()
 
     def move(self, x, z):
         self.data.qpos[[0, 2]] = x, z
@@ -343,7 +350,7 @@ class RedBox:
             spot = red_spot(picture)
             height, width, _ = picture.shape
             scale = height / 2 / HALF_ANGLE / DISTANCE  # pixels per metre, at the box's middle
-            x, z = self.data.qpos[[0, 2]]
+            x, z = self.data.qpos[[0, 2]] - self.middle
             expected = width / 2 + scale * x, height / 2 - scale * z
             return spot is not None and max(abs(a - b) for a, b in zip(spot, expected, strict=True)) < 0.05 * height
 
@@ -414,8 +421,41 @@ def test_a_view_turned_by_hand_stays_so_after_a_restart():
             async with SceneServer(box.scene, port_of(server)):
                 await page.locator("#curtain").wait_for(state="hidden")
                 assert await page.evaluate(where) == pytest.approx(turned, abs=0.01)
-                box.view.look_at((0, -DISTANCE, 0), (0, 0, 0))
-                box.view.flush()
+                box.look_at(0, 0)
+                await box.is_seen(page)
+
+    run(main)
+
+
+@pytest.mark.browser
+@pytest.mark.timeout(300)
+def test_what_one_looks_at_is_in_the_middle_also_when_the_view_is_turned():
+    path = chromium()
+    where = "viewer.camera.position.toArray()"
+
+    async def main():
+        async with open_browser(path) as page:
+            box = RedBox()
+            async with SceneServer(box.scene, 0) as server:
+                await page.goto(server.url)
+                await box.is_seen(page)
+                box.move(1.2, 0.7)
+                box.look_at(1.2, 0.7)
+                await box.is_seen(page)
+                box.move(0.9, 0.4)
+                await box.is_seen(page)
+                box.move(1.2, 0.7)
+                await box.is_seen(page)
+                before = await page.evaluate(where)
+                await page.mouse.move(400, 300)
+                await page.mouse.down()
+                await page.mouse.move(550, 400, steps=5)
+                await page.mouse.up()
+
+                async def is_turned():
+                    return np.linalg.norm(np.subtract(await page.evaluate(where), before)) > 1
+
+                await until(is_turned, "the mouse has turned the view")
                 await box.is_seen(page)
 
     run(main)

@@ -16,7 +16,7 @@ __all__ = ["View"]
 
 ROOT = "/Bodies"
 
-CAMERA: tuple[Vector, Vector] = ((-4.4, -3.4, 2.6), (-1.0, 0.0, 0.0))
+CAMERA: tuple[Vector, Vector] = ((-4.4, -3.4, 2.6), (-0.6, -0.1, 0.0))
 """Where the camera stands at first, and what it looks at [m]."""
 
 CLOSE_UP = np.array([-1.0, -0.8, 0.6])

@@ -85,9 +85,9 @@ export class SceneReader {
     const view = new DataView(payload.buffer, payload.byteOffset, payload.byteLength);
     const [x, y, z, toX, toY, toZ] = [0, 8, 16, 24, 32, 40].map((start) => view.getFloat64(start, true));
     const {viewer} = this;
-    viewer.set_transform(["Cameras", "default"], [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, toX, toY, toZ, 1]);
-    viewer.camera.position.set(x - toX, z - toZ, toY - y);  // three.js: y is up
-    viewer.controls.target.set(0, 0, 0);
+    viewer.set_transform(["Cameras", "default"], [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    viewer.camera.position.set(x, z, -y);  // three.js: y is up
+    viewer.controls.target.set(toX, toZ, -toY);
     viewer.set_dirty();
   }
 }

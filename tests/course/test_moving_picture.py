@@ -1,0 +1,149 @@
+"""The README's picture: in a notebook, the tank drives to the rail and back, driven by the joystick beside it."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import PATIENCE, Witness, chromium, open_browser
+from film import Film
+from lab import copy_files, jupyter_lab
+
+from tutorial.paths import HOME
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.timeout(1800),
+    pytest.mark.skipif("TANK_SCREENSHOTS" not in os.environ, reason="it makes the README's picture: make screenshots"),
+]
+
+FRAME = 0.066  # [s] from one picture to the next
+WIDTH = 960  # [pixels]
+SOON = 0.25  # by how much a hand moves a stick from one picture to the next
+
+CELL = """
+from tutorial.notebook import joystick, open_program, side_by_side
+
+program = open_program("step1")
+program.start()
+side_by_side(program.view, joystick())
+""".strip()
+
+DIRECTOR = """
+import json
+import numpy as np
+from tutorial.notebook import until
+from tutorial.view.bodies import CAMERA
+
+far, room = map(np.array, CAMERA)
+barrel = np.array([0.1, 0.0, 0.1])  # from the middle of the tank
+arms = far - room, np.array([-0.6, -1.1, 0.36])  # to the camera, at first and in the end
+lengths = np.linalg.norm(arms, axis=1)
+
+program.stop()
+joy = program.controller("TankController").joy
+joint = program.body("Tank").joint("TURRET_P")
+pose = program.body("Tank").data.body("Tank/CHASSIS").xpos
+start, rail = pose[0], 2.655
+
+def follow():
+    "Move the camera along with the tank, from where one sees the room to where one sees its barrel."
+    way = np.clip((pose[0] - start) / (rail - start), 0, 1)
+    near = way * way * (3 - 2 * way)
+    target = room + near * (pose + barrel - room)
+    arm = arms[0] / lengths[0] * (1 - near) + arms[1] / lengths[1] * near
+    arm *= lengths[0] ** (1 - near) * lengths[1] ** near / np.linalg.norm(arm)
+    program.view.scene.look_at(tuple((target + arm).tolist()), tuple(target.tolist()))
+    return [*pose, *target, *(target + arm)]
+
+def touching():
+    model, data = program.simulation.model, program.simulation.data
+    return ["Labo/RAIL", "Tank/BARREL"] in [sorted(model.geom(g).name for g in pair) for pair in data.contact.geom]
+
+async def take(stick, seconds):
+    "Let time pass while the stick is held so, and say what was so in the end."
+    await until(lambda: len(joy.get().axes) > 1 and abs(joy.get().axes[1] - stick) < 0.01)
+    program.advance(seconds)
+    program.host.refresh()
+    seen = follow()
+    program.host.refresh()
+    print(json.dumps({"driven": pose[0] - start, "touching": touching(), "barrel": joint.position, "seen": seen}))
+"""
+IS_SEEN = """([pane, wanted]) => {
+    const {viewer} = pane, {camera, controls} = viewer;
+    const tank = viewer.scene_tree.find(["Bodies", "Tank", "Tank.CHASSIS"]).object;
+    const [[toX, toY, toZ], [x, y, z]] = [controls.target.toArray(), camera.position.toArray()];
+    const shown = [...tank.position.toArray(), toX, -toZ, toY, x, -z, y];
+    return !viewer.needs_render && shown.every((number, i) => Math.abs(number - wanted[i]) < 1e-4);
+}"""
+
+
+class Drive:
+    """Drives by the left stick, up and down; simulated time passes only from one picture to the next.
+
+    Attributes:
+        takes: what was so in each picture.
+    """
+
+    def __init__(self, page, notebook, film):
+        self.takes = []
+        self._page, self._notebook, self._film = page, notebook, film
+        self._stick = 0.0
+
+    async def hold(self, towards, pictures):
+        """Move the stick towards there, and take so many pictures."""
+        for _ in range(pictures):
+            await self._take(towards)
+
+    async def hold_while(self, towards, condition):
+        """Move the stick to where the last take says, and take pictures as long as something is so of it."""
+        while condition(self.takes[-1]):
+            await self._take(towards(self.takes[-1]))
+
+    async def _take(self, towards):
+        self._stick += float(np.clip(towards - self._stick, -SOON, SOON))
+        box = await self._page.locator(".tank-stick-pad").first.bounding_box()
+        x, y, reach = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, 0.28 * box["height"]
+        await self._page.mouse.move(x, y - self._stick * reach)
+        take = json.loads(await self._notebook.ask(f"await take({self._stick}, {FRAME})"))
+        pane = await self._page.locator(".tank-view-pane").element_handle()
+        await self._page.wait_for_function(IS_SEEN, arg=[pane, take["seen"]])
+        await self._film.shoot()
+        self.takes.append(take)
+
+
+async def drive_to_the_rail_and_back(drive):
+    """End where it began: the picture begins anew there."""
+    await drive.hold(0, 6)
+    await drive.hold_while(lambda take: 0.85, lambda take: not take["touching"])
+    await drive.hold(0.85, 16)
+    await drive.hold_while(lambda take: -min(1.0, 0.15 + take["driven"]), lambda take: take["driven"] > 0.08)
+    await drive.hold(0, 5)
+
+
+def test_the_tank_drives_to_the_rail_and_its_barrel_is_lifted(domain, tmp_path):
+    path = chromium()
+
+    async def main():
+        async with jupyter_lab(tmp_path) as lab, open_browser(path, 1280, 800) as page:
+            copy_files(lab, HOME / "project")
+            witness = Witness(page)
+            notebook = await lab.open(page, lab.write("drive.ipynb", [CELL]))
+            await page.evaluate("void window.jupyterapp.commands.execute('application:toggle-left-area')")
+            await notebook.run(0)
+            await notebook.ask(DIRECTOR)
+            await page.locator(".tank-stick-pad").first.hover()
+            await page.mouse.down()
+            film = Film(page, await notebook.cell(0).bounding_box(), WIDTH, FRAME)
+            drive = Drive(page, notebook, film)
+            await drive_to_the_rail_and_back(drive)
+            await page.mouse.up()
+            assert max(take["barrel"] for take in drive.takes) > drive.takes[0]["barrel"] + 0.05
+            assert witness.complaints == []
+            film.save(Path(os.environ["TANK_SCREENSHOTS"]) / "drive.webp")
+
+    asyncio.run(asyncio.wait_for(main(), 28 * PATIENCE))
