@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 
 import numpy as np
 import pytest
-from browser import PATIENCE, Witness, chromium, open_browser, pixels, until
+from browser import AS_WITH_A_CARD, AS_WITHOUT, PATIENCE, Witness, chromium, open_browser, pixels, until
 from lab import DARK, copy_files, jupyter_lab
 
 from tutorial.commands.lab import trust
@@ -29,11 +29,11 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
 
 
 @asynccontextmanager
-async def at_the_desk(folder, base_url="/", theme=None):
+async def at_the_desk(folder, base_url="/", theme=None, arguments=AS_WITH_A_CARD):
     """JupyterLab with the notebooks and what belongs to them, in a browser's page that is watched."""
     async with (
         jupyter_lab(folder, base_url, theme) as lab,
-        open_browser(chromium(), 1280, 960) as page,
+        open_browser(chromium(), 1280, 960, arguments) as page,
     ):
         copy_files(lab, HOME / "notebooks", HOME / "project", HOME / "launch_py")
         trust(lab.notebooks / "notebooks", data_dir=str(folder / "data"))
@@ -61,7 +61,7 @@ def test_all_cells_run_twice_without_an_error(domain, tmp_path, name):
     chromium()
 
     async def main():
-        async with at_the_desk(tmp_path, "/user/ada/") as (lab, page, witness):
+        async with at_the_desk(tmp_path, "/user/ada/", arguments=AS_WITHOUT) as (lab, page, witness):
             notebook = await lab.open(page, f"notebooks/{name}")
             await notebook.run_all()
             assert await notebook.errors() == []

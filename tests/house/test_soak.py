@@ -19,7 +19,7 @@ SOAK = Path(__file__).parents[1] / "soak"
 def soak(program, monkeypatch):
     """Start the soak test with some arguments."""
     monkeypatch.setattr(programs, "TANK", sys.executable)
-    monkeypatch.setenv("PYTHONPATH", str(SOAK.parent))
+    monkeypatch.setenv("PYTHONPATH", str(SOAK.parent / "support"))
     return lambda *arguments: program(SOAK, *arguments)
 
 

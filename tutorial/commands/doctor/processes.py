@@ -111,7 +111,7 @@ def title(command: Sequence[str]) -> str | None:
         return "the check of an exercise"
     if first == "-m" and rest[0] == "ipykernel_launcher" and Path(command[0]).parent == Path(sys.executable).parent:
         return "a notebook's kernel"
-    if first == "-m" and rest[0] == "jupyterlab" and any("0_setup.ipynb" in word for word in rest):
+    if first == "-m" and rest[0] == "tutorial.commands.lab_server" and any("0_setup.ipynb" in word for word in rest):
         return "tank lab"
     if first == "-m" and rest[0] == "tutorial":
         first, *rest = "tank", *rest[1:]
