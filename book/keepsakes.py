@@ -66,7 +66,7 @@ class _Kept:
 
         self.stop(view)
         host = self._programs[view].host
-        recorder = Recorder(view.scene, lambda: host.shown_at, lambda: host.joint_positions, LONGEST_PAUSE)
+        recorder = Recorder(view.scene, host.shown_at, host.joint_positions, LONGEST_PAUSE)
         self._running[view] = self._count, recorder, end
 
     def stop(self, view: Any) -> None:
