@@ -176,14 +176,15 @@ class Naive(SimpleController):
 
     def configure(self, config):
         self.body = config.body
+        self.node = config.node
         topic = f"{config.body.name}/joint_state"
-        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+        self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
 
     def on_joint_state(self, message):
         self.body.set_joint_positions({"TURRET_Y": 1.0})
 
     def unconfigure(self):
-        self.subscription.destroy()
+        self.node.destroy_subscription(self.subscription)
 
 
 class Unfit(SimpleController):

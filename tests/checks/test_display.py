@@ -29,15 +29,17 @@ class NeverPosted(MyViewer):
 
 class HardCoded(MyViewer):
     def configure(self, config):
+        self.node = config.node
         super().configure(config)
-        self.subscription.destroy()
+        self.node.destroy_subscription(self.subscription)
         config.node.ears.clear()
         topic = "/Tank/joint_state"
-        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+        self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
 
 
 class WrongTopic(MyViewer):
     def configure(self, config):
+        self.node = config.node
         self.body, self.call_later = config.body, config.call_later
         topic = f"/{self.body.name}/joint_states"
         self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
@@ -128,6 +130,7 @@ class ListensWithoutSelf(MyViewer):
 
 class CallsTheCallback(MyViewer):
     def configure(self, config):
+        self.node = config.node
         self.body, self.call_later = config.body, config.call_later
         topic = f"{self.body.name}/joint_state"
         self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state(JointState()), 1)
@@ -159,7 +162,7 @@ SHOW = [
     (InventsZeros, "is set to 0", "a message with only TURRET_P"),
     (UnknownName, "match_joints leaves such names out", "ANTENNA"),
     (OnlyTwoJoints, "positions are computed but not set", ""),
-    (KeepsListening, "self.subscription.destroy()", "it still listens"),
+    (KeepsListening, "self.node.destroy_subscription(self.subscription)", "it still listens"),
 ]
 
 

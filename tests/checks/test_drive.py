@@ -105,12 +105,14 @@ class OtherFormula(Formula):
 
 class WrongTopic(GentleTank):
     def configure(self, config):
+        self.node = config.node
         self.joy = Latest(Joy())
         self.subscription = config.node.create_subscription(Joy, "joystick", self.on_joy, 1)
 
 
 class WrongType(GentleTank):
     def configure(self, config):
+        self.node = config.node
         self.subscription = config.node.create_subscription(JointState, "joy", self.on_joy, 1)
 
 
@@ -149,6 +151,7 @@ class Piecewise(GentleTank):
     """The callback writes two numbers, one after the other."""
 
     def configure(self, config):
+        self.node = config.node
         self.x = self.y = 0.0
         self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
@@ -163,6 +166,7 @@ class Piecewise(GentleTank):
 
 class PiecewiseInPlace(Piecewise):
     def configure(self, config):
+        self.node = config.node
         self.axes = [0.0, 0.0]
         self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
@@ -201,6 +205,7 @@ class TurretToo(Formula):
 
 class Misspelled(SimpleController):
     def configure(self, config):
+        self.node = config.node
         self.subscription = config.node.create_subscription(Joy, "joy", print, 1)
 
     def initialise(self, io):
@@ -261,6 +266,7 @@ class SetsEffort(GentleTank):
 
 class LocalJoy(GentleTank):
     def configure(self, config):
+        self.node = config.node
         joy = Latest(Joy())
         self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
         del joy
@@ -268,6 +274,7 @@ class LocalJoy(GentleTank):
 
 class OnlyTheCallbackSetsIt(Formula):
     def configure(self, config):
+        self.node = config.node
         self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
     def on_joy(self, message):
@@ -285,12 +292,14 @@ class Config(SimpleController):
 
 class CallsTheCallback(GentleTank):
     def configure(self, config):
+        self.node = config.node
         self.joy = Latest(Joy())
         self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy(Joy()), 1)
 
 
 class CallsTheCallbackWithNothing(GentleTank):
     def configure(self, config):
+        self.node = config.node
         self.joy = Latest(Joy())
         self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy(), 1)
 
@@ -370,7 +379,7 @@ WRONG = [
     (ClassForAMessage, "Joy alone is the class", "initialize raised AttributeError"),
     (NotCalled, "parentheses are missing: get()", "before the first message"),
     (NoUnconfigure, "unconfigure is missing", "after unconfigure it still listens"),
-    (EmptyUnconfigure, "self.subscription.destroy()", "after unconfigure it still listens"),
+    (EmptyUnconfigure, "self.node.destroy_subscription(self.subscription)", "after unconfigure it still listens"),
     (MisspelledUnconfigure, "unconfig should be unconfigure", "after unconfigure it still listens"),
     (NoControl, "Write the method control", "NoControl has no method control"),
 ]
@@ -389,6 +398,18 @@ def test_the_solution_is_right(domain):
     verdict = drive.judge(GentleTank)
     assert verdict.right, str(verdict)
     assert str(verdict).endswith("no lock is to be seen.")
+
+
+class DestroyedByItself(GentleTank):
+    def unconfigure(self):
+        self.subscription.destroy()
+
+
+def test_a_subscription_that_is_destroyed_without_its_node_is_told_the_better_way(domain):
+    verdict = drive.judge(DestroyedByItself)
+    assert verdict.right, str(verdict)
+    assert "Better call self.node.destroy_subscription(self.subscription)" in str(verdict)
+    assert "Better call" not in str(drive.judge(GentleTank))
 
 
 def test_two_mistakes_get_two_sentences(domain):
@@ -414,6 +435,7 @@ class OwnLock(GentleTank):
     """Right, without a Latest: a lock of its own, and two numbers."""
 
     def configure(self, config):
+        self.node = config.node
         self.lock = threading.Lock()
         self.x = self.y = 0.0
         self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
@@ -434,6 +456,7 @@ class WholeMessage(Formula):
     """Right, without a lock: one attribute, that is replaced as a whole."""
 
     def configure(self, config):
+        self.node = config.node
         self.message = Joy()
         self.subscription = config.node.create_subscription(Joy, "/joy", self.on_joy, 10)
 
@@ -453,6 +476,7 @@ def test_other_right_answers_are_right(domain, answer):
 
 class Unreachable(GentleTank):
     def configure(self, config):
+        self.node = config.node
         self.joy = Latest(Joy())
         qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, qos)
@@ -483,6 +507,7 @@ def test_a_race_within_one_line_is_found_too(domain, answer):
 
 class FailsBetweenTwoMessages(GentleTank):
     def configure(self, config):
+        self.node = config.node
         self.messages = [Joy()]
         self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
 

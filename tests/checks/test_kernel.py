@@ -18,8 +18,9 @@ def dead_zone(axis):
 
 class GentleTank(SimpleController):
     def configure(self, config):
+        self.node = config.node
         self.joy = Latest(Joy())
-        self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
+        self.subscription = self.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
     def on_joy(self, message):
         self.joy.put(message)
@@ -33,7 +34,7 @@ class GentleTank(SimpleController):
         self.track_r.ctrl = 1.0 * y + 0.5 * x
 
     def unconfigure(self):
-        self.subscription.destroy()
+        self.node.destroy_subscription(self.subscription)
 
 await drive.check(GentleTank)
 """

@@ -27,6 +27,7 @@ class LocksAllOfControl(GentleTank):
 
 class LoopsInATimer(TurretPublisher):
     def configure(self, config):
+        self.node = config.node
         super().configure(config)
         config.node.create_timer(0.001, self.tick)
 
@@ -37,6 +38,7 @@ class LoopsInATimer(TurretPublisher):
 
 class RaisesInATimer(TurretPublisher):
     def configure(self, config):
+        self.node = config.node
         super().configure(config)
         config.node.create_timer(0.001, self.tick)
 

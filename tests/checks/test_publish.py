@@ -18,6 +18,7 @@ class Base(TurretPublisher):
     rate = 25
 
     def configure(self, config):
+        self.node = config.node
         self.publisher = config.node.create_publisher(JointState, self.topic.format(config.body.name), 1)
 
     def initialize(self, io):
@@ -48,6 +49,7 @@ class HardCoded(Base):
 
 class WrongType(Base):
     def configure(self, config):
+        self.node = config.node
         self.publisher = config.node.create_publisher(Joy, "Rover/turret", 1)
 
 
@@ -72,6 +74,7 @@ class FixedSteps(Base):
 
 class ByTimer(Base):
     def configure(self, config):
+        self.node = config.node
         super().configure(config)
         self.timer = config.node.create_timer(0.04, self.tick)
 
@@ -215,7 +218,11 @@ class Misspells(Base):
 WRONG = [
     (TypedNames, "the joints' names are typed", "on the crane Lift, the names are TURRET_Y, TURRET_P, not BRIDGE"),
     (TypedJoints, "the joints' names are typed", "on the crane Lift: initialize raised TutorialError"),
-    (KeepsItsPublisher, "does not call self.publisher.destroy()", "after unconfigure it still has its publisher"),
+    (
+        KeepsItsPublisher,
+        "does not call self.node.destroy_publisher(self.publisher)",
+        "after unconfigure it still has its publisher",
+    ),
     (Misspells, "Did you mean 'publish'?", "control raised AttributeError"),
     (WrongTopic, 'f"{config.body.name}/turret"', "it publishes on /Rover/joint_state, not /Rover/turret"),
     (HardCoded, "name is written into the topic", "on a body called Rover, it publishes on /Tank/turret"),
@@ -461,7 +468,7 @@ WRONGLY_THRIFTY = [
     (FillsVelocity, "names and positions only", "velocity is not empty"),
     (Replaces, "self.sent.update(news) keeps", ""),
     (ReplacesAlways, "self.sent.update(news) keeps", ""),
-    (ThriftyWithoutUnconfigure, "does not call self.publisher.destroy()", "still has its publisher"),
+    (ThriftyWithoutUnconfigure, "does not call self.node.destroy_publisher(self.publisher)", "still has its publisher"),
     (LooksWithoutSelf, "self is missing: def look(self, positions, news):", "control raised TypeError"),
     (ComparesWithLastLook, "a slow motion is then never sent", "LUFF creeps: nothing is sent"),
     (RemembersAll, "remember only those that were", "LUFF creeps on while SLEW moves"),

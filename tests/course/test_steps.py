@@ -129,7 +129,7 @@ def test_the_same_viewer_project_shows_another_robot(program, node, tmp_path):
     message.header.stamp.sec = 1
     publisher.publish(message)
     publisher.wait_for_all_acked()
-    publisher.destroy()
+    node.destroy_publisher(publisher)
     assert viewer.ends() == 0
     record = read(tmp_path)["tank"]
     assert record["joints"] == {"BRIDGE": -0.125, "SLEW": 0.5, "LUFF": 0.25}
@@ -142,13 +142,14 @@ from tutorial.controller import SimpleController
 
 class JointStatePublisher(SimpleController):
     def configure(self, config):
-        self.publisher = config.node.create_publisher(JointState, f"{config.body.name}/joint_state", 1)
+        self.node = config.node
+        self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/joint_state", 1)
 
     def control(self):
         self.publisher.publish(JointState(name=["MINE"]))
 
     def unconfigure(self):
-        self.publisher.destroy()
+        self.node.destroy_publisher(self.publisher)
 """
 
 

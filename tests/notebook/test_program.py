@@ -89,6 +89,7 @@ def test_it_draws_between_the_cells(in_a_cell):
 def test_what_comes_in_is_counted_and_what_waits(in_a_cell):
     class Calm(SimpleController):
         def configure(self, config):
+            self.node = config.node
             self.config = config
             config.node.create_subscription(JointState, "Tank/joint_state", self.on_joint_state, 1)
 
@@ -112,6 +113,7 @@ def test_what_comes_in_is_counted_and_what_waits(in_a_cell):
 def test_a_callback_on_the_wrong_thread_is_told(in_a_cell):
     class Naive(SimpleController):
         def configure(self, config):
+            self.node = config.node
             self.body = config.body
             config.node.create_subscription(JointState, "Tank/joint_state", self.on_joint_state, 1)
 
@@ -178,6 +180,7 @@ def test_time_is_started_and_stopped_twice_and_not_when_closed(in_a_cell):
 def test_what_a_posted_call_raises_is_told_where_it_is_waited_for(in_a_cell):
     class Mistyped(SimpleController):
         def configure(self, config):
+            self.node = config.node
             self.config = config
             config.node.create_subscription(JointState, "Tank/joint_state", self.on_joint_state, 1)
 

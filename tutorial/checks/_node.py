@@ -38,6 +38,7 @@ class Ear:
         stumble: what the last one raised, if it did.
         subscription: rclpy's.
         destroyed: whether the learner has destroyed it.
+        by_itself: whether that was done without the node.
     """
 
     topic: str
@@ -47,6 +48,7 @@ class Ear:
     stumble: Stumble | None = None
     subscription: Any = None
     destroyed: bool = False
+    by_itself: bool = False
 
     def hear(self, *arguments: Any) -> None:
         """Call back on this thread, with the message, and with information about it if the callback takes that.
@@ -68,6 +70,7 @@ class Mouth:
         sent: what was published: copies of the messages, each with what `on_publish` made of the moment.
         publisher: rclpy's.
         destroyed: whether the learner has destroyed it.
+        by_itself: whether that was done without the node.
     """
 
     topic: str
@@ -75,6 +78,7 @@ class Mouth:
     sent: list[tuple[Any, Any]] = field(default_factory=list)
     publisher: Any = None
     destroyed: bool = False
+    by_itself: bool = False
 
 
 class WatchedNode(Node):  # type: ignore[misc, unused-ignore]
@@ -240,6 +244,7 @@ def _watch_destroy(made: Ear | Mouth, endpoint: Any) -> None:
     destroy = endpoint.destroy
 
     def watched() -> None:
+        made.by_itself = not made.destroyed  # rclpy's node calls it, too
         made.destroyed = True
         destroy()
 

@@ -48,12 +48,13 @@ def judge_leaving(answer: type, unconfigure: Callable[[], None], made: Ear | Mou
     """
     unconfigure()
     does, keeps = ("listens", "subscription") if isinstance(made, Ear) else ("has its publisher", "publisher")
+    call = f"self.node.destroy_{keeps}(self.{keeps})"
     if made.destroyed:
-        return right(
-            f"after unconfigure {'it does not listen any more' if does == 'listens' else 'its publisher is gone'}"
-        )
+        gone = f"after unconfigure {'it does not listen any more' if does == 'listens' else 'its publisher is gone'}"
+        better = f". Better call {call}: after destroy() the spin of a real ROS 2 fails, for its node was not told"
+        return right(gone + better * made.by_itself)
     lacking = missing(answer, "unconfigure")
-    cause = f"Most likely unconfigure is missing, or does not call self.{keeps}.destroy()."
+    cause = f"Most likely unconfigure is missing, or does not call {call}."
     if lacking is not None and "misspelled" in lacking.cause:
         cause = lacking.cause
     return wrong(f"after unconfigure it still {does}", cause)

@@ -18,7 +18,8 @@ class TurretPublisher(SimpleController):
 
     def configure(self, config: ControllerConfig) -> None:
         """Announce the topic, named after the body."""
-        self.publisher = config.node.create_publisher(JointState, f"{config.body.name}/turret", 1)
+        self.node = config.node
+        self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/turret", 1)
 
     def initialize(self, io: ControllerIO) -> None:
         """Take the joints of the simulated body."""
@@ -39,7 +40,7 @@ class TurretPublisher(SimpleController):
 
     def unconfigure(self) -> None:
         """Take the topic back."""
-        self.publisher.destroy()
+        self.node.destroy_publisher(self.publisher)
 
 
 class ThriftyPublisher(SimpleController):
@@ -47,7 +48,8 @@ class ThriftyPublisher(SimpleController):
 
     def configure(self, config: ControllerConfig) -> None:
         """Announce the topic, named after the body."""
-        self.publisher = config.node.create_publisher(JointState, f"{config.body.name}/joint_state", 10)
+        self.node = config.node
+        self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/joint_state", 10)
 
     def initialize(self, io: ControllerIO) -> None:
         """Begin with nothing sent."""
@@ -69,7 +71,7 @@ class ThriftyPublisher(SimpleController):
 
     def unconfigure(self) -> None:
         """Take the topic back."""
-        self.publisher.destroy()
+        self.node.destroy_publisher(self.publisher)
 
 
 publish = Exercise(
@@ -92,7 +94,7 @@ publish = Exercise(
         "io.body.joints, and compute how many steps there are from one message to the next.",
         "In control: if self.io.step % self.steps_per_message == 0, fill a JointState with one list for each field, "
         "all over the same joints, stamp it with Time(nanoseconds=self.io.time_ns).to_msg(), and publish it. "
-        "In unconfigure: self.publisher.destroy().",
+        "In unconfigure: self.node.destroy_publisher(self.publisher).",
     ),
     notice="Notice that neither the rate nor the stamp asks for the wall clock: a slow simulation publishes the same.",
 )
@@ -119,7 +121,7 @@ thrift = Exercise(
         "and changes only when something is sent.",
         "Make a dict of what is news: those that are not in self.sent, or abs(position - self.sent[name]) > 0.001. If "
         "it is not empty, its keys are message.name, its values message.position; publish, then "
-        "self.sent.update(news). In unconfigure: self.publisher.destroy().",
+        "self.sent.update(news). In unconfigure: self.node.destroy_publisher(self.publisher).",
     ),
     notice="Notice that these messages are read by name: the viewer of step 3 shows them without a change.",
 )

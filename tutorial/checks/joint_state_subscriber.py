@@ -32,9 +32,10 @@ class MyViewer(SimpleController):
     def configure(self, config: ControllerConfig) -> None:
         """Subscribe to the topic that is named after the body."""
         self.body = config.body
+        self.node = config.node
         self.call_later = config.call_later
         topic = f"{self.body.name}/joint_state"
-        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+        self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
 
     def on_joint_state(self, message: JointState) -> None:
         """Hand the message to the main thread."""
@@ -49,7 +50,7 @@ class MyViewer(SimpleController):
 
     def unconfigure(self) -> None:
         """Stop listening."""
-        self.subscription.destroy()
+        self.node.destroy_subscription(self.subscription)
 
 
 class CalmViewer(SimpleController):
@@ -58,9 +59,10 @@ class CalmViewer(SimpleController):
     def configure(self, config: ControllerConfig) -> None:
         """Subscribe to the topic that is named after the body."""
         self.body = config.body
+        self.node = config.node
         self.call_latest = config.call_latest
         topic = f"{self.body.name}/joint_state"
-        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+        self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
 
     def on_joint_state(self, message: JointState) -> None:
         """Hand the message to the main thread, in the place of one that still waits there."""
@@ -75,7 +77,7 @@ class CalmViewer(SimpleController):
 
     def unconfigure(self) -> None:
         """Stop listening."""
-        self.subscription.destroy()
+        self.node.destroy_subscription(self.subscription)
 
 
 by_name = Exercise(
@@ -124,7 +126,7 @@ show = Exercise(
         "callback has one line; all the rest happens in a method that it posts.",
         "The callback: self.call_later(self.update, message), without parentheses after update. In update: "
         "match_joints, then set_joint_positions, calc_forward_kinematics and notify_change. In unconfigure: "
-        "self.subscription.destroy().",
+        "self.node.destroy_subscription(self.subscription).",
     ),
     notice="Notice that the body's name and its joints come from the body, so the crane needed no other line.",
 )

@@ -19,8 +19,9 @@ class GentleTank(SimpleController):
 
     def configure(self, config: ControllerConfig) -> None:
         """Listen to the joystick."""
+        self.node = config.node
         self.joy = Latest(Joy())
-        self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
+        self.subscription = self.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
     def on_joy(self, message: Joy) -> None:
         """Keep the newest state of the joystick."""
@@ -40,7 +41,7 @@ class GentleTank(SimpleController):
 
     def unconfigure(self) -> None:
         """Stop listening."""
-        self.subscription.destroy()
+        self.node.destroy_subscription(self.subscription)
 
 
 class HeldJoint:
@@ -85,7 +86,7 @@ drive = Exercise(
         "take it from there, once per step, before it does anything else.",
         "In configure: self.joy = Latest(Joy()). In control: axes = [*self.joy.get().axes, 0.0, 0.0], which has at "
         "least two entries; then the dead zone for each of the two; then set ctrl of both tracks, every time. In "
-        "unconfigure: self.subscription.destroy().",
+        "unconfigure: self.node.destroy_subscription(self.subscription).",
     ),
     notice="Notice that control takes the message once and reads both axes from it, and that no lock is to be seen.",
 )

@@ -15,8 +15,9 @@ class JointStatePublisher(SimpleController):
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Announce the topic, named after the body."""
+        self.node = config.node
         topic = f"{config.body.name}/joint_state"
-        self.publisher = config.node.create_publisher(JointState, topic, 1)
+        self.publisher = self.node.create_publisher(JointState, topic, 1)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
         """Take the joints of the simulated body."""
@@ -41,4 +42,4 @@ class JointStatePublisher(SimpleController):
 
     def unconfigure(self) -> None:  # main thread
         """Take the topic back."""
-        self.publisher.destroy()
+        self.node.destroy_publisher(self.publisher)

@@ -14,10 +14,11 @@ class JointStateSubscriber(SimpleController):
     def configure(self, config: ControllerConfig) -> None:  # main thread, when the controller joins a body
         """Subscribe to the topic that is named after the body."""
         self.body = config.body
+        self.node = config.node
         self.call_later = config.call_later
         self.report: JointReport | None = None
         topic = f"{self.body.name}/joint_state"
-        self.subscription = config.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+        self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
 
     def on_joint_state(self, message: JointState) -> None:  # executor's thread: post and return
         """Hand the message to the main thread."""
@@ -32,4 +33,4 @@ class JointStateSubscriber(SimpleController):
 
     def unconfigure(self) -> None:  # main thread; calls still queued will not run any more
         """Stop listening."""
-        self.subscription.destroy()
+        self.node.destroy_subscription(self.subscription)

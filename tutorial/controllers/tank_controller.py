@@ -18,8 +18,9 @@ class TankController(SimpleController):
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Listen to the joystick."""
+        self.node = config.node
         self.joy = Latest(Joy())
-        self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
+        self.subscription = self.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
     def on_joy(self, message: Joy) -> None:  # executor's thread: put and return
         """Keep the newest state of the joystick."""
@@ -45,7 +46,7 @@ class TankController(SimpleController):
 
     def unconfigure(self) -> None:  # main thread
         """Stop listening."""
-        self.subscription.destroy()
+        self.node.destroy_subscription(self.subscription)
 
 
 class AimedJoint:

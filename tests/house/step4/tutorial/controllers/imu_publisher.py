@@ -15,7 +15,8 @@ class ImuPublisher(SimpleController):
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Announce the topic, named after the body."""
-        self.publisher = config.node.create_publisher(Imu, f"{config.body.name}/imu", 1)
+        self.node = config.node
+        self.publisher = self.node.create_publisher(Imu, f"{config.body.name}/imu", 1)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
         """Find the sensors of the simulated body."""
@@ -41,4 +42,4 @@ class ImuPublisher(SimpleController):
 
     def unconfigure(self) -> None:  # main thread
         """Take the topic back."""
-        self.publisher.destroy()
+        self.node.destroy_publisher(self.publisher)
