@@ -16,8 +16,7 @@ class JointStatePublisher(SimpleController):
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Announce the topic, named after the body."""
         self.node = config.node
-        topic = f"{config.body.name}/joint_state"
-        self.publisher = self.node.create_publisher(JointState, topic, 1)
+        self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/joint_state", 1)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
         """Take the joints of the simulated body."""

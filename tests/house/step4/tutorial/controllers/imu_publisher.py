@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from geometry_msgs.msg import Vector3
 from rclpy.time import Time
 from sensor_msgs.msg import Imu
 
@@ -35,9 +36,8 @@ class ImuPublisher(SimpleController):
         message = Imu()
         message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
         message.orientation_covariance[0] = -1.0  # ROS 2's way to say that the orientation is not measured
-        linear, angular = message.linear_acceleration, message.angular_velocity
-        linear.x, linear.y, linear.z = self.acceleration.tolist()
-        angular.x, angular.y, angular.z = self.angular_velocity.tolist()
+        message.linear_acceleration = Vector3(**dict(zip("xyz", self.acceleration.tolist())))
+        message.angular_velocity = Vector3(**dict(zip("xyz", self.angular_velocity.tolist())))
         return message
 
     def unconfigure(self) -> None:  # main thread
