@@ -20,7 +20,9 @@ AS_WITH_A_CARD = ["--use-gl=angle", "--use-angle=swiftshader", "--disable-gpu-ra
 """WebGL and the page are put together by a graphics card that there is not: 3D is on the page at once."""
 AS_WITHOUT = ["--disable-gpu", *SOFTWARE]
 """Only WebGL is: a page with much text takes a third less, one with 3D that moves takes more."""
-OF_THE_MACHINE = re.compile(r"GPU stall due to ReadPixels|Plugin .* (is taking too long|took [\d.]+ms) to activate")
+OF_THE_MACHINE = re.compile(
+    r"GPU stall due to ReadPixels|Plugin @jupyterlab/.* (is taking too long|took [\d.]+ms) to activate"
+)
 """What Chromium says without a card, and JupyterLab on a busy machine: no complaints about what is shown."""
 PATIENCE = 60.0
 
