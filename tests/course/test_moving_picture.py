@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import PATIENCE, Witness, chromium, open_browser
+from browser import LIKE_A_CARD, PATIENCE, Witness, chromium, open_browser
 from film import Film
 from lab import copy_files, jupyter_lab
 
@@ -130,6 +130,7 @@ def test_the_tank_drives_to_the_rail_and_its_barrel_is_lifted(domain, tmp_path):
 
     async def main():
         async with jupyter_lab(tmp_path) as lab, open_browser(path, 1280, 800) as page:
+            await page.add_init_script(LIKE_A_CARD)
             copy_files(lab, HOME / "project")
             witness = Witness(page)
             notebook = await lab.open(page, lab.write("drive.ipynb", [CELL]))

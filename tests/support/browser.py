@@ -20,6 +20,14 @@ AS_WITH_A_CARD = ["--use-gl=angle", "--use-angle=swiftshader", "--disable-gpu-ra
 """WebGL and the page are put together by a graphics card that there is not: 3D is on the page at once."""
 AS_WITHOUT = ["--disable-gpu", *SOFTWARE]
 """Only WebGL is: a page with much text takes a third less, one with 3D that moves takes more."""
+LIKE_A_CARD = """
+for (const {prototype} of [WebGLRenderingContext, WebGL2RenderingContext]) {
+    const {getExtension} = prototype;
+    prototype.getExtension = function (name) {
+        return name === "WEBGL_debug_renderer_info" ? null : getExtension.call(this, name);
+    };
+}"""
+"""A script for a page that is to draw as well as with a card: it cannot find out what draws."""
 OF_THE_MACHINE = re.compile(
     r"GPU stall due to ReadPixels|Plugin @jupyterlab/.* (is taking too long|took [\d.]+ms) to activate"
 )
@@ -40,13 +48,20 @@ def chromium() -> str:
 
 @asynccontextmanager
 async def open_browser(
-    path: str, width: int = 800, height: int = 600, arguments: Sequence[str] = AS_WITH_A_CARD
+    path: str, width: int = 800, height: int = 600, arguments: Sequence[str] = AS_WITH_A_CARD, scale: float = 1
 ) -> AsyncIterator[Page]:
-    """A page in a browser without a window, that draws WebGL in software."""
+    """A page in a browser without a window, that draws WebGL in software.
+
+    Args:
+        path: where the browser is.
+        width, height: of the page [CSS pixels].
+        arguments: such as `AS_WITHOUT`.
+        scale: how many pixels are drawn for one of CSS. A page that nobody looks at may do with less than one.
+    """
     async with async_playwright() as playwright:
         browser = await playwright.chromium.launch(executable_path=path, args=[*arguments])
         try:
-            page = await browser.new_page(viewport={"width": width, "height": height})
+            page = await browser.new_page(viewport={"width": width, "height": height}, device_scale_factor=scale)
             page.set_default_timeout(PATIENCE * 1000)
             yield page
         finally:

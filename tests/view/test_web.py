@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 import psutil
 import pytest
-from browser import PATIENCE, Witness, chromium, open_browser, pixels, red_spot, until
+from browser import LIKE_A_CARD, PATIENCE, Witness, chromium, open_browser, pixels, red_spot, until
 from tornado.httpclient import AsyncHTTPClient, HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
@@ -390,6 +390,48 @@ def test_a_browser_shows_the_scene_as_it_is_and_after_a_restart():
             own = {server.url.replace("http", scheme) for scheme in ("http", "ws")}
             foreign = [url for url in witness.requests if not url.startswith((*own, "data:", "blob:"))]
             assert foreign == []
+
+    run(main)
+
+
+QUALITY = "[viewer.renderer.shadowMap.enabled, viewer.renderer.getContext().getContextAttributes().antialias]"
+COUNT = """() => {
+    const render = viewer.render.bind(viewer);
+    window.drawn = [];
+    viewer.render = () => { window.drawn.push(performance.now()); render(); };
+}"""
+LATER = """(frames) => new Promise((done) => {
+    const wait = () => { if (frames-- > 0) requestAnimationFrame(wait); else done(); };
+    wait();
+})"""
+
+
+@pytest.mark.browser
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("like_a_card", [True, False])
+def test_without_a_card_it_draws_less_and_never_when_nothing_has_changed(like_a_card):
+    path = chromium()
+
+    async def main():
+        async with open_browser(path, scale=0.5) as page:
+            if like_a_card:
+                await page.add_init_script(LIKE_A_CARD)
+            witness, box = Witness(page), RedBox()
+            async with SceneServer(box.scene, 0) as server:
+                await page.goto(server.url)
+                await until(lambda: page.evaluate("window.viewer?.needs_render === false"), "the scene is drawn")
+                assert await page.evaluate(QUALITY) == [like_a_card, like_a_card]
+                await page.evaluate(COUNT)
+                for step in range(10):
+                    box.move(0.1 + step / 10, 0)
+                    await until(lambda n=step: page.evaluate("(n) => window.drawn.length > n", n), "one picture more")
+                await until(lambda: page.evaluate("!viewer.needs_render"), "the last change is drawn")
+                drawn = await page.evaluate("window.drawn")
+                await page.evaluate(LATER, 20)
+                assert await page.evaluate("window.drawn") == drawn
+                if not like_a_card:
+                    assert np.diff(drawn).min() > 95  # [ms]: ten pictures a second
+                assert witness.complaints == []
 
     run(main)
 

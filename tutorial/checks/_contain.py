@@ -164,7 +164,8 @@ async def _readable(fds: Iterable[int]) -> int | None:
     for fd in fds:
         loop.add_reader(fd, ready.put_nowait, fd)
     try:
-        return await asyncio.wait_for(ready.get(), SILENCE)
+        async with asyncio.timeout(SILENCE):  # wait_for loses an interrupt that comes together with something to read
+            return await ready.get()
     except TimeoutError:
         return None
     finally:

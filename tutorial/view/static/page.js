@@ -1,6 +1,6 @@
 // The page of tutorial/view/web.py: a meshcat viewer, connected to the program for as long as it runs, and again when it is restarted.
 
-import {fit, SceneReader} from "./scene.js";
+import {fit, makeViewer, SceneReader} from "./scene.js";
 
 const PATIENCE = {first: 250, most: 2000};  // between two attempts to connect [ms]
 
@@ -31,7 +31,7 @@ function connect(reader, patience = PATIENCE.first) {
 function start() {
   let viewer;
   try {
-    viewer = new MeshCat.Viewer(pane);
+    [viewer] = makeViewer(pane);
   } catch (error) {
     say("This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. It says: ${error.message}`);
     return;

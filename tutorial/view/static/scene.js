@@ -3,6 +3,59 @@
 const COMMAND = 0, LINE = 1, CLEAR = 2, CAMERA = 3;  // as Record in tutorial/view/scene.py
 const ONLY_ONCE = new Set(["Background", "Cameras"]);  // of what a viewer has to begin with, it can make all else anew
 
+const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i;  // what draws where there is no graphics card
+const PAUSE = 100;  // between two pictures, there [ms]
+
+/** Whether a canvas is drawn by a graphics card. Some browsers don't say; then it is. */
+function hasCard(gl) {
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  return !names || !BY_PROCESSOR.test(gl.getParameter(names.UNMASKED_RENDERER_WEBGL));
+}
+
+/**
+ * A meshcat viewer in an element, which draws when something has changed. Where the processor has to draw, a third of the
+ * work is left: no shadows, no smooth edges, and ten pictures a second. The simulation and the page need the processor, too.
+ * isSeen: whether it is worth while. Returns the viewer, and how to let it go.
+ */
+export function makeViewer(element, isSeen = () => true) {
+  const {WebGLRenderer, PCFSoftShadowMap} = MeshCat.THREE;
+  let renderer = new WebGLRenderer({alpha: true});
+  const isFast = hasCard(renderer.getContext());
+  if (isFast) {
+    release(renderer);
+    renderer = new WebGLRenderer({alpha: true, antialias: true});
+  }
+  Object.assign(renderer.shadowMap, {enabled: isFast, type: PCFSoftShadowMap});
+  element.append(renderer.domElement);
+  const viewer = new MeshCat.Viewer(element, false, renderer);
+  let request = 0, rest = 0;
+  const ask = () => {
+    if (!rest && viewer.needs_render && isSeen()) request ||= requestAnimationFrame(draw);
+  };
+  const draw = () => {
+    request = 0;
+    if (!isFast) rest = setTimeout(() => { rest = 0; ask(); }, PAUSE);
+    viewer.render();
+  };
+  viewer.set_dirty = () => {
+    viewer.needs_render = true;
+    ask();
+  };
+  viewer.set_dirty();
+  return [viewer, () => {
+    viewer.set_dirty = () => {};
+    cancelAnimationFrame(request);
+    clearTimeout(rest);
+    release(renderer);
+  }];
+}
+
+/** Give a canvas's memory back: a browser has 16 of them. */
+function release(renderer) {
+  renderer.dispose();
+  renderer.forceContextLoss();
+}
+
 /** The records of a message, as {kind, payload}. */
 export function* records(message) {
   const view = message instanceof ArrayBuffer

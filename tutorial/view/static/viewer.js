@@ -62,23 +62,19 @@ function withoutTrace(make) {
 /** A meshcat viewer that draws only while it can be seen, and that can be disposed of. */
 class Picture {
   constructor(element, onTaken) {
-    const [viewer, forget] = withoutTrace(() => new MeshCat.Viewer(element, false));
+    let isSeen = true;
+    const [[viewer, stop], forget] = withoutTrace(() => makeViewer(element, () => isSeen));
     this.viewer = viewer;
     viewer.gui.domElement.remove();  // it is for those who draw, and hides a part of the picture
     const canvas = viewer.renderer.domElement;
     canvas.addEventListener("webglcontextlost", onTaken);
     const unfit = fit(viewer, element);
-    let isSeen = true, request = 0;
-    const observer = new IntersectionObserver((entries) => { isSeen = entries.at(-1).isIntersecting; });
+    const observer = new IntersectionObserver((entries) => {
+      isSeen = entries.at(-1).isIntersecting;
+      if (isSeen) viewer.set_dirty();
+    });
     observer.observe(element);
-    const draw = () => {
-      request = requestAnimationFrame(draw);
-      viewer.animator.update();
-      if (isSeen && viewer.needs_render) viewer.render();
-    };
-    draw();
     this.dispose = () => {
-      cancelAnimationFrame(request);
       canvas.removeEventListener("webglcontextlost", onTaken);
       observer.disconnect();
       unfit();
@@ -86,8 +82,7 @@ class Picture {
       viewer.controls.dispose();
       viewer.scene_tree.dispose_recursive();
       viewer.gui.destroy();
-      viewer.renderer.dispose();
-      viewer.renderer.forceContextLoss();  // a browser has 16 of them
+      stop();
       forget();
       canvas.remove();
     };
