@@ -117,7 +117,6 @@ class CellView {
     this.onEnded();
     this.unwatch = watchKernel(model, () => this.end(ENDED), (isThere) => { this.trouble = !isThere ? OFFLINE : model.get("ended") ? CLOSED : ""; });
     this.tick = this.tick.bind(this);
-    this.tick();
   }
 
   build(el) {
@@ -154,7 +153,10 @@ class CellView {
     window.addEventListener("blur", this.letGo);
     window.addEventListener("pagehide", this.letGo);
     document.addEventListener("visibilitychange", this.onHidden);
-    this.timer = setInterval(() => this.update(), REPEAT);
+    this.timer = setInterval(() => {
+      this.update();
+      if (!this.request) this.tick();
+    }, REPEAT);
   }
 
   onKey(event, isDown) {
@@ -216,10 +218,10 @@ class CellView {
     if (isCalm && this.aloud.textContent !== words) this.aloud.textContent = words;
   }
 
-  // A gamepad sends no events: it is read as often as the page is drawn.
+  // A gamepad sends no events: where there is one, it is read as often as the page is drawn.
   tick() {
-    this.request = requestAnimationFrame(this.tick);
-    if (this.gamepad()) this.update();
+    this.request = this.gamepad() ? requestAnimationFrame(this.tick) : 0;
+    if (this.request) this.update();
   }
 
   end(trouble) {
