@@ -1,0 +1,27 @@
+"""A node without the course: it listens to the tank's joints, and says once a second where they are."""
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+
+class Listener(Node):
+    def __init__(self):
+        super().__init__("listener")
+        self.positions = {}
+        self.subscription = self.create_subscription(JointState, "/Tank/joint_state", self.on_joint_state, 1)
+        self.timer = self.create_timer(1.0, self.on_timer)
+
+    def on_joint_state(self, message):
+        self.positions.update(zip(message.name, message.position))
+
+    def on_timer(self):
+        self.get_logger().info(", ".join(f"{name} {position:z.2f}" for name, position in self.positions.items()))
+
+
+try:
+    rclpy.init()
+    rclpy.spin(Listener())  # waits, and calls what there is to call, until Ctrl-C
+except (KeyboardInterrupt, ExternalShutdownException):
+    pass
