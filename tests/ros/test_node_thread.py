@@ -10,6 +10,7 @@ from programs import until
 from sensor_msgs.msg import Joy
 from std_msgs.msg import String
 
+from tutorial.record import make_record
 from tutorial.ros import node_thread as ros
 from tutorial.ros.node_thread import NodeThread, TopicMeter
 
@@ -95,6 +96,19 @@ def test_whatever_a_callback_raises_is_seen_and_the_node_goes_on_hearing(domain,
         until(lambda: len(heard) == 2, "the next message")
     assert heard == ["first", "second"]
     assert "a callback of the node 'listener' failed; the others go on" in caplog.text
+
+
+def test_a_topic_that_a_node_publishes_and_receives_is_counted_both_ways(domain):
+    with NodeThread("echo") as thread:
+        publisher = thread.node.create_publisher(String, "words", 10)
+        thread.node.create_subscription(String, "words", lambda message: None, 10)
+        until(publisher.get_subscription_count, "the match")
+        for _ in range(3):
+            publisher.publish(String())
+        until(lambda: all(meter.count == 3 for meter in thread.node.meters), "the messages")
+        counts = make_record("echo", 1.0, thread.node.meters)["topics"]["/words"]
+    assert (counts["published"], counts["received"]) == (3, 3)
+    assert counts["latency_ms"]["median"] is not None
 
 
 def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):
