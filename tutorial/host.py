@@ -108,7 +108,7 @@ class Host:
         return len(self._calls)
 
     @property
-    def error(self) -> Exception | None:
+    def error(self) -> BaseException | None:
         """What the simulation, a callback or a posted call raised last; None when nothing did."""
         posted = (item.error for item in self._items.values())
         return (self.simulation and self.simulation.error) or self._ros.error or next(filter(None, posted), None)

@@ -34,14 +34,18 @@ def make_record(
         applied: how many messages were shown, by topic.
 
     Returns:
-        A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``.
+        A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``. A topic
+        has ``published``, ``received`` or both; with both, its rate and latency are those of receiving.
     """
+    topics: dict[str, dict[str, Any]] = {}
+    for meter in sorted(meters, key=lambda meter: meter.direction):  # of a topic that goes both ways, received is last
+        topics.setdefault(meter.topic, {}).update(_topic(meter, applied or {}))
     return {
         "node": node,
         "ros": ros_backend(),
         "seconds": round(seconds, 3),
         "joints": dict(joints or {}),
-        "topics": {meter.topic: _topic(meter, applied or {}) for meter in meters},
+        "topics": topics,
         "report": (tally or JointTally()).as_dict(),
     }
 

@@ -10,13 +10,16 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
+import msgspec
 import psutil
 import pytest
 from programs import PATIENCE, until
 
-from tutorial.checks._verdict import right
+from tutorial.checks import _child
+from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks.exercise import Exercise
 from tutorial.checks.tank_controller import GentleTank, drive
 
@@ -102,6 +105,16 @@ class RaisesWhenMade(GentleTank):
         raise ValueError("no tank today")
 
 
+class RaisesAtLength(GentleTank):
+    def control(self):
+        raise ValueError("tank" * 75_000)
+
+
+class RaisesInUndecodable(GentleTank):
+    def control(self):
+        raise OSError("no file \udcff")
+
+
 class WrongSignature(GentleTank):
     def control(self, io):
         self.joy.get()
@@ -146,6 +159,8 @@ ENDS = [
     (RaisesInControl, "control raised ZeroDivisionError: division by zero", (": self.track_l.ctrl = 1 / 0",), ""),
     (RaisesInCallback, "✗ on_joy raised AttributeError", (": self.joy.put(message.achses)",), "Did you mean 'axes'?"),
     (RaisesWhenMade, "✗ __init__ raised ValueError: no tank today", ("in __init__, line",), "Mend this line first"),
+    (RaisesAtLength, "control raised ValueError: tanktank", ("tankta…\n", ": raise ValueError("), ""),
+    (RaisesInUndecodable, "control raised OSError: no file \\udcff", (), ""),
     (WrongSignature, "control raised TypeError", (), ""),
     (Floods, "✗ control does not return", ("  | here I am", "  | ... and more"), "the loop is the simulation's"),
 ]
@@ -159,6 +174,24 @@ def test_whatever_it_does_is_contained_and_explained(answer, what, where, why):
     for alternatives in where:
         assert any(each in said for each in alternatives.split("|")), said
     assert len(said.splitlines()) < 40
+
+
+def test_what_two_threads_tell_at_once_does_not_mix():
+    reading, writing = os.pipe()
+
+    def tell(letter):
+        for _ in range(200):
+            _child._find(writing, wrong(letter * 300_000, letter * 300_000))
+
+    threads = [threading.Thread(target=tell, args=(letter,)) for letter in "äö"]
+    with os.fdopen(reading, "rb") as told, os.fdopen(writing, "wb"):
+        for thread in threads:
+            thread.start()
+        findings = [msgspec.json.decode(told.readline(), type=Finding) for _ in range(400)]
+        for thread in threads:
+            thread.join()
+    assert {(len(finding.text), finding.text[-1]) for finding in findings} == {(_child.LONGEST, "…")}
+    assert all(len(set(finding.text)) == 2 for finding in findings)
 
 
 NOTEBOOK = """

@@ -6,8 +6,11 @@ import sys
 import threading
 
 import pytest
+from programs import until
 from sensor_msgs.msg import Joy
+from std_msgs.msg import String
 
+from tutorial.record import make_record
 from tutorial.ros import node_thread as ros
 from tutorial.ros.node_thread import NodeThread, TopicMeter
 
@@ -71,6 +74,41 @@ def test_a_callback_that_does_not_return_does_not_hold_whoever_closes(domain, mo
     stuck._closed = False  # now it can end after all, and leaves nothing to the other tests
     monkeypatch.setattr(ros, "STUCK", 60.0)
     stuck.close()
+
+
+@pytest.mark.parametrize("failure", [SystemExit, KeyboardInterrupt, ValueError])
+def test_whatever_a_callback_raises_is_seen_and_the_node_goes_on_hearing(domain, caplog, failure):
+    heard = []
+
+    def fail_at_first(message):
+        heard.append(message.data)
+        if len(heard) == 1:
+            raise failure
+
+    with NodeThread("listener") as thread:
+        thread.node.create_subscription(String, "words", fail_at_first, 10)
+        publisher = thread.node.create_publisher(String, "words", 10)
+        until(publisher.get_subscription_count, "the match")
+        publisher.publish(String(data="first"))
+        until(lambda: thread.error, "the failure")
+        assert isinstance(thread.error, failure)
+        publisher.publish(String(data="second"))
+        until(lambda: len(heard) == 2, "the next message")
+    assert heard == ["first", "second"]
+    assert "a callback of the node 'listener' failed; the others go on" in caplog.text
+
+
+def test_a_topic_that_a_node_publishes_and_receives_is_counted_both_ways(domain):
+    with NodeThread("echo") as thread:
+        publisher = thread.node.create_publisher(String, "words", 10)
+        thread.node.create_subscription(String, "words", lambda message: None, 10)
+        until(publisher.get_subscription_count, "the match")
+        for _ in range(3):
+            publisher.publish(String())
+        until(lambda: all(meter.count == 3 for meter in thread.node.meters), "the messages")
+        counts = make_record("echo", 1.0, thread.node.meters)["topics"]["/words"]
+    assert (counts["published"], counts["received"]) == (3, 3)
+    assert counts["latency_ms"]["median"] is not None
 
 
 def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):

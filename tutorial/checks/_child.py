@@ -8,6 +8,7 @@ else to do is not held against the learner.
 
 from __future__ import annotations
 
+import dataclasses
 import faulthandler
 import importlib
 import os
@@ -22,7 +23,7 @@ from typing import Any, NoReturn
 import msgspec
 
 from tutorial.checks._contain import Job
-from tutorial.checks._verdict import Finding, wrong
+from tutorial.checks._verdict import Finding, cut, wrong
 from tutorial.checks._watch import watch
 from tutorial.ros.domains import reserved_domain
 
@@ -30,8 +31,10 @@ LOOK = 0.1  # [s] between two looks of the watchdog
 PATIENCE = 15  # looks that a single call may take; it should take none
 BUDGET = 25  # looks that all calls of one method may take together
 HALT = 5.0  # [s] without a look, after which the watchdog itself is held up
+LONGEST = 2000  # characters of a text that is told
 
 _exit = os._exit
+_writing = threading.Lock()
 _CAUSES = {
     "control": "control is called once for every step and returns at once; the loop is the simulation's.",
     "initialize": "initialize only prepares the first step, and returns; what repeats belongs into control.",
@@ -116,11 +119,20 @@ def _end(report: int, status: int) -> NoReturn:
 
 
 def _find(report: int, finding: Finding) -> None:
-    _send(report, msgspec.json.encode(finding))
+    """Tell a finding, at a length that the other end takes: a learner's exception may have a text of any length."""
+    text, cause = (_plain(cut(text, LONGEST)) for text in (finding.text, finding.cause))
+    _send(report, msgspec.json.encode(dataclasses.replace(finding, text=text, cause=cause)))
+
+
+def _plain(text: str) -> str:
+    """Spell out what UTF-8 has no bytes for, such as a part of a file's name that could not be decoded."""
+    return text.encode(errors="backslashreplace").decode()
 
 
 def _send(report: int, line: bytes) -> None:
-    os.write(report, line + b"\n")
+    """Write a line; the watchdog and the code that is judged do it on different threads."""
+    with _writing:
+        os.write(report, line + b"\n")
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-__all__ = ["Finding", "Place", "Verdict", "right", "wrong"]
+__all__ = ["Finding", "Place", "Verdict", "cut", "right", "wrong"]
 
 WRONG_SHOWN = 2  # one thing after the other; what is wrong further down often follows from the first
 OUTPUT_SHOWN = 20  # lines
@@ -53,9 +53,9 @@ class Finding:
 
     def lines(self) -> Iterator[str]:
         """Say it."""
-        yield f"{'✓' if self.right else '✗'} {self.text[:WIDTH]}"
+        yield f"{'✓' if self.right else '✗'} {cut(self.text)}"
         if self.place is not None:
-            yield f"  {self.place}"[:WIDTH]
+            yield f"  {cut(str(self.place))}"
         if self.cause:
             yield f"  {self.cause}"
 
@@ -98,6 +98,11 @@ class Verdict:
         yield from _quoted(self.output)
 
 
+def cut(text: str, width: int = WIDTH) -> str:
+    """Shorten a text that has more characters than ``width``; an ellipsis shows it."""
+    return text if len(text) <= width else f"{text[: width - 1]}…"
+
+
 def right(text: str) -> Finding:
     """Make the finding that something is as it should be."""
     return Finding(True, text)
@@ -125,6 +130,6 @@ def _quoted(output: tuple[str, ...]) -> Iterator[str]:
     yield "Your code printed:"
     for line in output[:OUTPUT_SHOWN]:
         shown = _STAMP.sub(r"[\1] ", line)
-        yield f"  | {shown[:WIDTH]}"
+        yield f"  | {cut(shown)}"
     if len(output) > OUTPUT_SHOWN:
         yield "  | ... and more"

@@ -86,7 +86,7 @@ class Program:
         return self.host.waiting
 
     @property
-    def error(self) -> Exception | None:
+    def error(self) -> BaseException | None:
         """What a callback or the simulation raised last; None when nothing did."""
         return self.host.error
 

@@ -17,7 +17,6 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.task import Future
 
 from tutorial.errors import where
 from tutorial.trace import HandoffTrace
@@ -25,6 +24,7 @@ from tutorial.trace import HandoffTrace
 __all__ = ["MeteredNode", "NodeThread", "TopicMeter"]
 
 LATENCIES_KEPT = 10_000
+LOOK = 0.05  # [s] between two looks whether the thread is to end
 STUCK = 3.0  # [s] that a callback may take to return when its node is closed
 
 _log = logging.getLogger(__name__)
@@ -154,11 +154,11 @@ class NodeThread:
 
     Attributes:
         node: the node.
-        error: what a callback raised last; None when none did.
+        error: what a callback raised last, SystemExit included; None when none did.
     """
 
     def __init__(self, name: str, args: Sequence[str] | None = None) -> None:
-        self.error: Exception | None = None
+        self.error: BaseException | None = None
         self._context = Context()
         rclpy.init(args=list(args or ()), context=self._context)
         try:
@@ -168,7 +168,7 @@ class NodeThread:
         except BaseException:
             self._context.try_shutdown()
             raise
-        self._end = Future()
+        self._stopping = threading.Event()
         self._closed = False
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
@@ -193,8 +193,7 @@ class NodeThread:
         """
         if self._closed:
             return
-        if not self._end.done():
-            self._end.set_result(None)
+        self._stopping.set()
         self._thread.join(STUCK)
         if self._thread.is_alive():
             _log.error("a callback of the node %r does not return%s", self.node.get_name(), where(self._thread))
@@ -205,11 +204,11 @@ class NodeThread:
         self._closed = True
 
     def _spin(self) -> None:
-        while self._context.ok() and not self._end.done():
+        while self._context.ok() and not self._stopping.is_set():
             try:
-                self._executor.spin_until_future_complete(self._end)
-            except Exception as error:  # noqa: BLE001 - a callback may raise anything
-                if self._end.done() or not self._context.ok():
+                self._executor.spin_once(timeout_sec=LOOK)
+            except BaseException as error:  # noqa: BLE001 - a callback may raise anything, and SystemExit is common
+                if not self._context.ok():
                     return
                 self.error = error
                 _log.exception("a callback of the node %r failed; the others go on", self.node.get_name())

@@ -110,6 +110,40 @@ def test_exit_while_another_thread_spins(start: Start) -> None:
     assert "Fatal" not in errors
 
 
+FORK = """
+import os, signal, sys, threading, rclpy
+from std_msgs.msg import String
+rclpy.init(args=[])
+node = rclpy.create_node("x")
+heard = threading.Event()
+node.create_subscription(String, "words", lambda message: heard.set(), 10)
+publisher = node.create_publisher(String, "words", 10)
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+child = os.fork()
+if child == 0:
+    signal.alarm(30)  # nothing is to be left of it
+    {in_child}
+    sys.exit(7)
+status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+publisher.publish(String())
+print(status, heard.wait(60))
+"""
+
+
+@pytest.mark.parametrize("in_child", ["pass", "node.destroy_node()", "rclpy.try_shutdown()"])
+def test_a_forked_process_comes_to_its_end_and_the_node_stays(start: Start, in_child: str) -> None:
+    output, errors = start(FORK.format(in_child=in_child)).communicate(timeout=60)
+    assert (output, errors) == ("7 True\n", "")
+
+
+def test_a_forked_process_is_told_how_to_get_a_node(start: Start) -> None:
+    new = "rclpy.try_shutdown(); rclpy.init(args=[]); rclpy.create_node('y')"
+    output, errors = start(FORK.format(in_child=new)).communicate(timeout=60)
+    assert output == "1 True\n"
+    assert "os.fork()" in errors
+    assert "multiprocessing's method 'spawn'" in errors
+
+
 @pytest.mark.parametrize("busy", ["rclpy.spin(node)", "publish_for_ever()"])
 def test_daemon_threads_say_nothing_at_exit(start: Start, busy: str) -> None:
     process = start(f"""

@@ -182,6 +182,20 @@ def test_future_ends_the_spin(node: Node, executor: SingleThreadedExecutor) -> N
     assert future.result() == 42
 
 
+def test_a_future_that_is_waited_for_again_and_again_keeps_nothing(
+    node: Node, executor: SingleThreadedExecutor
+) -> None:
+    future, called = Future(), []
+    future.add_done_callback(called.append)
+    node.create_timer(0.001, lambda: 1 / 0)
+    for _ in range(20):
+        with pytest.raises(ZeroDivisionError):
+            executor.spin_until_future_complete(future, timeout_sec=30)
+    assert len(future._callbacks) == 1
+    future.set_result(None)
+    assert called == [future]
+
+
 def test_only_one_thread_may_spin(node: Node, executor: SingleThreadedExecutor, spin_until: SpinUntil) -> None:
     errors: list[str] = []
 

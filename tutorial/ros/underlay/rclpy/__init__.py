@@ -7,7 +7,6 @@ It speaks to real ROS 2 programs: same topic names, types, quality of service an
 from __future__ import annotations
 
 import sys
-import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -25,6 +24,7 @@ except ImportError as error:
     ) from error
 
 from rclpy import _absent, logging, utilities  # noqa: E402, F401
+from rclpy._domain import lock as _lock  # noqa: E402
 from rclpy.context import Context  # noqa: E402
 from rclpy.executors import Executor, SingleThreadedExecutor  # noqa: E402
 from rclpy.node import Node  # noqa: E402
@@ -37,7 +37,6 @@ sys.meta_path.append(_absent.AbsentModules())
 __getattr__ = _absent.absent("rclpy", "create_rate")
 
 _executor: SingleThreadedExecutor | None = None
-_lock = threading.Lock()
 
 
 def init(

@@ -27,6 +27,10 @@ lock = threading.RLock()
 another is making something of."""
 
 
+_forked = False
+"""Whether this process is the copy of one that took part in a domain."""
+
+
 def default_domain_id() -> int:
     """Return the domain that ``ROS_DOMAIN_ID`` names, or 0.
 
@@ -85,8 +89,14 @@ def join(domain_id: int) -> DomainParticipant:
     """Take part in a domain. Several participants of a process share its configuration and its ports.
 
     Raises:
-        RCLError: too many processes on this machine take part already, or Cyclone DDS cannot start.
+        RCLError: too many processes on this machine take part already, Cyclone DDS cannot start, or this process was
+            forked from one that took part.
     """
+    if _forked:
+        raise RCLError(
+            "failed to create a participant: this process was made by os.fork() from one that has nodes. Start it "
+            "with subprocess, or with multiprocessing's method 'spawn'."
+        )
     with lock:
         try:
             if domain_id not in _domains:
@@ -124,3 +134,18 @@ def close(entity: Entity) -> None:
 def _close_if_unused(domain_id: int) -> None:
     if not _users[domain_id] and (domain := _domains.pop(domain_id, None)):
         close(domain)
+
+
+def _forget() -> None:
+    """Let go of DDS without a call into it, in a process just forked: its threads are not there, and it would wait."""
+    global _forked  # noqa: PLW0603
+    _forked = _forked or bool(_domains)
+    for entity in list(Entity._entities.values()):
+        entity._ref = 0  # of no entity, so that every call of it fails, and its finaliser does nothing
+    Entity._entities.clear()
+    _domains.clear()
+    _users.clear()
+    lock.release()
+
+
+os.register_at_fork(before=lock.acquire, after_in_parent=lock.release, after_in_child=_forget)

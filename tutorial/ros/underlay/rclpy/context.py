@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import os
 import sys
 import threading
 import weakref
@@ -147,6 +148,15 @@ def stop_all() -> None:
     """End every spin in this process; a signal handler may call this."""
     for context in tuple(_contexts):
         context.stop()
+
+
+def _forget_all() -> None:
+    """End every context in a process just forked, where nobody spins any more."""
+    for context in _contexts:
+        context._ok, context._graph, context._executors = False, None, []
+
+
+os.register_at_fork(after_in_child=_forget_all)
 
 
 @atexit.register

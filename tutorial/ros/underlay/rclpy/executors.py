@@ -130,9 +130,8 @@ class SingleThreadedExecutor:
         def finished() -> bool:
             return future.done() or future.cancelled()
 
-        future.add_done_callback(lambda _: self.wake())
         deadline = _deadline(timeout_sec)
-        with self._spin():
+        with self._spin(), future._telling(lambda _: self.wake()):
             while self._context.ok() and not self._is_shutdown and not finished():
                 self._run_one(None if deadline is None else max(_left(deadline), 0.0), until=finished)
                 if _left(deadline) <= 0:

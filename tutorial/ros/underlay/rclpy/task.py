@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 import threading
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from rclpy import _absent
@@ -75,6 +76,16 @@ class Future:
                 self._callbacks.append(callback)
                 return
         callback(self)
+
+    @contextmanager
+    def _telling(self, callback: Callable[[Future], object]) -> Iterator[None]:
+        """Call back as `add_done_callback` does, but only until the end of the block."""
+        self.add_done_callback(callback)
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._callbacks = [other for other in self._callbacks if other is not callback]
 
     def _finish(self, **state: Any) -> None:
         with self._lock:
