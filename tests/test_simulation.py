@@ -590,7 +590,7 @@ def let_two_visit(seed, model):
     return [text for each in unruly for text in each.raised if text not in told]
 
 
-@pytest.mark.parametrize("tens", range(12))
+@pytest.mark.parametrize("tens", range(20))
 def test_whatever_two_threads_do_nothing_hangs_and_no_failure_is_unseen(tens, tmp_path, monkeypatch, caplog):
     monkeypatch.setattr("tutorial.simulation.STUCK", 0.1)
     model = tmp_path / "box.xml"

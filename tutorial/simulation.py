@@ -154,12 +154,12 @@ class Simulation:
         """
         if seconds < 0:
             raise TutorialError(f"advance({seconds}): time does not go back. Give seconds >= 0, or call restart().")
-        with self._turn("advance()"):
-            self._check_idle("the simulation is running on its own thread. Call stop() before advance().")
-            run = self._begin(_Run(threading.current_thread()))
-        last_step = self._step + round(seconds / self.time_step)
-        error: ControllerError | None = None
+        run, error = _Run(threading.current_thread()), None
         try:
+            with self._turn("advance()"):
+                self._check_idle("the simulation is running on its own thread. Call stop() before advance().")
+                self._begin(run)
+            last_step = self._step + round(seconds / self.time_step)
             self._initialize(run)
             self._run_steps(run, last_step - self._step)
         except ControllerError as raised:
@@ -292,15 +292,14 @@ class Simulation:
         if self._run is not None:
             raise TutorialError(otherwise)
 
-    def _begin(self, run: _Run) -> _Run:
+    def _begin(self, run: _Run) -> None:
         with self._lock:
             self.error, self._run = None, run
-        return run
 
     def _end(self, run: _Run, error: ControllerError | None) -> None:
-        """Note how a run has come to its end; one that was abandoned leaves everything alone. The thread of the run."""
+        """Note how a run has come to its end; one that was abandoned, or never began, leaves everything alone."""
         with self._lock:
-            if run.abandoned:
+            if self._run is not run:
                 return
             self.snapshot.put(self._snap())
             self.error = error or self.error
@@ -330,8 +329,9 @@ class Simulation:
         run = _Run()
         run.thread = threading.Thread(target=self._main, args=(run, last_step), name="simulation", daemon=True)
         self._thread = run.thread
-        _switching.hold(self._begin(run))
         try:
+            self._begin(run)
+            _switching.hold(run)
             run.thread.start()
         except BaseException:
             self._end(run, None)
