@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import random
 import sys
 import threading
@@ -291,6 +292,23 @@ def test_after_a_failure_it_may_be_run_again():
     controller.method = None
     simulation.advance(0.001)
     assert (simulation.state, simulation.error, simulation.step) == (State.IDLE, None, 1)
+
+
+def test_the_readers_own_interrupt_of_advance_passes_and_it_can_go_on():
+    def interrupt():
+        until(lambda: simulation.step)
+        _thread.interrupt_main()
+
+    simulation = Simulation([TANK])
+    other = threading.Thread(target=interrupt)
+    other.start()
+    with pytest.raises(KeyboardInterrupt):
+        simulation.advance(1_000_000)
+    other.join(20)
+    assert simulation.state is State.IDLE
+    step = simulation.step
+    simulation.advance(0.001)
+    assert simulation.step == step + 1
 
 
 class TestSwitchInterval:
