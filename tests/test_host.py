@@ -6,6 +6,7 @@ import asyncio
 import logging
 import textwrap
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,7 @@ from tutorial.host import Host
 from tutorial.paths import find_project
 from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
+from tutorial.simulation import ControllerError
 from tutorial.view.bodies import View
 from tutorial.view.scene import Scene
 
@@ -139,6 +141,36 @@ def test_a_simulated_body_may_be_deleted_while_it_is_stepped(domain):
             assert host.simulation.error is None
 
     asyncio.run(scenario())
+
+
+def test_a_controller_that_does_not_return_holds_up_neither_remove_nor_close(domain, monkeypatch):
+    monkeypatch.setattr("tutorial.simulation.STUCK", 0.2)
+    there, let = threading.Event(), threading.Event()
+
+    class Hangs(SimpleController):
+        def control(self):
+            there.set()
+            let.wait(60)
+
+    async def scenario():
+        project = Project.load(find_project("step2"))
+        bodies = [replace(item, controllers=(*item.controllers, Hangs)) for item in project.bodies]
+        async with Host(replace(project, bodies=bodies)) as host:
+            run = asyncio.ensure_future(host.run())
+            await until(there.is_set, "the first step")
+            with pytest.raises(ControllerError, match=r"Hangs does not return: it is at test_host\.py, line \d+, in c"):
+                host.remove("Tank")
+            with pytest.raises(ControllerError, match="Mend it, and make the simulation anew: open its program again"):
+                await run
+
+    before = threads()
+    try:
+        asyncio.run(scenario())
+    finally:
+        let.set()
+    for thread in threads() - before:
+        thread.join(PATIENCE)
+        assert not thread.is_alive()
 
 
 def test_a_simulating_program_shows_its_copy(domain):

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import _thread
+import random
 import sys
 import threading
 import time
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +16,7 @@ import pytest
 from tutorial.body import Body
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
-from tutorial.simulation import ControllerError, Simulation
+from tutorial.simulation import ControllerError, Simulation, State
 from tutorial.world import Placement
 
 TANK = Placement("Tank", Path(__file__).parent.parent / "project" / "models" / "tank.xml", (0.0, 0.0, 1.0))
@@ -224,6 +227,398 @@ class TestRealTime:
         simulation.stop()
         assert len(recorder.times) == asked
         assert recorder.calls == ["initialize", "stop"]
+
+
+class Raising(Recorder):
+    """Raises what it is given, in the method it is given."""
+
+    def __init__(self, kind, method):
+        super().__init__()
+        self.kind, self.method = kind, method
+
+    def initialize(self, io):
+        super().initialize(io)
+        self.perhaps("initialize")
+
+    def control(self):
+        self.perhaps("control")
+
+    def stop(self):
+        super().stop()
+        self.perhaps("stop")
+
+    def perhaps(self, method):
+        if method == self.method:
+            raise self.kind
+
+
+@pytest.mark.parametrize("kind", [ValueError, SystemExit, KeyboardInterrupt, GeneratorExit])
+class TestWhateverAControllerRaises:
+    @pytest.mark.parametrize("method", ["initialize", "control"])
+    def test_is_told_with_its_place_and_logged_by_the_thread(self, kind, method, caplog):
+        simulation = Simulation([TANK], [("Tank", Raising(kind, method))])
+        simulation.start(0.05)
+        assert simulation.wait(20)
+        assert simulation.state is State.FAILED
+        assert "Raising failed at 0.000 s of simulated time: test_simulation.py, line " in str(simulation.error)
+        assert str(simulation.error).endswith(f", in perhaps: {kind.__name__}")
+        assert isinstance(simulation.error.__cause__, kind)
+        assert [record.getMessage() for record in caplog.records] == [str(simulation.error)]
+        simulation.stop()
+
+    @pytest.mark.parametrize("method", ["initialize", "control"])
+    def test_is_raised_by_advance_and_kept(self, kind, method):
+        simulation = Simulation([TANK], [("Tank", Raising(kind, method))])
+        with pytest.raises(ControllerError, match=f"in perhaps: {kind.__name__}$") as info:
+            simulation.advance(0.05)
+        assert simulation.error is info.value
+        assert simulation.state is State.FAILED
+
+    def test_when_it_is_stopped_is_kept_and_logged_and_the_others_are_stopped(self, kind, caplog):
+        after = Recorder()
+        simulation = Simulation([TANK], [("Tank", Raising(kind, "stop")), ("Tank", after)])
+        simulation.advance(0.001)
+        simulation.stop()
+        assert str(simulation.error).endswith(f", in perhaps: {kind.__name__}")
+        assert str(simulation.error) in caplog.text
+        assert after.calls == ["initialize", "stop"]
+
+
+def test_after_a_failure_it_may_be_run_again():
+    controller = Raising(ValueError, "control")
+    simulation = Simulation([TANK], [("Tank", controller)])
+    with pytest.raises(ControllerError):
+        simulation.advance(0.001)
+    controller.method = None
+    simulation.advance(0.001)
+    assert (simulation.state, simulation.error, simulation.step) == (State.IDLE, None, 1)
+
+
+def test_the_readers_own_interrupt_of_advance_passes_and_it_can_go_on():
+    def interrupt():
+        until(lambda: simulation.step)
+        _thread.interrupt_main()
+
+    simulation = Simulation([TANK])
+    other = threading.Thread(target=interrupt)
+    other.start()
+    with pytest.raises(KeyboardInterrupt):
+        simulation.advance(1_000_000)
+    other.join(20)
+    assert simulation.state is State.IDLE
+    step = simulation.step
+    simulation.advance(0.001)
+    assert simulation.step == step + 1
+
+
+class TestSwitchInterval:
+    def test_the_last_of_several_puts_it_back(self):
+        before = sys.getswitchinterval()
+        first, second = Simulation([TANK]), Simulation([TANK])
+        first.start()
+        second.start()
+        short = sys.getswitchinterval()
+        first.stop()
+        assert sys.getswitchinterval() == short < before, "the second still runs"
+        second.stop()
+        assert sys.getswitchinterval() == before
+
+    def test_an_abandoned_simulation_does_without(self, stuck):
+        before = sys.getswitchinterval()
+        stuck.simulation.start()
+        stuck.reached()
+        stuck.simulation.stop()
+        assert sys.getswitchinterval() == before
+
+
+class Stuck(Recorder):
+    """Does not return from one of its methods, until it is let."""
+
+    def __init__(self, method="control"):
+        super().__init__()
+        self.method = method
+        self.there, self.let = threading.Event(), threading.Event()
+
+    def initialize(self, io):
+        super().initialize(io)
+        self.perhaps("initialize")
+
+    def control(self):
+        super().control()
+        self.perhaps("control")
+
+    def stop(self):
+        super().stop()
+        self.perhaps("stop")
+
+    def perhaps(self, method):
+        if method == self.method:
+            self.there.set()
+            self.let.wait(60)
+
+    def reached(self):
+        assert self.there.wait(20)
+
+
+@pytest.fixture
+def stuck(monkeypatch):
+    """A controller that does not return, in a simulation that waits for it only a moment."""
+    monkeypatch.setattr("tutorial.simulation.STUCK", 0.2)
+    controller = Stuck()
+    controller.simulation = Simulation([TANK], [("Tank", controller)])
+    yield controller
+    controller.let.set()
+    until(lambda: not any(thread.name in ("simulation", "stepper") for thread in threading.enumerate()))
+
+
+SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in perhaps\. Mend it, and make the simulation"
+
+
+CALLS = {
+    "advance": lambda simulation: simulation.advance(0.01),
+    "start": lambda simulation: simulation.start(),
+    "restart": lambda simulation: simulation.restart(),
+    "release": lambda simulation: simulation.release("Tank"),
+}
+
+
+class TestAControllerThatDoesNotReturn:
+    @pytest.mark.parametrize("method", ["initialize", "control"])
+    @pytest.mark.parametrize("call", ["restart", "release"])
+    def test_is_not_waited_for_without_end(self, stuck, call, method):
+        stuck.method = method
+        stuck.simulation.start()
+        stuck.reached()
+        with pytest.raises(ControllerError, match=SAID):
+            CALLS[call](stuck.simulation)
+        assert stuck.simulation.state is State.ABANDONED
+
+    @pytest.mark.parametrize("call", CALLS)
+    def test_once_it_was_given_up_everything_says_so(self, stuck, call, caplog):
+        stuck.simulation.start()
+        stuck.reached()
+        stuck.simulation.stop()
+        stuck.simulation.stop()
+        assert caplog.text.count("Stuck does not return") == 1
+        with pytest.raises(ControllerError, match=SAID):
+            CALLS[call](stuck.simulation)
+        assert stuck.simulation.wait()
+        assert not stuck.simulation.running
+        assert "Stuck does not return" in str(stuck.simulation.error)
+
+    def test_and_its_simulation_are_never_touched_again(self, stuck):
+        stuck.simulation.start()
+        stuck.reached()
+        stuck.simulation.stop()
+        error, snapshot = stuck.simulation.error, stuck.simulation.snapshot.get()
+        with pytest.raises(ControllerError):
+            stuck.simulation.restart()
+        stuck.let.set()
+        until(lambda: "simulation" not in [thread.name for thread in threading.enumerate()])
+        assert (stuck.simulation.error, stuck.simulation.state) == (error, State.ABANDONED)
+        assert stuck.simulation.snapshot.get() is snapshot
+        assert stuck.simulation.step == stuck.simulation.data.time == 0.0
+        assert stuck.calls == ["initialize"]
+
+    @pytest.mark.parametrize("call", ["stop", "restart", "release"])
+    def test_in_its_stop_is_not_waited_for_either(self, stuck, call):
+        stuck.method = "stop"
+        stuck.simulation.advance(0.001)
+        if call == "stop":
+            stuck.simulation.stop()
+        else:
+            with pytest.raises(ControllerError, match=SAID):
+                CALLS[call](stuck.simulation)
+        assert stuck.simulation.state is State.ABANDONED
+
+    def test_keeps_only_the_thread_that_advances(self, stuck):
+        raised = []
+
+        def advance():
+            with pytest.raises(ControllerError, match=SAID) as info:
+                stuck.simulation.advance(1.0)
+            raised.append(info.value)
+
+        stepper = threading.Thread(target=advance, name="stepper")
+        stepper.start()
+        stuck.reached()
+        for call in ("advance", "start"):
+            with pytest.raises(TutorialError, match=r"Call stop\(\)"):
+                CALLS[call](stuck.simulation)
+        stuck.simulation.stop()
+        assert stuck.simulation.state is State.ABANDONED
+        stuck.let.set()
+        stepper.join(20)
+        assert raised
+
+
+class TestSeveralThreads:
+    def test_an_advance_is_stopped_by_another_and_says_so(self):
+        class Stopped(Recorder):
+            def control(self):
+                super().control()
+                began.set()
+
+        began = threading.Event()
+        simulation = Simulation([TANK], [("Tank", Stopped())])
+        other = threading.Thread(target=lambda: began.wait(20) and simulation.stop())
+        other.start()
+        with pytest.raises(TutorialError, match=r"advance\(1000000\) was stopped elsewhere, at \d+\.\d+ s"):
+            simulation.advance(1_000_000)
+        other.join(20)
+        assert simulation.state is State.IDLE
+
+    def test_a_body_is_released_while_another_thread_advances(self):
+        recorder = Recorder()
+        simulation = Simulation([TANK], [("Tank", recorder)])
+
+        def release():
+            until(lambda: recorder.times)
+            simulation.release("Tank")
+            asked.append(len(recorder.times))
+            simulation.stop()
+
+        asked = []
+        other = threading.Thread(target=release)
+        other.start()
+        with pytest.raises(TutorialError, match="was stopped elsewhere"):
+            simulation.advance(1_000_000)
+        other.join(20)
+        assert asked == [len(recorder.times)]
+        assert recorder.calls == ["initialize", "stop"]
+
+    @pytest.mark.parametrize("method", ["control", "stop"])
+    def test_a_controller_cannot_wait_for_itself(self, method):
+        class Waits(Raising):
+            def perhaps(self, method):
+                if method == self.method:
+                    simulation.stop()
+
+        simulation = Simulation([TANK], [("Tank", Waits(None, method))])
+        simulation.start(0.01)
+        assert simulation.wait(20)
+        simulation.stop()
+        assert r"stop() was called by a controller" in str(simulation.error)
+
+
+BOX = """
+<mujoco><worldbody><body name="box"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody></mujoco>
+"""
+
+
+class Unruly(SimpleController):
+    """Raises, ends the program or does not return, now and then."""
+
+    def __init__(self, rng, let):
+        self.method = rng.choice(("initialize", "control", "control", "control", "stop"))
+        self.act = rng.choice((None, None, ValueError, SystemExit, KeyboardInterrupt, "hang"))
+        self.wait = rng.randrange(20)
+        self.let = let
+        self.hangs, self.raised = False, []
+
+    def initialize(self, io):
+        self.perhaps("initialize")
+
+    def control(self):
+        self.perhaps("control")
+
+    def stop(self):
+        self.perhaps("stop")
+
+    def perhaps(self, method):
+        if method != self.method or self.act is None:
+            return
+        self.wait -= 1
+        if self.wait > 0 and method == "control":
+            return
+        if self.act == "hang":
+            self.hangs = True
+            self.let.wait(60)
+        else:
+            self.wait = 20
+            self.raised.append(f"failure {next(NUMBERS)}.")
+            raise self.act(self.raised[-1])
+
+
+NUMBERS = count()
+
+ACTS = (
+    lambda simulation: simulation.start(),
+    lambda simulation: simulation.start(0.005),
+    lambda simulation: simulation.advance(0.02),
+    lambda simulation: simulation.wait(0.005),
+    lambda simulation: simulation.wait(0.01),
+    lambda simulation: simulation.stop(),
+    lambda simulation: simulation.restart(),
+    lambda simulation: simulation.release("A"),
+)
+
+
+class Visitor(threading.Thread):
+    """Calls a simulation's methods at random, and writes down what comes of it."""
+
+    def __init__(self, simulation, rng):
+        super().__init__(name="visitor", daemon=True)
+        self.simulation = simulation
+        self.acts = rng.choices(ACTS, k=8)
+        self.errors, self.wrong, self.longest = [], [], 0.0
+
+    def run(self):
+        for act in self.acts:
+            began = time.monotonic()
+            try:
+                act(self.simulation)
+            except TutorialError as error:
+                self.errors.append(str(error))
+            except BaseException as error:  # noqa: BLE001 - nothing else may come out
+                self.wrong.append(error)
+            self.longest = max(self.longest, time.monotonic() - began)
+
+
+def stopped(simulation):
+    """Stop, unless a visitor is just at it."""
+    try:
+        simulation.stop()
+    except TutorialError:
+        return False
+    return not simulation.running
+
+
+def let_two_visit(seed, model):
+    """Let two threads do as they like with an unruly simulation; return the failures that neither was told."""
+    rng, let = random.Random(seed), threading.Event()
+    unruly = [Unruly(rng, let) for _ in range(3)]
+    simulation = Simulation([Placement("A", model), Placement("B", model)], zip("AAB", unruly))
+    visitors = [Visitor(simulation, rng) for _ in range(2)]
+    for visitor in visitors:
+        visitor.start()
+    until(lambda: any(each.hangs for each in unruly) or not any(visitor.is_alive() for visitor in visitors), 10)
+    for visitor in visitors:
+        visitor.join(0.2)  # one that hangs itself, in advance(), stays until it is let
+    until(lambda: stopped(simulation), 10)
+    assert simulation.state is State.ABANDONED or not any(each.hangs for each in unruly)
+    assert (simulation.error is None) == (simulation.state is State.IDLE)
+    let.set()
+    for visitor in visitors:
+        visitor.join(10)
+        assert not visitor.is_alive()
+        assert not visitor.wrong
+        assert visitor.longest < 10
+    told = "".join(visitors[0].errors + visitors[1].errors)
+    return [text for each in unruly for text in each.raised if text not in told]
+
+
+@pytest.mark.parametrize("tens", range(20))
+def test_whatever_two_threads_do_nothing_hangs_and_no_failure_is_unseen(tens, tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr("tutorial.simulation.STUCK", 0.1)
+    model = tmp_path / "box.xml"
+    model.write_text(BOX)
+    interval, threads = sys.getswitchinterval(), set(threading.enumerate())
+    for seed in range(10 * tens, 10 * tens + 10):
+        untold = let_two_visit(seed, model)
+        until(lambda: set(threading.enumerate()) <= threads, 10)
+        assert [text for text in untold if text not in caplog.text] == [], f"seed {seed}"
+        assert sys.getswitchinterval() == interval, f"seed {seed}"
 
 
 def test_displayed_bodies_are_moved_to_where_the_copy_is():

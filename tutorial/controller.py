@@ -79,7 +79,7 @@ class SimpleController:
         """Read sensors and set actuators, before every step. The thread that steps the simulation."""
 
     def stop(self) -> None:
-        """Let go, when no step will ask for control any more. The thread that stops the simulation."""
+        """Let go, when no step will ask for control any more. A thread of the simulation's."""
 
     def unconfigure(self) -> None:
         """Leave the body: destroy what `configure` made. Main thread."""

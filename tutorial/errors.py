@@ -61,7 +61,7 @@ def tell(error: BaseException, file: str) -> str:
     Returns:
         For instance ``"hello_world.py, line 8, in control: ZeroDivisionError: division by zero"``.
     """
-    text = f"{type(error).__name__}: {error}"
+    text = f"{type(error).__name__}: {error}".removesuffix(": ")
     if isinstance(error, SyntaxError) and error.filename == file:
         return f"{_title(file)}, line {error.lineno}: {type(error).__name__}: {error.msg}"
     places = [place for place in traceback.extract_tb(error.__traceback__) if place.filename == file]
@@ -71,13 +71,20 @@ def tell(error: BaseException, file: str) -> str:
     return f"{_title(file)}, line {places[-1].lineno}{within}: {text}"
 
 
-def where(thread: threading.Thread) -> str:
+def where(thread: threading.Thread, file: str = "") -> str:
     """Say which line a thread is at that does not come to its end.
+
+    Args:
+        thread: the thread.
+        file: whose innermost line is meant, if the thread is in it; else the innermost of all is.
 
     Returns:
         For instance ``": it is at mine.py, line 8, in control"``; empty when it has ended.
     """
-    frame = sys._current_frames().get(thread.ident or 0)
+    inner = frame = sys._current_frames().get(thread.ident or 0)
+    while frame is not None and frame.f_code.co_filename != file:
+        frame = frame.f_back
+    frame = frame or inner
     if frame is None:
         return ""
     code = frame.f_code

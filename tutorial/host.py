@@ -165,6 +165,7 @@ class Host:
         """Delete a displayed body: its controllers leave it, and what they have posted does not run any more.
 
         Raises:
+            ControllerError: a controller does not return.
             TutorialError: there is no such body.
         """
         if name not in self._items:

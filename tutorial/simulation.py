@@ -6,8 +6,10 @@ import logging
 import sys
 import threading
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from enum import Enum
 from typing import TYPE_CHECKING
 
 import mujoco
@@ -22,20 +24,36 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["ControllerError", "Simulation", "Snapshot"]
+__all__ = ["ControllerError", "Simulation", "Snapshot", "State"]
 
 SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005 a busy cell starves a thread that wakes a thousand times a second
 REST = 0.002  # [s] between two batches of steps
 LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up; what is beyond is given up
 REPORT_EVERY = 5.0  # [s] between two complaints that the machine can't keep up
-STUCK = 3.0  # [s] that a controller may take to return when the simulation is stopped
+STUCK = 3.0  # [s] that a controller may take to return when somebody waits for it
 SLOW = 0.95  # of real time, below which the machine is said not to keep up
 
 _log = logging.getLogger(__name__)
 
 
 class ControllerError(TutorialError):
-    """A controller raised an exception; the simulation has stopped, and the exception is the cause of this one."""
+    """A controller raised, or does not return; the simulation has stopped. What was raised is the cause of this one."""
+
+
+class State(Enum):
+    """What a simulation does; every method asks it first.
+
+    Attributes:
+        IDLE: nothing; it can be stepped.
+        RUNNING: it is being stepped, on its own thread or by `Simulation.advance`.
+        FAILED: nothing, because a controller raised: `Simulation.error`. It can be stepped again.
+        ABANDONED: nothing ever again: a controller does not return, and may still touch what it was given.
+    """
+
+    IDLE = "idle"
+    RUNNING = "running"
+    FAILED = "failed"
+    ABANDONED = "abandoned"
 
 
 @dataclass(frozen=True)
@@ -55,12 +73,20 @@ class Simulation:
     """A copy of some bodies in one MuJoCo world, and the controllers that move them.
 
     It can be stepped at once, with `advance`, or in real time on a thread of its own, with `start` and `stop`; in both
-    cases controllers see only the copy, through the `ControllerIO` that they are initialized with.
+    cases controllers see only the copy, through the `ControllerIO` that they are initialized with. Whatever a
+    controller raises becomes a `ControllerError`, also where it wants to end the program. One that does not return is
+    waited for only so long; then the simulation is abandoned, and nobody touches it any more.
+
+    The methods may be called on any thread, except by a controller.
 
     Args:
         placements: the bodies.
         controllers: pairs of a body's name and a controller of it, in the order in which they are asked for control.
         time_step: [s].
+
+    Attributes:
+        error: what a controller raised last, since the last start; None when none did.
+        snapshot: the newest state to be shown.
 
     Raises:
         TutorialError: the bodies do not make a world.
@@ -82,14 +108,24 @@ class Simulation:
         ]
         self._step = 0
         self._initialized = False
-        self._thread: threading.Thread | None = None
         self._duration: float | None = None  # of the last start
-        self._given_up = False  # a controller keeps the thread
-        self._stepping = threading.Lock()  # held for a batch of steps
-        self._stopping = threading.Event()
-        self._finished = threading.Event()
+        self._turns = threading.Lock()  # held by the method that starts, stops or changes something
+        self._lock = threading.Lock()  # held for a change of the state, and never while a controller is at work
+        self._run: _Run | None = None  # while it is stepped
+        self._leaving: _Run | None = None  # while controllers let go
+        self._thread: threading.Thread | None = None  # of the last start
+        self._abandoned = ""  # why
         self.error: ControllerError | None = None
         self.snapshot = Latest(self._snap())
+
+    @property
+    def state(self) -> State:
+        """What the simulation does now."""
+        if self._abandoned:
+            return State.ABANDONED
+        if self._run is not None:
+            return State.RUNNING
+        return State.IDLE if self.error is None else State.FAILED
 
     @property
     def step(self) -> int:
@@ -103,8 +139,8 @@ class Simulation:
 
     @property
     def running(self) -> bool:
-        """Whether the simulation's own thread is stepping."""
-        return self._thread is not None and not self._finished.is_set()
+        """Whether it is being stepped."""
+        return self.state is State.RUNNING
 
     def advance(self, seconds: float) -> None:
         """Step as fast as possible, on the calling thread.
@@ -113,18 +149,28 @@ class Simulation:
             seconds: simulated time to go on by [s]; rounded to whole steps.
 
         Raises:
-            ControllerError: a controller raised; the simulation stops there.
-            TutorialError: the simulation is running on its own thread.
+            ControllerError: a controller raised, and the simulation stops there; or one has never returned.
+            TutorialError: the simulation is running, or another thread has stopped it meanwhile.
         """
-        if self.running:
-            raise TutorialError("the simulation is running on its own thread. Call stop() before advance().")
         if seconds < 0:
             raise TutorialError(f"advance({seconds}): time does not go back. Give seconds >= 0, or call restart().")
-        self._initialize()
+        run, error = _Run(threading.current_thread()), None
         try:
-            self._run_steps(round(seconds / self.time_step))
+            with self._turn("advance()"):
+                self._check_idle("the simulation is running on its own thread. Call stop() before advance().")
+                self._begin(run)
+            last_step = self._step + round(seconds / self.time_step)
+            self._initialize(run)
+            self._run_steps(run, last_step - self._step)
+        except ControllerError as raised:
+            error = raised
+            raise
         finally:
-            self.snapshot.put(self._snap())
+            self._end(run, error)
+        if run.abandoned:
+            raise ControllerError(self._abandoned)
+        if self._step < last_step and run.stopping.is_set():
+            raise TutorialError(f"advance({seconds}) was stopped elsewhere, at {self.time:.3f} s. Call it again.")
 
     def start(self, duration: float | None = None) -> None:
         """Step in real time, on a thread of its own.
@@ -133,66 +179,78 @@ class Simulation:
             duration: stop after this much simulated time [s]; None to go on until `stop`.
 
         Raises:
-            TutorialError: it is running already, or a controller of it has never returned.
+            ControllerError: a controller of it has never returned.
+            TutorialError: it is running already.
         """
-        if self.running:
-            raise TutorialError("the simulation is running already. Call stop() first, or restart().")
-        self._join()
-        if self._given_up:
-            raise TutorialError("a controller of this simulation has not returned. Mend it, and make a new simulation.")
-        self._stopping.clear()
-        self._finished.clear()
-        self._duration = duration
-        self.error = None
-        last_step = None if duration is None else self._step + round(duration / self.time_step)
-        self._thread = threading.Thread(target=self._main, args=(last_step,), name="simulation", daemon=True)
-        self._thread.start()
+        with self._turn("start()"):
+            self._check_idle("the simulation is running already. Call stop() first, or restart().")
+            self._start(duration)
 
     def stop(self) -> None:
-        """End the thread and let the controllers go. Idempotent. What was simulated stays."""
-        self._stopping.set()
-        self._join()
-        self._let_go()
+        """End the run and let the controllers go. Idempotent. What was simulated stays.
+
+        A controller that does not return keeps its thread, which then ends with the process: `error` says where it is.
+        """
+        with self._turn("stop()"):
+            self._halt()
+            self._let_all_go()
 
     def restart(self) -> None:
         """Go back to time 0 and the initial pose, with controllers initialized anew.
 
-        If it was running, it starts again, for as long as it was started for.
+        If it was running on its own thread, it starts again, for as long as it was started for.
+
+        Raises:
+            ControllerError: a controller does not return.
         """
-        running = self.running
-        self.stop()
-        mujoco.mj_resetData(self.model, self.data)
-        self._step = 0
-        self.snapshot.put(self._snap())
-        if running:
-            self.start(self._duration)
+        with self._turn("restart()"):
+            run = self._run
+            self._halt()
+            if not self._abandoned:
+                self.error = None
+            self._let_all_go()
+            self._check_abandoned()
+            mujoco.mj_resetData(self.model, self.data)
+            self._step = 0
+            self.snapshot.put(self._snap())
+            if run is not None and run.thread is self._thread:
+                self._start(self._duration)
 
     def wait(self, timeout: float | None = None) -> bool:
-        """Block until the thread has come to its end by itself.
+        """Block until nobody steps the simulation any more: it has come to its end, was stopped, or was abandoned.
 
         Args:
             timeout: how long to wait at most [s]; None for ever.
 
         Returns:
-            Whether it has.
+            Whether it is so.
         """
-        return self._finished.wait(timeout)
+        self._check_caller("wait()")
+        run = self._run
+        return run is None or run.finished.wait(timeout)
 
     def release(self, body: str) -> None:
-        """Let the controllers of a body go; the body itself stays in the world. Any thread, also while it is running.
+        """Let the controllers of a body go; the body itself stays in the world, which may be running.
 
         Args:
             body: the body's name.
+
+        Raises:
+            ControllerError: a controller does not return.
         """
-        with self._stepping:
+        with self._turn("release()"):
+            self._check_abandoned()
             leaving = [controller for controller, io in self._controllers if io.body.name == body]
             self._controllers = [(c, io) for c, io in self._controllers if io.body.name != body]
-            initialized = self._initialized
-        if initialized:
-            _stop_all(leaving)
+            run = self._run
+            if run is not None and not run.pass_on():
+                self._abandon(run)
+            if self._initialized and not self._abandoned:
+                self._let_go(leaving)
+            self._check_abandoned()
 
     def copy_to(self, bodies: Iterable[Body]) -> float:
-        """Move displayed bodies to where the newest snapshot has them. Main thread.
+        """Move displayed bodies to where the newest snapshot has them. Main thread, in every state.
 
         Args:
             bodies: displayed bodies; those that are not simulated stay as they are.
@@ -209,100 +267,258 @@ class Simulation:
                 body.notify_change()
         return snapshot.time
 
-    def _main(self, last_step: int | None) -> None:
-        """The simulation's thread."""
-        interval = sys.getswitchinterval()
-        sys.setswitchinterval(SWITCH_INTERVAL)
+    @contextmanager
+    def _turn(self, caller: str) -> Iterator[None]:
+        """Have one caller after the other start, stop or change something."""
+        self._check_caller(caller)
+        if not self._turns.acquire(timeout=2.5 * STUCK):  # who has it waits for controllers, at most twice
+            raise TutorialError(f"{caller}: another thread is still stopping this simulation. Call it again later.")
         try:
-            self._initialize()
-            self._keep_pace(last_step)
-        except ControllerError as error:
-            self.error = error
+            yield
         finally:
-            self.snapshot.put(self._snap())
-            sys.setswitchinterval(interval)
-            self._finished.set()
+            self._turns.release()
 
-    def _keep_pace(self, last_step: int | None) -> None:
+    def _check_caller(self, caller: str) -> None:
+        """Refuse a controller, which would wait for itself."""
+        if any(run is not None and run.thread is threading.current_thread() for run in (self._run, self._leaving)):
+            raise TutorialError(f"{caller} was called by a controller, and would wait for it. Call it elsewhere.")
+
+    def _check_abandoned(self) -> None:
+        if self._abandoned:
+            raise ControllerError(self._abandoned)
+
+    def _check_idle(self, otherwise: str) -> None:
+        self._check_abandoned()
+        if self._run is not None:
+            raise TutorialError(otherwise)
+
+    def _begin(self, run: _Run) -> None:
+        with self._lock:
+            self.error, self._run = None, run
+
+    def _end(self, run: _Run, error: ControllerError | None) -> None:
+        """Note how a run has come to its end; one that was abandoned, or never began, leaves everything alone."""
+        with self._lock:
+            if self._run is not run:
+                return
+            self.snapshot.put(self._snap())
+            self.error = error or self.error
+            _switching.release(run)
+            self._run = None
+            run.finished.set()
+
+    def _abandon(self, stuck: _Run) -> None:
+        """Give up a controller that does not return, and with it the simulation: nobody may touch either any more."""
+        with self._lock:
+            if stuck.finished.is_set():
+                return
+            self._abandoned = f"{stuck.place()}. Mend it, and make the simulation anew: open its program again."
+            self.error = ControllerError(self._abandoned)
+            for run in filter(None, (stuck, self._run)):
+                run.abandoned = True
+                run.stopping.set()
+                run.finished.set()
+                _switching.release(run)
+            self._run = None
+        _log.error("%s", self._abandoned)
+
+    def _start(self, duration: float | None) -> None:
+        """Begin a thread of its own."""
+        self._duration = duration
+        last_step = None if duration is None else self._step + round(duration / self.time_step)
+        run = _Run()
+        run.thread = threading.Thread(target=self._main, args=(run, last_step), name="simulation", daemon=True)
+        self._thread = run.thread
+        try:
+            self._begin(run)
+            _switching.hold(run)
+            run.thread.start()
+        except BaseException:
+            self._end(run, None)
+            raise
+
+    def _halt(self) -> None:
+        """Have the run come to its end, or give it up."""
+        run = self._run
+        if run is not None:
+            run.stopping.set()
+            if not run.finished.wait(STUCK):
+                self._abandon(run)
+        if self._thread is not None and not self._abandoned:
+            self._thread.join(STUCK)  # it has nothing more to do
+
+    def _let_all_go(self) -> None:
+        if self._initialized and not self._abandoned:
+            self._initialized = False
+            self._let_go([controller for controller, _ in self._controllers])
+
+    def _let_go(self, controllers: list[SimpleController]) -> None:
+        """Stop controllers on a thread that can be given up, as any of them may keep it."""
+        if not controllers:
+            return
+        run = self._leaving = _Run()
+        run.thread = threading.Thread(target=self._stop_all, args=(run, controllers), name="simulation", daemon=True)
+        run.thread.start()
+        run.thread.join(STUCK)
+        if run.thread.is_alive():
+            self._abandon(run)
+        self._leaving = None
+
+    def _stop_all(self, run: _Run, controllers: list[SimpleController]) -> None:
+        """Ask each controller to let go. One that fails is logged and kept, and holds up none of the others."""
+        for run.asked in controllers:
+            try:
+                run.asked.stop()
+            except BaseException as error:  # noqa: BLE001 - whatever it is, the others still have to stop
+                failed = self._controller_error(run, error)
+                _log.error("%s", failed, exc_info=error)
+                with self._lock:
+                    self.error = self.error if run.abandoned else failed
+            if run.abandoned:
+                return
+
+    def _main(self, run: _Run, last_step: int | None) -> None:
+        """The simulation's thread."""
+        failed: ControllerError | None = None
+        try:
+            self._initialize(run)
+            self._keep_pace(run, last_step)
+        except ControllerError as error:
+            failed = error
+        except BaseException as error:  # noqa: BLE001 - whatever it is, the thread must not end without a word
+            failed = self._controller_error(run, error)
+        if failed is not None:
+            _log.error("%s", failed)
+        self._end(run, failed)
+
+    def _keep_pace(self, run: _Run, last_step: int | None) -> None:
         """Step so that simulated time follows real time.
 
         When to be where is reckoned from one origin, so that rounding and sleeping too long don't add up.
         """
         pace = _Pace(self._step, self.time_step)
-        while not self._stopping.is_set() and (last_step is None or self._step < last_step):
+        while not run.stopping.is_set() and (last_step is None or self._step < last_step):
             due = pace.steps_due(self._step)
             if last_step is not None:
                 due = min(due, last_step - self._step)
-            self._run_steps(due)
-            self.snapshot.put(self._snap())
+            self._run_steps(run, due)
+            if not run.abandoned:
+                self.snapshot.put(self._snap())
             time.sleep(REST)
 
-    def _run_steps(self, count: int) -> None:
+    def _run_steps(self, run: _Run, count: int) -> None:
         model, data, mj_step = self.model, self.data, mujoco.mj_step
-        controller: SimpleController | None = None
+        run.laps += 1
         try:
-            with self._stepping:
-                for _ in range(count):
-                    for controller, io in self._controllers:
-                        io.step = self._step
-                        controller.control()
-                    controller = None
-                    mj_step(model, data)
-                    self._step += 1
-        except Exception as error:
-            raise self._controller_error(controller, error) from error
+            for _ in range(count):
+                if run.stopping.is_set():
+                    return
+                for run.asked, io in self._controllers:
+                    io.step = self._step
+                    run.asked.control()
+                    if run.abandoned:
+                        return
+                run.asked = None
+                mj_step(model, data)
+                self._step += 1
+                run.laps += 1
+        except BaseException as error:
+            if run.asked is None and not isinstance(error, Exception):
+                raise  # the reader's Ctrl-C, between two controllers
+            raise self._controller_error(run, error) from error
 
-    def _initialize(self) -> None:
+    def _initialize(self, run: _Run) -> None:
         """Let every controller look at the state it starts from, once a start: all of them, or none."""
         if self._initialized:
             return
         mujoco.mj_forward(self.model, self.data)
         ready: list[SimpleController] = []
-        with self._stepping:
-            for controller, io in self._controllers:
+        try:
+            for run.asked, io in self._controllers:
                 io.step = self._step
-                try:
-                    controller.initialize(io)
-                except Exception as error:
-                    _stop_all(ready)
-                    raise self._controller_error(controller, error) from error
-                ready.append(controller)
-            self._initialized = True
+                run.asked.initialize(io)
+                if run.abandoned:
+                    return
+                ready.append(run.asked)
+        except BaseException as error:
+            failed = self._controller_error(run, error)
+            self._stop_all(run, ready)
+            raise failed from error
+        run.asked = None
+        self._initialized = True
 
-    def _let_go(self) -> None:
-        if not self._initialized:
-            return
-        self._initialized = False
-        _stop_all(controller for controller, _ in self._controllers)
-
-    def _controller_error(self, controller: SimpleController | None, error: Exception) -> ControllerError:
+    def _controller_error(self, run: _Run, error: BaseException) -> ControllerError:
         when = f"failed at {self.time:.3f} s of simulated time"
-        if controller is None:
-            return ControllerError(f"MuJoCo {when}: {type(error).__name__}: {error}")
-        kind = type(controller)
+        if run.asked is None:
+            return ControllerError(f"MuJoCo {when}: {tell(error, '')}")
+        kind = type(run.asked)
         return ControllerError(f"{kind.__name__} {when}: {tell(error, file_of(kind))}")
-
-    def _join(self) -> None:
-        """Wait for the end of the thread; one that a controller keeps is given up, and ends with the process."""
-        if self._thread is not None:
-            self._thread.join(STUCK)
-            if self._thread.is_alive():
-                _log.error("the simulation does not stop, because a controller does not return%s", where(self._thread))
-                self._finished.set()
-                self._initialized = False
-                self._given_up = True
-            self._thread = None
 
     def _snap(self) -> Snapshot:
         return Snapshot(self.time, self.data.qpos.copy())
 
 
-def _stop_all(controllers: Iterable[SimpleController]) -> None:
-    for controller in controllers:
-        try:
-            controller.stop()
-        except Exception:  # noqa: BLE001 - whatever it is, the others still have to stop
-            _log.exception("%s failed in stop()", type(controller).__name__)
+class _Run:
+    """What goes on on a thread that asks controllers.
+
+    Attributes:
+        thread: the thread.
+        asked: the controller that is at work, or was last.
+        laps: grows whenever no controller is at work.
+        stopping: asks the run to come to its end.
+        finished: is set when it has, or when it was abandoned.
+        abandoned: whether it may not touch the simulation any more.
+    """
+
+    def __init__(self, thread: threading.Thread | None = None) -> None:
+        self.thread = thread
+        self.asked: SimpleController | None = None
+        self.laps = 0
+        self.stopping = threading.Event()
+        self.finished = threading.Event()
+        self.abandoned = False
+
+    def pass_on(self) -> bool:
+        """Wait until the run has come to its next lap, or to its end; False when it does neither."""
+        before, deadline = self.laps, time.monotonic() + STUCK
+        while self.laps == before and not self.finished.wait(REST / 2):
+            if time.monotonic() > deadline:
+                return False
+        return True
+
+    def place(self) -> str:
+        """Say which controller does not return, and where it is."""
+        asked, thread = self.asked, self.thread
+        name, file = ("MuJoCo", "") if asked is None else (type(asked).__name__, file_of(type(asked)))
+        return f"{name} does not return{where(thread, file) if thread is not None else ''}"
+
+
+class _Switching:
+    """Python's switch interval, short as long as anybody holds it; the last to release it puts it back."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._holders: set[object] = set()
+        self._before = 0.0
+
+    def hold(self, holder: object) -> None:
+        with self._lock:
+            if not self._holders:
+                self._before = sys.getswitchinterval()
+                sys.setswitchinterval(SWITCH_INTERVAL)
+            self._holders.add(holder)
+
+    def release(self, holder: object) -> None:
+        """Do without it from now on. Idempotent."""
+        with self._lock:
+            if holder not in self._holders:
+                return
+            self._holders.remove(holder)
+            if not self._holders:
+                sys.setswitchinterval(self._before)
+
+
+_switching = _Switching()
 
 
 class _Pace:
