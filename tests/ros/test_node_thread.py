@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
+from functools import partial
 
 import pytest
 from programs import until
@@ -109,6 +110,24 @@ def test_a_topic_that_a_node_publishes_and_receives_is_counted_both_ways(domain)
         counts = make_record("echo", 1.0, thread.node.meters)["topics"]["/words"]
     assert (counts["published"], counts["received"]) == (3, 3)
     assert counts["latency_ms"]["median"] is not None
+
+
+def test_a_callback_gets_the_message_alone_if_it_can_do_with_that(domain):
+    got = []
+    callbacks = [
+        lambda message: got.append((message.data,)),
+        lambda message, name="default": got.append((message.data, name)),
+        partial(lambda name, message: got.append((name, message.data)), "partial"),
+        lambda message, info: got.append((message.data, sorted(info)[-1])),
+    ]
+    with NodeThread("listener") as thread:
+        for callback in callbacks:
+            thread.node.create_subscription(String, "/words", callback, 1)
+        publisher = thread.node.create_publisher(String, "/words", 1)
+        until(lambda: publisher.get_subscription_count() == len(callbacks), "the match")
+        publisher.publish(String(data="a"))
+        until(lambda: len(got) == len(callbacks), "all of them to be called")
+    assert sorted(got) == [("a",), ("a", "default"), ("a", "source_timestamp"), ("partial", "a")]
 
 
 def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):

@@ -123,7 +123,7 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
     ) -> Any:
         """Create a subscription, as rclpy does, that counts what it receives and how long it took."""
         meter: TopicMeter | None = None
-        wants_info = _takes_two(callback)
+        wants_info = _takes_info(callback)
 
         def metered(message: Any, info: dict[str, int]) -> None:
             if meter is not None:
@@ -214,10 +214,14 @@ class NodeThread:
                 _log.exception("a callback of the node %r failed; the others go on", self.node.get_name())
 
 
-def _takes_two(callback: Callable[..., Any]) -> bool:
-    """Whether a callback wants ``(message, info)`` rather than ``(message)``, found out as rclpy does."""
+def _takes_info(callback: Callable[..., Any]) -> bool:
+    """Whether a callback gets ``(message, info)``: as in rclpy, only if it cannot be called with the message alone."""
+    return not _accepts(callback, 1) and _accepts(callback, 2)
+
+
+def _accepts(callback: Callable[..., Any], count: int) -> bool:
     try:
-        inspect.signature(callback).bind(object(), object())
+        inspect.signature(callback).bind(*[None] * count)
     except (TypeError, ValueError):
         return False
     return True
