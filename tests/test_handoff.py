@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tutorial import handoff
 from tutorial.errors import WrongThreadError
 from tutorial.handoff import CallQueue, CallScope, Latest, ThreadGuard
 
@@ -247,6 +248,48 @@ class TestCallLatest:
             return ran
 
         assert asyncio.run(scenario()) == ["new", "event", "next"]
+
+
+class TestTooBusy:
+    @staticmethod
+    def told(caplog):
+        return [record.getMessage() for record in caplog.records]
+
+    def test_that_a_crowd_waits_is_said_once_with_the_mend(self, caplog):
+        async def scenario():
+            queue = CallQueue(asyncio.get_running_loop())
+            scope = queue.scope("Viewer of Tank")
+            for _ in range(handoff.CROWD):
+                scope.call_later(list)
+            assert self.told(caplog) == []
+            for _ in range(handoff.CROWD):
+                scope.call_later(list)
+            await until_idle(queue)
+
+        asyncio.run(scenario())
+        (line,) = self.told(caplog)
+        assert line.startswith(f"the main thread is too busy for what is posted to it: {handoff.CROWD + 1} waiting")
+        assert line.endswith("Viewer of Tank may post with call_latest(key, f, message)")
+
+    def test_that_one_waits_long_is_said_once(self, caplog, monkeypatch):
+        now = [0.0]
+        monkeypatch.setattr(handoff.time, "monotonic", lambda: now[0])
+        loop = asyncio.SelectorEventLoop()
+        scope = CallQueue(loop).scope("Viewer of Tank")
+        for now[0] in (0.0, handoff.LONG_WAIT, handoff.LONG_WAIT + 1, handoff.LONG_WAIT + 2):
+            scope.call_latest("key", list)
+        loop.close()
+        (line,) = self.told(caplog)
+        assert "1 waiting, the first for 11.0 s. Let it do less at a time;" in line
+
+    def test_that_one_has_waited_long_is_said_when_nobody_posts_any_more(self, caplog, monkeypatch):
+        loop = asyncio.SelectorEventLoop()
+        queue = CallQueue(loop)
+        queue.scope("Viewer of Tank").call_later(list)
+        monkeypatch.setattr(handoff, "LONG_WAIT", -1.0)
+        loop.run_until_complete(until_idle(queue))
+        loop.close()
+        assert len(self.told(caplog)) == 1
 
 
 class TestThreadGuard:

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from geometry_msgs.msg import Pose
 from programs import PATIENCE
 from sensor_msgs.msg import JointState
 
@@ -260,6 +261,47 @@ def test_the_naive_callback_is_told_whose_the_body_is(project_with, caplog):
         "set_joint_positions was called on the thread 'executor', but the body 'Tank' belongs to the thread "
         "'MainThread'. Post the call instead: call_later(f, message)."
     ) in caplog.text
+
+
+class Poser(SimpleController):
+    """Publishes a message that has a position, and is no joint state."""
+
+    def configure(self, config):
+        config.node.create_publisher(Pose, "pose", 1).publish(Pose())
+
+
+class Clumsy(SimpleController):
+    """Fails once, as a posted call and as a callback."""
+
+    def configure(self, config):
+        config.call_later(lambda: 1 / 0)
+        config.node.create_subscription(JointState, "Tank/joint_state", lambda message: {}["mine"], 1)
+
+
+def test_a_message_without_a_header_is_recorded_too(project_with):
+    async def scenario():
+        async with Host(project_with(Poser)) as host:
+            record = host.record()
+            assert record["topics"]["/pose"]["published"] == 1
+            assert list(record["joints"]) == list(host.bodies["Tank"].joint_names)
+
+    asyncio.run(scenario())
+
+
+def test_a_new_run_forgets_what_failed_before(project_with):
+    async def scenario():
+        scene = Scene()
+        async with Host(project_with(Clumsy), view=View(scene)) as host:
+            with NodeThread("tester") as tester:
+                publisher = tester.node.create_publisher(JointState, "/Tank/joint_state", 1)
+                await until(publisher.get_subscription_count, "the match")
+                await until(lambda: isinstance(host.error, ZeroDivisionError), "the posted call's error")
+                publisher.publish(message(0.1, 1))
+                await until(lambda: isinstance(host.error, KeyError), "the callback's error")
+            await host.run(0.01)
+            assert host.error is None
+
+    asyncio.run(scenario())
 
 
 def test_a_controller_that_cannot_join_its_body_is_named_and_nothing_is_left(project_with):

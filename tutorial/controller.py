@@ -3,16 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol, TypeVarTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Hashable
 
     from rclpy.node import Node
 
     from tutorial.body import Body
 
 __all__ = ["ControllerConfig", "ControllerIO", "SimpleController"]
+
+Ts = TypeVarTuple("Ts")
+
+
+class CallLater(Protocol):
+    """What `ControllerConfig.call_later` is."""
+
+    def __call__(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
+        """Run ``function(*args)`` on the main thread. Any thread."""
+
+
+class CallLatest(Protocol):
+    """What `ControllerConfig.call_latest` is."""
+
+    def __call__(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
+        """Run ``function(*args)`` on the main thread, in the place of a waiting call of the same key. Any thread."""
 
 
 @dataclass(frozen=True)
@@ -30,8 +46,8 @@ class ControllerConfig:
 
     body: Body
     node: Node
-    call_later: Callable[..., None]
-    call_latest: Callable[..., None]
+    call_later: CallLater
+    call_latest: CallLatest
 
 
 class ControllerIO:

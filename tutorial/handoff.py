@@ -13,8 +13,9 @@ import asyncio
 import logging
 import sys
 import threading
+import time
 from collections import deque
-from typing import TYPE_CHECKING, Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar, TypeVarTuple
 
 from tutorial.errors import TutorialError, WrongThreadError
 
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
 __all__ = ["CallQueue", "CallScope", "Latest", "ThreadGuard", "running_loop"]
 
 T = TypeVar("T")
+Ts = TypeVarTuple("Ts")
+
+CROWD = 1000  # waiting calls, beyond which it is said that they are too many
+LONG_WAIT = 10.0  # [s] beyond which it is said that a call has waited too long
 
 _log = logging.getLogger(__name__)
 
@@ -62,6 +67,7 @@ class CallQueue:
 
     Underneath is one locked queue, and one `call_soon_threadsafe` that wakes the loop when the queue stops being empty.
     One turn of the loop runs what was queued when the turn began, so calls that post calls cannot hold it.
+    When many calls wait, or one waits long, that is logged, once.
 
     Args:
         loop: the main thread's loop.
@@ -76,6 +82,7 @@ class CallQueue:
         self._newest: dict[tuple[CallScope, Hashable], _Call] = {}
         self._awake = False
         self._closed = False
+        self._told = False
 
     def __len__(self) -> int:
         """How many calls wait, those of closed scopes included."""
@@ -104,13 +111,33 @@ class CallQueue:
             if self._closed or call.scope.closed or not self._wake():
                 call.scope.refused += 1
                 return
+            waiting = call
             if key is not None:
                 call.slot = (call.scope, key)
                 waiting = self._newest.setdefault(call.slot, call)
-                if waiting is not call:
-                    waiting.replace(call)
-                    return
-            self._waiting.append(call)
+            if waiting is call:
+                self._waiting.append(call)
+            else:
+                waiting.replace(call)
+        self._tell()
+
+    def _tell(self) -> None:
+        """Say that many calls wait, or one waits long, unless it was said. Any thread."""
+        with self._lock:
+            if self._told or not self._waiting:
+                return
+            count, first = len(self._waiting), self._waiting[0]
+            waits = time.monotonic() - first.posted_at
+            if count <= CROWD and waits <= LONG_WAIT:
+                return
+            self._told = True
+        _log.warning(
+            "the main thread is too busy for what is posted to it: %d waiting, the first for %.1f s. Let it do less at "
+            "a time; where only the newest counts, %s may post with call_latest(key, f, message)",
+            count,
+            waits,
+            first.scope.owner,
+        )
 
     def _wake(self) -> bool:
         """Ask the loop for a turn unless one is coming; False when the loop is gone. Holds the lock."""
@@ -125,6 +152,7 @@ class CallQueue:
     def _turn(self) -> None:
         """Run what waits now; what comes in meanwhile gets a turn of its own. Main thread."""
         try:
+            self._tell()
             for _ in range(len(self._waiting)):
                 call = self._next()
                 if call is None:
@@ -163,11 +191,11 @@ class CallScope:
         self.refused = 0
         self.error: Exception | None = None
 
-    def call_later(self, function: Callable[..., object], *args: object) -> None:
+    def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """From any thread: run ``function(*args)`` on the main thread. Every call is kept, in order."""
         self._queue._post(_Call(self, function, args, sys._getframe(1)))
 
-    def call_latest(self, key: Hashable, function: Callable[..., object], *args: object) -> None:
+    def call_latest(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """As `call_later`, but a waiting call of the same key is replaced, and keeps its place in the queue.
 
         Args:
@@ -185,7 +213,7 @@ class CallScope:
 class _Call:
     """One posted call, and where it was posted."""
 
-    __slots__ = ("args", "frame_code", "frame_line", "function", "handoff", "scope", "slot", "thread")
+    __slots__ = ("args", "frame_code", "frame_line", "function", "handoff", "posted_at", "scope", "slot", "thread")
 
     def __init__(
         self, scope: CallScope, function: Callable[..., object], args: tuple[object, ...], frame: FrameType
@@ -196,6 +224,7 @@ class _Call:
         self.frame_code = frame.f_code
         self.frame_line = frame.f_lineno
         self.thread = threading.current_thread().name
+        self.posted_at = time.monotonic()
         self.slot: tuple[CallScope, Hashable] | None = None
         self.handoff: Handoff | None = None
 

@@ -9,6 +9,8 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
+from sensor_msgs.msg import JointState
+
 from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.errors import TutorialError, did_you_mean, file_of, tell
@@ -109,9 +111,17 @@ class Host:
 
     @property
     def error(self) -> BaseException | None:
-        """What the simulation, a callback or a posted call raised last; None when nothing did."""
+        """What the simulation, a callback or a posted call raised last since the last start; None when nothing did."""
         posted = (item.error for item in self._items.values())
         return (self.simulation and self.simulation.error) or self._ros.error or next(filter(None, posted), None)
+
+    def forget_errors(self) -> None:
+        """Begin anew: what has failed before does not count any more. `run` does it. Main thread."""
+        self._ros.error = None
+        if self.simulation is not None:
+            self.simulation.error = None
+        for item in self._items.values():
+            item.forget_errors()
 
     async def run(
         self,
@@ -131,6 +141,7 @@ class Host:
             ControllerError: a controller raised an exception; the simulation has stopped.
         """
         began = due = time.monotonic()
+        self.forget_errors()
         if self.simulation is not None:
             self.simulation.start(duration)
         try:
@@ -188,7 +199,7 @@ class Host:
             applied.update(dict.fromkeys(item.joint_topics, item.tally.messages))
             joints.update({joint.name: joint.position for joint in item.body.joints})
         for meter in self.node.meters:
-            if meter.direction == "published" and hasattr(meter.last, "position"):
+            if meter.direction == "published" and isinstance(meter.last, JointState):
                 joints.update(zip(meter.last.name, meter.last.position))
         return make_record(self.node.get_name(), self.seconds, self.node.meters, joints, tally, applied)
 
@@ -312,6 +323,11 @@ class _Item:
     def error(self) -> Exception | None:
         """What a call that one of its controllers has posted raised last."""
         return next((scope.error for scope in self._scopes if scope.error is not None), None)
+
+    def forget_errors(self) -> None:
+        """What its calls have raised does not count any more."""
+        for scope in self._scopes:
+            scope.error = None
 
     def changed(self, report: JointReport | None) -> None:
         """Note that the body is to be drawn, and what its message was like."""

@@ -179,6 +179,40 @@ def test_who_does_not_stop_when_asked_is_killed(program, launch_file):
     running.leaves_nothing()
 
 
+@pytest.mark.parametrize("second", [signal.SIGINT, signal.SIGTERM])
+def test_asked_twice_it_waits_for_nobody_and_leaves_nobody(program, launch_file, second):
+    refusing = (
+        "import signal; signal.signal(signal.SIGINT, lambda *_: print('no', flush=True)); print('up', flush=True)"
+    )
+    running = program("launch", launch_file(one=["python3", "-c", f"{refusing}\n{SLEEP}"]))
+    running.says("up")
+    running.asks_to_stop()
+    running.says("no\n")
+    running.process.send_signal(second)
+    assert running.ends() == 128 + second
+    assert "did not stop within" not in running.output
+    running.leaves_nothing()
+
+
+def test_a_terminal_that_closes_asks_as_often_as_it_likes(program, launch_file, tmp_path):
+    more = tmp_path / "more"
+    tidying = (
+        "import os, signal, sys\n"
+        f"def end(*_):\n    print('tidying', flush=True)\n    while not os.path.exists({str(more)!r}): pass\n"
+        "    print('tidy', flush=True)\n    sys.exit()\n"
+        "signal.signal(signal.SIGINT, end); print('up', flush=True)"
+    )
+    running = program("launch", launch_file(one=["python3", "-c", f"{tidying}\n{SLEEP}"]))
+    running.says("up")
+    for _ in range(2):
+        running.process.send_signal(signal.SIGHUP)
+        running.says("tidying")
+    more.touch()
+    assert running.ends() == 0
+    assert "tidy\n" in running.output
+    running.leaves_nothing()
+
+
 def test_nothing_outlives_a_launcher_that_is_killed(program, launch_file):
     running = program("launch", launch_file(one=SLEEPER, other=STUBBORN))
     running.says("asleep")

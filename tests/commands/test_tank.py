@@ -84,6 +84,18 @@ def test_a_controller_that_raises_ends_the_run_and_says_where(program, tmp_path)
     assert "initialize: TutorialError: the body 'Box' has no actuator 'TRACK_L'" in (running.output)
 
 
+def test_a_report_that_cannot_be_written_does_not_hide_why_the_run_ended(program, tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(
+        "from tutorial.controller import SimpleController\n"
+        "class TankController(SimpleController):\n    def control(self):\n        1 / 0\n"
+    )
+    running = program("run", "step1", "--headless", "--controller", path, "--report", "/dev/null/x")
+    assert running.ends() == 1
+    assert "mine.py, line 4, in control: ZeroDivisionError: division by zero\n" in running.output
+    assert "the report '/dev/null/x/tank.json' cannot be written" in running.output
+
+
 def test_ctrl_c_while_the_program_is_loading_just_ends_it(program, tmp_path):
     """A module that is being imported may make an error of its own of a KeyboardInterrupt, as numpy does."""
     path = tmp_path / "slow.launch.py"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import sys
 import threading
 
 import pytest
@@ -86,6 +87,30 @@ def test_until_leaves_the_loop_free():
 def test_until_says_what_it_waited_for():
     with pytest.raises(TutorialError, match=r"waited 0\.02 s in vain for the match\. Run the cells above"):
         asyncio.run(until(lambda: False, "the match", 0.02))
+
+
+def test_errors_may_pour_in_while_they_are_looked_at(capsys):
+    """The one who waits in vain, and the one who prints, see whole lines, however often the threads change."""
+    enough = threading.Event()
+
+    def pour():
+        while not enough.is_set():
+            logging.getLogger("tutorial.somewhere").error("again")
+
+    thread = threading.Thread(target=pour)
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    thread.start()
+    try:
+        for _ in range(3000):
+            with pytest.raises(TutorialError, match="in vain"):
+                until(lambda: False, patience=-1.0).send(None)
+            log()
+    finally:
+        enough.set()
+        thread.join()
+        sys.setswitchinterval(interval)
+    assert set(capsys.readouterr().out.splitlines()) <= {"[ERROR] again"}
 
 
 def test_what_is_logged_on_any_thread_is_printed_when_asked_for(capsys):

@@ -65,6 +65,27 @@ def test_a_project_is_opened_by_name_run_and_closed(in_a_cell):
     assert threads() == before
 
 
+def test_the_next_start_forgets_what_failed_before(in_a_cell):
+    class Hasty(SimpleController):
+        hasty = True
+
+        def control(self):
+            if self.hasty:
+                raise ValueError("mine")
+
+    async def scenario():
+        program = open_program(Project.load(find_project("step1")).with_controllers("Tank", Hasty))
+        for go_on in (program.start, lambda: program.advance(0.01)):
+            Hasty.hasty = True
+            program.start()
+            await until(lambda: program.error)
+            Hasty.hasty = False
+            go_on()
+            assert program.error is None
+
+    in_a_cell(scenario)
+
+
 def test_one_of_the_same_node_name_is_closed_first(in_a_cell):
     async def scenario():
         first = open_program("step3", node="viewer")

@@ -90,9 +90,10 @@ class CourseServer(ServerApp):
         if self.log_level == logging.WARNING:  # what it warns of from now on is what the pages ask for, all the time
             self.log_level = logging.ERROR
 
-    def _end(self, number: int, _frame: FrameType | None) -> None:
-        """Stop; a second signal of the kind ends it at once."""
-        signal.signal(number, signal.SIG_DFL)
+    def _end(self, _number: int, _frame: FrameType | None) -> None:
+        """Stop; a second signal ends it at once."""
+        for each in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(each, signal.SIG_DFL)
         self.stop(from_signal=True)
 
 

@@ -21,6 +21,7 @@ from honcho.colour import get_colours
 from honcho.printer import Message, Printer
 
 from tutorial.commands import lifeline
+from tutorial.commands.terminal import heed
 from tutorial.errors import TutorialError
 from tutorial.paths import with_own_commands
 from tutorial.ros.backend import UNDERLAY
@@ -70,8 +71,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
 class Launcher:
     """Starts processes, prints their output with their names in front, and sees to it that they end together.
 
-    When one fails, the others are stopped: asked first, killed if they don't. None outlives the launcher, even when it
-    is killed: see `tutorial.commands.lifeline`.
+    When one fails, the others are stopped: asked first, killed if they don't, or at a second Ctrl-C at once. None
+    outlives the launcher, even when it is killed: see `tutorial.commands.lifeline`.
 
     Args:
         processes: what to start.
@@ -100,9 +101,11 @@ class Launcher:
             The exit status: that of the process that failed first, 0 when none did.
         """
         loop = asyncio.get_running_loop()
-        signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-        for number in signals:
-            loop.add_signal_handler(number, self._interrupt)
+        heed(
+            lambda: loop.call_soon_threadsafe(self._interrupt),
+            at_once=lambda: self._signal_groups(signal.SIGKILL),
+            hangup=True,
+        )
         read_end, write_end = os.pipe()
         try:
             for name, process in self._processes.items():
@@ -112,8 +115,6 @@ class Launcher:
             await self._stop_all()
             os.close(read_end)
             os.close(write_end)
-            for number in signals:
-                loop.remove_signal_handler(number)
 
     def _interrupt(self) -> None:
         self.interrupted = True
@@ -192,7 +193,7 @@ class Launcher:
         """Signal every process group that is left, 0 to ask nothing of it; return whether there is one."""
         for name, process in tuple(self._running.items()):
             if not lifeline.signal_group(process.pid, number):
-                self._running.pop(name)
+                self._running.pop(name, None)
         return bool(self._running)
 
     def _say(self, name: str, line: str, colour: str | None = None) -> None:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
-import signal
 import sys
 import tempfile
 import threading
-from collections.abc import Sequence
-from contextlib import AsyncExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import AsyncExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,12 +19,13 @@ from tqdm.contrib import DummyTqdmFile
 from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.node import node
 from tutorial.commands.options import duration_option, headless_option, linger_option, report_option
-from tutorial.commands.terminal import INTERRUPTED, progress_bar, until_asked, with_bar
+from tutorial.commands.terminal import INTERRUPTED, heed, progress_bar, until_asked, with_bar
 from tutorial.commands.topic import topic
 from tutorial.errors import TutorialError
 
 if TYPE_CHECKING:
     from tutorial.commands.joystick import JoySource
+    from tutorial.host import Host
     from tutorial.project import Project
 
 __all__ = ["main"]
@@ -135,8 +135,7 @@ def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: 
 
     source = _joy_source(drive)
     stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set())
+    heed(stop.set)
     with named_node("joy", ros_args) as thread, progress_bar(duration) as progress:
         seconds = JoyPublisher(thread.node, source).run(duration, linger, stop, progress)
         if report is not None:
@@ -227,7 +226,6 @@ async def _host(
 ) -> None:
     """Run a project on the event loop that is running."""
     from tutorial.host import Host
-    from tutorial.record import write_record
     from tutorial.view.bodies import View
     from tutorial.view.replay import recorded
     from tutorial.view.scene import Scene
@@ -246,11 +244,29 @@ async def _host(
         if html is not None:
             stack.enter_context(recorded(scene, html, host.node.get_name(), host.shown_at, host.joint_positions))
         progress = stack.enter_context(progress_bar(duration))
-        try:
+        with _reported(host, report):
             await host.run(duration, linger, progress)
-        finally:
-            if report is not None:
-                write_record(host.record(), report)
+
+
+@contextmanager
+def _reported(host: Host, directory: Path | None) -> Iterator[None]:
+    """Write the record in the end; when that fails, too, the error of the run stays the one that ends the command."""
+    from tutorial.record import write_record
+
+    failed = False
+    try:
+        yield
+    except TutorialError:
+        failed = True
+        raise
+    finally:
+        try:
+            if directory is not None:
+                write_record(host.record(), directory)
+        except TutorialError as error:
+            if not failed:
+                raise
+            click.echo(f"Error: {error}", err=True)
 
 
 def _joy_source(drive: str | None) -> JoySource:

@@ -3,19 +3,54 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Awaitable, Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from itertools import count
 from typing import Any
 
 from tqdm import tqdm
 from tqdm.contrib.logging import logging_redirect_tqdm
 
-__all__ = ["INTERRUPTED", "progress_bar", "until_asked", "with_bar"]
+__all__ = ["INTERRUPTED", "heed", "progress_bar", "until_asked", "with_bar"]
 
 INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
+
+
+def heed(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None, hangup: bool = False) -> None:
+    """From now on the first Ctrl-C or SIGTERM asks this process to end, and the second ends it at once. Main thread.
+
+    They are heard on a thread of its own, for the main thread may be in a loop, or in a call that does not return. It
+    stays so until the process has ended: who lets go may be in a loop, too.
+
+    Args:
+        ask: called on that thread at the first signal; it may fail when there is nothing left to ask.
+        at_once: called there at the second one, before the process ends with the status that shells give to it.
+        hangup: whether SIGHUP asks, too, however often it comes.
+    """
+    read_end, write_end = os.pipe()
+    os.set_blocking(write_end, False)
+    signal.set_wakeup_fd(write_end, warn_on_full_buffer=False)
+    for number in (signal.SIGINT, signal.SIGTERM, *[signal.SIGHUP] * hangup):
+        signal.signal(number, lambda *_: None)
+    heard = (os.read(read_end, 1)[0] for _ in count())
+    threading.Thread(target=_end, args=(heard, ask, at_once), name="endings", daemon=True).start()
+
+
+def _end(heard: Iterator[int], ask: Callable[[], object], at_once: Callable[[], object]) -> None:
+    endings = (signal.SIGINT, signal.SIGTERM)
+    next(number for number in heard if number in (*endings, signal.SIGHUP))
+    with suppress(Exception):
+        ask()
+    number = next(number for number in heard if number in endings)
+    try:
+        at_once()
+    finally:
+        os._exit(128 + number)
 
 
 def until_asked(program: Awaitable[None], duration: float | None) -> int:
@@ -29,11 +64,10 @@ def until_asked(program: Awaitable[None], duration: float | None) -> int:
         def ask() -> None:
             nonlocal asked
             asked = True
-            task.cancel()
+            loop.call_soon_threadsafe(task.cancel)
 
         loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            loop.add_signal_handler(number, ask)
+        heed(ask)
         try:
             await task
         except asyncio.CancelledError:

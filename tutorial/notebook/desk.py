@@ -6,6 +6,7 @@ import asyncio
 import atexit
 import logging
 import os
+import threading
 import time
 from collections import deque
 from collections.abc import Callable
@@ -76,7 +77,7 @@ async def until(condition: Callable[[], object], what: str = "", patience: float
 def _in_vain(began: float, patience: float, what: str) -> str:
     """Say what was waited for, and the newest error that was logged meanwhile: it may be the cause."""
     said = f"waited {patience:g} s in vain{f' for {what}' if what else ''}."
-    errors = [line for time, line in _lines.kept if time >= began and line.startswith("[ERROR]")]
+    errors = [line for time, line in _lines.copy() if time >= began and line.startswith("[ERROR]")]
     if errors:
         return f"{said} Meanwhile: {errors[-1]}"
     return f"{said} Run the cells above, in order, then this one."
@@ -93,8 +94,8 @@ def _take_domain() -> None:
 
 def log() -> None:
     """Print what the library has logged since this was last called. It comes from any thread, so no cell shows it."""
-    while _lines.kept:
-        print(_lines.kept.popleft()[1])  # noqa: T201 - what it is for
+    for _, line in _lines.copy(clear=True):
+        print(line)  # noqa: T201 - what it is for
 
 
 class _Lines(logging.Handler):
@@ -102,13 +103,27 @@ class _Lines(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__()
-        self.kept: deque[tuple[float, str]] = deque(maxlen=LINES_KEPT)
+        self._lock = threading.Lock()
+        self._kept: deque[tuple[float, str]] = deque(maxlen=LINES_KEPT)
+
+    def copy(self, clear: bool = False) -> list[tuple[float, str]]:
+        """Return what is kept, the oldest first: each line with its time, of `time.monotonic` [s]. Any thread.
+
+        Args:
+            clear: forget it.
+        """
+        with self._lock:
+            kept = list(self._kept)
+            if clear:
+                self._kept.clear()
+        return kept
 
     def emit(self, record: logging.LogRecord) -> None:
         line = f"[{record.levelname}] {record.getMessage()}"
         if record.exc_info and record.exc_info[1] is not None:
             line += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"
-        self.kept.append((time.monotonic(), line))
+        with self._lock:
+            self._kept.append((time.monotonic(), line))
 
 
 def _let_go(name: str) -> None:

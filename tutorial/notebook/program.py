@@ -87,7 +87,7 @@ class Program:
 
     @property
     def error(self) -> BaseException | None:
-        """What a callback or the simulation raised last; None when nothing did."""
+        """What a callback or the simulation raised last since the last start; None when nothing did."""
         return self.host.error
 
     def body(self, name: str = "Tank") -> Body:
@@ -114,6 +114,7 @@ class Program:
         """
         self._check_open()
         if not self.simulation.running:
+            self.host.forget_errors()
             self.simulation.start()
 
     def stop(self) -> None:
@@ -139,6 +140,7 @@ class Program:
         self._check_open()
         if self.simulation.running:
             self.stop()
+        self.host.forget_errors()
         self.simulation.advance(seconds)
 
     async def run(self, seconds: float) -> None:
