@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from functools import partial, wraps
 from typing import Any
 
 import pytest
@@ -40,6 +41,57 @@ def test_callback_runs_on_the_thread_that_spins(node: Node, spin_until: SpinUnti
     other.join()
     spin_until(lambda: threads)
     assert threads == [threading.get_ident()]
+
+
+got: list[tuple[Any, ...]] = []
+
+
+def take(*given: Any) -> None:
+    got.append(given)
+
+
+class Taker:
+    def __call__(self, message: String) -> None:
+        take(message)
+
+    def both(self, message: String, info: dict[str, int]) -> None:
+        take(message, info)
+
+
+CALLBACKS: dict[str, tuple[Callable[..., None], int]] = {
+    "one": (lambda message: take(message), 1),  # noqa: PLW0108
+    "two": (lambda message, info: take(message, info), 2),  # noqa: PLW0108
+    "a default": (lambda message, name="name": take(message), 1),
+    "two and a default": (lambda message, info, name="name": take(message, info), 2),
+    "only defaults": (lambda message=None, info=None: take(message, *filter(None, [info])), 1),
+    "any number": (take, 1),
+    "one and any number": (lambda message, *more: take(message, *more), 1),  # noqa: PLW0108
+    "an option": (lambda message, *, info=None: take(message, *filter(None, [info])), 1),
+    "partial, by place": (partial(lambda name, message: take(message), "name"), 1),
+    "partial, by name": (partial(lambda message, name: take(message), name="name"), 1),
+    "partial, with two left": (partial(lambda name, message, info: take(message, info), "name"), 2),
+    "an object": (Taker(), 1),
+    "a method": (Taker().both, 2),
+    "wrapped": (wraps(Taker().both)(partial(take)), 2),
+}
+
+
+@pytest.mark.parametrize("name", CALLBACKS)
+def test_a_callback_gets_the_message_alone_if_it_can_be_called_so(node: Node, spin_until: SpinUntil, name: str) -> None:
+    callback, count = CALLBACKS[name]
+    got.clear()
+    node.create_subscription(String, "x", callback, 10)
+    publisher = node.create_publisher(String, "x", 10)
+    spin_until(publisher.get_subscription_count)
+    publisher.publish(String(data="hello"))
+    spin_until(lambda: got)
+    assert [type(each) for each in got[0]] == [String, dict][:count]
+
+
+@pytest.mark.parametrize("callback", [lambda: 0, lambda a, b, c: 0, lambda message, *, info: 0, Taker])
+def test_a_callback_that_takes_neither_one_nor_two_is_refused(node: Node, callback: Callable[..., Any]) -> None:
+    with pytest.raises(RuntimeError, match=r"one argument.*or two"):
+        node.create_subscription(String, "x", callback, 10)
 
 
 def test_message_info(node: Node, spin_until: SpinUntil) -> None:
