@@ -216,10 +216,11 @@ def test_what_its_node_destroys_is_gone(node: Node, kind: str, executor: SingleT
 def test_a_spin_after_destroy_raises_in_rclpy_and_here_the_log_says_so_once(
     node: Node, kind: str, executor: SingleThreadedExecutor, backend: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    made = CREATE[kind](node)
+    made, other = CREATE[kind](node), CREATE[kind](node)
     executor.spin_once(timeout_sec=0)
     made.destroy()
     made.destroy()
+    other.destroy()
     for _ in range(2):
         if backend == "rclpy":
             with pytest.raises(InvalidHandle):
@@ -228,7 +229,7 @@ def test_a_spin_after_destroy_raises_in_rclpy_and_here_the_log_says_so_once(
             executor.spin_once(timeout_sec=0.01)
     said = capfd.readouterr().err
     assert said.count(f"Call node.destroy_{kind}({kind}) instead") == (backend != "rclpy")
-    assert getattr(node, f"destroy_{kind}")(made)
+    assert all(getattr(node, f"destroy_{kind}")(each) for each in (made, other))
     executor.spin_once(timeout_sec=0.01)
 
 
