@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import re
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import msgspec
-import msgspec.inspect
 import yaml
+from msgspec import inspect
 
 from tutorial.errors import TutorialError, did_you_mean
 
@@ -18,11 +18,30 @@ __all__ = ["YamlFile"]
 T = TypeVar("T")
 
 SUFFIXES = (".yaml", ".yml")
-YAML_WORDS = {"`object`": "a mapping", "`array`": "a list", "`null`": "nothing", "`str`": "a text"} | {
-    "`float`": "a number",
-    "`int`": "a whole number",
-    "`bool`": "true or false",
+TEXT = "tag:yaml.org,2002:str"
+
+EXPECTED: dict[type[inspect.Type], tuple[str, tuple[type, ...]]] = {
+    inspect.StructType: ("a mapping", (dict,)),
+    inspect.ListType: ("a list", (list,)),
+    inspect.TupleType: ("a list", (list,)),
+    inspect.StrType: ("a text", (str,)),
+    inspect.FloatType: ("a number", (float, int)),
+    inspect.BoolType: ("true or false", (bool,)),
 }
+"""What a shape may consist of: in YAML's words, and as Python has it."""
+
+GOT = {kinds[0]: words for words, kinds in EXPECTED.values()} | {int: "a whole number", type(None): "nothing"}
+
+
+class _Loader(yaml.SafeLoader):
+    """Says which value is not what its tag says: PyYAML lets out whatever its conversion raises."""
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep)
+        except (ValueError, LookupError, AttributeError, ArithmeticError) as error:
+            problem = f"{node.value!r} is no {node.tag.rpartition(':')[2]}"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark) from error
 
 
 class YamlFile(Generic[T]):
@@ -45,10 +64,8 @@ class YamlFile(Generic[T]):
     def __init__(self, path: Path, shape: type[T], what: str) -> None:
         self.path = path
         self._root, content = self._parse(_read(path, what))
-        try:
-            self.data = msgspec.convert(content, shape)
-        except msgspec.ValidationError as error:
-            raise self._explain(error, shape) from None
+        self._check(self._root, content, inspect.type_info(shape), "")
+        self.data = msgspec.convert(content, shape)
 
     def error(self, where: Iterable[str | int], text: str) -> TutorialError:
         """Make an error about one place in the file.
@@ -71,47 +88,74 @@ class YamlFile(Generic[T]):
     def _parse(self, text: str) -> tuple[yaml.Node, Any]:
         """Read the file as nodes, which know their lines, and as what they say."""
         try:
-            root = yaml.compose(text, Loader=yaml.SafeLoader)
+            root = yaml.compose(text, Loader=_Loader)
             if root is not None:
-                return root, yaml.SafeLoader("").construct_document(root)
+                return root, _Loader("").construct_document(root)
         except yaml.MarkedYAMLError as error:
             line = error.problem_mark.line + 1 if error.problem_mark else 1
             problem = " ".join(filter(None, (error.context, error.problem)))
             raise TutorialError(f"{self.path}, line {line}: this is not YAML: {problem}.") from error
-        except (yaml.YAMLError, ValueError) as error:  # ValueError: a date that there is not
+        except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:  # a character that there is not
             raise TutorialError(f"{self.path}, line 1: this is not YAML: {error}") from error
         raise TutorialError(f"{self.path}, line 1: the file is empty.")
 
-    def _explain(self, error: msgspec.ValidationError, shape: type[T]) -> TutorialError:
-        """Say an error of msgspec's, such as ``Expected `float`, got `str` - at `$.drive```, in YAML's words."""
-        problem, _, place = str(error).partition(" - at `$")
-        where = [int(index) if index else key for index, key in re.findall(r"\[(\d+)\]|\.?(\w+)", place)]
-        key = problem.split("`")[1]
-        if "unknown field" in problem:
-            node = next(k for k, _ in self._node(where).value if k.value == key)
-            return self._error(node, f"{key!r} is not known here.{did_you_mean(key, _keys(shape, where))}")
-        if "missing required field" in problem:
-            return self.error(where, f"{key!r} is missing here.")
-        for word, yaml_word in YAML_WORDS.items():
-            problem = problem.replace(word, yaml_word)
-        problem = problem[0].lower() + problem[1:]
-        return self.error(where, f"{place.strip('.`')}: {problem}." if where else f"{problem}.")
+    def _check(self, node: yaml.Node, content: Any, info: inspect.Type, place: str) -> None:
+        """Compare a place of the file, and all below it, with what it should be.
+
+        Args:
+            node: the place.
+            content: what it says.
+            info: what it should be.
+            place: what to call it, for instance ``"bodies[0].position"``; empty for the whole file.
+
+        Raises:
+            TutorialError: it is something else.
+        """
+        words, kinds = EXPECTED[type(info)]
+        at = f"{place}: " if place else ""
+        if type(content) not in kinds:
+            got = GOT.get(type(content), f"a {type(content).__name__}")
+            raise self._error(node, f"{at}expected {words}, got {got}.")
+        if lacking := _lacking(content, info):
+            raise self._error(node, f"{at}expected {words} {lacking}.")
+        if isinstance(info, inspect.StructType):
+            fields = {field.encode_name: field.type for field in info.fields}
+            self._check_keys(node, info, list(fields))
+            for key, value in {key.value: value for key, value in node.value}.items():  # the last of a name counts
+                self._check(value, content[key], fields[key], f"{place}.{key}".lstrip("."))
+        elif isinstance(info, inspect.ListType | inspect.TupleType):
+            types = info.item_types if isinstance(info, inspect.TupleType) else [info.item_type] * len(content)
+            for i, (item, each, kind) in enumerate(zip(node.value, content, types, strict=True)):
+                self._check(item, each, kind, f"{place}[{i}]")
+
+    def _check_keys(self, node: yaml.Node, info: inspect.StructType, known: list[str]) -> None:
+        for key, _ in node.value:
+            if key.tag != TEXT or key.value not in known:
+                raise self._error(key, f"{key.value!r} is not known here.{did_you_mean(key.value, known)}")
+        there = {key.value for key, _ in node.value}
+        for field in info.fields:
+            if field.required and field.encode_name not in there:
+                raise self._error(node, f"{field.encode_name!r} is missing here.")
 
 
-def _keys(shape: type, where: Iterable[str | int]) -> list[str]:
-    """The keys that a mapping may have at some place of a type."""
-    info = _struct(msgspec.inspect.type_info(shape))
-    for step in where:
-        inner = info.item_type if isinstance(step, int) else {f.encode_name: f.type for f in info.fields}[step]
-        info = _struct(inner)
-    return [field.encode_name for field in info.fields]
-
-
-def _struct(info: Any) -> Any:
-    """Of something optional, what it is if it is there."""
-    if isinstance(info, msgspec.inspect.UnionType):
-        return next(kind for kind in info.types if isinstance(kind, msgspec.inspect.StructType))
-    return info
+def _lacking(content: Any, info: inspect.Type) -> str:
+    """What something of the right kind still lacks, for instance ``"<= 0.01"``; empty if nothing."""
+    wanted: dict[str, bool] = {}
+    if isinstance(info, inspect.FloatType):
+        wanted = {
+            "that is finite": abs(content) <= sys.float_info.max,
+            f"> {info.gt}": info.gt is None or content > info.gt,
+            f">= {info.ge}": info.ge is None or content >= info.ge,
+            f"<= {info.le}": info.le is None or content <= info.le,
+        }
+    elif isinstance(info, inspect.TupleType):
+        wanted = {f"of length {len(info.item_types)}, got {len(content)}": len(content) == len(info.item_types)}
+    elif isinstance(info, inspect.ListType):
+        wanted = {
+            f"of length >= {info.min_length}": len(content) >= (info.min_length or 0),
+            f"of length <= {info.max_length}": info.max_length is None or len(content) <= info.max_length,
+        }
+    return next((text for text, holds in wanted.items() if not holds), "")
 
 
 def _read(path: Path, what: str) -> str:

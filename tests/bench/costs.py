@@ -13,7 +13,6 @@ from types import SimpleNamespace
 import meshcat
 import mujoco
 import numpy as np
-import umsgpack
 from sensor_msgs.msg import JointState
 
 from tutorial.body import Body
@@ -112,7 +111,7 @@ def frame() -> tuple[Timed, Timed]:
     scene.attach(len)
     body = Body.displayed(TANK)
     view.add("Tank", body.model)
-    window = SimpleNamespace(send=lambda command: umsgpack.packb(command.lower()))
+    window = SimpleNamespace(send=lambda command: meshcat.visualizer.umsgpack.packb(command.lower()))
     parts = [meshcat.Visualizer(window=window)[str(i)] for i in range(body.model.nbody)]
     angles = itertools.count()
 

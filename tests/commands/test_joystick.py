@@ -52,9 +52,9 @@ def test_the_tour_loads_and_moves_every_stick():
         ("drives: []", "line 1: 'drives' is not known here. Did you mean 'drive'?"),
         (
             "drive:\n- {time: 0, axes: [2]}",
-            "line 2: drive[0].axes[0]: expected a number <= 1.0.",
+            "line 2: drive[0].axes[0]: expected a number <= 1.",
         ),
-        ("drive:\n- {time: -1, axes: [0]}", "line 2: drive[0].time: expected a number >= 0.0."),
+        ("drive:\n- {time: -1, axes: [0]}", "line 2: drive[0].time: expected a number >= 0."),
         (
             "drive:\n- {time: 1, axes: [0]}\n- {time: 1, axes: [0]}",
             "line 3: 1.0 is not later than 1.0. Put the moments in order.",

@@ -5,11 +5,10 @@ import threading
 import mujoco
 import numpy as np
 import pytest
-import umsgpack
 
 from tutorial.errors import TutorialError, WrongThreadError
 from tutorial.view.bodies import View
-from tutorial.view.scene import Record, Scene, unpack_records
+from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
 POSE = 'pos="1 2 3" quat="0.5 0.5 -0.5 0.5"'
 
@@ -42,7 +41,8 @@ class Eye:
         self.moved.clear()
         for kind, payload in unpack_records(message):
             if kind is Record.COMMAND:
-                getattr(self, umsgpack.unpackb(payload)["type"])(umsgpack.unpackb(payload))
+                command = unpack_command(payload)
+                getattr(self, command["type"])(command)
 
     def set_object(self, command):
         self.objects[command["path"]] = command["object"]
@@ -100,7 +100,7 @@ def corners(geometry):
         return np.array([[p["x"] * x, p["y"], p["x"] * z] for p in geometry["points"] for x, z in turns])
     points = geometry["data"]["attributes"]["position"]
     assert points["itemSize"] == 3
-    return np.frombuffer(points["array"].data, "<f4").reshape(-1, 3)
+    return points["array"].reshape(-1, 3)
 
 
 @pytest.mark.parametrize(
@@ -134,7 +134,7 @@ def test_a_mesh_is_where_its_vertices_are():
     given = np.array(vertices.split(), float).reshape(-1, 3) @ rotation.reshape(3, 3).T + [1, 2, 3]
     assert len(in_body) == 3 * 4  # four faces
     assert np.abs(in_body[:, None] - given).max(axis=2).min(axis=1).max() < 1e-5
-    normals = np.frombuffer(geometry["data"]["attributes"]["normal"]["array"].data, "<f4").reshape(-1, 3)
+    normals = geometry["data"]["attributes"]["normal"]["array"].reshape(-1, 3)
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-5)
 
 

@@ -12,7 +12,6 @@ from contextlib import suppress
 import mujoco
 import numpy as np
 import pytest
-import umsgpack
 from browser import PATIENCE, Witness, chromium, open_browser
 from sensor_msgs.msg import JointState
 
@@ -24,7 +23,7 @@ from tutorial.ros.node_thread import NodeThread
 from tutorial.view import replay
 from tutorial.view.bodies import View
 from tutorial.view.replay import Recorder, recorded
-from tutorial.view.scene import Record, Scene, unpack_records
+from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
 BALL = mujoco.MjModel.from_xml_string(
     "<mujoco><worldbody><body name='ball'><freejoint/><geom size='0.1'/></body></worldbody></mujoco>"
@@ -58,8 +57,10 @@ class Stage:
 
 def clips(made):
     """The animation within a replay, by path."""
-    commands = [umsgpack.unpackb(payload) for kind, payload in unpack_records(made.scene) if kind is Record.COMMAND]
+    commands = [unpack_command(payload) for kind, payload in unpack_records(made.scene) if kind is Record.COMMAND]
     (animation,) = [command for command in commands if command["type"] == "set_animation"]
+    for track in (track for each in animation["animations"] for track in each["clip"]["tracks"]):
+        track["times"], track["values"] = track["times"].tolist(), list(track["values"])
     return {each["path"]: each["clip"]["tracks"] for each in animation["animations"]}
 
 

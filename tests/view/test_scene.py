@@ -1,5 +1,6 @@
 """The scene keeps what was drawn: its snapshot shows what all messages together have shown."""
 
+import math
 import subprocess
 import sys
 import threading
@@ -8,11 +9,19 @@ import warnings
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-import umsgpack
+import umsgpack  # what meshcat packs with
 from hypothesis import given
 
 from tutorial.errors import TutorialError, WrongThreadError
-from tutorial.view.scene import LINE_LENGTH, Record, Scene, pack_record, unpack_records
+from tutorial.view.scene import (
+    LINE_LENGTH,
+    Record,
+    Scene,
+    pack_command,
+    pack_record,
+    unpack_command,
+    unpack_records,
+)
 
 PATHS = ["/a", "/a/b", "/a/b/c", "/ab", "/a/<object>", "/Grid", "/Lights/SpotLight"]
 
@@ -41,6 +50,13 @@ commands = st.one_of(
     st.builds(set_property, paths, st.sampled_from(["position", "visible", "color"]), numbers),
     st.builds(delete, paths),
 )
+
+
+def meshcat():
+    with warnings.catch_warnings():  # meshcat 0.3.2 as it is imported
+        warnings.filterwarnings("ignore", message="zmq.eventloop.ioloop is deprecated", category=DeprecationWarning)
+        import meshcat
+    return meshcat
 
 
 class Node:
@@ -75,7 +91,7 @@ class Viewer:
     def read(self, message):
         for kind, payload in unpack_records(message):
             if kind is Record.COMMAND:
-                self.handle(umsgpack.unpackb(payload))
+                self.handle(unpack_command(payload))
             elif kind is Record.LINE:
                 self.line = payload.decode()
             elif kind is Record.CAMERA:
@@ -161,7 +177,7 @@ def test_one_frame_is_one_message_with_the_last_transform_of_each_path():
     scene.flush()
     scene.flush()
     [message] = messages
-    sent = [umsgpack.unpackb(payload) for _, payload in unpack_records(message)]
+    sent = [unpack_command(payload) for _, payload in unpack_records(message)]
     assert sent == [set_transform("/a", 2), set_transform("/b", 2)]
 
 
@@ -187,15 +203,12 @@ def test_what_it_holds_does_not_grow(attached):
 
 
 def test_a_meshcat_visualizer_draws_into_it():
-    with warnings.catch_warnings():  # meshcat 0.3.2 as it is imported
-        warnings.filterwarnings("ignore", message="zmq.eventloop.ioloop is deprecated", category=DeprecationWarning)
-        import meshcat
     scene = Scene()
-    box = meshcat.Visualizer(window=scene)["box"]
-    box.set_object(meshcat.geometry.Box([1, 2, 3]))
+    box = meshcat().Visualizer(window=scene)["box"]
+    box.set_object(meshcat().geometry.Box([1, 2, 3]))
     box.set_transform(np.eye(4))
     box.set_property("visible", False)
-    commands = [umsgpack.unpackb(payload) for _, payload in unpack_records(scene.snapshot())[1:]]
+    commands = [unpack_command(payload) for _, payload in unpack_records(scene.snapshot())[1:]]
     assert [(command["type"], command["path"]) for command in commands] == [
         ("set_object", "/meshcat/box"),
         ("set_transform", "/meshcat/box"),
@@ -204,6 +217,53 @@ def test_a_meshcat_visualizer_draws_into_it():
     assert commands[0]["object"]["geometries"][0]["depth"] == 3
     box.delete()
     assert unpack_records(scene.snapshot()) == [(Record.CLEAR, b"")]
+
+
+def test_a_command_is_packed_as_meshcat_packs_it():
+    wholes = [
+        sign * (2**bits + more) for sign in (1, -1) for bits in (0, 5, 7, 8, 15, 16, 31, 32, 53) for more in (-1, 0, 1)
+    ]
+    texts = ["é" * length for length in (0, 15, 16, 127, 128, 40_000)]
+    others = [
+        0.1,
+        -0.0,
+        math.inf,
+        None,
+        True,
+        False,
+        b"",
+        b"x" * 300,
+        [0] * 15,
+        [0] * 16,
+        {},
+        {text: {"a": []} for text in texts},
+    ]
+    command = {"type": "set_object", "object": [*wholes, *texts, *others]}
+    assert pack_command(command) == umsgpack.packb(command)
+    assert unpack_command(pack_command(command)) == command
+
+
+def test_arrays_are_packed_as_meshcat_packs_them():
+    points = np.arange(12, dtype=np.float32).reshape(4, 3)
+    drawn = meshcat().geometry.PointsGeometry(points.T).lower({})["data"]["attributes"]["position"]
+    packed = pack_command({"array": points})
+    assert packed == umsgpack.packb({"array": drawn["array"]}) == pack_command({"array": drawn["array"]})
+    np.testing.assert_array_equal(unpack_command(packed)["array"], points.reshape(-1))
+    other = drawn["array"].__class__(0x16, b"abcd")
+    assert pack_command(unpack_command(pack_command({"index": other}))) == pack_command({"index": other})
+
+
+@pytest.mark.parametrize("number", [np.float32(0.5), np.float64(0.5), np.int64(2), np.bool_(True)])
+def test_numpys_numbers_are_numbers(number):
+    scene, viewer = Scene(), Viewer()
+    scene.send_message(set_property("/a", "position", number))
+    viewer.read(scene.snapshot())
+    assert viewer.root.find(["a"]).state["position"] == number
+
+
+def test_what_cannot_be_packed_is_named():
+    with pytest.raises(TypeError, match="cannot hold a Node"):
+        Scene().send_message(set_property("/a", "position", Node()))
 
 
 def test_what_asks_a_browser_for_an_answer_is_refused():

@@ -1,10 +1,15 @@
-"""What most likely led to an exception in the learner's code."""
+"""What most likely led to an exception in the learner's code.
+
+Some of it only CPython's own sentences tell. They are no interface: what is looked for here has been found in those of
+the versions in `PROVED`. On any other, and where a sentence is another, an exception speaks for itself.
+"""
 
 from __future__ import annotations
 
 import dis
 import inspect
 import re
+import sys
 from collections.abc import Iterator
 from difflib import get_close_matches
 from types import FrameType, FunctionType, MemberDescriptorType, MethodType
@@ -13,7 +18,10 @@ from typing import Any
 from tutorial.controller import SimpleController
 from tutorial.joints import JointReport
 
-__all__ = ["AT_ONCE", "Misuse", "blamed", "lacks_self", "likely_cause", "no_self", "owner_of", "sets"]
+__all__ = ["AT_ONCE", "Misuse", "blamed", "lacks_self", "likely_cause", "no_self", "owner_of", "sentence", "sets"]
+
+PROVED = ((3, 11), (3, 12), (3, 13))
+"""The versions of CPython whose sentences are known."""
 
 AT_ONCE = "Most likely the callback is called at once: give it without parentheses, self.{name}."
 _GENERAL = "Mend this line first; what comes after it has not been looked at."
@@ -43,6 +51,12 @@ class Misuse(Exception):  # noqa: N818 - not an error of this library, but of th
     def __init__(self, text: str, cause: str) -> None:
         super().__init__(text)
         self.cause = cause
+
+
+def sentence(error: BaseException) -> str:
+    """Return CPython's sentence about an exception; empty where it is not known what its sentences look like."""
+    is_known = sys.implementation.name == "cpython" and sys.version_info[:2] in PROVED
+    return str(error) if is_known else ""
 
 
 def likely_cause(error: BaseException, answer: Any) -> str:
@@ -82,7 +96,7 @@ def no_self(function: Any) -> str:
 
 def blamed(error: BaseException, answer: Any) -> FunctionType | None:
     """Find the learner's method that was called with too many arguments, because it has forgotten ``self``."""
-    found = _GIVEN.search(str(error)) if isinstance(error, TypeError) else None
+    found = _GIVEN.search(sentence(error)) if isinstance(error, TypeError) else None
     function = _method(answer, found[1]) if found else None
     return function if found and function and lacks_self(function, int(found[2])) else None
 
@@ -95,7 +109,7 @@ def owner_of(error: AttributeError) -> tuple[Any, str]:
     """
     if error.name is not None:
         return error.obj, error.name
-    found = _ATTRIBUTE.search(str(error))
+    found = _ATTRIBUTE.search(sentence(error))
     if found is None:
         return None, ""
     near = (value for value in _in_reach(error) if type(value).__name__ == found[1])
@@ -113,7 +127,7 @@ def _attribute(error: AttributeError, answer: Any) -> str:
     if isinstance(answer, type) and isinstance(owner, answer):
         return _unset(answer, name)
     if owner is None:
-        return _NONE if "'NoneType' object" in str(error) else _GENERAL
+        return _NONE if "'NoneType' object" in sentence(error) else _GENERAL
     return _taken_for_another(owner) or _what_there_is(owner, name)
 
 
@@ -133,7 +147,7 @@ def _taken_for_another(owner: Any) -> str:
 def _unset(answer: type, name: str) -> str:
     """Say why the learner's object does not have an attribute."""
     for method in ("__init__", "configure", "initialize"):
-        code = getattr(inspect.getattr_static(answer, method), "__code__", None)
+        code = getattr(inspect.getattr_static(answer, method, None), "__code__", None)
         if code is not None and name in code.co_varnames[code.co_argcount :]:
             return f"Most likely self is missing in {method}: self.{name} = ..."
     return _UNSET + (_LIFE if issubclass(answer, SimpleController) else "let __init__ set it.")
@@ -150,7 +164,7 @@ def _what_there_is(owner: Any, name: str) -> str:
 
 
 def _call(error: TypeError, answer: Any) -> str:
-    text = str(error)
+    text = sentence(error)
     function = blamed(error, answer)
     if function is not None:
         return no_self(function)

@@ -8,7 +8,7 @@ from functools import partial
 from sensor_msgs.msg import Joy
 
 from tutorial.checks._answer import missing
-from tutorial.checks._diagnose import owner_of, sets
+from tutorial.checks._diagnose import owner_of, sentence, sets
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._interleave import interleave
 from tutorial.checks._node import Ear
@@ -192,7 +192,7 @@ def _cause(error: BaseException, answer: type, callback: Callable[..., object]) 
     """Name the likeliest cause of an exception in the first step, when no message has come."""
     if isinstance(error, (IndexError, ValueError)):
         return FEW_AXES
-    if isinstance(error, (AttributeError, TypeError)) and "'NoneType'" in str(error):
+    if isinstance(error, (AttributeError, TypeError)) and "'NoneType'" in sentence(error):
         return BEFORE_ANY
     owner, name = owner_of(error) if isinstance(error, AttributeError) else (None, "")
     return BEFORE_ANY if isinstance(owner, answer) and sets(callback, name) else None

@@ -11,10 +11,9 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import umsgpack
 from numpy.typing import NDArray
 
-from tutorial.view.scene import Record, Scene, unpack_records
+from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
 __all__ = ["Frame", "animated", "lines"]
 
@@ -64,7 +63,7 @@ class _Film:
         self._before, self._now = self._now, frame.time
         for kind, payload in unpack_records(frame.message):
             if kind is Record.COMMAND:
-                self._take(umsgpack.unpackb(payload))
+                self._take(unpack_command(payload))
             elif kind is Record.CAMERA and not self._has_camera:  # one looks from where one looked at first
                 self._has_camera = True
                 numbers = np.frombuffer(payload, "<f8").tolist()
@@ -74,8 +73,7 @@ class _Film:
         moving = [track.lower(path) for path, track in self._tracks.items() if len(track.times) > 1]
         moving += [sight.lower(path) for path, sight in self._sights.items() if len(sight.times) > 1]
         animation = {"type": "set_animation", "path": "", "animations": moving, "options": {"play": False}}
-        packed = umsgpack.packb(animation, force_float_precision="single")
-        self._scene.send_packed(("set_animation", "", ""), packed)
+        self._scene.send_message(animation)
         return self._scene.snapshot()
 
     def _take(self, command: dict[str, Any]) -> None:
@@ -123,11 +121,12 @@ class _Track:
 
     def lower(self, path: str) -> dict[str, Any]:
         """Say it as meshcat does, the numbers in one row."""
-        positions = [x for matrix in self.matrices for x in matrix[12:15].tolist()]
-        quaternions = [x for matrix in self.matrices for x in _quaternion(matrix)]
+        times = np.array(self.times)
+        positions = np.array([matrix[12:15] for matrix in self.matrices])
+        quaternions = np.array([_quaternion(matrix) for matrix in self.matrices])
         tracks = [
-            {"name": ".position", "type": "vector3", "times": self.times, "values": positions},
-            {"name": ".quaternion", "type": "quaternion", "times": self.times, "values": quaternions},
+            {"name": ".position", "type": "vector3", "times": times, "values": positions},
+            {"name": ".quaternion", "type": "quaternion", "times": times, "values": quaternions},
         ]
         return {"path": path, "clip": {"fps": 1, "name": "run", "tracks": tracks}}
 
@@ -145,12 +144,12 @@ class _Sight:
 
     def lower(self, path: str) -> dict[str, Any]:
         """Say it as meshcat does."""
-        track = {"name": ".visible", "type": "bool", "times": self.times, "values": self.values}
+        track = {"name": ".visible", "type": "bool", "times": np.array(self.times), "values": self.values}
         return {"path": path, "clip": {"fps": 1, "name": "sight", "tracks": [track]}}
 
 
-def _quaternion(matrix: NDArray[np.float64]) -> list[float]:
-    """The turn of a matrix, whose 16 numbers are column by column, as three.js has it: (x, y, z, w)."""
+def _quaternion(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The turn of a matrix, whose 16 numbers are column by column, as three.js has it: (4,), xyzw."""
     quaternion = np.empty(4)
     mujoco.mju_mat2Quat(quaternion, matrix.reshape(4, 4)[:3, :3].T.reshape(9))
-    return [*quaternion[1:].tolist(), float(quaternion[0])]
+    return np.roll(quaternion, -1)

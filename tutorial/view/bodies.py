@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-import umsgpack
 from numpy.typing import NDArray
 
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import ThreadGuard
 from tutorial.view import shapes
-from tutorial.view.scene import Scene, Vector
+from tutorial.view.scene import Scene, Vector, pack_command
 
 __all__ = ["View"]
 
@@ -226,8 +225,7 @@ def _label(model: mujoco.MjModel, kind: mujoco.mjtObj, number: int) -> str:
 class _Poses:
     """Where the bodies of one model were when they were last sent, and the bytes that say where they are now.
 
-    A transform in MessagePack is a head, which never changes, and 16 numbers of 5 bytes: the byte 0xca and a
-    big-endian float32.
+    A packed transform is a head, which never changes, and 16 numbers of 4 bytes.
     """
 
     def __init__(self, paths: dict[int, str], model: mujoco.MjModel) -> None:
@@ -237,11 +235,9 @@ class _Poses:
         self._bodies = model.nbody
         self._keys = [("set_transform", path, "") for path in paths.values()]
         self._heads = [_head_of_transform(path) for path in paths.values()]
-        self._now: NDArray[np.float32] = np.zeros((len(paths), 4, 4), dtype=np.float32)  # column by column
+        self._now: NDArray[np.float32] = np.zeros((len(paths), 4, 4), dtype="<f4")  # column by column
         self._now[:, 3, 3] = 1
         self._sent: NDArray[np.float32] = np.full_like(self._now, np.nan)
-        self._wire = np.empty((len(paths), 16), dtype=[("type", "u1"), ("number", ">f4")])
-        self._wire["type"] = 0xCA
 
     def moved(self, name: str, data: mujoco.MjData) -> list[tuple[tuple[str, str, str], bytes]]:
         """The ``set_transform`` commands of those that are not where they were: (key, packed command)."""
@@ -257,12 +253,10 @@ class _Poses:
         if not moved:
             return []
         self._sent[:] = now
-        self._wire["number"] = now.reshape(-1, 16)
-        numbers = self._wire.tobytes()
-        return [(self._keys[i], self._heads[i] + numbers[80 * i : 80 * i + 80]) for i in moved]
+        numbers = now.tobytes()
+        return [(self._keys[i], self._heads[i] + numbers[64 * i : 64 * i + 64]) for i in moved]
 
 
 def _head_of_transform(path: str) -> bytes:
-    """``{"type": "set_transform", "path": path, "matrix": [...16 numbers to come...]}`` in MessagePack."""
-    fields = [umsgpack.packb(text) for text in ("type", "set_transform", "path", path, "matrix")]
-    return b"\x83" + b"".join(fields) + b"\xdc\x00\x10"
+    """A packed transform without its 16 numbers, with which it ends."""
+    return pack_command({"type": "set_transform", "path": path, "matrix": np.zeros(16)})[:-64]

@@ -16,12 +16,23 @@ from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, Protocol
 
-import umsgpack
+import numpy as np
+from msgspec import msgpack
 
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import ThreadGuard
 
-__all__ = ["LINE_LENGTH", "Command", "Record", "Scene", "Sink", "pack_record", "unpack_records"]
+__all__ = [
+    "LINE_LENGTH",
+    "Command",
+    "Record",
+    "Scene",
+    "Sink",
+    "pack_command",
+    "pack_record",
+    "unpack_command",
+    "unpack_records",
+]
 
 logger = logging.getLogger(__name__)
 
@@ -33,6 +44,9 @@ Vector = tuple[float, float, float]
 
 _HEAD = struct.Struct("<IB")
 _CAMERA = struct.Struct("<6d")
+_FLOAT32 = 0x17
+"""meshcat's MessagePack extension for a Float32Array (``meshcat/geometry.py``, ``threejs_type``)."""
+
 _KINDS = ("set_object", "set_transform", "set_property", "set_animation", "delete")
 
 _LIGHTS = ("SpotLight", "PointLightNegativeX", "PointLightPositiveX", "AmbientLight", "FillLight")
@@ -60,6 +74,24 @@ class Command(Protocol):
     def lower(self) -> dict[str, Any]:
         """Say it in dictionaries, lists, strings and numbers."""
         ...
+
+
+def pack_command(command: dict[str, Any]) -> bytes:
+    """Write a meshcat command as its viewer reads it. numpy's arrays become a Float32Array, in one row.
+
+    Raises:
+        TypeError: it holds something that is neither text, number, list, dictionary nor array.
+    """
+    return msgpack.encode(command, enc_hook=_lowered)
+
+
+def unpack_command(payload: bytes) -> dict[str, Any]:
+    """Read a command again, its Float32Arrays as ``(n,)``.
+
+    Raises:
+        msgspec.DecodeError: it is none.
+    """
+    return msgpack.decode(payload, type=dict[str, Any], ext_hook=_raised)
 
 
 def pack_record(kind: Record, payload: bytes) -> bytes:
@@ -126,7 +158,7 @@ class Scene:
             path = _tidy(f"{path}/<object>")  # the viewer's name for it
         if kind in ("set_object", "delete"):
             self._forget(path)  # with its properties, which a new object comes without
-        self.send_packed((kind, path, str(message.get("property", ""))), umsgpack.packb(message))
+        self.send_packed((kind, path, str(message.get("property", ""))), pack_command(message))
 
     def send_packed(self, key: tuple[str, ...], command: bytes) -> None:
         """Take a command that is packed already: what is called for each body in each frame.
@@ -238,6 +270,22 @@ class Scene:
         for records in (self._kept, self._frame):
             for key in [key for key in records if _is_below(key, path)]:
                 del records[key]
+
+
+def _lowered(value: object) -> object:
+    """What MessagePack has for numpy's numbers and arrays, and for the arrays that meshcat has packed by itself."""
+    match value:
+        case np.ndarray():
+            return msgpack.Ext(_FLOAT32, value.astype("<f4").tobytes())
+        case np.generic():
+            return value.item()
+        case object(type=int(code), data=bytes(data)):
+            return msgpack.Ext(code, data)
+    raise TypeError(f"a command of the 3D view cannot hold a {type(value).__name__}: {value!r}")
+
+
+def _raised(code: int, data: memoryview) -> object:
+    return np.frombuffer(data, "<f4") if code == _FLOAT32 else msgpack.Ext(code, bytes(data))
 
 
 def _tidy(path: str) -> str:

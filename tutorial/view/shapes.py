@@ -11,7 +11,6 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import umsgpack
 from numpy.typing import NDArray
 
 __all__ = ["draw_geom", "is_drawn", "light"]
@@ -27,9 +26,6 @@ ENDLESS = 20.0
 
 FRONT, BOTH = 0, 2
 """Which sides of a surface three.js draws."""
-
-_FLOAT32 = 0x17
-"""meshcat's MessagePack extension for a Float32Array (``meshcat/geometry.py``, ``threejs_type``)."""
 
 _UNTOUCHED = (0.5, 0.5, 0.5, 1.0)
 """The colour of a geom that was given none. MuJoCo then takes the material's (``setMaterial`` in
@@ -147,8 +143,7 @@ def _mesh(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
 
 
 def _floats(rows: NDArray[np.float32]) -> Json:
-    array = umsgpack.Ext(_FLOAT32, np.ascontiguousarray(rows, dtype="<f4").tobytes())
-    return {"itemSize": 3, "type": "Float32Array", "array": array, "normalized": False}
+    return {"itemSize": 3, "type": "Float32Array", "array": rows, "normalized": False}
 
 
 _SHAPES: dict[int, Callable[[mujoco.MjModel, int], tuple[Json, Array]]] = {

@@ -5,14 +5,13 @@ import gzip
 import threading
 
 import pytest
-import umsgpack
 from browser import Witness, chromium, open_browser, pixels, red_spot, until
 from lab import jupyter_lab
 
 from tutorial.errors import TutorialError, WrongThreadError
 from tutorial.notebook.widgets.scene_view import FRAMES_AHEAD, SceneView
 from tutorial.view.bodies import View
-from tutorial.view.scene import Record, Scene, unpack_records
+from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
 PATIENCE = 60.0
 
@@ -210,7 +209,7 @@ async def test_what_is_merged_shows_the_same_as_one_by_one(sent):
         scene.flush()
     widget._send_frame()
     [(_, records)] = page.take("frame")
-    said = [umsgpack.unpackb(payload) for _, payload in records]
+    said = [unpack_command(payload) for _, payload in records]
     assert [(message["type"], message["path"]) for message in said] == [
         ("set_object", "/matrix"),
         ("delete", "/matrix"),

@@ -174,8 +174,8 @@ def ask():
         publisher = node.create_publisher(String, "x", 10)
         subscription = node.create_subscription(String, "x", print, 10)
         node.get_topic_names_and_types()
-        publisher.destroy()
-        subscription.destroy()
+        node.destroy_publisher(publisher)
+        node.destroy_subscription(subscription)
 threads = [threading.Thread(target=ask) for _ in range(4)]
 for thread in threads:
     thread.start()
@@ -248,8 +248,8 @@ def test_rounds_of_everything_leave_nothing_behind(start: Start, node: str) -> N
 
 def test_coming_and_going_leaves_nothing_behind(node: Node) -> None:
     def once() -> None:
-        node.create_subscription(String, "x", print, 10).destroy()
-        node.create_publisher(String, "x", 10).destroy()
+        node.destroy_subscription(node.create_subscription(String, "x", print, 10))
+        node.destroy_publisher(node.create_publisher(String, "x", 10))
 
     def memory() -> int:
         return int(Path("/proc/self/statm").read_text().split()[1]) * 4096

@@ -5,9 +5,11 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from functools import partial, wraps
 from typing import Any
 
 import pytest
+from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -39,6 +41,57 @@ def test_callback_runs_on_the_thread_that_spins(node: Node, spin_until: SpinUnti
     other.join()
     spin_until(lambda: threads)
     assert threads == [threading.get_ident()]
+
+
+got: list[tuple[Any, ...]] = []
+
+
+def take(*given: Any) -> None:
+    got.append(given)
+
+
+class Taker:
+    def __call__(self, message: String) -> None:
+        take(message)
+
+    def both(self, message: String, info: dict[str, int]) -> None:
+        take(message, info)
+
+
+CALLBACKS: dict[str, tuple[Callable[..., None], int]] = {
+    "one": (lambda message: take(message), 1),  # noqa: PLW0108
+    "two": (lambda message, info: take(message, info), 2),  # noqa: PLW0108
+    "a default": (lambda message, name="name": take(message), 1),
+    "two and a default": (lambda message, info, name="name": take(message, info), 2),
+    "only defaults": (lambda message=None, info=None: take(message, *filter(None, [info])), 1),
+    "any number": (take, 1),
+    "one and any number": (lambda message, *more: take(message, *more), 1),  # noqa: PLW0108
+    "an option": (lambda message, *, info=None: take(message, *filter(None, [info])), 1),
+    "partial, by place": (partial(lambda name, message: take(message), "name"), 1),
+    "partial, by name": (partial(lambda message, name: take(message), name="name"), 1),
+    "partial, with two left": (partial(lambda name, message, info: take(message, info), "name"), 2),
+    "an object": (Taker(), 1),
+    "a method": (Taker().both, 2),
+    "wrapped": (wraps(Taker().both)(partial(take)), 2),
+}
+
+
+@pytest.mark.parametrize("name", CALLBACKS)
+def test_a_callback_gets_the_message_alone_if_it_can_be_called_so(node: Node, spin_until: SpinUntil, name: str) -> None:
+    callback, count = CALLBACKS[name]
+    got.clear()
+    node.create_subscription(String, "x", callback, 10)
+    publisher = node.create_publisher(String, "x", 10)
+    spin_until(publisher.get_subscription_count)
+    publisher.publish(String(data="hello"))
+    spin_until(lambda: got)
+    assert [type(each) for each in got[0]] == [String, dict][:count]
+
+
+@pytest.mark.parametrize("callback", [lambda: 0, lambda a, b, c: 0, lambda message, *, info: 0, Taker])
+def test_a_callback_that_takes_neither_one_nor_two_is_refused(node: Node, callback: Callable[..., Any]) -> None:
+    with pytest.raises(RuntimeError, match=r"one argument.*or two"):
+        node.create_subscription(String, "x", callback, 10)
 
 
 def test_message_info(node: Node, spin_until: SpinUntil) -> None:
@@ -115,10 +168,91 @@ def test_destroyed_subscription_receives_nothing(node: Node, executor: SingleThr
     subscription = node.create_subscription(String, "x", received.append, 10)
     publisher = node.create_publisher(String, "x", 10)
     publisher.publish(String())
-    subscription.destroy()
+    assert node.destroy_subscription(subscription)
+    assert not node.destroy_subscription(subscription)
     subscription.destroy()
     executor.spin_once(timeout_sec=0.1)
     assert received == []
+
+
+CREATE: dict[str, Callable[[Node], Any]] = {
+    "subscription": lambda node: node.create_subscription(String, "x", print, 10),
+    "publisher": lambda node: node.create_publisher(String, "x", 10),
+    "timer": lambda node: node.create_timer(0.001, print),
+}
+each_kind = pytest.mark.parametrize("kind", CREATE)
+
+
+def of(node: Node, kind: str) -> list[Any]:
+    return [entity for entity in getattr(node, f"{kind}s") if getattr(entity, "topic", "x") == "x"]
+
+
+@each_kind
+def test_what_is_destroyed_by_itself_stays_among_its_nodes(node: Node, kind: str) -> None:
+    made = CREATE[kind](node)
+    destroy = getattr(node, f"destroy_{kind}")
+    for _ in range(2):
+        made.destroy()
+        assert len(of(node, kind)) == 1
+        assert made in list(getattr(node, f"{kind}s"))
+    assert (node.count_publishers("x"), node.count_subscribers("x")) == (0, 0)
+    assert [destroy(made), destroy(made)] == [True, False]
+    assert of(node, kind) == []
+    CREATE[kind](node).destroy()
+    node.destroy_node()
+    assert of(node, kind) == []
+
+
+@each_kind
+def test_what_its_node_destroys_is_gone(node: Node, kind: str, executor: SingleThreadedExecutor) -> None:
+    made = CREATE[kind](node)
+    destroy = getattr(node, f"destroy_{kind}")
+    assert [destroy(made), destroy(made), made.destroy()] == [True, False, None]
+    assert of(node, kind) == []
+    executor.spin_once(timeout_sec=0)
+
+
+@pytest.mark.parametrize("kind", ["subscription", "publisher"])
+def test_a_spin_after_destroy_raises_in_rclpy_and_here_the_log_says_so_once(
+    node: Node, kind: str, executor: SingleThreadedExecutor, backend: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    made, other = CREATE[kind](node), CREATE[kind](node)
+    executor.spin_once(timeout_sec=0)
+    made.destroy()
+    made.destroy()
+    other.destroy()
+    for _ in range(2):
+        if backend == "rclpy":
+            with pytest.raises(InvalidHandle):
+                executor.spin_once(timeout_sec=0.01)
+        else:
+            executor.spin_once(timeout_sec=0.01)
+    said = capfd.readouterr().err
+    assert said.count(f"Call node.destroy_{kind}({kind}) instead") == (backend != "rclpy")
+    assert all(getattr(node, f"destroy_{kind}")(each) for each in (made, other))
+    executor.spin_once(timeout_sec=0.01)
+
+
+def test_what_is_destroyed_when_nothing_spins_any_more_is_no_news(
+    context: Context, node: Node, capfd: pytest.CaptureFixture[str]
+) -> None:
+    made = {kind: create(node) for kind, create in CREATE.items()}
+    context.shutdown()
+    for kind, entity in made.items():
+        entity.destroy()
+        assert of(node, kind) == [entity]
+    assert capfd.readouterr().err == ""
+
+
+def test_a_destroyed_timer_is_silent(node: Node, executor: SingleThreadedExecutor) -> None:
+    calls: list[None] = []
+    timer = node.create_timer(0.0, lambda: calls.append(None))
+    executor.spin_once(timeout_sec=10)
+    timer.destroy()
+    seen = len(calls)
+    executor.spin_once(timeout_sec=0)
+    executor.spin_once(timeout_sec=0)
+    assert len(calls) == seen
 
 
 def test_counts_of_partners(node: Node, spin_until: SpinUntil) -> None:
@@ -156,7 +290,7 @@ def test_coming_and_going_while_spinning(context: Context, node: Node) -> None:
         subscription = node.create_subscription(String, "x", lambda _, received=received: received.set(), 10)
         publisher.publish(String())
         assert received.wait(30)
-        subscription.destroy()
+        node.destroy_subscription(subscription)
     executor.shutdown()
     thread.join(30)
     assert not thread.is_alive()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 
+import msgspec
 import traitlets
 
 from tutorial.errors import TutorialError
@@ -20,9 +21,6 @@ FRAMES_AHEAD = 60
 
 FRAME = 1 / 40  # [s] between two messages at the least; a program draws 30 frames a second
 LONGEST_ID = 64
-
-_TRANSFORM = b"\x83\xa4type\xadset_transform"
-_MATRIX = b"\xa6matrix"
 
 NO_LOOP = (
     "a 3D view in a cell needs the event loop of the notebook's kernel, and none runs here. Make it in a "
@@ -192,6 +190,16 @@ class _Audience:
             return bool(self._seen)
 
 
+class _Command(msgspec.Struct):
+    """What matters here of a command."""
+
+    type: str
+    path: str = ""
+
+
+_read_command = msgspec.msgpack.Decoder(_Command)
+
+
 class _Backlog:
     """The messages of a scene that wait to be sent as one, in which of each body's poses only the last counts."""
 
@@ -221,4 +229,5 @@ def _subject(kind: Record, payload: bytes) -> object:
     """What a later record of the same subject makes void; None for one that has to stay."""
     if kind is not Record.COMMAND:
         return kind.name
-    return payload[: payload.rindex(_MATRIX)] if payload.startswith(_TRANSFORM) else None
+    command = _read_command.decode(payload)
+    return command.path if command.type == "set_transform" else None

@@ -67,8 +67,17 @@ class Endpoint:
         return self._topic_name
 
     def destroy(self) -> None:
-        """Destroy it; may be called again. Messages that wait for a callback are dropped."""
-        self._node._remove(self)
+        """Destroy it; may be called again. Messages that wait for a callback are dropped.
+
+        As in rclpy the node still counts it among its own, which no executor of rclpy's bears: its log says so once.
+        """
+        if self._node._remove(self, keep=True) and self._node.context.ok():
+            kind = type(self).__name__.lower()
+            self._node.get_logger().warning(
+                f"{kind}.destroy() does not tell the node: on a real ROS 2, every later spin of this node raises "
+                f"InvalidHandle. Call node.destroy_{kind}({kind}) instead.",
+                once=True,
+            )
 
     def close(self) -> None:
         """Leave DDS. Called by the node."""

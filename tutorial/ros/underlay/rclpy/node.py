@@ -296,19 +296,23 @@ class Node(NodeGraph, NodeParameters):
         self._endpoints_changed()
         return entity
 
-    def _remove(self, entity: Any) -> bool:
+    def _remove(self, entity: Any, keep: bool = False) -> bool:
+        """Destroy an entity; False if there is none such. What is kept stays the node's, as after its own destroy()."""
         with self._lock:
-            if entity not in self._entities:
+            if entity not in self._entities or (keep and entity._destroyed):
                 return False
-            self._entities = tuple(other for other in self._entities if other is not entity)
-        entity.close()
+            if not keep:
+                self._entities = tuple(other for other in self._entities if other is not entity)
+            entity.close()
         self._endpoints_changed()
         return True
 
     def _endpoints_changed(self) -> None:
         with self._lock:  # what is announced last is what there is
-            writers = [publisher.guid for publisher in (*self.publishers, *([self._rosout] if self._rosout else []))]
-            self._graph.set_endpoints(self._entry, writers, [subscription.guid for subscription in self.subscriptions])
+            there = [entity for entity in (*self._entities, self._rosout) if entity and not entity._destroyed]
+            writers = [entity.guid for entity in there if isinstance(entity, Publisher)]
+            readers = [entity.guid for entity in there if isinstance(entity, Subscription)]
+            self._graph.set_endpoints(self._entry, writers, readers)
         self.wake_executor()
 
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:

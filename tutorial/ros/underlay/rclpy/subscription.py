@@ -107,7 +107,7 @@ class Subscription(Endpoint):
     def _take(self) -> Any:
         """Return the next message as it was received, None if there is none."""
         try:
-            while samples := self._dds.take(1):
+            while not self._destroyed and (samples := self._dds.take(1)):
                 if samples[0].sample_info.valid_data:
                     return samples[0]
         except DDSException:

@@ -77,8 +77,8 @@ class Timer:
         return None if self._canceled else until
 
     def destroy(self) -> None:
-        """Destroy it; may be called again."""
-        self._node._remove(self)
+        """Destroy it; may be called again. As in rclpy the node still counts it among its own."""
+        self._node._remove(self, keep=True)
 
     def close(self) -> None:
         """Stop it for good. Called by the node."""
