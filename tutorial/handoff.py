@@ -15,13 +15,14 @@ import sys
 import threading
 import time
 from collections import deque
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Generic, TypeVar, TypeVarTuple
 
 from tutorial.errors import TutorialError, WrongThreadError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
-    from types import FrameType
+    from types import CodeType
 
     from tutorial.trace import Handoff, HandoffTrace
 
@@ -32,6 +33,10 @@ Ts = TypeVarTuple("Ts")
 
 CROWD = 1000  # waiting calls, beyond which it is said that they are too many
 LONG_WAIT = 10.0  # [s] beyond which it is said that a call has waited too long
+BUSY = (
+    "the main thread is too busy for what is posted to it: %d waiting, the first for %.1f s. Let it do less at a time; "
+    "where only the newest counts, %s may post with call_latest(key, f, message)"
+)
 
 _log = logging.getLogger(__name__)
 
@@ -128,16 +133,9 @@ class CallQueue:
                 return
             count, first = len(self._waiting), self._waiting[0]
             waits = time.monotonic() - first.posted_at
-            if count <= CROWD and waits <= LONG_WAIT:
-                return
-            self._told = True
-        _log.warning(
-            "the main thread is too busy for what is posted to it: %d waiting, the first for %.1f s. Let it do less at "
-            "a time; where only the newest counts, %s may post with call_latest(key, f, message)",
-            count,
-            waits,
-            first.scope.owner,
-        )
+            self._told = count > CROWD or waits > LONG_WAIT
+        if self._told:
+            _log.warning(BUSY, count, waits, first.scope.owner)
 
     def _wake(self) -> bool:
         """Ask the loop for a turn unless one is coming; False when the loop is gone. Holds the lock."""
@@ -193,7 +191,8 @@ class CallScope:
 
     def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """From any thread: run ``function(*args)`` on the main thread. Every call is kept, in order."""
-        self._queue._post(_Call(self, function, args, sys._getframe(1)))
+        frame = sys._getframe(1)
+        self._queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno))
 
     def call_latest(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """As `call_later`, but a waiting call of the same key is replaced, and keeps its place in the queue.
@@ -203,30 +202,27 @@ class CallScope:
             function: what to run.
             args: what to run it with.
         """
-        self._queue._post(_Call(self, function, args, sys._getframe(1)), key)
+        frame = sys._getframe(1)
+        self._queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), key)
 
     def close(self) -> None:
         """What still waits will not run; from now on posting is a counted no-op. Idempotent, any thread."""
         self.closed = True
 
 
+@dataclass(slots=True, eq=False)
 class _Call:
     """One posted call, and where it was posted."""
 
-    __slots__ = ("args", "frame_code", "frame_line", "function", "handoff", "posted_at", "scope", "slot", "thread")
-
-    def __init__(
-        self, scope: CallScope, function: Callable[..., object], args: tuple[object, ...], frame: FrameType
-    ) -> None:
-        self.scope = scope
-        self.function = function
-        self.args = args
-        self.frame_code = frame.f_code
-        self.frame_line = frame.f_lineno
-        self.thread = threading.current_thread().name
-        self.posted_at = time.monotonic()
-        self.slot: tuple[CallScope, Hashable] | None = None
-        self.handoff: Handoff | None = None
+    scope: CallScope
+    function: Callable[..., object]
+    args: tuple[object, ...]
+    frame_code: CodeType
+    frame_line: int
+    thread: str = field(default_factory=lambda: threading.current_thread().name)
+    posted_at: float = field(default_factory=time.monotonic)
+    slot: tuple[CallScope, Hashable] | None = None
+    handoff: Handoff | None = None
 
     def replace(self, newer: _Call) -> None:
         """Become the newer call, in this one's place."""

@@ -8,7 +8,7 @@ import threading
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
 
@@ -41,19 +41,12 @@ class ControllerError(TutorialError):
 
 
 class State(Enum):
-    """What a simulation does; every method asks it first.
+    """What a simulation does; every method asks it first."""
 
-    Attributes:
-        IDLE: nothing; it can be stepped.
-        RUNNING: it is being stepped, on its own thread or by `Simulation.advance`.
-        FAILED: nothing, because a controller raised: `Simulation.error`. It can be stepped again.
-        ABANDONED: nothing ever again: a controller does not return, and may still touch what it was given.
-    """
-
-    IDLE = "idle"
-    RUNNING = "running"
-    FAILED = "failed"
-    ABANDONED = "abandoned"
+    IDLE = "idle"  #: nothing; it can be stepped
+    RUNNING = "running"  #: it is being stepped, on its own thread or by `Simulation.advance`
+    FAILED = "failed"  #: nothing, because a controller raised: `Simulation.error`. It can be stepped again
+    ABANDONED = "abandoned"  #: nothing ever again: a controller does not return, and may still touch what it was given
 
 
 @dataclass(frozen=True)
@@ -344,7 +337,7 @@ class Simulation:
             run.stopping.set()
             if not run.finished.wait(STUCK):
                 self._abandon(run)
-        if self._thread is not None and not self._abandoned:
+        if self._thread and not self._abandoned:
             self._thread.join(STUCK)  # it has nothing more to do
 
     def _let_all_go(self) -> None:
@@ -383,11 +376,8 @@ class Simulation:
         try:
             self._initialize(run)
             self._keep_pace(run, last_step)
-        except ControllerError as error:
-            failed = error
         except BaseException as error:  # noqa: BLE001 - whatever it is, the thread must not end without a word
-            failed = self._controller_error(run, error)
-        if failed is not None:
+            failed = error if isinstance(error, ControllerError) else self._controller_error(run, error)
             _log.error("%s", failed)
         self._end(run, failed)
 
@@ -458,25 +448,16 @@ class Simulation:
         return Snapshot(self.time, self.data.qpos.copy())
 
 
+@dataclass(eq=False)
 class _Run:
-    """What goes on on a thread that asks controllers.
+    """What goes on on a thread that asks controllers."""
 
-    Attributes:
-        thread: the thread.
-        asked: the controller that is at work, or was last.
-        laps: grows whenever no controller is at work.
-        stopping: asks the run to come to its end.
-        finished: is set when it has, or when it was abandoned.
-        abandoned: whether it may not touch the simulation any more.
-    """
-
-    def __init__(self, thread: threading.Thread | None = None) -> None:
-        self.thread = thread
-        self.asked: SimpleController | None = None
-        self.laps = 0
-        self.stopping = threading.Event()
-        self.finished = threading.Event()
-        self.abandoned = False
+    thread: threading.Thread | None = None
+    asked: SimpleController | None = None  # the controller that is at work, or was last
+    laps: int = 0  # grows whenever no controller is at work
+    stopping: threading.Event = field(default_factory=threading.Event)  # asks it to come to its end
+    finished: threading.Event = field(default_factory=threading.Event)  # it has, or it was abandoned
+    abandoned: bool = False  # it may not touch the simulation any more
 
     def pass_on(self) -> bool:
         """Wait until the run has come to its next lap, or to its end; False when it does neither."""
@@ -497,9 +478,8 @@ class _Switching:
     """Python's switch interval, short as long as anybody holds it; the last to release it puts it back."""
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
+        self._lock, self._before = threading.Lock(), 0.0
         self._holders: set[object] = set()
-        self._before = 0.0
 
     def hold(self, holder: object) -> None:
         with self._lock:
@@ -511,10 +491,9 @@ class _Switching:
     def release(self, holder: object) -> None:
         """Do without it from now on. Idempotent."""
         with self._lock:
-            if holder not in self._holders:
-                return
-            self._holders.remove(holder)
-            if not self._holders:
+            held = bool(self._holders)
+            self._holders.discard(holder)
+            if held and not self._holders:
                 sys.setswitchinterval(self._before)
 
 
@@ -527,8 +506,7 @@ class _Pace:
     def __init__(self, step: int, time_step: float) -> None:
         self._time_step = time_step
         self._origin = time.perf_counter() - step * time_step  # when step 0 would have been
-        self._lost = 0.0
-        self._since = time.perf_counter()
+        self._lost, self._since = 0.0, time.perf_counter()
 
     def steps_due(self, step: int) -> int:
         now = time.perf_counter()
