@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import threading
+import time
 
 import pytest
 from hypothesis import given, settings
@@ -272,11 +273,12 @@ class TestTooBusy:
         assert line.endswith("Viewer of Tank may post with call_latest(key, f, message)")
 
     def test_that_one_waits_long_is_said_once(self, caplog, monkeypatch):
-        now = [0.0]
-        monkeypatch.setattr(handoff.time, "monotonic", lambda: now[0])
         loop = asyncio.SelectorEventLoop()
         scope = CallQueue(loop).scope("Viewer of Tank")
-        for now[0] in (0.0, handoff.LONG_WAIT, handoff.LONG_WAIT + 1, handoff.LONG_WAIT + 2):
+        scope.call_latest("key", list)
+        first = time.monotonic()
+        for later in (handoff.LONG_WAIT - 1, handoff.LONG_WAIT + 1, handoff.LONG_WAIT + 2):
+            monkeypatch.setattr(handoff.time, "monotonic", lambda later=later: first + later)
             scope.call_latest("key", list)
         loop.close()
         (line,) = self.told(caplog)
