@@ -10,14 +10,16 @@ class Listener(Node):
     def __init__(self):
         super().__init__("listener")
         self.positions = {}
-        self.subscription = self.create_subscription(JointState, "/Tank/joint_state", self.on_joint_state, 1)
+        topic = "/Tank/joint_state"
+        self.subscription = self.create_subscription(JointState, topic, self.on_joint_state, 1)
         self.timer = self.create_timer(1.0, self.on_timer)
 
     def on_joint_state(self, message):
         self.positions.update(zip(message.name, message.position))
 
     def on_timer(self):
-        self.get_logger().info(", ".join(f"{name} {position:z.2f}" for name, position in self.positions.items()))
+        where = [f"{name} {position:z.2f}" for name, position in self.positions.items()]
+        self.get_logger().info(", ".join(where))
 
 
 try:

@@ -147,6 +147,7 @@ def test_incompatible_qos_is_said_once_on_each_side(
     assert errors.count("offering incompatible QoS") == 1
 
 
+@pytest.mark.embedded
 def test_malformed_message_is_said_once_and_others_arrive(
     node: Node, spin_until: SpinUntil, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -316,6 +317,7 @@ def test_future_ends_the_spin(node: Node, executor: SingleThreadedExecutor) -> N
     assert future.result() == 42
 
 
+@pytest.mark.embedded
 def test_a_future_that_is_waited_for_again_and_again_keeps_nothing(
     node: Node, executor: SingleThreadedExecutor
 ) -> None:
@@ -372,6 +374,7 @@ def test_counts_after_shutdown(context: Context, node: Node) -> None:
         subscription.get_publisher_count()
 
 
+@pytest.mark.embedded
 def test_announcements_of_others_are_taken_in_while_spinning(
     node: Node, domain: int, executor: SingleThreadedExecutor, spin_until: SpinUntil
 ) -> None:
@@ -382,6 +385,7 @@ def test_announcements_of_others_are_taken_in_while_spinning(
     other.shutdown()
 
 
+@pytest.mark.embedded
 def test_executors_that_are_gone_are_forgotten(context: Context) -> None:
     for _ in range(20):
         SingleThreadedExecutor(context=context).shutdown()
