@@ -20,8 +20,9 @@ import nbformat
 import pytest
 from nbformat.sign import NotebookNotary
 from programs import PATIENCE, answer, until
+from tornado.websocket import WebSocketClosedError
 
-from tutorial.commands import lab
+from tutorial.commands import lab, lab_server
 from tutorial.commands.lab import NOTEBOOKS, lab_command, own_course, trust
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME
@@ -111,6 +112,17 @@ def test_ctrl_c_ends_it_and_its_kernels_without_a_word(open_lab):
     assert running.ends() == 0
     assert [line for line in running.lines if not line.startswith("[IPKernelApp]")] == said
     running.leaves_nothing()
+
+
+def test_a_page_that_was_closed_is_no_news(caplog):
+    log = logging.getLogger("asyncio")
+    log.addFilter(lab_server._is_news)
+    try:
+        for error in (WebSocketClosedError(), ValueError()):
+            log.error("Task exception was never retrieved", exc_info=error)
+    finally:
+        log.removeFilter(lab_server._is_news)
+    assert [record.exc_info[0] for record in caplog.records] == [ValueError]
 
 
 def run_kernel(address):

@@ -22,6 +22,8 @@ from typing import Any
 import click
 from jupyter_server.serverapp import ServerApp
 from jupyterlab.labapp import LabApp
+from tornado.iostream import StreamClosedError
+from tornado.websocket import WebSocketClosedError
 from traitlets import default
 from traitlets.config import Config
 
@@ -106,8 +108,14 @@ def _browser(name: str) -> webbrowser.BaseBrowser | None:
     return None if getattr(browser, "name", "") in IN_A_TERMINAL else browser
 
 
+def _is_news(record: logging.LogRecord) -> bool:
+    """Whether somebody wants to read it; not that a page was closed while something was on its way to it."""
+    return not (record.exc_info and isinstance(record.exc_info[1], (WebSocketClosedError, StreamClosedError)))
+
+
 def main() -> None:
     """Run JupyterLab on this server."""
+    logging.getLogger("asyncio").addFilter(_is_news)
     LabApp.serverapp_class = CourseServer
     LabApp.launch_instance(sys.argv[1:])
 
