@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import sys
 import threading
 import time
 
@@ -106,6 +107,19 @@ class TestCallLater:
 
         ran = asyncio.run(scenario())
         assert ran.index("loop") <= 1, "a call that posts itself again must not hold the loop"
+
+    def test_one_that_wants_to_end_the_program_is_kept_as_an_error_and_the_next_call_runs(self, caplog):
+        async def scenario():
+            queue = CallQueue(asyncio.get_running_loop())
+            scope, ran = queue.scope("Ending of Tank"), []
+            scope.call_later(sys.exit)
+            scope.call_later(ran.append, "next")
+            await until_idle(queue)
+            assert ran == ["next"]
+            assert isinstance(scope.error, SystemExit)
+
+        asyncio.run(scenario())
+        assert "Ending of Tank" in caplog.text
 
     def test_an_exception_is_logged_with_where_it_was_posted_and_the_next_call_runs(self, caplog):
         async def scenario():

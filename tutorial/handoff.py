@@ -179,7 +179,7 @@ class CallScope:
         owner: who posts.
         closed: whether `close` was called.
         refused: how many calls came too late.
-        error: what a posted call raised last; None when none did.
+        error: what a posted call raised last, SystemExit included; None when none did.
     """
 
     def __init__(self, queue: CallQueue, owner: str) -> None:
@@ -187,7 +187,7 @@ class CallScope:
         self.owner = owner
         self.closed = False
         self.refused = 0
-        self.error: Exception | None = None
+        self.error: BaseException | None = None
 
     def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """From any thread: run ``function(*args)`` on the main thread. Every call is kept, in order."""
@@ -239,7 +239,7 @@ class _Call:
             self.handoff.apply()
         try:
             self.function(*self.args)
-        except Exception as error:  # noqa: BLE001 - whatever it is, the other calls go on
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, the other calls go on
             self.scope.error = error
             _log.exception(
                 "%s: a call that was posted at %s:%d on the thread %r failed",

@@ -320,7 +320,7 @@ class _Item:
         self.joint_topics += [meter.topic for meter in node.meters[topics_before:] if meter.brings_joint_states]
 
     @property
-    def error(self) -> Exception | None:
+    def error(self) -> BaseException | None:
         """What a call that one of its controllers has posted raised last."""
         return next((scope.error for scope in self._scopes if scope.error is not None), None)
 
