@@ -121,6 +121,8 @@ def test_a_callback_gets_the_message_alone_if_it_can_do_with_that(domain):
         lambda message, info: got.append((message.data, sorted(info)[-1])),
     ]
     with NodeThread("listener") as thread:
+        with pytest.raises(RuntimeError, match="callback"):
+            thread.node.create_subscription(String, "/words", lambda: None, 1)
         for callback in callbacks:
             thread.node.create_subscription(String, "/words", callback, 1)
         publisher = thread.node.create_publisher(String, "/words", 1)

@@ -123,19 +123,20 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
     ) -> Any:
         """Create a subscription, as rclpy does, that counts what it receives and how long it took."""
         meter: TopicMeter | None = None
-        wants_info = _takes_info(callback)
+        count = next((count for count in (1, 2) if _accepts(callback, count)), 0)  # the message alone, as in rclpy
 
         def metered(message: Any, info: dict[str, int]) -> None:
             if meter is not None:
                 meter.add(message, time.time_ns() - info["source_timestamp"])
-            arguments = (message, info) if wants_info else (message,)
+            arguments = (message, info)[:count]
             if self.trace is None:
                 callback(*arguments)
                 return
             with self.trace.receiving(meter.topic if meter is not None else topic):
                 callback(*arguments)
 
-        subscription = super().create_subscription(msg_type, topic, metered, *args, **kwargs)
+        heard = metered if count else callback  # which rclpy refuses
+        subscription = super().create_subscription(msg_type, topic, heard, *args, **kwargs)
         meter = self._meter(subscription.topic_name, msg_type, "received")
         return subscription
 
@@ -212,11 +213,6 @@ class NodeThread:
                     return
                 self.error = error
                 _log.exception("a callback of the node %r failed; the others go on", self.node.get_name())
-
-
-def _takes_info(callback: Callable[..., Any]) -> bool:
-    """Whether a callback gets ``(message, info)``: as in rclpy, only if it cannot be called with the message alone."""
-    return not _accepts(callback, 1) and _accepts(callback, 2)
 
 
 def _accepts(callback: Callable[..., Any], count: int) -> bool:
