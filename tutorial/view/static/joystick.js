@@ -117,6 +117,7 @@ class CellView {
     this.onEnded();
     this.unwatch = watchKernel(model, () => this.end(ENDED), (isThere) => { this.trouble = !isThere ? OFFLINE : model.get("ended") ? CLOSED : ""; });
     this.tick = this.tick.bind(this);
+    this.request = 0;
   }
 
   build(el) {
