@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import signal
 
-signal.signal(signal.SIGINT, signal.SIG_DFL)  # until the server takes Ctrl-C over, it ends all without a traceback
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # until the server takes Ctrl-C over, it ends all without a traceback
 
-# ruff: noqa: E402 - importing JupyterLab takes a moment, in which Ctrl-C may come
+
 import logging
 import os
 import re

@@ -1,0 +1,25 @@
+"""What an import does to the program that makes it."""
+
+from __future__ import annotations
+
+import pkgutil
+import subprocess
+import sys
+
+import tutorial
+
+SCRIPT = """
+import importlib, signal, sys
+before = signal.getsignal(signal.SIGINT)
+for name in sys.argv[1:]:
+    importlib.import_module(name)
+    assert signal.getsignal(signal.SIGINT) is before, name
+"""
+
+
+def test_no_import_takes_ctrl_c_away():
+    names = [module.name for module in pkgutil.walk_packages(tutorial.__path__, "tutorial.")]
+    modules = [name for name in names if "underlay" not in name and name != "tutorial.__main__"]  # which is a program
+    assert len(modules) > 100
+    ended = subprocess.run([sys.executable, "-c", SCRIPT, *modules], check=False, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
