@@ -229,18 +229,19 @@ class TestRealTime:
         assert recorder.calls == ["initialize", "stop"]
 
 
-class Raising(Recorder):
-    """Raises what it is given, in the method it is given."""
+class Acting(Recorder):
+    """Acts in one of its methods."""
 
-    def __init__(self, kind, method):
+    def __init__(self, method):
         super().__init__()
-        self.kind, self.method = kind, method
+        self.method = method
 
     def initialize(self, io):
         super().initialize(io)
         self.perhaps("initialize")
 
     def control(self):
+        super().control()
         self.perhaps("control")
 
     def stop(self):
@@ -249,7 +250,18 @@ class Raising(Recorder):
 
     def perhaps(self, method):
         if method == self.method:
-            raise self.kind
+            self.act()
+
+
+class Raising(Acting):
+    """Raises what it is given, in the method it is given."""
+
+    def __init__(self, kind, method):
+        super().__init__(method)
+        self.kind = kind
+
+    def act(self):
+        raise self.kind
 
 
 @pytest.mark.parametrize("kind", [ValueError, SystemExit, KeyboardInterrupt, GeneratorExit])
@@ -261,7 +273,7 @@ class TestWhateverAControllerRaises:
         assert simulation.wait(20)
         assert simulation.state is State.FAILED
         assert "Raising failed at 0.000 s of simulated time: test_simulation.py, line " in str(simulation.error)
-        assert str(simulation.error).endswith(f", in perhaps: {kind.__name__}")
+        assert str(simulation.error).endswith(f", in act: {kind.__name__}")
         assert isinstance(simulation.error.__cause__, kind)
         assert [record.getMessage() for record in caplog.records] == [str(simulation.error)]
         simulation.stop()
@@ -269,7 +281,7 @@ class TestWhateverAControllerRaises:
     @pytest.mark.parametrize("method", ["initialize", "control"])
     def test_is_raised_by_advance_and_kept(self, kind, method):
         simulation = Simulation([TANK], [("Tank", Raising(kind, method))])
-        with pytest.raises(ControllerError, match=f"in perhaps: {kind.__name__}$") as info:
+        with pytest.raises(ControllerError, match=f"in act: {kind.__name__}$") as info:
             simulation.advance(0.05)
         assert simulation.error is info.value
         assert simulation.state is State.FAILED
@@ -279,7 +291,7 @@ class TestWhateverAControllerRaises:
         simulation = Simulation([TANK], [("Tank", Raising(kind, "stop")), ("Tank", after)])
         simulation.advance(0.001)
         simulation.stop()
-        assert str(simulation.error).endswith(f", in perhaps: {kind.__name__}")
+        assert str(simulation.error).endswith(f", in act: {kind.__name__}")
         assert str(simulation.error) in caplog.text
         assert after.calls == ["initialize", "stop"]
 
@@ -331,30 +343,16 @@ class TestSwitchInterval:
         assert sys.getswitchinterval() == before
 
 
-class Stuck(Recorder):
+class Stuck(Acting):
     """Does not return from one of its methods, until it is let."""
 
     def __init__(self, method="control"):
-        super().__init__()
-        self.method = method
+        super().__init__(method)
         self.there, self.let = threading.Event(), threading.Event()
 
-    def initialize(self, io):
-        super().initialize(io)
-        self.perhaps("initialize")
-
-    def control(self):
-        super().control()
-        self.perhaps("control")
-
-    def stop(self):
-        super().stop()
-        self.perhaps("stop")
-
-    def perhaps(self, method):
-        if method == self.method:
-            self.there.set()
-            self.let.wait(60)
+    def act(self):
+        self.there.set()
+        self.let.wait(60)
 
     def reached(self):
         assert self.there.wait(20)
@@ -371,7 +369,7 @@ def stuck(monkeypatch):
     until(lambda: not any(thread.name in ("simulation", "stepper") for thread in threading.enumerate()))
 
 
-SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in perhaps\. Mend it, and make the simulation"
+SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in act\. Mend it, and make the simulation"
 
 
 CALLS = {
@@ -489,12 +487,11 @@ class TestSeveralThreads:
 
     @pytest.mark.parametrize("method", ["control", "stop"])
     def test_a_controller_cannot_wait_for_itself(self, method):
-        class Waits(Raising):
-            def perhaps(self, method):
-                if method == self.method:
-                    simulation.stop()
+        class Waits(Acting):
+            def act(self):
+                simulation.stop()
 
-        simulation = Simulation([TANK], [("Tank", Waits(None, method))])
+        simulation = Simulation([TANK], [("Tank", Waits(method))])
         simulation.start(0.01)
         assert simulation.wait(20)
         simulation.stop()

@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 
 import numpy as np
 import pytest
-from browser import AS_WITH_A_CARD, AS_WITHOUT, PATIENCE, Witness, chromium, open_browser, pixels, until
+from browser import AS_WITHOUT, PATIENCE, Witness, chromium, open_browser, pixels, until
 from lab import DARK, copy_files, jupyter_lab
 
 from tutorial.commands.lab import trust
@@ -30,11 +30,11 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
 
 
 @asynccontextmanager
-async def at_the_desk(folder, base_url="/", theme=None, arguments=AS_WITH_A_CARD, scale=1, tour=True):
+async def at_the_desk(folder, base_url="/", theme=None, tour=True, **browser):
     """JupyterLab with the notebooks and what belongs to them, in a browser's page that is watched."""
     async with (
         jupyter_lab(folder, base_url, theme) as lab,
-        open_browser(chromium(), 1280, 960, arguments, scale) as page,
+        open_browser(chromium(), 1280, 960, **browser) as page,
     ):
         copy_files(lab, HOME / "notebooks", HOME / "project", HOME / "launch_py")
         if not tour:
@@ -64,7 +64,7 @@ def test_all_cells_run_twice_without_an_error(domain, tmp_path, name):
     chromium()
 
     async def main():
-        async with at_the_desk(tmp_path, "/user/ada/", None, AS_WITHOUT, 0.25) as (lab, page, witness):
+        async with at_the_desk(tmp_path, "/user/ada/", arguments=AS_WITHOUT, scale=0.25) as (lab, page, witness):
             notebook = await lab.open(page, f"notebooks/{name}")
             await notebook.run_all()
             assert await notebook.errors() == []
