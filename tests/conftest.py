@@ -13,8 +13,8 @@ from xdist.scheduler import LoadScopeScheduling
 
 from tutorial import ros_backend
 
-LONG = "test_notebooks_in_browser.py"
-"""The file whose tests are shared out one by one: each takes longer than most files."""
+LONG = ("test_notebooks_in_browser.py", "test_desk_in_browser.py")
+"""The files whose tests come first and are shared out one by one: each takes longer than most files."""
 
 
 def pytest_configure() -> None:
@@ -42,7 +42,7 @@ def _embedded(request: pytest.FixtureRequest, backend: str) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes longest, so that in the end no core waits for another."""
-    items.sort(key=lambda item: (item.path.name != LONG, item.get_closest_marker("browser") is None))
+    items.sort(key=lambda item: (item.path.name not in LONG, item.get_closest_marker("browser") is None))
 
 
 def pytest_xdist_auto_num_workers() -> int:

@@ -53,11 +53,20 @@ class Lab:
         return name
 
     async def open(self, page: Page, name: str) -> "Notebook":
-        """Open a notebook in a browser's page, and wait for its kernel."""
-        await page.goto(f"{self.root}lab/tree/{name}?reset&token={TOKEN}")
+        """Open a notebook in a browser's page, which may show the lab already, and wait for its kernel."""
+        if page.url.startswith(self.root):
+            await page.evaluate("(path) => void window.jupyterapp.commands.execute('docmanager:open', {path})", name)
+        else:
+            await page.goto(f"{self.root}lab/tree/{name}?reset&token={TOKEN}")
         notebook = Notebook(page, self.root)
         await notebook.is_ready()
         return notebook
+
+    async def wear(self, page: Page, theme: str) -> None:
+        """Change the theme of a page that shows the lab, such as to `DARK`."""
+        await page.evaluate(
+            "(theme) => void window.jupyterapp.commands.execute('apputils:change-theme', {theme})", theme
+        )
 
 
 class Notebook:
@@ -91,14 +100,13 @@ class Notebook:
 
     async def start(self, cell: int) -> None:
         """Start one cell; don't wait."""
-        await self._do(f"content.activeCellIndex = {cell}")
-        await self._do("content.deselectAll()")
+        await self._choose(cell)
         await self.page.evaluate("void window.jupyterapp.commands.execute('notebook:run-cell')")
 
     async def run(self, cell: int) -> str:
         """Run one cell, wait until it is done, and return the text that it printed."""
-        await self.start(cell)
-        await self.is_done()
+        await self._choose(cell)
+        await self._command("notebook:run-cell")
         return await self.text(cell)
 
     async def run_new(self, source: str) -> str:
@@ -168,13 +176,10 @@ class Notebook:
 
     async def errors(self) -> list[str]:
         """What the cells raised, as one line each, with the cell's number."""
-        cells = "content.widgets.map((cell) => cell.model.outputs?.toJSON() ?? [])"
-        return [
-            f"cell {cell}: {output['ename']}: {output['evalue']}"
-            for cell, outputs in enumerate(await self._do(cells))
-            for output in outputs
-            if output["output_type"] == "error"
-        ]
+        errors = """content.widgets.flatMap((cell, number) => (cell.model.outputs?.toJSON() ?? [])
+            .filter((output) => output.output_type === "error")
+            .map((output) => `cell ${number}: ${output.ename}: ${output.evalue}`))"""
+        return list(await self._do(errors))
 
     async def clear(self, cell: int) -> None:
         """Take a cell's outputs away."""
@@ -199,6 +204,12 @@ class Notebook:
         await self._do("sessionContext.restartKernel()")
         await self.is_ready()
 
+    async def close(self) -> None:
+        """End the kernel, save the notebook and close it; the page stays."""
+        await self._do("sessionContext.shutdown()")
+        await self.save()
+        await self.page.evaluate("void window.jupyterapp.shell.currentWidget.close()")
+
     async def scroll_to(self, cell: int) -> None:
         """Bring a cell into sight."""
         await self._do(f"content.scrollToItem({cell}, 'start')")
@@ -206,6 +217,10 @@ class Notebook:
     def cell(self, cell: int) -> Any:
         """Where a cell is on the page."""
         return self.page.locator(f".jp-NotebookPanel:not(.lm-mod-hidden) .jp-Cell[data-windowed-list-index='{cell}']")
+
+    async def _choose(self, cell: int) -> None:
+        await self._do(f"content.activeCellIndex = {cell}")
+        await self._do("content.deselectAll()")
 
     async def _dismiss(self) -> None:
         dialog = self.page.locator(".jp-Dialog button.jp-mod-accept")

@@ -1,0 +1,68 @@
+"""The course in a JupyterLab of its own and a page that is watched, for all tests of a file."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browser import PATIENCE, Witness, chromium, open_browser
+from domains import reserved_domain
+from lab import Lab, copy_files, jupyter_lab
+from playwright.async_api import Page
+
+from tutorial.commands.lab import trust
+from tutorial.paths import HOME
+
+__all__ = ["CourseDesk", "course_desk"]
+
+
+@dataclass
+class CourseDesk:
+    """A JupyterLab with the course, in a browser's page.
+
+    Attributes:
+        lab: the JupyterLab.
+        page: the page.
+        witness: what the page has complained of.
+        run: runs a coroutine to its end, on the loop that the page belongs to.
+    """
+
+    lab: Lab
+    page: Page
+    witness: Witness
+    run: Callable[[Awaitable[Any]], Any]
+
+
+@contextmanager
+def course_desk(folder: Path, base_url: str = "/", **browser: Any) -> Iterator[CourseDesk]:
+    """Open the course, in a ROS domain of its own, and see to it that the page asks nobody but its own server.
+
+    Args:
+        folder: an empty folder for all of it.
+        base_url: the path of the server, such as ``/user/ada/``.
+        browser: see `open_browser`.
+    """
+    with asyncio.Runner() as runner, reserved_domain() as domain, pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(domain))
+        opened = _open(folder, base_url, browser)
+        lab, page = runner.run(opened.__aenter__())
+        try:
+            witness = Witness(page)
+            yield CourseDesk(lab, page, witness, lambda main: runner.run(asyncio.wait_for(main, 6 * PATIENCE)))
+            own = (lab.root, lab.root.replace("http", "ws", 1), "data:", "blob:")
+            assert [url for url in witness.requests if not url.startswith(own)] == []
+        finally:
+            runner.run(opened.__aexit__(None, None, None))
+
+
+@asynccontextmanager
+async def _open(folder: Path, base_url: str, browser: dict[str, Any]) -> AsyncIterator[tuple[Lab, Page]]:
+    async with jupyter_lab(folder, base_url) as lab, open_browser(chromium(), **browser) as page:
+        copy_files(lab, HOME / "notebooks", HOME / "project", HOME / "launch_py")
+        trust(lab.notebooks / "notebooks", data_dir=str(folder / "data"))
+        yield lab, page
