@@ -1,0 +1,173 @@
+"""The embedded ROS 2 and a real one in one domain: the programs on one side, the commands on the other.
+
+They run where the variable TANK_REAL_ROS2 names a command that runs another one with a real ROS 2, such as a script
+that sources ``/opt/ros/jazzy/setup.bash`` and ends with ``exec "$@"``.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import signal
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import pytest
+import yaml
+from domains import reserved_domain
+from programs import PATIENCE, TANK, until
+
+from tutorial.paths import HOME
+
+REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
+PROJECT = HOME / "project" / "step2.yaml"
+JOINTS, JOY = "/Tank/joint_state", "/joy"
+JOINT_STATE, STICK_TO_THE_RIGHT = "sensor_msgs/msg/JointState", "{axes: [0, 0, 0.3, 0]}"
+
+pytestmark = [
+    pytest.mark.skipif(not REAL, reason="TANK_REAL_ROS2 is not set: it names a command that runs another with ROS 2"),
+    pytest.mark.timeout(300),
+]
+
+
+@dataclass
+class Beside:
+    """A simulation with the one ROS 2, and the commands of the other.
+
+    Attributes:
+        simulation: what starts ``tank`` with the one.
+        ros2: what starts ``ros2`` with the other.
+        environment: of both.
+        running: the simulation.
+    """
+
+    simulation: list[str]
+    ros2: list[str]
+    environment: dict[str, str]
+    running: list[subprocess.Popen] = field(default_factory=list)
+
+    def start(self) -> subprocess.Popen:
+        """Start the simulation of step 2."""
+        started = [*self.simulation, "run", str(PROJECT), "--headless"]
+        quiet = subprocess.DEVNULL
+        self.running.append(subprocess.Popen(started, env=self.environment, stdout=quiet, start_new_session=True))
+        return self.running[-1]
+
+    def say(self, *command: str) -> str:
+        """Return what a command prints; it comes to its end by itself."""
+        arguments = [*self.ros2, *command]
+        ended = subprocess.run(
+            arguments, env=self.environment, check=False, capture_output=True, text=True, timeout=2 * PATIENCE
+        )
+        return ended.stdout
+
+    def says(self, text: str, *command: str) -> str:
+        """Ask again until a text is among what is printed: finding each other takes a moment."""
+        said = []
+        until(lambda: said.append(self.say(*command)) or text in said[-1], f"{text!r} from {command}")
+        return said[-1]
+
+    @contextmanager
+    def going_on(self, *command: str) -> Iterator[subprocess.Popen]:
+        """A command that goes on, until Ctrl-C ends it and what it is run by."""
+        arguments, pipe = [*self.ros2, *command], subprocess.PIPE
+        process = subprocess.Popen(arguments, env=self.environment, stdout=pipe, text=True, start_new_session=True)
+        with process:
+            yield process
+            os.killpg(process.pid, signal.SIGINT)
+            process.communicate(timeout=PATIENCE)
+
+    def lines(self, *command: str, count: int) -> list[str]:
+        """Return the first lines of a command that goes on, which Ctrl-C ends then."""
+        with self.going_on(*command) as process:
+            return [process.stdout.readline() for _ in range(count)]
+
+    def joints(self) -> dict[str, float]:
+        """Where the simulated joints are now [rad]."""
+        said = self.say("topic", "echo", "--once", JOINTS, JOINT_STATE)
+        message = yaml.safe_load(said.partition("---")[0])
+        return dict(zip(message["name"], message["position"], strict=True))
+
+    def clear(self) -> None:
+        """End what still runs, and what ``ros2`` has left running."""
+        for process in self.running:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGTERM)
+            process.wait(PATIENCE)
+        if self.ros2[-1] == "ros2":
+            self.say("daemon", "stop")
+
+
+@pytest.fixture(scope="module", params=["rmw_cyclonedds_cpp", "rmw_fastrtps_cpp"])
+def rmw(request):
+    return request.param
+
+
+@pytest.fixture(scope="module", params=["the real one's commands", "the embedded one's commands"])
+def sides(request, rmw):
+    with reserved_domain() as domain:
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": rmw}
+        embedded, real = [TANK], [*REAL, TANK]
+        theirs = request.param.startswith("the real")
+        beside = Beside(*((embedded, [*REAL, "ros2"]) if theirs else (real, embedded)), environment)
+        yield beside
+        beside.clear()
+
+
+@pytest.fixture(scope="module")
+def beside(sides):
+    """The simulation runs, and the other side has seen it."""
+    sides.start()
+    sides.says(JOINTS, "topic", "list", "--no-daemon")
+    return sides
+
+
+def test_the_node_is_listed(beside):
+    assert "/tank" in beside.say("node", "list", "--no-daemon").splitlines()
+
+
+def test_its_topics_are_its_own(beside):
+    said = beside.says(JOINTS, "node", "info", "--no-daemon", "/tank")
+    subscribers, _, publishers = said.partition("Publishers:")
+    assert "/joy: sensor_msgs/msg/Joy" in subscribers
+    assert f"{JOINTS}: {JOINT_STATE}" in publishers
+    assert "/rosout: rcl_interfaces/msg/Log" in publishers
+
+
+def test_topics_are_listed_with_their_types(beside):
+    said = beside.say("topic", "list", "--no-daemon", "-t").splitlines()
+    assert {f"{JOINTS} [{JOINT_STATE}]", f"{JOY} [sensor_msgs/msg/Joy]"} <= set(said)
+
+
+def test_a_topic_says_who_publishes_it_and_how(beside):
+    said = beside.says("Node name: tank", "topic", "info", "--no-daemon", "-v", JOINTS)
+    assert f"Type: {JOINT_STATE}" in said
+    assert "Publisher count: 1" in said
+    assert "Topic type hash: RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e" in said
+    assert "Reliability: RELIABLE" in said
+    assert "Durability: VOLATILE" in said
+
+
+def test_a_message_is_printed(beside):
+    assert sorted(beside.joints()) == ["TURRET_P", "TURRET_Y"]
+
+
+def test_the_rate_is_measured(beside):
+    rate = re.compile(r"average rate: (\d+\.\d+)\n")
+    said = rate.search("".join(beside.lines("topic", "hz", JOINTS, count=5)))
+    assert 10 < float(said[1]) < 60  # it is 50 where the machine keeps up
+
+
+def test_a_published_message_turns_the_turret(beside):
+    before = beside.joints()
+    with beside.going_on("topic", "pub", "-r", "10", JOY, "sensor_msgs/msg/Joy", STICK_TO_THE_RIGHT):
+        until(lambda: abs(beside.joints()["TURRET_Y"] - before["TURRET_Y"]) > 0.05, "the turret turns")
+
+
+def test_a_killed_node_leaves_the_graph(beside):
+    os.killpg(beside.running[-1].pid, signal.SIGKILL)
+    until(lambda: "/tank" not in beside.say("node", "list", "--no-daemon").splitlines(), "the node is gone")
+    until(lambda: JOINTS not in beside.say("topic", "list", "--no-daemon"), "its topic is gone")
