@@ -1,0 +1,86 @@
+"""The record of a run: what is counted, by topic and direction, and what became of the messages."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from sensor_msgs.msg import JointState, Joy
+
+from tutorial.item import JointTally
+from tutorial.joints import JointMatcher
+from tutorial.record import make_record
+from tutorial.ros.node_thread import TopicMeter
+
+STATE = JointState(name=["TURRET_Y"], position=[0.5])
+
+
+def meter(topic, direction, count, message_type=JointState, last=STATE):
+    counted = TopicMeter(topic, message_type, direction)
+    for _ in range(count):
+        counted.add(last, 2_000_000 if direction == "received" else None)
+    return counted
+
+
+def shown(*topics, messages=0, **positions):
+    """An item that has displayed so many messages."""
+    joints = [SimpleNamespace(name=name, position=position) for name, position in positions.items()]
+    tally = JointTally(messages=messages, matched=messages)
+    return SimpleNamespace(body=SimpleNamespace(joints=joints), tally=tally, joint_topics=list(topics))
+
+
+def test_the_tally_sums_up():
+    tally = JointTally()
+    matcher = JointMatcher({"TURRET_Y": (-6.28, 6.28), "TURRET_P": (-0.17, 0.79)})
+    for name, position, stamp in (
+        (["TURRET_Y", "TURRET_P"], [0.1, 0.2], 50),
+        (["TURRET_Y", "X"], [math.nan, 0.2], 60),
+        (["TURRET_P", "TURRET_P", "TURRET_Y"], [0.1, 0.2], 70),
+        (["TURRET_Y"], [0.1], 40),
+    ):
+        message = JointState(name=name, position=position)
+        message.header.stamp.nanosec = stamp
+        tally.add(matcher.match(message)[1])
+    assert tally == JointTally(messages=3, matched=3, unknown=1, non_finite=1, short=1, duplicate=1, late=1)
+
+
+def test_a_process_that_displays_nothing_has_a_record_too():
+    record = make_record("joy", 2.0, [meter("/joy", "published", 3, Joy, Joy())])
+    assert (record["node"], record["seconds"], record["joints"]) == ("joy", 2.0, {})
+    assert set(record["report"]) == {"matched", "unknown", "non_finite", "short", "duplicate", "late"}
+    assert not any(record["report"].values())
+    assert record["topics"]["/joy"]["published"] == 3
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_topic_that_goes_both_ways_has_both_counts_and_the_latency_of_receiving(order):
+    meters = [meter("/a", "published", 4), meter("/a", "received", 3)][::order]
+    (record,) = make_record("echo", 1.0, meters)["topics"].values()
+    assert (record["published"], record["received"]) == (4, 3)
+    assert record["latency_ms"] == {"median": 2.0, "p99": 2.0}
+
+
+def test_of_two_publishers_of_one_topic_none_is_lost():
+    meters = [meter("/a", "published", 4), meter("/a", "published", 2)]
+    record = make_record("two", 1.0, meters)["topics"]["/a"]
+    assert record["published"] == 6
+    assert record["rate_hz"] == pytest.approx(sum(each.rate for each in meters), abs=0.01)
+
+
+def test_applied_belongs_to_what_is_received():
+    meters = [meter("/A/joint_state", "published", 9), meter("/B/joint_state", "received", 5)]
+    items = [shown("/A/joint_state"), shown("/B/joint_state", messages=2), shown("/B/joint_state", messages=3)]
+    record = make_record("viewer", 1.0, meters, items)
+    assert "applied" not in record["topics"]["/A/joint_state"]
+    assert record["topics"]["/B/joint_state"]["applied"] == 5
+    assert record["report"]["matched"] == 5
+
+
+def test_a_joint_is_where_it_was_published_last_else_where_it_is_displayed():
+    items = [shown(TURRET_Y=0.1, TURRET_P=0.2)]
+    assert make_record("tank", 1.0, [], items)["joints"] == {"TURRET_Y": 0.1, "TURRET_P": 0.2}
+    received = [meter("/Tank/joint_state", "received", 1)]
+    assert make_record("tank", 1.0, received, items)["joints"] == {"TURRET_Y": 0.1, "TURRET_P": 0.2}
+    published = [meter("/Tank/joint_state", "published", 1)]
+    assert make_record("tank", 1.0, published, items)["joints"] == {"TURRET_Y": 0.5, "TURRET_P": 0.2}
