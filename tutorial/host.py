@@ -74,6 +74,7 @@ class Host:
         self._seen_step = 0
         self._namesakes_said = 1
         self._namesakes_looked = 0.0
+        self._closed = False
         try:
             for item in project.bodies:
                 self._add(item, project.time_step is not None)
@@ -136,7 +137,10 @@ class Host:
 
         Raises:
             ControllerError: a controller raised an exception, or does not return; the simulation has stopped.
+            TutorialError: it was closed.
         """
+        if self._closed:
+            raise TutorialError("this program is closed. Open it again.")
         self._still = 0
         began = due = time.monotonic()
         self.forget_errors()
@@ -196,6 +200,7 @@ class Host:
 
     def close(self) -> None:
         """End the simulation, the controllers and the node. Idempotent; goes on where it was interrupted."""
+        self._closed = True
         try:
             if self.simulation is not None:
                 self.simulation.stop()
@@ -221,6 +226,8 @@ class Host:
         return Simulation((item.placement for item in project.bodies), pairs, time_step)
 
     def _over(self, began: float, duration: float | None, linger: float) -> bool:
+        if self._closed:
+            return True
         if self.simulation is not None:
             if duration is not None and self._hangs(self.simulation):
                 _log.warning("the simulation has made no step for %g s, so it is stopped", HUNG)
@@ -248,6 +255,8 @@ class Host:
 
     def refresh(self) -> None:
         """Draw one frame: show what has changed since the last. `run` does it; call it when nothing runs."""
+        if self._closed:
+            return
         self._look_for_namesakes()
         if self.simulation is not None:
             self._shown = self.simulation.copy_to(self.bodies.values())
