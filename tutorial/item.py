@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from dataclasses import dataclass
+from collections import Counter
 
 from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
@@ -13,41 +13,11 @@ from tutorial.handoff import CallQueue, CallScope
 from tutorial.joints import JointReport
 from tutorial.ros.node_thread import MeteredNode
 
-__all__ = ["Item", "JointTally"]
+__all__ = ["Item"]
 
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages
 
 _log = logging.getLogger(__name__)
-
-
-@dataclass
-class JointTally:
-    """Sums up the reports of a body's messages.
-
-    Attributes:
-        messages: how many messages were applied.
-        matched: joints moved, summed over the messages; the other counts likewise.
-    """
-
-    messages: int = 0
-    matched: int = 0
-    unknown: int = 0
-    non_finite: int = 0
-    short: int = 0
-    duplicate: int = 0
-    late: int = 0
-
-    def add(self, report: JointReport) -> None:
-        """Count one more message."""
-        if report.late:
-            self.late += 1
-            return
-        self.messages += 1
-        self.matched += report.matched
-        self.unknown += report.unknown.total
-        self.non_finite += report.non_finite.total
-        self.short += report.short
-        self.duplicate += report.duplicate.total
 
 
 class Item:
@@ -59,14 +29,16 @@ class Item:
     Attributes:
         body: as given.
         controllers: those that have joined it.
-        tally: what has become of the joint states that were applied to it.
+        applied: how many messages it was moved by.
+        tally: the counts of all their reports, and of those that came late, summed up.
         joint_topics: the topics that its controllers receive joint states on.
     """
 
     def __init__(self, body: Body) -> None:
         self.body = body
         self.controllers: list[SimpleController] = []
-        self.tally = JointTally()
+        self.applied = 0
+        self.tally: Counter[str] = Counter()
         self.joint_topics: list[str] = []
         self._scopes: list[CallScope] = []
         self._dirty = True
@@ -135,7 +107,8 @@ class Item:
         if not isinstance(report, JointReport):
             return
         self._report, self._shown_at = report, time.monotonic()
-        self.tally.add(report)
+        self.applied += not report.late
+        self.tally.update(report.counts())
         if not report.clean and self._shown_at - self._complained_at >= COMPLAIN_EVERY:
             self._complained_at = self._shown_at
             _log.warning("%s: %s", self.body.name, report)

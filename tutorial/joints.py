@@ -77,6 +77,17 @@ class JointReport(NamedTuple):
         counts = (found.total for found in (self.unknown, self.duplicate, self.non_finite, self.outside))
         return not (self.late or self.restarted or self.short or any(counts))
 
+    def counts(self) -> dict[str, int]:
+        """How many joints or names there are of each kind: numbers that may be summed up over many messages."""
+        return {
+            "matched": self.matched,
+            "unknown": self.unknown.total,
+            "non_finite": self.non_finite.total,
+            "short": self.short,
+            "duplicate": self.duplicate.total,
+            "late": int(self.late),
+        }
+
     def __str__(self) -> str:
         """One line for the log and for below the 3D view."""
         if self.late:

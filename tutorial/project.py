@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pkgutil
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
@@ -103,7 +103,7 @@ class Project:
             )
         placement = replace(robots[0].placement, name=name or model.stem.capitalize(), model=model)
         swapped = replace(robots[0], placement=placement)
-        return replace(self, bodies=tuple(swapped if item is robots[0] else item for item in self.bodies))
+        return self._with(lambda item: swapped if item is robots[0] else item)
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
         """Give a body these controllers, in place of those that the file names.
@@ -121,12 +121,7 @@ class Project:
         names = [item.placement.name for item in self.bodies]
         if body not in names:
             raise TutorialError(f"{self.path.name} has no body {body!r}.{did_you_mean(body, names)}")
-        return replace(
-            self,
-            bodies=tuple(
-                replace(item, controllers=classes) if item.placement.name == body else item for item in self.bodies
-            ),
-        )
+        return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
         """Put controllers of a user's own in the place of those of the same names.
@@ -143,17 +138,16 @@ class Project:
             if name not in known | bases:
                 mend = "Your class takes the place of the one that has its name."
                 raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)} {mend}")
-        return replace(
-            self,
-            bodies=tuple(
-                replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))
-                for item in self.bodies
-            ),
+        return self._with(
+            lambda item: replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))
         )
 
     def tree(self) -> str:
         """Draw the items, as the original's item tree shows them."""
         return "\n".join(self._tree_lines())
+
+    def _with(self, change: Callable[[BodyItem], BodyItem]) -> Project:
+        return replace(self, bodies=tuple(map(change, self.bodies)))
 
     def _tree_lines(self) -> Iterator[str]:
         indent = ""

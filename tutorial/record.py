@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from sensor_msgs.msg import JointState
 
 from tutorial.errors import TutorialError
-from tutorial.item import Item, JointTally
+from tutorial.item import Item
+from tutorial.joints import JointReport
 from tutorial.ros.backend import ros_backend
 from tutorial.ros.node_thread import TopicMeter
 
@@ -37,14 +37,16 @@ def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: 
     for meter in meters:
         if meter.direction == "published" and isinstance(meter.last, JointState):
             joints.update(zip(meter.last.name, meter.last.position))
-    counts = [field.name for field in fields(JointTally) if field.name != "messages"]
+    report = Counter(JointReport(matched=0).counts())
+    for item in items:
+        report.update(item.tally)
     return {
         "node": node,
         "ros": ros_backend(),
         "seconds": round(seconds, 3),
         "joints": joints,
         "topics": _topics(meters, items),
-        "report": {count: sum(getattr(item.tally, count) for item in items) for count in counts},
+        "report": dict(report),
     }
 
 
@@ -75,7 +77,7 @@ def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, di
         ends[meter.direction, meter.topic].append(meter)
     applied: Counter[str] = Counter()
     for item in items:
-        applied.update(dict.fromkeys(item.joint_topics, item.tally.messages))
+        applied.update(dict.fromkeys(item.joint_topics, item.applied))
     topics: dict[str, dict[str, Any]] = {}
     for (direction, topic), same in sorted(ends.items(), key=lambda end: end[0][0]):  # what is received comes last
         record = topics.setdefault(topic, {"type": same[0].type_name})
