@@ -187,6 +187,7 @@ def test_a_controller_that_does_not_return_holds_up_neither_remove_nor_close(han
             assert host.bodies == {}
             with pytest.raises(ControllerError, match="Hangs does not return"):
                 await host.run()
+            assert "Hangs does not return" in str(host.error), "a start that is refused forgets nothing"
 
     asyncio.run(scenario())
 
