@@ -6,19 +6,25 @@ from collections import Counter
 from types import SimpleNamespace
 
 import pytest
-from sensor_msgs.msg import JointState, Joy
+from sensor_msgs.msg import JointState
 
 from tutorial.record import make_record
-from tutorial.ros.node_thread import TopicMeter
 
 STATE = JointState(name=["TURRET_Y"], position=[0.5])
 
 
-def meter(topic, direction, count, message_type=JointState, last=STATE):
-    counted = TopicMeter(topic, message_type, direction)
-    for _ in range(count):
-        counted.add(last, 2_000_000 if direction == "received" else None)
-    return counted
+def meter(topic, direction, count, last=STATE):
+    """What a node has counted about so many messages."""
+    latency = {"median": 2.0, "p99": 2.5} if direction == "received" else {"median": None, "p99": None}
+    return SimpleNamespace(
+        topic=topic,
+        direction=direction,
+        type_name="a/msg/B",
+        count=count,
+        last=last,
+        rate=10.0,
+        latency_ms=lambda: latency,
+    )
 
 
 def shown(*topics, messages=0, **positions):
@@ -29,7 +35,7 @@ def shown(*topics, messages=0, **positions):
 
 
 def test_a_process_that_displays_nothing_has_a_record_too():
-    record = make_record("joy", 2.0, [meter("/joy", "published", 3, Joy, Joy())])
+    record = make_record("joy", 2.0, [meter("/joy", "published", 3, last=None)])
     assert (record["node"], record["seconds"], record["joints"]) == ("joy", 2.0, {})
     assert set(record["report"]) == {"matched", "unknown", "non_finite", "short", "duplicate", "late"}
     assert not any(record["report"].values())
@@ -41,14 +47,14 @@ def test_a_topic_that_goes_both_ways_has_both_counts_and_the_latency_of_receivin
     meters = [meter("/a", "published", 4), meter("/a", "received", 3)][::order]
     (record,) = make_record("echo", 1.0, meters)["topics"].values()
     assert (record["published"], record["received"]) == (4, 3)
-    assert record["latency_ms"] == {"median": 2.0, "p99": 2.0}
+    assert record["latency_ms"] == {"median": 2.0, "p99": 2.5}
 
 
 def test_of_two_publishers_of_one_topic_none_is_lost():
     meters = [meter("/a", "published", 4), meter("/a", "published", 2)]
     record = make_record("two", 1.0, meters)["topics"]["/a"]
     assert record["published"] == 6
-    assert record["rate_hz"] == pytest.approx(sum(each.rate for each in meters), abs=0.01)
+    assert record["rate_hz"] == 20.0
 
 
 def test_applied_belongs_to_what_is_received():
