@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import random
 import textwrap
 import threading
+import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,17 +16,19 @@ import pytest
 from geometry_msgs.msg import Pose
 from programs import PATIENCE
 from sensor_msgs.msg import JointState
+from unruly import Unruly
 
 from tutorial import project as project_module
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.host import Host
 from tutorial.paths import find_project
-from tutorial.project import Project
+from tutorial.project import BodyItem, Project
 from tutorial.ros.node_thread import NodeThread
-from tutorial.simulation import ControllerError
+from tutorial.simulation import ControllerError, State
 from tutorial.view.bodies import View
 from tutorial.view.scene import Scene
+from tutorial.world import Placement
 
 
 async def until(condition, what="the condition"):
@@ -144,8 +149,11 @@ def test_a_simulated_body_may_be_deleted_while_it_is_stepped(domain):
     asyncio.run(scenario())
 
 
-def test_a_controller_that_does_not_return_holds_up_neither_remove_nor_close(domain, monkeypatch):
+@pytest.fixture
+def hanging(domain, monkeypatch):
+    """A project whose tank has a controller that does not return, and the event that says that it is there."""
     monkeypatch.setattr("tutorial.simulation.STUCK", 0.2)
+    monkeypatch.setattr("tutorial.host.HUNG", 0.2)
     there, let = threading.Event(), threading.Event()
 
     class Hangs(SimpleController):
@@ -153,25 +161,57 @@ def test_a_controller_that_does_not_return_holds_up_neither_remove_nor_close(dom
             there.set()
             let.wait(60)
 
+    before = threads()
+    project = Project.load(find_project("step2"))
+    bodies = tuple(replace(item, controllers=(*item.controllers, Hangs)) for item in project.bodies)
+    yield replace(project, bodies=bodies), there
+    let.set()
+    for thread in threads() - before:
+        thread.join(PATIENCE)
+        assert not thread.is_alive()
+
+
+def test_a_controller_that_does_not_return_holds_up_neither_remove_nor_close(hanging):
+    project, there = hanging
+
     async def scenario():
-        project = Project.load(find_project("step2"))
-        bodies = [replace(item, controllers=(*item.controllers, Hangs)) for item in project.bodies]
-        async with Host(replace(project, bodies=bodies)) as host:
+        async with Host(project, view=View(Scene())) as host:
             run = asyncio.ensure_future(host.run())
             await until(there.is_set, "the first step")
             with pytest.raises(ControllerError, match=r"Hangs does not return: it is at test_host\.py, line \d+, in c"):
                 host.remove("Tank")
+            assert list(host.bodies) == ["Labo"], "the displayed body is gone nevertheless"
             with pytest.raises(ControllerError, match="Mend it, and make the simulation anew: open its program again"):
                 await run
+            host.remove("Labo")
+            assert host.bodies == {}
+            with pytest.raises(ControllerError, match="Hangs does not return"):
+                await host.run()
+            assert "Hangs does not return" in str(host.error), "a start that is refused forgets nothing"
 
-    before = threads()
-    try:
-        asyncio.run(scenario())
-    finally:
-        let.set()
-    for thread in threads() - before:
-        thread.join(PATIENCE)
-        assert not thread.is_alive()
+    asyncio.run(scenario())
+
+
+def test_a_run_with_a_duration_ends_where_a_controller_does_not_return(hanging):
+    async def scenario():
+        async with Host(hanging[0]) as host:
+            with pytest.raises(ControllerError, match="Hangs does not return"):
+                await asyncio.wait_for(host.run(1.0), PATIENCE)
+
+    asyncio.run(scenario())
+
+
+def test_a_program_may_be_closed_while_it_runs(step3):
+    async def scenario():
+        host = Host(step3, view=View(Scene()))
+        run = asyncio.ensure_future(host.run())
+        await asyncio.sleep(0.05)
+        host.close()
+        await asyncio.wait_for(run, PATIENCE)
+        with pytest.raises(TutorialError, match=r"this program is closed\. Open it again\."):
+            await host.run(0.1)
+
+    asyncio.run(scenario())
 
 
 def test_a_simulating_program_shows_its_copy(domain):
@@ -288,6 +328,23 @@ def test_a_message_without_a_header_is_recorded_too(project_with):
     asyncio.run(scenario())
 
 
+class Leaver(SimpleController):
+    """Wants to end the program when it leaves its body."""
+
+    def unconfigure(self):
+        raise SystemExit("mine")
+
+
+def test_a_controller_that_wants_to_end_the_program_does_not(project_with, caplog):
+    async def scenario():
+        async with Host(project_with(Leaver)):
+            pass
+
+    asyncio.run(scenario())
+    assert "Leaver of Tank failed in unconfigure()" in caplog.text
+    assert "SystemExit: mine" in caplog.text
+
+
 def test_a_new_run_forgets_what_failed_before(project_with):
     async def scenario():
         scene = Scene()
@@ -325,3 +382,121 @@ def test_closing_twice_does_nothing(step3):
         host.close()
 
     asyncio.run(scenario())
+
+
+BOX = """
+<mujoco><worldbody><body name="box"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody></mujoco>
+"""
+
+
+METHODS = ("configure", *["initialize"] * 2, *["control"] * 6, *["stop"] * 2, *["unconfigure"] * 2)
+
+
+def unruly_class(rng, let, made):
+    """A class of controllers that misbehave in one of all the ways that the host has to live with."""
+
+    class Wild(Unruly):
+        def __init__(self):
+            super().__init__(
+                rng, let, ("configure", "initialize", "control", "control", "control", "stop", "unconfigure")
+            )
+            if self.method.endswith("configure") and self.act in ("hang", KeyboardInterrupt):
+                self.act = (
+                    SystemExit  # on the main thread, a hanging is the reader's to end, and an interrupt is theirs
+                )
+            made.append(self)
+
+        def configure(self, config):
+            self.config = config
+            self.perhaps("configure")
+
+        def unconfigure(self):
+            self.perhaps("unconfigure")
+
+        def posted(self, kind):
+            self.config.call_later(int)
+            if kind is not None:
+                self.fail(kind)
+
+    return Wild
+
+
+async def some_frames(host, rng):
+    run = asyncio.ensure_future(host.run())
+    await asyncio.sleep(rng.uniform(0.0, 0.1))
+    rng.choice((run.cancel, run.cancel, host.close))()
+    with suppress(asyncio.CancelledError):
+        await run
+
+
+ACTS = (
+    lambda host, rng: host.run(0.02),
+    lambda host, rng: host.run(0.05),
+    some_frames,
+    lambda host, rng: host.refresh(),
+    lambda host, rng: host.simulation.start(0.01),
+    lambda host, rng: host.simulation.stop(),
+    lambda host, rng: host.simulation.restart(),
+    lambda host, rng: host.remove("A"),
+    lambda host, rng: host.remove("B"),
+    lambda host, rng: host.close(),
+)
+
+
+def post_at_random(made, rng, over):
+    """The second thread: has calls posted in the name of controllers, whether they have left or not."""
+    while not over.wait(0.02):
+        for each in tuple(made):
+            if hasattr(each, "config"):
+                each.config.call_later(each.posted, rng.choice((None, None, None, ValueError, SystemExit)))
+
+
+async def live_through(seed, model):
+    """Let a host live with unruly controllers; return what was raised, and what the main thread was told."""
+    rng, let, over, made, told = random.Random(seed), threading.Event(), threading.Event(), [], []
+    classes = [unruly_class(rng, let, made) for _ in range(3)]
+    items = (BodyItem(Placement("A", model), tuple(classes[:2])), BodyItem(Placement("B", model), (classes[2],)))
+    poster = threading.Thread(target=post_at_random, args=(made, random.Random(seed), over), daemon=True)
+    poster.start()
+    host = None
+    try:
+        host = Host(Project(model, items, 0.001), view=View(Scene()))
+        for act in rng.choices(ACTS, k=8):
+            began = time.monotonic()
+            try:
+                done = act(host, rng)
+                if done is not None:
+                    await done
+            except TutorialError as error:
+                told.append(str(error))
+            assert time.monotonic() - began < 10
+            await asyncio.sleep(0)
+    except TutorialError as error:  # one could not join its body
+        told.append(str(error))
+    finally:
+        began = time.monotonic()
+        if host is not None:
+            host.close()
+            assert host.simulation.state is State.ABANDONED or not any(each.hangs for each in made)
+            assert host.controllers == {}
+        assert time.monotonic() - began < 10
+        over.set()
+        let.set()
+        poster.join()
+    return [text for each in made for text in each.raised], "".join(told)
+
+
+@pytest.mark.parametrize("tens", range(10))
+def test_whatever_controllers_do_a_host_ends_and_no_failure_is_unseen(tens, domain, tmp_path, monkeypatch, caplog):
+    for name in ("tutorial.simulation.STUCK", "tutorial.host.HUNG"):
+        monkeypatch.setattr(name, 0.1)
+    model = tmp_path / "box.xml"
+    model.write_text(BOX)
+    before = threads()
+    for seed in range(10 * tens, 10 * tens + 10):
+        caplog.clear()
+        raised, told = asyncio.run(live_through(seed, model))
+        assert [text for text in raised if text not in told + caplog.text] == [], f"seed {seed}"
+        for thread in threads() - before:
+            thread.join(PATIENCE)
+            assert not thread.is_alive(), f"seed {seed}: {thread}"

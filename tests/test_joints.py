@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sensor_msgs.msg import JointState
 
-from tutorial.joints import JointTally, match_joints
+from tutorial.joints import JointMatcher, JointReport, match_joints
 
 TANK = {"TURRET_Y": (-6.28, 6.28), "TURRET_P": (-0.17, 0.79)}
 
@@ -130,9 +130,9 @@ def test_outside_its_range_a_joint_is_shown_as_received_and_reported():
 class TestTime:
     def follow(self, *stamps_ms):
         """What becomes of messages with these stamps: the stamp if it was shown, else None."""
-        report, shown = None, []
+        matcher, shown = JointMatcher(TANK), []
         for stamp in stamps_ms:
-            values, report = match_joints(TANK, joint_state(["TURRET_Y"], [0.1], stamp * 1_000_000), after=report)
+            values, report = matcher.match(joint_state(["TURRET_Y"], [0.1], stamp * 1_000_000))
             shown.append(stamp if values else None)
         return shown, report
 
@@ -164,24 +164,41 @@ class TestTime:
         assert report.late
         assert str(report) == "a late message was dropped"
 
+    def test_a_stamp_before_1970_is_no_restart_when_it_is_the_first(self):
+        assert self.follow(-5)[1].clean
 
-def test_the_tally_sums_up():
-    tally = JointTally()
-    report = None
-    for name, position, stamp in (
-        (["TURRET_Y", "TURRET_P"], [0.1, 0.2], 50),
-        (["TURRET_Y", "X"], [math.nan, 0.2], 60),
-        (["TURRET_P", "TURRET_P", "TURRET_Y"], [0.1, 0.2], 70),
-        (["TURRET_Y"], [0.1], 40),
-    ):
-        _, report = match_joints(TANK, joint_state(name, position, stamp), after=report)
-        tally.add(report)
-    assert tally.messages == 3
-    assert tally.as_dict() == {
-        "matched": 3,
-        "unknown": 1,
-        "non_finite": 1,
-        "short": 1,
-        "duplicate": 1,
-        "late": 1,
-    }
+
+messages = st.builds(
+    joint_state,
+    st.lists(names, max_size=6),
+    st.lists(st.floats(), max_size=6),
+)
+
+
+@given(st.lists(messages, max_size=5))
+def test_one_matcher_makes_of_every_message_what_a_fresh_one_would(stream):
+    matcher = JointMatcher(TANK)
+    for message in stream:
+        values, report = matcher.match(message)
+        fresh = match_joints(TANK, message)
+        assert (values, report) == fresh
+        assert str(report) == str(fresh[1])
+
+
+def test_a_matcher_keeps_to_the_joints_that_it_was_made_for():
+    joints = {"a": (-1.0, 1.0)}
+    matcher = JointMatcher(joints)
+    message = joint_state(["a", "b"], [2.0, 3.0])
+    before = matcher.match(message)
+    joints.update(a=(-9.0, 9.0), b=(-9.0, 9.0))
+    assert matcher.match(message) == before
+    assert before[1].unknown.names == ("b",)
+    values, report = match_joints(joints, message)
+    assert (values, report.clean) == ({"a": 2.0, "b": 3.0}, True)
+
+
+def test_a_report_is_plain_values_and_its_repr_short():
+    _, report = match_joints(TANK, joint_state(["TURRET_Y", "TURRET_P"], [0.5, -0.01]))
+    assert repr(report) == "JointReport('2 joints shown')"
+    assert report == JointReport(matched=2)
+    assert all(isinstance(value, (int, bool, tuple)) for value in report)

@@ -9,11 +9,10 @@ from pathlib import Path
 import pytest
 
 from tutorial import controllers
-from tutorial.catalogue import controller_names, find_controller
 from tutorial.controllers.joint_state_subscriber import JointStateSubscriber
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME, find_launch_file, find_project
-from tutorial.project import Project
+from tutorial.project import Project, controller_names, find_controller
 
 STEPS = ("step1", "step2", "step3")
 

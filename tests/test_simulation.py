@@ -7,11 +7,11 @@ import random
 import sys
 import threading
 import time
-from itertools import count
 from pathlib import Path
 
 import numpy as np
 import pytest
+from unruly import Unruly
 
 from tutorial.body import Body
 from tutorial.controller import SimpleController
@@ -502,42 +502,6 @@ BOX = """
 <mujoco><worldbody><body name="box"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody></mujoco>
 """
 
-
-class Unruly(SimpleController):
-    """Raises, ends the program or does not return, now and then."""
-
-    def __init__(self, rng, let):
-        self.method = rng.choice(("initialize", "control", "control", "control", "stop"))
-        self.act = rng.choice((None, None, ValueError, SystemExit, KeyboardInterrupt, "hang"))
-        self.wait = rng.randrange(20)
-        self.let = let
-        self.hangs, self.raised = False, []
-
-    def initialize(self, io):
-        self.perhaps("initialize")
-
-    def control(self):
-        self.perhaps("control")
-
-    def stop(self):
-        self.perhaps("stop")
-
-    def perhaps(self, method):
-        if method != self.method or self.act is None:
-            return
-        self.wait -= 1
-        if self.wait > 0 and method == "control":
-            return
-        if self.act == "hang":
-            self.hangs = True
-            self.let.wait(60)
-        else:
-            self.wait = 20
-            self.raised.append(f"failure {next(NUMBERS)}.")
-            raise self.act(self.raised[-1])
-
-
-NUMBERS = count()
 
 ACTS = (
     lambda simulation: simulation.start(),

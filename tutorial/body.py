@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
@@ -15,8 +15,6 @@ from tutorial.world import Placement, compose
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from tutorial.joints import JointReport
 
 __all__ = ["Actuator", "Body", "Joint"]
 
@@ -145,7 +143,7 @@ class Body:
         self._all_qpos = data.qpos
         self._qpos_adr = {joint.name: joint.qpos_adr for joint in self.joints}
         self._by_name = {joint.name: joint for joint in self.joints}
-        self._observers: list[Callable[[JointReport | None], object]] = []
+        self._observers: list[Callable[[Any], object]] = []
 
     @classmethod
     def displayed(cls, placement: Placement) -> Body:
@@ -214,11 +212,11 @@ class Body:
         self._check("calc_forward_kinematics")
         mujoco.mj_kinematics(self.model, self.data)
 
-    def notify_change(self, report: JointReport | None = None) -> None:
+    def notify_change(self, report: object = None) -> None:
         """Tell whoever displays the body that it has changed.
 
         Args:
-            report: what joint matching made of the message that changed it.
+            report: what they should know of it, such as what joint matching made of the message that changed it.
 
         Raises:
             WrongThreadError: called on another thread than the main thread.
@@ -227,7 +225,7 @@ class Body:
         for observer in tuple(self._observers):
             observer(report)
 
-    def on_change(self, observer: Callable[[JointReport | None], object]) -> None:
+    def on_change(self, observer: Callable[[Any], object]) -> None:
         """Have ``observer(report)`` called, on the main thread, whenever the body has changed."""
         self._observers.append(observer)
 

@@ -9,16 +9,14 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from sensor_msgs.msg import JointState
-
 from tutorial.body import Body
-from tutorial.controller import ControllerConfig, SimpleController
-from tutorial.errors import TutorialError, did_you_mean, file_of, tell
-from tutorial.handoff import CallQueue, CallScope
-from tutorial.joints import JointReport, JointTally
+from tutorial.controller import SimpleController
+from tutorial.errors import TutorialError, did_you_mean
+from tutorial.handoff import CallQueue
+from tutorial.item import Item
 from tutorial.record import make_record
-from tutorial.ros.node_thread import MeteredNode, NodeThread
-from tutorial.simulation import Simulation
+from tutorial.ros.node_thread import NodeThread
+from tutorial.simulation import Simulation, State
 
 if TYPE_CHECKING:
     from tutorial.project import BodyItem, Project
@@ -29,7 +27,7 @@ __all__ = ["Host"]
 
 FRAME = 1 / 30  # [s] between two frames of the view
 QUIET = 0.3  # [s] without a message, after which nothing more is taken to be on its way
-COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages
+HUNG = 5.0  # [s] without a step, after which a run that has a duration is not waited for any more
 
 _log = logging.getLogger(__name__)
 
@@ -65,13 +63,15 @@ class Host:
     ) -> None:
         self._calls = CallQueue(asyncio.get_running_loop(), trace)
         self._view = view
-        self._items: dict[str, _Item] = {}
-        self._removed: list[_Item] = []
+        self._items: dict[str, Item] = {}
+        self._removed: list[Item] = []
         self.simulation: Simulation | None = None
         self._ros = NodeThread("tank", ros_args)
         self.node = self._ros.node
         self.node.trace = trace
         self._seconds = self._shown = 0.0
+        self._still = 0  # for how many frames there was no step
+        self._seen_step = 0
         self._namesakes_said = 1
         self._namesakes_looked = 0.0
         self._closed = False
@@ -116,10 +116,8 @@ class Host:
         return (self.simulation and self.simulation.error) or self._ros.error or next(filter(None, posted), None)
 
     def forget_errors(self) -> None:
-        """Begin anew: what has failed before does not count any more. `run` does it. Main thread."""
+        """What callbacks and posted calls raised before does not count any more. `run` does it. Main thread."""
         self._ros.error = None
-        if self.simulation is not None:
-            self.simulation.error = None
         for item in self._items.values():
             item.forget_errors()
 
@@ -138,8 +136,12 @@ class Host:
             progress: called with the seconds that have passed, about as often as a frame is drawn.
 
         Raises:
-            ControllerError: a controller raised an exception; the simulation has stopped.
+            ControllerError: a controller raised an exception, or does not return; the simulation has stopped.
+            TutorialError: it was closed.
         """
+        if self._closed:
+            raise TutorialError("this program is closed. Open it again.")
+        self._still = 0
         began = due = time.monotonic()
         self.forget_errors()
         if self.simulation is not None:
@@ -176,50 +178,41 @@ class Host:
         """Delete a displayed body: its controllers leave it, and what they have posted does not run any more.
 
         Raises:
-            ControllerError: a controller does not return.
+            ControllerError: a controller does not return; the body is gone nevertheless.
             TutorialError: there is no such body.
         """
         if name not in self._items:
             raise TutorialError(f"there is no body {name!r}.{did_you_mean(name, self._items)}")
-        if self.simulation is not None:
-            self.simulation.release(name)
-        item = self._items.pop(name)
-        item.close()
-        self._removed.append(item)
-        if self._view is not None:
-            self._view.remove(name)
+        try:
+            if self.simulation is not None and self.simulation.state is not State.ABANDONED:
+                self.simulation.release(name)
+        finally:
+            item = self._items.pop(name)
+            item.close()
+            self._removed.append(item)
+            if self._view is not None:
+                self._view.remove(name)
 
     def record(self) -> dict[str, Any]:
-        """Sum the run up; where joint states are published, the last of them count. See `tutorial.record`."""
-        tally = JointTally()
-        joints: dict[str, float] = {}
-        applied: dict[str, int] = {}
-        for item in (*self._removed, *self._items.values()):
-            tally.merge(item.tally)
-            applied.update(dict.fromkeys(item.joint_topics, item.tally.messages))
-            joints.update({joint.name: joint.position for joint in item.body.joints})
-        for meter in self.node.meters:
-            if meter.direction == "published" and isinstance(meter.last, JointState):
-                joints.update(zip(meter.last.name, meter.last.position))
-        return make_record(self.node.get_name(), self.seconds, self.node.meters, joints, tally, applied)
+        """Sum the run up, bodies that were removed included. See `tutorial.record`."""
+        items = (*self._removed, *self._items.values())
+        return make_record(self.node.get_name(), self.seconds, self.node.meters, items)
 
     def close(self) -> None:
-        """Let everything go: the simulation, the controllers, the node. Idempotent."""
-        if self._closed:
-            return
+        """End the simulation, the controllers and the node. Idempotent; goes on where it was interrupted."""
         self._closed = True
-        if self.simulation is not None:
-            self.simulation.stop()
-        for item in self._items.values():
-            item.close()
-        self._calls.close()
-        self._ros.close()
+        try:
+            if self.simulation is not None:
+                self.simulation.stop()
+        finally:
+            for item in self._items.values():
+                item.close()
+            self._calls.close()
+            self._ros.close()
 
     def _add(self, item: BodyItem, simulates: bool) -> None:
         body = Body.displayed(item.placement)
-        added = _Item(body)
-        self._items[body.name] = added
-        body.on_change(added.changed)
+        added = self._items[body.name] = Item(body)
         if self._view is not None:
             self._view.add(body.name, body.model)
         for controller_class in item.controllers:
@@ -233,12 +226,23 @@ class Host:
         return Simulation((item.placement for item in project.bodies), pairs, time_step)
 
     def _over(self, began: float, duration: float | None, linger: float) -> bool:
+        if self._closed:
+            return True
         if self.simulation is not None:
+            if duration is not None and self._hangs(self.simulation):
+                _log.warning("the simulation has made no step for %g s, so it is stopped", HUNG)
+                self.simulation.stop()
             return not self.simulation.running
         elapsed = self._seconds = time.monotonic() - began
         if duration is None or elapsed < duration:
             return False
         return elapsed >= duration + linger or self._drained()
+
+    def _hangs(self, simulation: Simulation) -> bool:
+        """Whether there was no step for many frames; time alone does not tell, as the whole process may have slept."""
+        self._still = self._still + 1 if simulation.step == self._seen_step else 0
+        self._seen_step = simulation.step
+        return self._still > HUNG / FRAME
 
     def _drained(self) -> bool:
         """Whether those who publish to this program have come and gone, and what they sent has been shown."""
@@ -251,6 +255,8 @@ class Host:
 
     def refresh(self) -> None:
         """Draw one frame: show what has changed since the last. `run` does it; call it when nothing runs."""
+        if self._closed:
+            return
         self._look_for_namesakes()
         if self.simulation is not None:
             self._shown = self.simulation.copy_to(self.bodies.values())
@@ -285,80 +291,3 @@ class Host:
                 self.node.get_name(),
             )
         self._namesakes_said = max(count, 1)
-
-
-class _Item:
-    """A body of the project with its controllers, and what is known of its messages."""
-
-    def __init__(self, body: Body) -> None:
-        self.body = body
-        self.controllers: list[SimpleController] = []
-        self.tally = JointTally()
-        self.joint_topics: list[str] = []
-        self._scopes: list[CallScope] = []
-        self._dirty = True
-        self._report: JointReport | None = None
-        self._shown_at = 0.0
-        self._complained_at = -COMPLAIN_EVERY
-
-    def attach(self, controller_class: type[SimpleController], node: MeteredNode, calls: CallQueue) -> None:
-        """Make a controller and have it join the body."""
-        name = controller_class.__name__
-        topics_before = len(node.meters)
-        scope = calls.scope(f"{name} of {self.body.name}")
-        controller = controller_class()
-        try:
-            controller.configure(ControllerConfig(self.body, node, scope.call_later, scope.call_latest))
-        except TutorialError:
-            raise
-        except Exception as error:
-            raise TutorialError(
-                f"{name} could not join {self.body.name}: {tell(error, file_of(controller_class))}"
-            ) from error
-        self.controllers.append(controller)
-        self._scopes.append(scope)
-        self.joint_topics += [meter.topic for meter in node.meters[topics_before:] if meter.brings_joint_states]
-
-    @property
-    def error(self) -> BaseException | None:
-        """What a call that one of its controllers has posted raised last."""
-        return next((scope.error for scope in self._scopes if scope.error is not None), None)
-
-    def forget_errors(self) -> None:
-        """What its calls have raised does not count any more."""
-        for scope in self._scopes:
-            scope.error = None
-
-    def changed(self, report: JointReport | None) -> None:
-        """Note that the body is to be drawn, and what its message was like."""
-        self._dirty = True
-        if report is None:
-            return
-        self._report, self._shown_at = report, time.monotonic()
-        self.tally.add(report)
-        if not report.clean and self._shown_at - self._complained_at >= COMPLAIN_EVERY:
-            self._complained_at = self._shown_at
-            _log.warning("%s: %s", self.body.name, report)
-
-    def take_dirty(self) -> bool:
-        """Whether the body has changed since this was last asked."""
-        dirty, self._dirty = self._dirty, False
-        return dirty
-
-    def line(self) -> str:
-        """What stands below the view: the last report, and the age of the data."""
-        if self._report is None:
-            return f"{self.body.name}: nothing has come on {self.joint_topics[0]} yet" if self.joint_topics else ""
-        return f"{self.body.name}: {self._report} ({time.monotonic() - self._shown_at:.1f} s ago)"
-
-    def close(self) -> None:
-        """Have the controllers leave: first what they have posted is dropped, then they let go."""
-        for scope in self._scopes:
-            scope.close()
-        for controller in self.controllers:
-            try:
-                controller.unconfigure()
-            except Exception:  # noqa: BLE001 - whatever it is, the others still have to leave
-                _log.exception("%s of %s failed in unconfigure()", type(controller).__name__, self.body.name)
-        self._scopes.clear()
-        self.controllers.clear()

@@ -1,22 +1,25 @@
-"""Project files: which bodies a program has, which controllers they carry, and whether it simulates."""
+"""Project files: which bodies a program has, which controllers they carry, where these come from, and the simulator."""
 
 from __future__ import annotations
 
+import pkgutil
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Annotated
 
 import msgspec
 
-from tutorial.catalogue import find_controller
+from tutorial import controllers
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError, did_you_mean
+from tutorial.errors import TutorialError, did_you_mean, tell
 from tutorial.world import Placement
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["BodyItem", "Project"]
+__all__ = ["BodyItem", "Project", "controller_names", "find_controller", "load_controllers"]
 
 Point = tuple[float, float, float]
 
@@ -100,7 +103,7 @@ class Project:
             )
         placement = replace(robots[0].placement, name=name or model.stem.capitalize(), model=model)
         swapped = replace(robots[0], placement=placement)
-        return replace(self, bodies=tuple(swapped if item is robots[0] else item for item in self.bodies))
+        return self._with(lambda item: swapped if item is robots[0] else item)
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
         """Give a body these controllers, in place of those that the file names.
@@ -118,12 +121,7 @@ class Project:
         names = [item.placement.name for item in self.bodies]
         if body not in names:
             raise TutorialError(f"{self.path.name} has no body {body!r}.{did_you_mean(body, names)}")
-        return replace(
-            self,
-            bodies=tuple(
-                replace(item, controllers=classes) if item.placement.name == body else item for item in self.bodies
-            ),
-        )
+        return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
         """Put controllers of a user's own in the place of those of the same names.
@@ -140,17 +138,16 @@ class Project:
             if name not in known | bases:
                 mend = "Your class takes the place of the one that has its name."
                 raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)} {mend}")
-        return replace(
-            self,
-            bodies=tuple(
-                replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))
-                for item in self.bodies
-            ),
+        return self._with(
+            lambda item: replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))
         )
 
     def tree(self) -> str:
         """Draw the items, as the original's item tree shows them."""
         return "\n".join(self._tree_lines())
+
+    def _with(self, change: Callable[[BodyItem], BodyItem]) -> Project:
+        return replace(self, bodies=tuple(map(change, self.bodies)))
 
     def _tree_lines(self) -> Iterator[str]:
         indent = ""
@@ -163,6 +160,68 @@ class Project:
                 yield f"{indent}  - {controller.__name__}{_origin(controller)}"
         if self.time_step is not None:
             yield f"{indent}+ Simulator ({self.time_step * 1000:g} ms)"
+
+
+def controller_names() -> dict[str, str]:
+    """Map the names of the library's controllers to their modules: ``tank_controller.py`` holds ``TankController``."""
+    modules = (module.name for module in pkgutil.iter_modules(controllers.__path__))
+    return {
+        "".join(word.capitalize() for word in name.split("_")): f"{controllers.__name__}.{name}" for name in modules
+    }
+
+
+def find_controller(name: str) -> type[SimpleController]:
+    """Find one of the library's controllers by its class name.
+
+    Raises:
+        TutorialError: there is no such controller, or its file is broken; the text names the nearest, or the line.
+    """
+    known = controller_names()
+    if name not in known:
+        raise TutorialError(f"there is no controller {name!r}.{did_you_mean(name, known)}")
+    file = str(Path(controllers.__path__[0]) / f"{known[name].rpartition('.')[2]}.py")
+    try:
+        module = import_module(known[name])
+    except Exception as error:
+        raise TutorialError(tell(error, file)) from error
+    found = {n: c for n, c in vars(module).items() if isinstance(c, type) and c.__module__ == module.__name__}
+    if name not in found:
+        mend = "A controller's class is called like its file: imu_publisher.py holds ImuPublisher."
+        raise TutorialError(f"{file} has no class {name!r}.{did_you_mean(name, found)} {mend}")
+    return found[name]
+
+
+def load_controllers(path: Path) -> dict[str, type[SimpleController]]:
+    """Run a user's file and take the controllers that it defines.
+
+    Args:
+        path: a Python file.
+
+    Returns:
+        Their classes by name.
+
+    Raises:
+        TutorialError: the file is missing, fails, or defines no controller; the text names the line.
+    """
+    if not path.is_file():
+        others = [str(other) for other in path.parent.glob("*.py")]
+        raise TutorialError(f"there is no file {str(path)!r}.{did_you_mean(str(path), others)}")
+    spec = spec_from_file_location(f"own_controllers_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise TutorialError(f"{path} is no Python file: the name of one ends in '.py'.")
+    module = sys.modules[spec.name] = module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        raise TutorialError(tell(error, str(path))) from error
+    found = {
+        name: thing
+        for name, thing in vars(module).items()
+        if isinstance(thing, type) and issubclass(thing, SimpleController) and thing.__module__ == spec.name
+    }
+    if not found:
+        raise TutorialError(f"{path} defines no controller: a class made from SimpleController.")
+    return found
 
 
 def _origin(controller: type[SimpleController]) -> str:

@@ -3,50 +3,50 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from sensor_msgs.msg import JointState
+
 from tutorial.errors import TutorialError
-from tutorial.joints import JointTally
+from tutorial.item import Item
+from tutorial.joints import JointReport
 from tutorial.ros.backend import ros_backend
 from tutorial.ros.node_thread import TopicMeter
 
 __all__ = ["make_record", "write_record"]
 
 
-def make_record(
-    node: str,
-    seconds: float,
-    meters: Iterable[TopicMeter],
-    joints: Mapping[str, float] | None = None,
-    tally: JointTally | None = None,
-    applied: Mapping[str, int] | None = None,
-) -> dict[str, Any]:
+def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: Sequence[Item] = ()) -> dict[str, Any]:
     """Sum up what a process did.
 
     Args:
         node: its node's name.
         seconds: how long it ran; simulated time, where it simulates [s].
         meters: what its node has counted.
-        joints: where its joints are in the end [rad or m].
-        tally: what joint matching found, where joint states are shown.
-        applied: how many messages were shown, by topic.
+        items: the bodies that it has displayed.
 
     Returns:
-        A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``. A topic
-        has ``published``, ``received`` or both; with both, its rate and latency are those of receiving.
+        A mapping with the keys ``node``, ``ros``, ``seconds``, ``joints``, ``topics`` and ``report``. A joint is where
+        it was published last, else where it is displayed [rad or m]. A topic has the counts ``published``, ``received``
+        or both; with both, its rate and latency are those of receiving.
     """
-    topics: dict[str, dict[str, Any]] = {}
-    for meter in sorted(meters, key=lambda meter: meter.direction):  # of a topic that goes both ways, received is last
-        topics.setdefault(meter.topic, {}).update(_topic(meter, applied or {}))
+    joints = {joint.name: joint.position for item in items for joint in item.body.joints}
+    for meter in meters:
+        if meter.direction == "published" and isinstance(meter.last, JointState):
+            joints.update(zip(meter.last.name, meter.last.position))
+    report = Counter(JointReport(matched=0).counts())
+    for item in items:
+        report.update(item.tally)
     return {
         "node": node,
         "ros": ros_backend(),
         "seconds": round(seconds, 3),
-        "joints": dict(joints or {}),
-        "topics": topics,
-        "report": (tally or JointTally()).as_dict(),
+        "joints": joints,
+        "topics": _topics(meters, items),
+        "report": dict(report),
     }
 
 
@@ -70,13 +70,20 @@ def write_record(record: Mapping[str, Any], directory: Path) -> Path:
     return path
 
 
-def _topic(meter: TopicMeter, applied: Mapping[str, int]) -> dict[str, Any]:
-    counts = {meter.direction: meter.count}
-    if meter.topic in applied:
-        counts["applied"] = applied[meter.topic]
-    return {
-        "type": meter.type_name,
-        **counts,
-        "rate_hz": round(meter.rate, 2),
-        "latency_ms": meter.latency_ms(),
-    }
+def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, dict[str, Any]]:
+    """Gather by topic and direction: two publishers of one topic count together, and so do two subscriptions."""
+    ends: defaultdict[tuple[str, str], list[TopicMeter]] = defaultdict(list)
+    for meter in meters:
+        ends[meter.direction, meter.topic].append(meter)
+    applied: Counter[str] = Counter()
+    for item in items:
+        applied.update(dict.fromkeys(item.joint_topics, item.applied))
+    topics: dict[str, dict[str, Any]] = {}
+    for (direction, topic), same in sorted(ends.items(), key=lambda end: end[0][0]):  # what is received comes last
+        record = topics.setdefault(topic, {"type": same[0].type_name})
+        record[direction] = sum(meter.count for meter in same)
+        if direction == "received" and topic in applied:
+            record["applied"] = applied[topic]
+        record["rate_hz"] = round(sum(meter.rate for meter in same), 2)
+        record["latency_ms"] = max(same, key=lambda meter: meter.count).latency_ms()
+    return topics

@@ -105,7 +105,7 @@ class Simulation:
         self._turns = threading.Lock()  # held by the method that starts, stops or changes something
         self._lock = threading.Lock()  # held for a change of the state, and never while a controller is at work
         self._run: _Run | None = None  # while it is stepped
-        self._leaving: _Run | None = None  # while controllers let go
+        self._leaving: _Run | None = None  # while controllers are stopped
         self._thread: threading.Thread | None = None  # of the last start
         self._abandoned = ""  # why
         self.error: ControllerError | None = None
@@ -180,13 +180,13 @@ class Simulation:
             self._start(duration)
 
     def stop(self) -> None:
-        """End the run and let the controllers go. Idempotent. What was simulated stays.
+        """End the run and stop the controllers. Idempotent. What was simulated stays.
 
         A controller that does not return keeps its thread, which then ends with the process: `error` says where it is.
         """
         with self._turn("stop()"):
             self._halt()
-            self._let_all_go()
+            self._stop_all()
 
     def restart(self) -> None:
         """Go back to time 0 and the initial pose, with controllers initialized anew.
@@ -201,7 +201,7 @@ class Simulation:
             self._halt()
             if not self._abandoned:
                 self.error = None
-            self._let_all_go()
+            self._stop_all()
             self._check_abandoned()
             mujoco.mj_resetData(self.model, self.data)
             self._step = 0
@@ -223,7 +223,7 @@ class Simulation:
         return run is None or run.finished.wait(timeout)
 
     def release(self, body: str) -> None:
-        """Let the controllers of a body go; the body itself stays in the world, which may be running.
+        """Stop the controllers of a body, for good; the body itself stays in the world, which may be running.
 
         Args:
             body: the body's name.
@@ -239,7 +239,7 @@ class Simulation:
             if run is not None and not run.pass_on():
                 self._abandon(run)
             if self._initialized and not self._abandoned:
-                self._let_go(leaving)
+                self._stop_controllers(leaving)
             self._check_abandoned()
 
     def copy_to(self, bodies: Iterable[Body]) -> float:
@@ -340,25 +340,25 @@ class Simulation:
         if self._thread and not self._abandoned:
             self._thread.join(STUCK)  # it has nothing more to do
 
-    def _let_all_go(self) -> None:
+    def _stop_all(self) -> None:
         if self._initialized and not self._abandoned:
             self._initialized = False
-            self._let_go([controller for controller, _ in self._controllers])
+            self._stop_controllers([controller for controller, _ in self._controllers])
 
-    def _let_go(self, controllers: list[SimpleController]) -> None:
+    def _stop_controllers(self, controllers: list[SimpleController]) -> None:
         """Stop controllers on a thread that can be given up, as any of them may keep it."""
         if not controllers:
             return
         run = self._leaving = _Run()
-        run.thread = threading.Thread(target=self._stop_all, args=(run, controllers), name="simulation", daemon=True)
+        run.thread = threading.Thread(target=self._stop_each, args=(run, controllers), name="simulation", daemon=True)
         run.thread.start()
         run.thread.join(STUCK)
         if run.thread.is_alive():
             self._abandon(run)
         self._leaving = None
 
-    def _stop_all(self, run: _Run, controllers: list[SimpleController]) -> None:
-        """Ask each controller to let go. One that fails is logged and kept, and holds up none of the others."""
+    def _stop_each(self, run: _Run, controllers: list[SimpleController]) -> None:
+        """Stop one controller after the other. One that fails is logged and kept, and holds up none of the others."""
         for run.asked in controllers:
             try:
                 run.asked.stop()
@@ -432,7 +432,7 @@ class Simulation:
                 ready.append(run.asked)
         except BaseException as error:
             failed = self._controller_error(run, error)
-            self._stop_all(run, ready)
+            self._stop_each(run, ready)
             raise failed from error
         run.asked = None
         self._initialized = True

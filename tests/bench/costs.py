@@ -19,7 +19,7 @@ from tutorial.body import Body
 from tutorial.controller import ControllerConfig
 from tutorial.controllers.joint_state_publisher import JointStatePublisher
 from tutorial.controllers.tank_controller import TankController
-from tutorial.joints import match_joints
+from tutorial.joints import JointMatcher
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
@@ -67,10 +67,10 @@ def joint_matching(count: int) -> tuple[Timed, Timed]:
     """Move a body's joints by one message, by name; and as the original does, by index."""
     body = chain(count)
     message = JointState(name=list(body.joint_names), position=[0.001 * i for i in range(count)])
-    _, report = match_joints(body.joint_ranges, message)
+    matcher = JointMatcher(body.joint_ranges)
 
     def by_name() -> None:
-        positions, _ = match_joints(body.joint_ranges, message, after=report)
+        positions, _ = matcher.match(message)
         body.set_joint_positions(positions)
 
     def by_index() -> None:

@@ -11,7 +11,6 @@ import pkgutil
 import pytest
 
 from tutorial import checks
-from tutorial.catalogue import controller_names
 from tutorial.checks._answer import is_empty
 from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, right, wrong
@@ -21,6 +20,7 @@ from tutorial.checks.joint_state_subscriber import by_name, match_by_name
 from tutorial.checks.tank_controller import GentleTank, aim, drive
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.paths import HOME
+from tutorial.project import controller_names
 
 
 def exercises():

@@ -106,9 +106,8 @@ def run(
     own: tuple[Path, ...],
 ) -> int:
     """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
-    from tutorial.catalogue import load_controllers
     from tutorial.paths import find_project
-    from tutorial.project import Project
+    from tutorial.project import Project, load_controllers
 
     loaded = Project.load(find_project(project))
     if robot is not None:

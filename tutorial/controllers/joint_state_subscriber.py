@@ -5,7 +5,7 @@ from __future__ import annotations
 from sensor_msgs.msg import JointState
 
 from tutorial.controller import ControllerConfig, SimpleController
-from tutorial.joints import JointReport, match_joints
+from tutorial.joints import JointMatcher
 
 
 class JointStateSubscriber(SimpleController):
@@ -16,7 +16,7 @@ class JointStateSubscriber(SimpleController):
         self.body = config.body
         self.node = config.node
         self.call_later = config.call_later
-        self.report: JointReport | None = None
+        self.matcher = JointMatcher(self.body.joint_ranges)
         topic = f"{self.body.name}/joint_state"
         self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
 
@@ -26,10 +26,10 @@ class JointStateSubscriber(SimpleController):
 
     def update(self, message: JointState) -> None:  # main thread: the only one that may touch the body
         """Move the body's joints to where the message says."""
-        positions, self.report = match_joints(self.body.joint_ranges, message, after=self.report)
+        positions, report = self.matcher.match(message)
         self.body.set_joint_positions(positions)
         self.body.calc_forward_kinematics()
-        self.body.notify_change(self.report)
+        self.body.notify_change(report)
 
     def unconfigure(self) -> None:  # main thread; calls still queued will not run any more
         """Stop listening."""

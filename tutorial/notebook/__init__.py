@@ -16,9 +16,9 @@ from tutorial.notebook.opening import (
     start_command,
     swimlane,
 )
+from tutorial.notebook.process import prepare_process
 from tutorial.notebook.program import Program
 from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list
-from tutorial.notebook.unawaited import explain_coroutines
 
 __all__ = [
     "Command",
@@ -40,4 +40,4 @@ __all__ = [
     "until",
 ]
 
-explain_coroutines()
+prepare_process()

@@ -3,102 +3,23 @@
 from __future__ import annotations
 
 import asyncio
-import atexit
 import logging
-import os
 import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from contextlib import ExitStack
 from typing import Any, TypeVar
 
 from tutorial.errors import TutorialError
-from tutorial.ros.domains import reserved_domain
 
-__all__ = ["close_all", "keep", "keep_once", "log", "until"]
+__all__ = ["close_all", "keep", "keep_once", "log", "logged", "until"]
 
 PATIENCE = 30.0  # [s] that `until` waits: a classroom's server may be slow
 LOOK_EVERY = 0.01  # [s] between two looks at a condition
 LINES_KEPT = 100
 
 
-T = TypeVar("T")
-
-_open: dict[str, tuple[Any, Callable[[], object]]] = {}
-
-
-def keep(name: str, make: Callable[[], T], let_go: Callable[[T], object]) -> T:
-    """Make something and keep it under a name, after letting go what was kept under it.
-
-    Args:
-        name: what it is called, for instance ``"program simulation"``.
-        make: makes it.
-        let_go: lets it go.
-    """
-    _let_go(name)
-    made = make()
-    _open[name] = made, lambda: let_go(made)
-    return made
-
-
-def keep_once(name: str, make: Callable[[], T], let_go: Callable[[T], object]) -> T:
-    """As `keep`, but what is kept already stays and is returned."""
-    return _open[name][0] if name in _open else keep(name, make, let_go)
-
-
-def close_all() -> None:
-    """Close everything that is open in this kernel, the newest first. What was shown last stays on the page."""
-    for name in reversed(tuple(_open)):
-        try:
-            _let_go(name)
-        except Exception:
-            _logger.exception("%s could not be closed", name)
-
-
-async def until(condition: Callable[[], object], what: str = "", patience: float = PATIENCE) -> None:
-    """Wait until something is so; the kernel stays free meanwhile.
-
-    Args:
-        condition: called again and again, until what it returns counts as true.
-        what: what is waited for, as the error should say it.
-        patience: how long at most [s].
-
-    Raises:
-        TutorialError: it has not become so.
-    """
-    began = time.monotonic()
-    while not condition():
-        if time.monotonic() > began + patience:
-            raise TutorialError(_in_vain(began, patience, what))
-        await asyncio.sleep(LOOK_EVERY)
-
-
-def _in_vain(began: float, patience: float, what: str) -> str:
-    """Say what was waited for, and the newest error that was logged meanwhile: it may be the cause."""
-    said = f"waited {patience:g} s in vain{f' for {what}' if what else ''}."
-    errors = [line for time, line in _lines.copy() if time >= began and line.startswith("[ERROR]")]
-    if errors:
-        return f"{said} Meanwhile: {errors[-1]}"
-    return f"{said} Run the cells above, in order, then this one."
-
-
-def _take_domain() -> None:
-    """Keep to a ROS domain of this kernel's own, unless the environment names one: two notebooks must not meet.
-
-    What the kernel starts inherits it.
-    """
-    if not os.environ.get("ROS_DOMAIN_ID"):
-        os.environ["ROS_DOMAIN_ID"] = str(_for_good.enter_context(reserved_domain()))
-
-
-def log() -> None:
-    """Print what the library has logged since this was last called. It comes from any thread, so no cell shows it."""
-    for _, line in _lines.copy(clear=True):
-        print(line)  # noqa: T201 - what it is for
-
-
-class _Lines(logging.Handler):
+class LogLines(logging.Handler):
     """Keeps what is logged. A line printed by another thread would appear below whichever cell was run last."""
 
     def __init__(self) -> None:
@@ -126,16 +47,77 @@ class _Lines(logging.Handler):
             self._kept.append((time.monotonic(), line))
 
 
-def _let_go(name: str) -> None:
+T = TypeVar("T")
+
+logged = LogLines()
+"""The newest lines that the library has logged in this process."""
+
+_log = logging.getLogger(__name__)
+_open: dict[str, tuple[Any, Callable[[], object]]] = {}
+
+
+def keep(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
+    """Make something and keep it under a name, after closing what was kept under it.
+
+    Args:
+        name: what it is called, for instance ``"program simulation"``.
+        make: makes it.
+        close: closes it.
+    """
+    _close(name)
+    made = make()
+    _open[name] = made, lambda: close(made)
+    return made
+
+
+def keep_once(name: str, make: Callable[[], T], close: Callable[[T], object]) -> T:
+    """As `keep`, but what is kept already stays and is returned."""
+    return _open[name][0] if name in _open else keep(name, make, close)
+
+
+def close_all() -> None:
+    """Close everything that is open in this kernel, the newest first. What was shown last stays on the page."""
+    for name in reversed(tuple(_open)):
+        try:
+            _close(name)
+        except Exception:  # noqa: BLE001 - whatever it is, the others still have to be closed
+            _log.exception("%s could not be closed", name)
+
+
+async def until(condition: Callable[[], object], what: str = "", patience: float = PATIENCE) -> None:
+    """Wait until something is so; the kernel stays free meanwhile.
+
+    Args:
+        condition: called again and again, until what it returns counts as true.
+        what: what is waited for, as the error should say it.
+        patience: how long at most [s].
+
+    Raises:
+        TutorialError: it has not become so.
+    """
+    began = time.monotonic()
+    while not condition():
+        if time.monotonic() > began + patience:
+            raise TutorialError(_in_vain(began, patience, what))
+        await asyncio.sleep(LOOK_EVERY)
+
+
+def _in_vain(began: float, patience: float, what: str) -> str:
+    """Say what was waited for, and the newest error that was logged meanwhile: it may be the cause."""
+    said = f"waited {patience:g} s in vain{f' for {what}' if what else ''}."
+    errors = [line for time, line in logged.copy() if time >= began and line.startswith("[ERROR]")]
+    if errors:
+        return f"{said} Meanwhile: {errors[-1]}"
+    return f"{said} Run the cells above, in order, then this one."
+
+
+def log() -> None:
+    """Print what the library has logged since this was last called. It comes from any thread, so no cell shows it."""
+    for _, line in logged.copy(clear=True):
+        print(line)  # noqa: T201 - what it is for
+
+
+def _close(name: str) -> None:
     if name in _open:
-        _, let_go = _open.pop(name)
-        let_go()
-
-
-_for_good = ExitStack()  # until the process ends
-_take_domain()
-_lines = _Lines()
-_logger = logging.getLogger("tutorial")
-_logger.addHandler(_lines)
-_logger.propagate = False
-atexit.register(close_all)
+        _, close = _open.pop(name)
+        close()

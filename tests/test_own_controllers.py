@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from tutorial.catalogue import load_controllers
 from tutorial.controller import SimpleController
 from tutorial.controllers.joint_state_publisher import JointStatePublisher
 from tutorial.errors import TutorialError
 from tutorial.paths import find_project
-from tutorial.project import Project
+from tutorial.project import Project, load_controllers
 
 OWN = """
 from dataclasses import dataclass

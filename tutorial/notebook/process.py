@@ -1,0 +1,45 @@
+"""What importing `tutorial.notebook` does to the process, which is the kernel's: all of it is here."""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import os
+from contextlib import ExitStack
+from types import CoroutineType
+from typing import Any
+
+from IPython.core.getipython import get_ipython
+
+from tutorial.notebook.desk import close_all, logged
+from tutorial.ros.domains import reserved_domain
+
+__all__ = ["prepare_process"]
+
+_until_exit = ExitStack()
+
+
+def prepare_process() -> None:
+    """Make the process a notebook's. Importing `tutorial.notebook` calls it, once; it holds until the process ends.
+
+    - Unless ``ROS_DOMAIN_ID`` names one, the process has a ROS domain of its own, for two notebooks must not meet. What
+      it starts inherits it.
+    - What the library logs is kept for `tutorial.notebook.log`, and goes nowhere else.
+    - At the end everything that is open is closed.
+    - In IPython, a coroutine that a cell would display says that it lacks its ``await``.
+    """
+    if not os.environ.get("ROS_DOMAIN_ID"):
+        os.environ["ROS_DOMAIN_ID"] = str(_until_exit.enter_context(reserved_domain()))
+    logger = logging.getLogger("tutorial")
+    logger.addHandler(logged)
+    logger.propagate = False
+    atexit.register(close_all)
+    shell = get_ipython()
+    if shell is not None and shell.display_formatter is not None:
+        shell.display_formatter.formatters["text/plain"].for_type(CoroutineType, _explain)
+
+
+def _explain(coroutine: CoroutineType[Any, Any, Any], printer: Any, _cycle: bool) -> None:
+    name = coroutine.__qualname__
+    printer.text(f"{name} has not run yet: this takes a while, so write await before it.")
+    coroutine.close()  # it cannot be awaited by its name any more; this keeps Python from complaining of it later
