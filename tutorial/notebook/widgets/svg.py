@@ -18,6 +18,7 @@ __all__ = [
     "WARN",
     "draw",
     "new_picture",
+    "notice",
     "points_text",
     "shorten",
     "to_text",
@@ -49,6 +50,19 @@ def new_picture(width: float, height: float) -> Element:
     root.set("width", _number(width))
     root.set("style", f"max-width:100%;height:auto;background:{PAPER};font-family:{UI_FONT};font-size:12px")
     return root
+
+
+def notice(width: float, height: float, text: str) -> str:
+    """Write down a picture that has nothing to show but a line of text, in its middle.
+
+    Args:
+        width: [px].
+        height: [px].
+        text: of any characters.
+    """
+    root = new_picture(width, height)
+    write(root, width / 2, height / 2 + 4, text, f"fill:{MUTED};font-size:14px", "middle")
+    return to_text(root)
 
 
 def draw(parent: Element, tag: str, style: str = "", **attributes: float | str) -> Element:
