@@ -6,18 +6,19 @@ import os
 import threading
 import time
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Protocol
 
 import msgspec
+from rclpy.node import Node
 from sensor_msgs.msg import Joy
 
 from tutorial.ros.node_thread import MeteredNode
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["Gamepad", "JoyPublisher", "JoySource", "ScriptedDrive"]
+__all__ = ["NEUTRAL", "RATE", "Gamepad", "JoyPublisher", "JoySource", "ScriptedDrive", "joy_message"]
 
 RATE = 50  # [Hz]
 NEUTRAL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -165,11 +166,22 @@ class JoyPublisher:
             if progress is not None:
                 progress(elapsed)
             tick = max(tick + 1, int(elapsed * RATE))
-        self._publish(list(NEUTRAL), [])
+        self._publish(NEUTRAL, [])
         return time.monotonic() - began
 
-    def _publish(self, axes: list[float], buttons: list[int]) -> None:
-        message = Joy(axes=axes, buttons=buttons)
-        message.header.stamp = self._node.get_clock().now().to_msg()
-        message.header.frame_id = "joy"
-        self._publisher.publish(message)
+    def _publish(self, axes: Sequence[float], buttons: Sequence[int]) -> None:
+        self._publisher.publish(joy_message(self._node, axes, buttons))
+
+
+def joy_message(node: Node, axes: Sequence[float], buttons: Sequence[int]) -> Joy:
+    """Make a message as the ROS 2 joy package's, with the time of now.
+
+    Args:
+        node: whose clock tells the time.
+        axes: of the joystick, -1 to 1.
+        buttons: of the joystick, 0 or 1.
+    """
+    message = Joy(axes=list(axes), buttons=list(buttons))
+    message.header.stamp = node.get_clock().now().to_msg()
+    message.header.frame_id = "joy"
+    return message

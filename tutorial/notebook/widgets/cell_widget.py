@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import anywidget
+import msgspec
 import traitlets
 
-__all__ = ["CellWidget"]
+__all__ = ["CellWidget", "understood"]
+
+T = TypeVar("T")
+
+
+def understood(content: object, kind: type[T]) -> T | None:
+    """Read a message of a page; None for one that makes no sense. Any thread.
+
+    Args:
+        content: the message, as it arrived.
+        kind: what it should be, a `msgspec.Struct`.
+    """
+    try:
+        return msgspec.convert(content, kind)
+    except msgspec.ValidationError:
+        return None
 
 
 class CellWidget(anywidget.AnyWidget):

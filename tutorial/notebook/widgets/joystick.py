@@ -6,24 +6,32 @@ import math
 import threading
 import time
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
+from msgspec import Meta, Struct
 from sensor_msgs.msg import Joy
 
+from tutorial.commands.joystick import NEUTRAL, RATE, joy_message
 from tutorial.handoff import Latest
-from tutorial.notebook.widgets.cell_widget import CellWidget
+from tutorial.notebook.widgets.cell_widget import CellWidget, understood
 from tutorial.ros.node_thread import NodeThread
 from tutorial.view.assets import read_static
 
 __all__ = ["Joystick"]
 
-RATE = 50  # [Hz]
 PATIENCE = 0.5
 """After so long without a word from the page [s] the sticks count as let go: its tab is closed, the laptop is shut."""
 
-AXES, BUTTONS = 6, 15
-SENSELESS = 1e6
-NEUTRAL = (0.0,) * AXES
+BUTTONS = 15
+
+_Axis = Annotated[float, Meta(gt=-1e6, lt=1e6)]
+
+
+class _Sticks(Struct, tag="sticks"):
+    """What a page says that the hands do."""
+
+    axes: Annotated[list[_Axis], Meta(min_length=len(NEUTRAL), max_length=len(NEUTRAL))]
+    buttons: Annotated[list[int], Meta(min_length=BUTTONS, max_length=BUTTONS)]
 
 
 class _Held(NamedTuple):
@@ -85,11 +93,10 @@ class Joystick(CellWidget):
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says, on whatever thread, and leave it for the node's."""
-        if not isinstance(content, dict) or content.get("type") != "sticks":
-            return
-        axes, buttons = _axes(content.get("axes")), _buttons(content.get("buttons"))
-        if axes is not None and buttons is not None:
-            self._held.put(_Held(axes, buttons, self._clock()))
+        said = understood(content, _Sticks)
+        if said is not None:
+            axes = tuple(max(-1.0, min(axis, 1.0)) for axis in said.axes)
+            self._held.put(_Held(axes, tuple(int(button != 0) for button in said.buttons), self._clock()))
 
     def _now(self) -> _Held:
         held = self._held.get()
@@ -100,23 +107,4 @@ class Joystick(CellWidget):
         """Publish what the hands do now: on the node's thread, and once more in the end, on the main thread."""
         with self._publishing:  # so that the last message is the neutral one
             held = self._now()
-            message = Joy(axes=list(held.axes), buttons=list(held.buttons))
-            message.header.stamp = self._ros.node.get_clock().now().to_msg()
-            message.header.frame_id = "joy"
-            self._publisher.publish(message)
-
-
-def _axes(given: object) -> tuple[float, ...] | None:
-    """Six finite numbers, brought within -1 to 1; None for anything else."""
-    if not isinstance(given, list) or len(given) != AXES:
-        return None
-    if not all(type(axis) in (int, float) and abs(axis) < SENSELESS for axis in given):  # NaN is not less
-        return None
-    return tuple(max(-1.0, min(float(axis), 1.0)) for axis in given)
-
-
-def _buttons(given: object) -> tuple[int, ...] | None:
-    """Fifteen times 0 or 1; None for anything else."""
-    if not isinstance(given, list) or len(given) != BUTTONS or not all(type(button) is int for button in given):
-        return None
-    return tuple(int(button != 0) for button in given)
+            self._publisher.publish(joy_message(self._ros.node, held.axes, held.buttons))
