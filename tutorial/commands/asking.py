@@ -10,7 +10,8 @@ import signal
 import sys
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from functools import partial, wraps
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,11 +21,22 @@ from tutorial.errors import TutorialError
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["ask", "clear_ros_errors", "meet", "named_node", "say"]
+__all__ = ["ask", "asks", "clear_ros_errors", "meet", "named_node", "say"]
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
 
 _log = logging.getLogger(__name__)
+
+
+def asks(question: Callable[..., Awaitable[int | None]]) -> Callable[..., int]:
+    """Make a command's function of a question: what it is given, beside the node, are the command's options."""
+
+    @click.pass_obj
+    @wraps(question)
+    def command(ros_args: list[str], /, **options: Any) -> int:
+        return ask(ros_args, partial(question, **options))
+
+    return command
 
 
 def ask(
