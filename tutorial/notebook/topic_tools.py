@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
 
+from tutorial.commands.asking import meet
 from tutorial.notebook.desk import keep_once
 from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread
-from tutorial.ros.topics import settled
 
 __all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
-
-_log = logging.getLogger(__name__)
 
 PATIENCE = 10.0  # [s] that `topic_echo` waits for a message
 
@@ -65,16 +62,14 @@ async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
     await _print(topics.topic_hz(await _settled(), topic, window=window), reports)
 
 
-def _node() -> MeteredNode:
-    """The node that asks. Its name begins with an underscore, so ``ros2 node list`` doesn't show it."""
-    return keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
-
-
 async def _settled() -> MeteredNode:
-    """It, when it has met all others; the kernel stays free meanwhile."""
-    if not await settled(_node()):
-        _log.warning("nodes still come and go: what is printed may be incomplete")
-    return _node()
+    """The node that asks, when it has met all others; the kernel stays free meanwhile.
+
+    Its name begins with an underscore, so ``ros2 node list`` doesn't show it.
+    """
+    node = keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
+    await meet(node)
+    return node
 
 
 async def _print(texts: AsyncGenerator[str, None], count: int | None = None) -> None:

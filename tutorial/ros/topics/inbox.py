@@ -12,10 +12,9 @@ from rclpy.qos import QoSProfile
 
 from tutorial.errors import TutorialError
 from tutorial.handoff import CallQueue
-from tutorial.ros.topics.names import message_class
 from tutorial.ros.topics.qos import reader_qos
 
-__all__ = ["Inbox", "message_class"]
+__all__ = ["Inbox"]
 
 
 class Inbox:
