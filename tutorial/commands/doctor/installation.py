@@ -88,8 +88,7 @@ def rendering(environment: Mapping[str, str], ask: Ask, backends: Sequence[str] 
         text = f"{text}, but MUJOCO_GL is {chosen}. {FOR_WHAT}"
         yield Finding("rendering", "note", text, f"export MUJOCO_GL={good[0]}")
     else:
-        text = f"{text}{f'; MUJOCO_GL is {chosen}' if chosen else '; MUJOCO_GL is not set'}. {FOR_WHAT}"
-        yield Finding("rendering", "ok", text)
+        yield Finding("rendering", "ok", f"{text}; MUJOCO_GL is {chosen or 'not set'}. {FOR_WHAT}")
 
 
 def packages(requirements: Iterable[str] | None, version_of: VersionOf) -> Iterator[Finding]:
@@ -128,8 +127,8 @@ def jupyter(version_of: VersionOf, folders: Iterable[Path]) -> Iterator[Finding]
     versions = {name: version_of(name) for name in SHOWN}
     text = ", ".join(f"{name} {number}" for name, number in versions.items() if number)
     missing = [name for name, number in versions.items() if number is None]
-    places = tuple(folders)
-    bare = [package for name, package in LAB_EXTENSIONS.items() if not any((place / name).is_dir() for place in places)]
+    found = {name for folder in folders for name in LAB_EXTENSIONS if (folder / name).is_dir()}
+    bare = [package for name, package in LAB_EXTENSIONS.items() if name not in found]
     if missing:
         yield Finding("JupyterLab", "problem", f"missing: {', '.join(missing)}", f"{PIP} {' '.join(missing)}")
     elif bare:
