@@ -103,12 +103,7 @@ def progress_bar(duration: float | None, shown: bool = False) -> Iterator[Callab
     form = "{percentage:3.0f}% |{bar:40}| {n:.0f} of {total:.0f} s"
     out: Any = sys.stderr if terminal else _Lines()
     bar = tqdm(
-        total=total,
-        bar_format=form,
-        mininterval=0.1 if terminal else 2.0,
-        disable=disable,
-        ascii=" =",
-        file=out,
+        total=total, bar_format=form, mininterval=0.1 if terminal else 2.0, disable=disable, ascii=" =", file=out
     )
     with bar, logging_redirect_tqdm():
 
