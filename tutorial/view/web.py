@@ -12,7 +12,6 @@ import html
 import os
 import socket
 from string import Template
-from types import TracebackType
 from typing import Any, Self
 from urllib.parse import urlsplit
 
@@ -97,17 +96,13 @@ class SceneServer:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     async def __aenter__(self) -> Self:
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         self.close()
         if self._closing is not None:
             await self._closing
@@ -156,27 +151,24 @@ def _application(scene: Scene, title: str, browsers: set[_Browser]) -> Applicati
     )
 
 
-class _Page(RequestHandler):
+class _Protected(RequestHandler):
+    def set_default_headers(self) -> None:
+        self.set_header("Cache-Control", "no-cache")
+        self.set_header("Content-Security-Policy", POLICY)
+        self.set_header("X-Content-Type-Options", "nosniff")
+
+
+class _Page(_Protected):
     def initialize(self, title: str) -> None:
         self.title = title
-
-    def set_default_headers(self) -> None:
-        _protect(self)
 
     def get(self) -> None:
         page = Template((STATIC / "page.html").read_text(encoding="utf-8"))
         self.finish(page.substitute(title=html.escape(self.title)))
 
 
-class _Files(StaticFileHandler):
-    def set_extra_headers(self, path: str) -> None:  # noqa: ARG002 (tornado's name)
-        _protect(self)
-
-
-def _protect(handler: RequestHandler) -> None:
-    handler.set_header("Cache-Control", "no-cache")
-    handler.set_header("Content-Security-Policy", POLICY)
-    handler.set_header("X-Content-Type-Options", "nosniff")
+class _Files(_Protected, StaticFileHandler):
+    """A file of the page's."""
 
 
 class _Browser(WebSocketHandler):
