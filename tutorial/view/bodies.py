@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import ThreadGuard
 from tutorial.view import shapes
-from tutorial.view.scene import Scene, Vector, pack_command
+from tutorial.view.scene import MESHCATS_LIGHTS, Scene, Vector, pack_command
 
 __all__ = ["View"]
 
@@ -25,8 +25,6 @@ GRID = 10.0
 """Half the side of meshcat's grid [m]."""
 
 SKY = {"top_color": [0.80, 0.87, 0.93], "bottom_color": [0.95, 0.96, 0.97]}
-
-MESHCATS_LIGHTS = ("SpotLight", "PointLightNegativeX", "PointLightPositiveX", "AmbientLight", "FillLight")
 
 SHADOW = {
     "mapSize": [2048, 2048],

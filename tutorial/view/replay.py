@@ -51,11 +51,6 @@ class Replay:
     joints: dict[str, tuple[float, ...]]
     lines: tuple[tuple[float, str], ...]
 
-    @property
-    def duration(self) -> float:
-        """How long it takes [s]."""
-        return self.times[-1] if self.times else 0.0
-
     def figure(self, title: str) -> str:
         """Return it as a piece of HTML; a page needs `script` and `style` once, and meshcat's viewer.
 
@@ -86,15 +81,6 @@ class Replay:
         return template.substitute(
             title=html.escape(title), style=style(), script=script(), viewer=viewer, figure=self.figure(title)
         )
-
-    def save(self, path: Path | str, title: str) -> None:
-        """Write it as a page of its own.
-
-        Raises:
-            TutorialError: the file cannot be written.
-        """
-        with _told(path):
-            Path(path).write_text(self.page(title), encoding="utf-8")
 
 
 def script() -> str:
@@ -191,12 +177,13 @@ def recorded(
     try:
         yield
     finally:
-        recorder.stop().save(path, title)
+        with _told(path):
+            path.write_text(recorder.stop().page(title), encoding="utf-8")
         _log.info("the run is kept in %s: open it in a browser", path)
 
 
 @contextmanager
-def _told(path: Path | str) -> Iterator[None]:
+def _told(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:

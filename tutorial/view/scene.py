@@ -24,6 +24,7 @@ from tutorial.handoff import ThreadGuard
 
 __all__ = [
     "LINE_LENGTH",
+    "MESHCATS_LIGHTS",
     "Command",
     "Record",
     "Scene",
@@ -49,9 +50,9 @@ _FLOAT32 = 0x17
 
 _KINDS = ("set_object", "set_transform", "set_property", "set_animation", "delete")
 
-_LIGHTS = ("SpotLight", "PointLightNegativeX", "PointLightPositiveX", "AmbientLight", "FillLight")
+MESHCATS_LIGHTS = ("SpotLight", "PointLightNegativeX", "PointLightPositiveX", "AmbientLight", "FillLight")
 _NODES = ("Axes", "Background", "Cameras", "Cameras/default", "Cameras/default/rotated", "Grid", "Lights")
-_PATHS = [f"/{node}" for node in _NODES] + [f"/Lights/{light}" for light in _LIGHTS]
+_PATHS = [f"/{node}" for node in _NODES] + [f"/Lights/{light}" for light in MESHCATS_LIGHTS]
 _EVERY_VIEWER_HAS = frozenset(path + end for path in _PATHS for end in ("", "/<object>"))
 
 

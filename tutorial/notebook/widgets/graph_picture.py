@@ -126,11 +126,10 @@ def _draw_arrow(canvas: Element, edge: Edge, shapes: _Shapes, layout: Layout, ha
     dy = sign * -TWIN if has_twin or sign < 0 else 0.0
     start = (x1 + sign * shapes[edge[0]].edge(dy), y1 + dy)
     tip = (x2 - sign * shapes[edge[1]].edge(dy), y2 + dy)
-    end = (tip[0] - sign * HEAD, tip[1])
-    line = _curve([start, *layout.lanes.get(edge, []), end])
-    svg.draw(canvas, "path", f"fill:none;stroke:{svg.LINE};stroke-width:1.4", d=line)
     back = tip[0] - sign * HEAD
-    corners = f"{tip[0]:.1f},{tip[1]:.1f} {back:.1f},{tip[1] - HEAD / 2:.1f} {back:.1f},{tip[1] + HEAD / 2:.1f}"
+    line = _curve([start, *layout.lanes.get(edge, []), (back, tip[1])])
+    svg.draw(canvas, "path", f"fill:none;stroke:{svg.LINE};stroke-width:1.4", d=line)
+    corners = svg.points_text([tip, (back, tip[1] - HEAD / 2), (back, tip[1] + HEAD / 2)])
     svg.draw(canvas, "polygon", f"fill:{svg.LINE}", points=corners)
 
 
