@@ -55,27 +55,25 @@ def _end(heard: Iterator[int], ask: Callable[[], object], at_once: Callable[[], 
 
 def until_asked(program: Awaitable[None], duration: float | None) -> int:
     """Run a program on a fresh event loop until it ends or is asked to, by Ctrl-C or SIGTERM."""
-    asked = False
+    asked = threading.Event()
 
     async def body() -> None:
-        nonlocal asked
         task = asyncio.ensure_future(program)
+        loop = asyncio.get_running_loop()
 
         def ask() -> None:
-            nonlocal asked
-            asked = True
+            asked.set()
             loop.call_soon_threadsafe(task.cancel)
 
-        loop = asyncio.get_running_loop()
         heed(ask)
         try:
             await task
         except asyncio.CancelledError:
-            if not asked:
+            if not asked.is_set():
                 raise
 
     asyncio.run(body())
-    return INTERRUPTED if asked and duration is not None else 0
+    return INTERRUPTED if asked.is_set() and duration is not None else 0
 
 
 async def with_bar(job: Callable[[], Awaitable[int]], duration: float | None) -> int:

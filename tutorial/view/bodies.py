@@ -56,7 +56,6 @@ class View:
         self._guard = ThreadGuard("the 3D view")
         self._scene = scene
         self._bodies: dict[str, _Poses] = {}
-        self._floors: set[str] = set()
         self._furnish()
 
     @property
@@ -84,9 +83,7 @@ class View:
             self.remove(name)
         paths = self._draw(f"{ROOT}/{name}", model)
         self._bodies[name] = _Poses(paths, model)
-        if (model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).any():
-            self._floors.add(name)
-        self.show_grid(not self._floors)
+        self._show_grid_without_floor()
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
         self.update(name, data)
@@ -117,8 +114,7 @@ class View:
         self._find(name)
         del self._bodies[name]
         self._scene.send_message({"type": "delete", "path": f"{ROOT}/{name}"})
-        self._floors.discard(name)
-        self.show_grid(not self._floors)
+        self._show_grid_without_floor()
 
     def look_at(self, position: Vector, target: Vector) -> None:
         """Place the camera; x and y are level, z is up.
@@ -172,6 +168,9 @@ class View:
         """
         self._guard.check("View.flush")
         self._scene.flush()
+
+    def _show_grid_without_floor(self) -> None:
+        self.show_grid(not any(poses.has_floor for poses in self._bodies.values()))
 
     def _find(self, name: str) -> _Poses:
         try:
@@ -229,6 +228,7 @@ class _Poses:
     def __init__(self, paths: dict[int, str], model: mujoco.MjModel) -> None:
         self.center: NDArray[np.float64] = model.stat.center.copy()
         self.extent = float(model.stat.extent)
+        self.has_floor = bool((model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).any())
         self._ids = np.array(list(paths), dtype=np.intp)
         self._bodies = model.nbody
         self._keys = [("set_transform", path, "") for path in paths.values()]

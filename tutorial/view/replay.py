@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import gzip
 import html
-import json
 import logging
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -17,6 +16,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from string import Template
+
+import msgspec
 
 from tutorial.errors import TutorialError
 from tutorial.view.animation import Frame, animated, lines
@@ -60,10 +61,10 @@ class Replay:
         timeline = {
             "title": title,
             "times": [round(time, 4) for time in self.times],
-            "joints": {name: [_number(value) for value in values] for name, values in self.joints.items()},
+            "joints": {name: [round(float(value), 5) for value in values] for name, values in self.joints.items()},
             "lines": self.lines,
         }
-        packed = _packed(json.dumps(timeline, allow_nan=False).encode())
+        packed = _packed(msgspec.json.encode(timeline))  # NaN becomes null
         return (
             f'<figure class="tank-replay" aria-label="{html.escape(title)}">'
             f'<script type="text/plain" class="timeline">{packed}</script>'
@@ -188,11 +189,6 @@ def _told(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise TutorialError(f"the replay cannot be written to {path}: {error.strerror}") from error
-
-
-def _number(value: float) -> float | None:
-    """As JSON has it, which knows no NaN."""
-    return round(value, 5) if math.isfinite(value) else None
 
 
 def _packed(data: bytes) -> str:
