@@ -156,9 +156,8 @@ class Project:
 
 def _origin(controller: type[SimpleController]) -> str:
     """The file that a controller of the user's own comes from, in parentheses."""
-    file = getattr(sys.modules.get(controller.__module__), "__file__", None)
-    is_own = file and not Path(file).is_relative_to(Path(__file__).parent)
-    return f" ({Path(file).name})" if is_own else ""
+    file = Path(getattr(sys.modules.get(controller.__module__), "__file__", None) or __file__)
+    return "" if file.is_relative_to(Path(__file__).parent) else f" ({file.name})"
 
 
 def _check_names(file: YamlFile[_ProjectFile]) -> None:

@@ -8,8 +8,8 @@ import logging
 import os
 import signal
 import sys
-from collections.abc import Awaitable, Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import AsyncGenerator, Awaitable, Callable, Iterator, Sequence
+from contextlib import aclosing, contextmanager
 from functools import partial, wraps
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,7 @@ from tutorial.errors import TutorialError
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["ask", "asks", "clear_ros_errors", "meet", "named_node", "say"]
+__all__ = ["ask", "asks", "clear_ros_errors", "meet", "named_node", "say", "say_all"]
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
 
@@ -86,6 +86,16 @@ async def meet(node: MeteredNode, wanted: Callable[[], object] = lambda: True) -
 def say(text: str) -> None:
     """Print a text that has its line breaks, at once, also into a pipe."""
     click.echo(text, nl=False)
+
+
+async def say_all(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
+    """Print texts as they come: so many of them, or to the end."""
+    async with aclosing(texts):
+        async for text in texts:
+            say(text)
+            count = None if count is None else count - 1
+            if count == 0:
+                return
 
 
 @contextmanager

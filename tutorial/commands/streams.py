@@ -5,14 +5,14 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable
-from contextlib import aclosing, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from tutorial.commands.asking import ask, asks, meet, say
+from tutorial.commands.asking import ask, asks, meet, say, say_all
 from tutorial.commands.options import Finite, Seconds
 from tutorial.errors import TutorialError
 
@@ -80,7 +80,7 @@ async def echo(
     topic = await _expected(node, topic_name, anyhow=kind is not None, compromise=qos is None)
     with suppress(TimeoutError):
         async with asyncio.timeout(timeout):
-            await _print(topic_echo(node, topic, count=1 if once else None, form=how, kind=kind, qos=qos))
+            await say_all(topic_echo(node, topic, count=1 if once else None, form=how, kind=kind, qos=qos))
 
 
 @click.command()
@@ -97,7 +97,7 @@ async def hz(node: MeteredNode, topic_name: str, window: int) -> None:
 
     topic = full_topic(node, topic_name)
     await meet(node, lambda: type_of(node, topic))
-    await _print(topic_hz(node, topic, window=window))
+    await say_all(topic_hz(node, topic, window=window))
 
 
 @click.command()
@@ -147,7 +147,7 @@ async def _pub(
     await meet(node)
     wait = int(times != 0) if wait is None else wait
     qos = offered_qos(qos_reliability, qos_durability)
-    await _print(topic_pub(node, topic_name, message, stamps, times=times, wait=wait, qos=qos, **options))
+    await say_all(topic_pub(node, topic_name, message, stamps, times=times, wait=wait, qos=qos, **options))
 
 
 async def _expected(node: MeteredNode, topic_name: str, anyhow: bool, compromise: bool) -> str:
@@ -174,10 +174,3 @@ async def _expected(node: MeteredNode, topic_name: str, anyhow: bool, compromise
         say(f"{not_published(topic_name)}\n")
         raise TutorialError(NO_TYPE)
     return topic
-
-
-async def _print(texts: AsyncGenerator[str, None]) -> None:
-    """Print texts as they come, to the end."""
-    async with aclosing(texts):
-        async for text in texts:
-            say(text)

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator
-from contextlib import aclosing
-
-from tutorial.commands.asking import meet
+from tutorial.commands.asking import meet, say, say_all
 from tutorial.notebook.desk import keep_once
 from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread
@@ -21,7 +18,7 @@ async def topic_list(show_types: bool = False) -> None:
     Args:
         show_types: with their types, as with ``-t``.
     """
-    print(topics.topic_list(await _settled(), show_types), end="")  # noqa: T201 - what it is for
+    say(topics.topic_list(await _settled(), show_types))
 
 
 async def topic_info(topic: str, verbose: bool = False) -> None:
@@ -34,7 +31,7 @@ async def topic_info(topic: str, verbose: bool = False) -> None:
     Raises:
         TutorialError: there is no such topic.
     """
-    print(topics.topic_info(await _settled(), topic, verbose), end="")  # noqa: T201
+    say(topics.topic_info(await _settled(), topic, verbose))
 
 
 async def topic_echo(topic: str, once: bool = False, field: str | None = None) -> None:
@@ -48,7 +45,7 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None) -
     Raises:
         TutorialError: there is no such topic or field, or nobody publishes on it for 10 s.
     """
-    await _print(topics.topic_echo(await _settled(), topic, count=1 if once else None, field=field, timeout=PATIENCE))
+    await say_all(topics.topic_echo(await _settled(), topic, count=1 if once else None, field=field, timeout=PATIENCE))
 
 
 async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
@@ -59,7 +56,7 @@ async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
         window: how many messages the average is taken over.
         reports: how often to print before it ends.
     """
-    await _print(topics.topic_hz(await _settled(), topic, window=window), reports)
+    await say_all(topics.topic_hz(await _settled(), topic, window=window), reports)
 
 
 async def _settled() -> MeteredNode:
@@ -70,13 +67,3 @@ async def _settled() -> MeteredNode:
     node = keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
     await meet(node)
     return node
-
-
-async def _print(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
-    """Print texts as they come: so many of them, or to the end."""
-    async with aclosing(texts):
-        async for text in texts:
-            print(text, end="", flush=True)  # noqa: T201
-            count = None if count is None else count - 1
-            if count == 0:
-                return

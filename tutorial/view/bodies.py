@@ -173,12 +173,10 @@ class View:
         self.show_grid(not any(poses.has_floor for poses in self._bodies.values()))
 
     def _find(self, name: str) -> _Poses:
-        try:
-            return self._bodies[name]
-        except KeyError:
+        if name not in self._bodies:
             hint = did_you_mean(name, self._bodies)
-            message = f"there is no {name!r} in the 3D view.{hint} Draw it first: add(name, model)."
-            raise TutorialError(message) from None
+            raise TutorialError(f"there is no {name!r} in the 3D view.{hint} Draw it first: add(name, model).")
+        return self._bodies[name]
 
     def _draw(self, root: str, model: mujoco.MjModel) -> dict[int, str]:
         """Draw the geoms, each below its MuJoCo body's path; return the paths by the bodies' numbers."""
@@ -232,7 +230,8 @@ class _Poses:
         self._ids = np.array(list(paths), dtype=np.intp)
         self._bodies = model.nbody
         self._keys = [("set_transform", path, "") for path in paths.values()]
-        self._heads = [_head_of_transform(path) for path in paths.values()]
+        whole = [{"type": "set_transform", "path": path, "matrix": np.zeros(16)} for path in paths.values()]
+        self._heads = [pack_command(command)[:-64] for command in whole]  # without the numbers, which come last
         self._now: NDArray[np.float32] = np.zeros((len(paths), 4, 4), dtype="<f4")  # column by column
         self._now[:, 3, 3] = 1
         self._sent: NDArray[np.float32] = np.full_like(self._now, np.nan)
@@ -253,8 +252,3 @@ class _Poses:
         self._sent[:] = now
         numbers = now.tobytes()
         return [(self._keys[i], self._heads[i] + numbers[64 * i : 64 * i + 64]) for i in moved]
-
-
-def _head_of_transform(path: str) -> bytes:
-    """A packed transform without its 16 numbers, with which it ends."""
-    return pack_command({"type": "set_transform", "path": path, "matrix": np.zeros(16)})[:-64]

@@ -217,7 +217,11 @@ class Scene:
         message = b"".join(self._frame.values())
         self._frame.clear()
         for sink in tuple(self._sinks):
-            self._deliver(sink, message)
+            try:
+                sink(message)
+            except Exception:
+                logger.exception("A view of the scene failed and is not shown any more.")
+                self.detach(sink)
 
     def snapshot(self) -> bytes:
         """The whole scene as one message: what it shows is what all messages so far would have shown.
@@ -257,13 +261,6 @@ class Scene:
         if self._sinks:
             self._frame.pop(key, None)
             self._frame[key] = record
-
-    def _deliver(self, sink: Sink, message: bytes) -> None:
-        try:
-            sink(message)
-        except Exception:
-            logger.exception("A view of the scene failed and is not shown any more.")
-            self.detach(sink)
 
     def _forget(self, path: str) -> None:
         if path == "/":

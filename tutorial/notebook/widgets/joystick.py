@@ -60,7 +60,6 @@ class Joystick(CellWidget):
     def __init__(self, ros_args: Sequence[str] | None = None) -> None:
         self._held = Latest(_Held())
         self._publishing = threading.Lock()
-        self._is_closing = False
         self._ros = NodeThread("joystick", ros_args)
         try:
             super().__init__()
@@ -78,10 +77,9 @@ class Joystick(CellWidget):
 
     def end(self) -> None:
         """Let the sticks go, say so on ``joy``, and end the node and its thread. Idempotent, main thread."""
-        if self._is_closing:
+        if self.ended:
             return
         super().end()
-        self._is_closing = True
         self._publish()
         self._ros.close()
 
@@ -101,7 +99,7 @@ class Joystick(CellWidget):
     def _now(self) -> _Held:
         held = self._held.get()
         is_old = self._clock() - held.heard_at >= PATIENCE
-        return _Held() if is_old or self._is_closing else held
+        return _Held() if is_old or self.ended else held
 
     def _publish(self) -> None:
         """Publish what the hands do now: on the node's thread, and once more in the end, on the main thread."""
