@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import asyncio
 import errno
-import html
 import os
 import socket
-from string import Template
 from typing import Any, Self
 from urllib.parse import urlsplit
 
@@ -146,6 +144,7 @@ def _application(scene: Scene, title: str, browsers: set[_Browser]) -> Applicati
             (r"/static/(.*)", _Files, {"path": str(STATIC)}),
             (r"/meshcat/(.*)", _Files, {"path": str(meshcats_viewer())}),
         ],
+        template_path=str(STATIC),
         log_function=lambda _handler: None,
         websocket_max_message_size=1024,
     )
@@ -163,8 +162,7 @@ class _Page(_Protected):
         self.title = title
 
     def get(self) -> None:
-        page = Template((STATIC / "page.html").read_text(encoding="utf-8"))
-        self.finish(page.substitute(title=html.escape(self.title)))
+        self.render("page.html", title=self.title)
 
 
 class _Files(_Protected, StaticFileHandler):

@@ -39,11 +39,9 @@ def python(version: tuple[int, int, int], executable: str, home: str) -> Iterato
     """
     number = ".".join(map(str, version))
     text = f"{number}, {executable}, {home or 'not in a virtual environment'}"
-    make = "python3.12 -m venv .venv"
     if not OLDEST <= version[:2] <= NEWEST:
-        yield Finding(
-            "Python", "problem", f"{text}; the tutorial is made for 3.11 to 3.13", f"{make}, or 3.11, or 3.13"
-        )
+        text = f"{text}; the tutorial is made for 3.11 to 3.13"
+        yield Finding("Python", "problem", text, "python3.12 -m venv .venv, or 3.11, or 3.13")
     elif not home:
         mend = "to keep the tutorial's packages apart from the system's: make install, and . .venv/bin/activate"
         yield Finding("Python", "note", text, mend)
