@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
@@ -83,11 +83,12 @@ class Project:
         simulator = file.data.simulator
         return cls(file.path, items, None if simulator is msgspec.UNSET else simulator.time_step)
 
-    def with_robot(self, model: Path) -> Project:
-        """Put another model in the place of the body that carries the controllers; it is called after its file.
+    def with_robot(self, model: Path, name: str | None = None) -> Project:
+        """Put another model in the place of the body that carries the controllers.
 
         Args:
             model: its MJCF file.
+            name: the body's name; None for the file's name, capitalised.
 
         Raises:
             TutorialError: no body, or more than one, has controllers.
@@ -97,8 +98,9 @@ class Project:
             raise TutorialError(
                 f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
             )
-        placement = replace(robots[0].placement, name=model.stem.capitalize(), model=model)
-        return self._with(lambda item: replace(item, placement=placement) if item is robots[0] else item)
+        placement = replace(robots[0].placement, name=name or model.stem.capitalize(), model=model)
+        swapped = replace(robots[0], placement=placement)
+        return replace(self, bodies=tuple(swapped if item is robots[0] else item for item in self.bodies))
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
         """Give a body these controllers, in place of those that the file names.
@@ -116,7 +118,12 @@ class Project:
         names = [item.placement.name for item in self.bodies]
         if body not in names:
             raise TutorialError(f"{self.path.name} has no body {body!r}.{did_you_mean(body, names)}")
-        return self._with(lambda item: replace(item, controllers=classes) if item.placement.name == body else item)
+        return replace(
+            self,
+            bodies=tuple(
+                replace(item, controllers=classes) if item.placement.name == body else item for item in self.bodies
+            ),
+        )
 
     def with_own(self, classes: Mapping[str, type[SimpleController]]) -> Project:
         """Put controllers of a user's own in the place of those of the same names.
@@ -133,31 +140,36 @@ class Project:
             if name not in known | bases:
                 mend = "Your class takes the place of the one that has its name."
                 raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)} {mend}")
-
-        def own(item: BodyItem) -> BodyItem:
-            return replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))
-
-        return self._with(own)
+        return replace(
+            self,
+            bodies=tuple(
+                replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))
+                for item in self.bodies
+            ),
+        )
 
     def tree(self) -> str:
         """Draw the items, as the original's item tree shows them."""
-        lines = [] if self.time_step is None else ["+ World"]
-        indent = "" if self.time_step is None else "  "
-        for item in self.bodies:
-            lines.append(f"{indent}+ {item.placement.name}")
-            lines += [f"{indent}  - {controller.__name__}{_origin(controller)}" for controller in item.controllers]
-        if self.time_step is not None:
-            lines.append(f"{indent}+ Simulator ({self.time_step * 1000:g} ms)")
-        return "\n".join(lines)
+        return "\n".join(self._tree_lines())
 
-    def _with(self, change: Callable[[BodyItem], BodyItem]) -> Project:
-        return replace(self, bodies=tuple(map(change, self.bodies)))
+    def _tree_lines(self) -> Iterator[str]:
+        indent = ""
+        if self.time_step is not None:
+            yield "+ World"
+            indent = "  "
+        for item in self.bodies:
+            yield f"{indent}+ {item.placement.name}"
+            for controller in item.controllers:
+                yield f"{indent}  - {controller.__name__}{_origin(controller)}"
+        if self.time_step is not None:
+            yield f"{indent}+ Simulator ({self.time_step * 1000:g} ms)"
 
 
 def _origin(controller: type[SimpleController]) -> str:
     """The file that a controller of the user's own comes from, in parentheses."""
-    file = Path(getattr(sys.modules.get(controller.__module__), "__file__", None) or __file__)
-    return "" if file.is_relative_to(Path(__file__).parent) else f" ({file.name})"
+    file = getattr(sys.modules.get(controller.__module__), "__file__", None)
+    is_own = file is not None and not Path(file).is_relative_to(Path(__file__).parent)
+    return f" ({Path(file).name})" if is_own and file is not None else ""
 
 
 def _check_names(file: YamlFile[_ProjectFile]) -> None:
