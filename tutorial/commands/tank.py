@@ -71,9 +71,7 @@ def tank() -> None:
 @click.option(
     "--port", type=click.IntRange(1, 65535), help="Show the 3D view on this port; else the first free from 7000."
 )
-@click.option(
-    "--html", type=FILE, metavar="FILE", help="Keep the run as a page that plays it again; it needs nothing else."
-)
+@click.option("--html", type=FILE, help="Keep the run as a page that plays it again; it needs nothing else.")
 @click.option(
     "--robot",
     type=FILE,
@@ -85,7 +83,6 @@ def tank() -> None:
     "own",
     multiple=True,
     type=FILE,
-    metavar="FILE",
     help="Take the controllers in this Python file in the place of the project's of the same names.",
 )
 @click.pass_obj
@@ -193,11 +190,9 @@ def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
     for word in words:
         if word == "--ros-args":
             into = ros
-        if word == "--" and into is ros:
-            ros.append(word)
+        into.append(word)
+        if word == "--":
             into = own
-        else:
-            into.append(word)
     return own, ros
 
 

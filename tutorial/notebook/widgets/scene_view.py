@@ -115,16 +115,13 @@ class SceneView(CellWidget):
         """Take what a page says: on whatever thread, so what touches the scene is posted."""
         match understood(content, _Words):
             case _Words(type="library"):
-                self._scope.call_latest("library", self._send_library)
+                self._scope.call_latest("library", lambda: self.say("library", [zipped_viewer()]))
             case _Words(type="hello", view=view):
                 self._scope.call_latest(("hello", view), self._welcome, view)
             case _Words(type="seen", view=view, frame=frame) if not self._audience.note(view, frame):
                 self._scope.call_latest(("hello", view), self._welcome, view)  # taken to be gone, it has missed frames
             case _Words(type="bye", view=view):
                 self._audience.leave(view)
-
-    def _send_library(self) -> None:
-        self.say("library", [zipped_viewer()])
 
     def _welcome(self, view: str) -> None:
         """Show the whole scene to one view, and from now on all that changes."""

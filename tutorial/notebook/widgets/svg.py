@@ -6,25 +6,6 @@ import math
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-__all__ = [
-    "ACCENT",
-    "CODE_FONT",
-    "INK",
-    "LINE",
-    "MUTED",
-    "PAPER",
-    "RULE",
-    "SERIES",
-    "WARN",
-    "draw",
-    "new_picture",
-    "notice",
-    "points_text",
-    "shorten",
-    "to_text",
-    "write",
-]
-
 INK = "var(--jp-ui-font-color1, #212121)"
 MUTED = "var(--jp-ui-font-color2, #5f6368)"
 RULE = "var(--jp-border-color2, #dadce0)"
