@@ -134,11 +134,7 @@ class JoyPublisher:
         self._publisher = node.create_publisher(Joy, "joy", 1)
 
     def run(
-        self,
-        duration: float | None,
-        linger: float,
-        stop: threading.Event,
-        progress: Callable[[float], object] | None = None,
+        self, duration: float | None, linger: float, stop: threading.Event, progress: Callable[[float], object]
     ) -> float:
         """Publish until it is time to stop.
 
@@ -163,8 +159,7 @@ class JoyPublisher:
             if duration is not None and elapsed >= duration and (deserted or elapsed >= duration + linger):
                 break
             self._publish(*self._source.read(elapsed - heard_at if heard_at is not None else 0.0))
-            if progress is not None:
-                progress(elapsed)
+            progress(elapsed)
             tick = max(tick + 1, int(elapsed * RATE))
         self._publish(NEUTRAL, [])
         return time.monotonic() - began

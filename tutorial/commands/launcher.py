@@ -118,14 +118,8 @@ class Launcher:
         self._stop.set()
 
     async def _start(self, name: str, process: ExecuteProcess, read_end: int) -> asyncio.subprocess.Process:
-        environment = with_own_commands(
-            {
-                **(os.environ if process.env is None else process.env),
-                "PYTHONUNBUFFERED": "1",
-                **self._environment,
-                **(process.additional_env or {}),
-            }
-        )
+        environment = {**(os.environ if process.env is None else process.env), "PYTHONUNBUFFERED": "1"}
+        environment = with_own_commands({**environment, **self._environment, **(process.additional_env or {})})
         command = [str(word) for word in process.cmd]
         command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
         try:
