@@ -10,7 +10,8 @@ import asyncio
 import errno
 import os
 import socket
-from typing import Any, Self
+from contextlib import AbstractAsyncContextManager, AbstractContextManager
+from typing import Any
 from urllib.parse import urlsplit
 
 from tornado.httpserver import HTTPServer
@@ -40,7 +41,7 @@ BACKLOG = 1 << 18
 NO_LOOP = "the 3D view is served by an event loop, and none runs here. Make it within asyncio.run(main())."
 
 
-class SceneServer:
+class SceneServer(AbstractContextManager["SceneServer"], AbstractAsyncContextManager["SceneServer"]):
     """A page that shows a scene, on this machine only.
 
     Make it on the main thread while its event loop runs. Leaving ``with`` or ``async with`` closes it.
@@ -91,14 +92,8 @@ class SceneServer:
             browser.leave()
         self._closing = self._loop.create_task(self._http.close_all_connections())
 
-    def __enter__(self) -> Self:
-        return self
-
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    async def __aenter__(self) -> Self:
-        return self
 
     async def __aexit__(self, *_: object) -> None:
         self.close()

@@ -13,7 +13,7 @@ from tutorial.errors import TutorialError
 from tutorial.handoff import CallQueue, running_loop
 from tutorial.notebook.widgets.cell_widget import CellWidget, understood
 from tutorial.view.assets import read_static, zipped_viewer
-from tutorial.view.scene import Record, Scene, pack_record, unpack_records
+from tutorial.view.scene import Record, Scene, pack_record, unpack_command, unpack_records
 
 __all__ = ["SceneView"]
 
@@ -193,16 +193,6 @@ class _Audience:
             return bool(self._seen)
 
 
-class _Command(msgspec.Struct):
-    """What matters here of a command."""
-
-    type: str
-    path: str = ""
-
-
-_read_command = msgspec.msgpack.Decoder(_Command)
-
-
 def _merged(messages: list[bytes]) -> bytes:
     """Make one message of several, in which of each body's poses only the last one is left."""
     if len(messages) == 1:
@@ -219,5 +209,5 @@ def _subject(kind: Record, payload: bytes) -> object:
     """What a later record of the same subject makes void; None for one that has to stay."""
     if kind is not Record.COMMAND:
         return kind.name
-    command = _read_command.decode(payload)
-    return command.path if command.type == "set_transform" else None
+    command = unpack_command(payload)
+    return command["path"] if command["type"] == "set_transform" else None
