@@ -24,8 +24,8 @@ INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
 def heed(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None, hangup: bool = False) -> None:
     """From now on the first Ctrl-C or SIGTERM asks this process to end, and the second ends it at once. Main thread.
 
-    They are heard on a thread of its own, for the main thread may be in a loop, or in a call that does not return. It
-    stays so until the process has ended: who lets go may be in a loop, too.
+    A thread of its own waits for them, for the main thread may be in a loop, or in a call that does not return. It
+    waits until the process has ended, for the code that closes everything may be in a loop, too.
 
     Args:
         ask: called on that thread at the first signal; it may fail when there is nothing left to ask.

@@ -116,7 +116,7 @@ class Recorder:
         self._seconds = seconds
         self._joints = joints
         self._longest_pause = longest_pause
-        self._heard_at = seconds()
+        self._last_at = seconds()
         self._time = 0.0
         self._frames = [Frame(0.0, scene.snapshot(), dict(joints()))]
         scene.attach(self._take)
@@ -135,8 +135,8 @@ class Recorder:
 
     def _take(self, message: bytes) -> None:
         now = self._seconds()
-        self._time += min(max(now - self._heard_at, 0.0), self._longest_pause)
-        self._heard_at = now
+        self._time += min(max(now - self._last_at, 0.0), self._longest_pause)
+        self._last_at = now
         if self._time > LONGEST:
             if self._frames[-1].message:  # said once: the last of the frames is empty then
                 _log.warning("the first %.0f minutes of the run are kept, not more", LONGEST / 60)

@@ -121,7 +121,7 @@ def unpack_records(message: bytes) -> list[tuple[Record, bytes]]:
 
 
 class Scene:
-    """Keeps what was drawn, and tells those who look what changes, one message a frame.
+    """Keeps what was drawn, and tells those that are attached what changes, one message a frame.
 
     It belongs to the thread that made it. What it holds does not grow with time: of each object, transform
     and property only the last one is kept, in the order in which they were last set, which is all that the

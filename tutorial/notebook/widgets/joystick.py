@@ -20,7 +20,7 @@ from tutorial.view.assets import read_static
 __all__ = ["Joystick"]
 
 PATIENCE = 0.5
-"""After so long without a word from the page [s] the sticks count as let go: its tab is closed, the laptop is shut."""
+"""After so long without a message from the page [s] the sticks count as released: its tab or the laptop is closed."""
 
 BUTTONS = 15
 
@@ -39,15 +39,15 @@ class _Held(NamedTuple):
 
     axes: tuple[float, ...] = NEUTRAL
     buttons: tuple[int, ...] = (0,) * BUTTONS
-    heard_at: float = -math.inf
+    received_at: float = -math.inf
 
 
 class Joystick(CellWidget):
     """Two sticks in a notebook's cell. Their own node, ``joystick``, publishes them on ``joy`` at 50 Hz.
 
     It publishes from its node's thread, so it drives also while a cell is busy. The numbers are those of the ROS 2 joy
-    package's ``game_controller_node``: left and forward are +1. If the page falls silent while a stick is held, the
-    sticks are let go.
+    package's ``game_controller_node``: left and forward are +1. If the page sends no more while a stick is held,
+    the sticks are released.
 
     Args:
         ros_args: command line arguments, of which ROS 2 takes those after ``--ros-args``.
@@ -76,7 +76,7 @@ class Joystick(CellWidget):
         return self._now().axes
 
     def end(self) -> None:
-        """Let the sticks go, say so on ``joy``, and end the node and its thread. Idempotent, main thread."""
+        """Release the sticks, publish that, and end the node and its thread. Idempotent, main thread."""
         if self.ended:
             return
         super().end()
@@ -98,7 +98,7 @@ class Joystick(CellWidget):
 
     def _now(self) -> _Held:
         held = self._held.get()
-        is_old = self._clock() - held.heard_at >= PATIENCE
+        is_old = self._clock() - held.received_at >= PATIENCE
         return _Held() if is_old or self.ended else held
 
     def _publish(self) -> None:

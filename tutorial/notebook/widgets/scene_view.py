@@ -154,7 +154,7 @@ class SceneView(CellWidget):
 
 
 class _Audience:
-    """Who looks, and which frame each has seen. Whoever is too far behind is forgotten. Any thread.
+    """The views on all pages, and the last frame that each has seen; one that is too far behind is dropped. Any thread.
 
     Attributes:
         frame: the number of the last frame that was sent.
@@ -177,7 +177,7 @@ class _Audience:
             self._seen.pop(view, None)
 
     def note(self, view: str, frame: int) -> bool:
-        """Note what a view has seen; False when it is not one of those who look."""
+        """Note what a view has seen; False when it was dropped, or never joined."""
         with self._lock:
             if view not in self._seen:
                 return False
@@ -185,7 +185,7 @@ class _Audience:
             return True
 
     def next_frame(self) -> bool:
-        """Forget those who are too far behind; if anybody is left, count one more frame."""
+        """Drop the views that are too far behind; if any are left, count one more frame."""
         with self._lock:
             oldest = self.frame - FRAMES_AHEAD
             self._seen = {view: frame for view, frame in self._seen.items() if frame > oldest}
@@ -206,7 +206,7 @@ def _merged(messages: list[bytes]) -> bytes:
 
 
 def _subject(kind: Record, payload: bytes) -> object:
-    """What a later record of the same subject makes void; None for one that has to stay."""
+    """What a record sets, so that of several only the last one counts; None for one that has to stay."""
     if kind is not Record.COMMAND:
         return kind.name
     command = unpack_command(payload)

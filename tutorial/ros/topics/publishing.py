@@ -49,7 +49,7 @@ async def topic_pub(
         rate: how often [Hz].
         times: how many times; 0 goes on for ever.
         wait: for how many subscriptions to wait first.
-        print_every: announce only every so-manieth message; 0 for none.
+        print_every: announce only each n-th message; 0 for none.
 
     Yields:
         What ``ros2 topic pub`` prints.
