@@ -58,12 +58,11 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
             raise TutorialError(f"{path} failed: {type(error).__name__}: {error}") from error
     if not isinstance(description, launch.LaunchDescription):
         raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription.")
-    execute_process = launch.actions.ExecuteProcess
     entities = list(description.entities)
     if not entities:
         raise TutorialError(f"{path} describes no process. Give its LaunchDescription an ExecuteProcess.")
     for entity in entities:
-        if not isinstance(entity, execute_process):
+        if not isinstance(entity, launch.actions.ExecuteProcess):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
     return entities
 

@@ -58,8 +58,7 @@ def _open(path: Path) -> int:
 
 def _locked(file: int) -> bool:
     """Lock a file, unless another process or another opening of it has it locked."""
-    try:
+    with suppress(BlockingIOError):
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    return True
+        return True
+    return False
