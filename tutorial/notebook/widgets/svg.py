@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
+
+# the characters that XML 1.0 cannot hold
+NOT_IN_XML = re.compile(r"[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 INK = "var(--jp-ui-font-color1, #212121)"
 MUTED = "var(--jp-ui-font-color2, #5f6368)"
@@ -95,14 +99,8 @@ def to_text(root: Element) -> str:
     """Write a picture down. Characters that XML cannot hold become question marks."""
     for element in root.iter():
         if element.text:
-            element.text = "".join(c if _is_allowed(c) else "?" for c in element.text)
+            element.text = NOT_IN_XML.sub("?", element.text)
     return tostring(root, encoding="unicode")
-
-
-def _is_allowed(character: str) -> bool:
-    """Whether XML 1.0 can hold it."""
-    code = ord(character)
-    return code in (9, 10, 13) or 0x20 <= code <= 0xD7FF or 0xE000 <= code <= 0xFFFD or code >= 0x10000
 
 
 def _number(value: float) -> str:
