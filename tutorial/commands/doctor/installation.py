@@ -37,8 +37,7 @@ def python(version: tuple[int, int, int], executable: str, home: str) -> Iterato
         executable: its path.
         home: in what kind of environment it is, as `python_home` says it; empty for the system's own.
     """
-    number = ".".join(map(str, version))
-    text = f"{number}, {executable}, {home or 'not in a virtual environment'}"
+    text = f"{'.'.join(map(str, version))}, {executable}, {home or 'not in a virtual environment'}"
     if not OLDEST <= version[:2] <= NEWEST:
         text = f"{text}; the tutorial is made for 3.11 to 3.13"
         yield Finding("Python", "problem", text, "python3.12 -m venv .venv, or 3.11, or 3.13")
