@@ -8,9 +8,10 @@ import logging
 import os
 import signal
 import sys
-from collections.abc import Awaitable, Callable, Iterator, Sequence
-from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from collections.abc import AsyncGenerator, Awaitable, Callable, Iterator, Sequence
+from contextlib import aclosing, contextmanager
+from functools import partial, wraps
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -20,11 +21,22 @@ from tutorial.errors import TutorialError
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["ask", "clear_ros_errors", "meet", "named_node", "say"]
+__all__ = ["ask", "asks", "clear_ros_errors", "meet", "named_node", "say", "say_all"]
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
 
 _log = logging.getLogger(__name__)
+
+
+def asks(question: Callable[..., Awaitable[int | None]]) -> Callable[..., int]:
+    """Make a command's function of a question: what it is given, beside the node, are the command's options."""
+
+    @click.pass_obj
+    @wraps(question)
+    def command(ros_args: list[str], /, **options: Any) -> int:
+        return ask(ros_args, partial(question, **options))
+
+    return command
 
 
 def ask(
@@ -74,6 +86,16 @@ async def meet(node: MeteredNode, wanted: Callable[[], object] = lambda: True) -
 def say(text: str) -> None:
     """Print a text that has its line breaks, at once, also into a pipe."""
     click.echo(text, nl=False)
+
+
+async def say_all(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
+    """Print texts as they come: so many of them, or to the end."""
+    async with aclosing(texts):
+        async for text in texts:
+            say(text)
+            count = None if count is None else count - 1
+            if count == 0:
+                return
 
 
 @contextmanager

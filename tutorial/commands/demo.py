@@ -47,7 +47,7 @@ def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
     for record in records:
         for topic, counts in record["topics"].items():
             messages = (str(counts.get(key, "")) for key in COUNTS)
-            latency = (_number(counts["latency_ms"][key]) for key in ("median", "p99"))
+            latency = (_number(counts["latency_ms"][key], ".2f") for key in ("median", "p99"))
             table.add_row(f"/{record['node']}", topic, *messages, *latency)
     return table
 
@@ -69,13 +69,9 @@ def _joints(records: Sequence[Mapping[str, Any]]) -> Table:
     for record in having:
         table.add_column(record["node"], justify="right")
     for joint in dict.fromkeys(joint for record in having for joint in record["joints"]):
-        table.add_row(joint, *(_angle(record["joints"].get(joint)) for record in having))
+        table.add_row(joint, *(_number(record["joints"].get(joint), "+.5f") for record in having))
     return table
 
 
-def _number(value: float | None) -> str:
-    return "" if value is None else f"{value:.2f}"
-
-
-def _angle(value: float | None) -> str:
-    return "" if value is None else f"{value:+.5f}"
+def _number(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)

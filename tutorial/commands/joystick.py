@@ -6,18 +6,19 @@ import os
 import threading
 import time
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Protocol
 
 import msgspec
+from rclpy.node import Node
 from sensor_msgs.msg import Joy
 
 from tutorial.ros.node_thread import MeteredNode
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["Gamepad", "JoyPublisher", "JoySource", "ScriptedDrive"]
+__all__ = ["NEUTRAL", "RATE", "Gamepad", "JoyPublisher", "JoySource", "ScriptedDrive", "joy_message"]
 
 RATE = 50  # [Hz]
 NEUTRAL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -42,7 +43,7 @@ class JoySource(Protocol):
         """Return axes and buttons, as of the ROS 2 joy package's ``game_controller_node``.
 
         Args:
-            seconds: since somebody began to listen [s].
+            seconds: since the first subscription [s].
         """
 
 
@@ -120,7 +121,8 @@ class Gamepad:
 class JoyPublisher:
     """Publishes a joystick on ``joy`` at 50 Hz.
 
-    A scripted drive begins when somebody listens, so that nothing of it is lost. In the end the sticks are let go.
+    A scripted drive begins with the first subscription, so that nothing of it is lost. The last message has the sticks
+    in the middle.
 
     Args:
         node: the node to publish with.
@@ -133,17 +135,13 @@ class JoyPublisher:
         self._publisher = node.create_publisher(Joy, "joy", 1)
 
     def run(
-        self,
-        duration: float | None,
-        linger: float,
-        stop: threading.Event,
-        progress: Callable[[float], object] | None = None,
+        self, duration: float | None, linger: float, stop: threading.Event, progress: Callable[[float], object]
     ) -> float:
         """Publish until it is time to stop.
 
         Args:
             duration: how long [s]; None for until `stop`.
-            linger: after the duration, go on for at most so long [s] until those who listen have come and gone.
+            linger: after the duration, go on for at most so long [s], until the subscriptions have come and gone.
             stop: set it to stop, from any thread.
             progress: called with the seconds that have passed.
 
@@ -151,25 +149,33 @@ class JoyPublisher:
             How long it has published [s].
         """
         began = time.monotonic()
-        heard_at: float | None = None
+        met_at: float | None = None
         tick = 0
         while not stop.wait(max(0.0, began + tick / RATE - time.monotonic())):
             elapsed = time.monotonic() - began
-            listeners = self._publisher.get_subscription_count()
-            if heard_at is None and listeners:
-                heard_at = elapsed
-            deserted = heard_at is not None and not listeners
+            subscriptions = self._publisher.get_subscription_count()
+            if met_at is None and subscriptions:
+                met_at = elapsed
+            deserted = met_at is not None and not subscriptions
             if duration is not None and elapsed >= duration and (deserted or elapsed >= duration + linger):
                 break
-            self._publish(*self._source.read(elapsed - heard_at if heard_at is not None else 0.0))
-            if progress is not None:
-                progress(elapsed)
+            seconds = elapsed - met_at if met_at is not None else 0.0
+            self._publisher.publish(joy_message(self._node, *self._source.read(seconds)))
+            progress(elapsed)
             tick = max(tick + 1, int(elapsed * RATE))
-        self._publish(list(NEUTRAL), [])
+        self._publisher.publish(joy_message(self._node, NEUTRAL, []))
         return time.monotonic() - began
 
-    def _publish(self, axes: list[float], buttons: list[int]) -> None:
-        message = Joy(axes=axes, buttons=buttons)
-        message.header.stamp = self._node.get_clock().now().to_msg()
-        message.header.frame_id = "joy"
-        self._publisher.publish(message)
+
+def joy_message(node: Node, axes: Sequence[float], buttons: Sequence[int]) -> Joy:
+    """Make a message as the ROS 2 joy package's, with the time of now.
+
+    Args:
+        node: whose clock tells the time.
+        axes: of the joystick, -1 to 1.
+        buttons: of the joystick, 0 or 1.
+    """
+    message = Joy(axes=list(axes), buttons=list(buttons))
+    message.header.stamp = node.get_clock().now().to_msg()
+    message.header.frame_id = "joy"
+    return message

@@ -85,10 +85,16 @@ def trust(folder: Path = NOTEBOOKS, **settings: str) -> None:
 
 
 def _add_missing(course: Path) -> int:
-    """Copy the files that are not in a learner's course folder; return how many."""
+    """Copy the files that are not in a learner's course folder; return how many.
+
+    A file may be read-only, its copy may be written. The copy is there as a whole or not at all.
+    """
     missing = [(target, source) for target, source in _course_files(course) if not target.exists()]
     for target, source in missing:
-        _copy(source, target)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        part = target.with_name(f".{target.name}.part")
+        shutil.copyfile(source, part)
+        part.replace(target)
     return len(missing)
 
 
@@ -102,11 +108,3 @@ def _course_files(course: Path) -> Iterator[tuple[Path, Path]]:
             yield course / source.relative_to(SHIPPED), source
     for source in (PACKAGE / "controllers").glob("[a-z]*.py"):
         yield course / "tutorial" / "controllers" / source.name, source
-
-
-def _copy(source: Path, target: Path) -> None:
-    """Copy a file, which may be read-only, into one that may be written; it is there as a whole or not at all."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(f".{target.name}.part")
-    shutil.copyfile(source, part)
-    part.replace(target)

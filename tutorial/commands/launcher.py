@@ -58,12 +58,11 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
             raise TutorialError(f"{path} failed: {type(error).__name__}: {error}") from error
     if not isinstance(description, launch.LaunchDescription):
         raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription.")
-    execute_process = launch.actions.ExecuteProcess
     entities = list(description.entities)
     if not entities:
         raise TutorialError(f"{path} describes no process. Give its LaunchDescription an ExecuteProcess.")
     for entity in entities:
-        if not isinstance(entity, execute_process):
+        if not isinstance(entity, launch.actions.ExecuteProcess):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
     return entities
 
@@ -80,18 +79,14 @@ class Launcher:
         output: where to print.
     """
 
-    def __init__(
-        self,
-        processes: Sequence[ExecuteProcess],
-        environment: Mapping[str, str],
-        output: TextIO | None = None,
-    ) -> None:
+    def __init__(self, processes: Sequence[ExecuteProcess], environment: Mapping[str, str], output: TextIO) -> None:
         self._processes = _by_name(processes)
         self._environment = environment
-        self._printer = Printer(output or sys.stdout, width=max(map(len, self._processes)))
+        self._printer = Printer(output, width=max(map(len, self._processes)))
         self._colours = dict(zip(self._processes, cycle(get_colours())))
         self._running: dict[str, asyncio.subprocess.Process] = {}
         self._stop = asyncio.Event()
+        self._status = 0
         self.interrupted = False
 
     async def run(self) -> int:
@@ -110,7 +105,8 @@ class Launcher:
         try:
             for name, process in self._processes.items():
                 self._running[name] = await self._start(name, process, read_end)
-            return await self._see_through()
+            await self._see_through()
+            return self._status
         finally:
             await self._stop_all()
             os.close(read_end)
@@ -121,14 +117,8 @@ class Launcher:
         self._stop.set()
 
     async def _start(self, name: str, process: ExecuteProcess, read_end: int) -> asyncio.subprocess.Process:
-        environment = with_own_commands(
-            {
-                **(os.environ if process.env is None else process.env),
-                "PYTHONUNBUFFERED": "1",
-                **self._environment,
-                **(process.additional_env or {}),
-            }
-        )
+        environment = {**(os.environ if process.env is None else process.env), "PYTHONUNBUFFERED": "1"}
+        environment = with_own_commands({**environment, **self._environment, **(process.additional_env or {})})
         command = [str(word) for word in process.cmd]
         command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
         try:
@@ -145,38 +135,29 @@ class Launcher:
         except OSError as error:
             raise TutorialError(f"{name} could not be started: {error.strerror}: {error.filename!r}") from error
 
-    async def _see_through(self) -> int:
-        """Print and wait; at the first failure, or when asked to, stop all."""
-        watchers = {asyncio.create_task(self._follow(name, process)): name for name, process in self._running.items()}
-        stopper = asyncio.create_task(self._stop.wait())
-        status = 0
-        waiting: set[asyncio.Task[int]] = set(watchers)
-        stopped: asyncio.Task[None] | None = None
-        while waiting:
-            done, _ = await asyncio.wait(
-                {*waiting, *([] if stopped else [stopper])}, return_when=asyncio.FIRST_COMPLETED
-            )
-            for task in done & waiting:
-                waiting.discard(task)
-                if task.result() and not status and not self._stop.is_set():
-                    status = task.result()
-                    self._say(watchers[task], f"failed with exit status {status}; the others are stopped")
-                    self._stop.set()
-            if self._stop.is_set() and stopped is None:
-                stopped = asyncio.create_task(self._stop_all())
+    async def _see_through(self) -> None:
+        """Print and wait; when asked to, or after the first failure, stop all."""
+        stopper = asyncio.create_task(self._stop_when_asked())
+        await asyncio.gather(*(self._follow(name, process) for name, process in self._running.items()))
+        if self._stop.is_set():
+            await stopper
         stopper.cancel()
-        if stopped is not None:
-            await stopped
-        return status
 
-    async def _follow(self, name: str, process: asyncio.subprocess.Process) -> int:
-        """Print a process's lines until it has ended; return its exit status."""
+    async def _follow(self, name: str, process: asyncio.subprocess.Process) -> None:
+        """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
         assert process.stdout is not None
         while line := await _read_line(process.stdout):
             self._say(name, line, self._colours[name])
         status = await process.wait()
         self._running.pop(name, None)
-        return status if status >= 0 else 128 - status
+        if status and not self._stop.is_set():
+            self._status = status if status >= 0 else 128 - status
+            self._say(name, f"failed with exit status {self._status}; the others are stopped")
+            self._stop.set()
+
+    async def _stop_when_asked(self) -> None:
+        await self._stop.wait()
+        await self._stop_all()
 
     async def _stop_all(self) -> None:
         """Ask every process group that is left to stop, and kill what hasn't in time."""

@@ -32,7 +32,7 @@ def main() -> int:
         print(f"{command[0]} could not be started: {error.strerror}", file=sys.stderr)  # noqa: T201
         return 127
     threading.Thread(target=_watch, args=(int(fd), process), daemon=True).start()
-    for number in asked:  # before there was a command to hear it
+    for number in asked:  # those that came before there was a command to send them to
         process.send_signal(number)
     status = process.wait()
     return status if status >= 0 else 128 - status

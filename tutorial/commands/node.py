@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tutorial.commands.asking import ask, meet, say
+from tutorial.commands.asking import asks, meet, say
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode
@@ -29,43 +29,35 @@ def node() -> None:
 @node.command("list")
 @click.option("-a", "--all", "include_hidden", is_flag=True, help="List hidden nodes, too.")
 @click.option("-c", "--count-nodes", is_flag=True, help="Print only how many there are.")
-@click.pass_obj
-def list_nodes(ros_args: list[str], include_hidden: bool, count_nodes: bool) -> int:
+@asks
+async def list_nodes(asker: MeteredNode, include_hidden: bool, count_nodes: bool) -> None:
     """List the nodes there are, in all programs."""
+    from tutorial.ros.topics import node_names
 
-    async def question(asker: MeteredNode) -> None:
-        from tutorial.ros.topics import node_names
-
-        await meet(asker)
-        names = node_names(asker, include_hidden)
-        if count_nodes:
-            say(f"{len(names)}\n")
-            return
-        if len(set(names)) < len(names):
-            click.echo(SAME_NAME, err=True)
-        say("".join(f"{name}\n" for name in names))
-
-    return ask(ros_args, question)
+    await meet(asker)
+    names = node_names(asker, include_hidden)
+    if count_nodes:
+        say(f"{len(names)}\n")
+        return
+    if len(set(names)) < len(names):
+        click.echo(SAME_NAME, err=True)
+    say("".join(f"{name}\n" for name in names))
 
 
 @node.command()
 @click.argument("node_name")
 @click.option("--include-hidden", is_flag=True, help="Show hidden topics and services, too.")
-@click.pass_obj
-def info(ros_args: list[str], node_name: str, include_hidden: bool) -> int:
+@asks
+async def info(asker: MeteredNode, node_name: str, include_hidden: bool) -> None:
     """Say what a node publishes, subscribes to and offers. NODE_NAME is its full name, such as /simulation."""
+    from tutorial.ros.topics import node_info, node_names
 
-    async def question(asker: MeteredNode) -> None:
-        from tutorial.ros.topics import node_info, node_names
-
-        await meet(asker, lambda: node_name in node_names(asker, include_hidden))
-        count = node_names(asker, include_hidden).count(node_name)
-        if count > 1:
-            click.echo(
-                f'There are {count} nodes in the graph with the exact name "{node_name}". '
-                "You are seeing information about only one of them.",
-                err=True,
-            )
-        say(node_info(asker, node_name, include_hidden))
-
-    return ask(ros_args, question)
+    await meet(asker, lambda: node_name in node_names(asker, include_hidden))
+    count = node_names(asker, include_hidden).count(node_name)
+    if count > 1:
+        click.echo(
+            f'There are {count} nodes in the graph with the exact name "{node_name}". '
+            "You are seeing information about only one of them.",
+            err=True,
+        )
+    say(node_info(asker, node_name, include_hidden))

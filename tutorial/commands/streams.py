@@ -5,14 +5,14 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable
-from contextlib import aclosing, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from tutorial.commands.asking import ask, meet, say
+from tutorial.commands.asking import ask, asks, meet, say, say_all
 from tutorial.commands.options import Finite, Seconds
 from tutorial.errors import TutorialError
 
@@ -54,10 +54,33 @@ def qos_options(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.option("--no-arr", is_flag=True, help="Print of each array only what it is.")
 @click.option("--timeout", type=Seconds(min=0, min_open=True), metavar="SECONDS", help="End after so long.")
 @qos_options
-@click.pass_obj
-def echo(ros_args: list[str], /, **options: Any) -> int:
+@asks
+async def echo(
+    node: MeteredNode,
+    *,
+    topic_name: str,
+    message_type: str | None,
+    once: bool,
+    full_length: bool,
+    truncate_length: int,
+    timeout: float | None,
+    qos_reliability: str | None,
+    qos_durability: str | None,
+    **form: Any,
+) -> None:
     """Print the messages of a topic as they come, until Ctrl-C."""
-    return ask(ros_args, partial(_echo, **options))
+    from tutorial.ros.topics import topic_echo
+    from tutorial.ros.topics.message_form import MessageForm
+    from tutorial.ros.topics.populate import passed_class
+    from tutorial.ros.topics.qos import requested_qos
+
+    how = MessageForm(truncate_length=None if full_length else truncate_length, **form)
+    kind = passed_class(message_type) if message_type else None
+    qos = requested_qos(qos_reliability, qos_durability)
+    topic = await _expected(node, topic_name, anyhow=kind is not None, compromise=qos is None)
+    with suppress(TimeoutError):
+        async with asyncio.timeout(timeout):
+            await say_all(topic_echo(node, topic, count=1 if once else None, form=how, kind=kind, qos=qos))
 
 
 @click.command()
@@ -65,10 +88,16 @@ def echo(ros_args: list[str], /, **options: Any) -> int:
 @click.option(
     "-w", "--window", type=click.IntRange(min=1), default=10_000, show_default=True, help="Of how many messages."
 )
-@click.pass_obj
-def hz(ros_args: list[str], /, **options: Any) -> int:
+@asks
+async def hz(node: MeteredNode, topic_name: str, window: int) -> None:
     """Measure how often messages come on a topic, until Ctrl-C."""
-    return ask(ros_args, partial(_hz, **options))
+    from tutorial.ros.topics import topic_hz
+    from tutorial.ros.topics.listening import type_of
+    from tutorial.ros.topics.names import full_topic
+
+    topic = full_topic(node, topic_name)
+    await meet(node, lambda: type_of(node, topic))
+    await say_all(topic_hz(node, topic, window=window))
 
 
 @click.command()
@@ -98,40 +127,6 @@ def pub(ros_args: list[str], /, once: bool, times: int, node_name: str | None, *
     return ask(ros_args, partial(_pub, times=1 if once else times, **options), node_name)
 
 
-async def _echo(
-    node: MeteredNode,
-    *,
-    topic_name: str,
-    message_type: str | None,
-    once: bool,
-    timeout: float | None,
-    qos_reliability: str | None,
-    qos_durability: str | None,
-    **form: Any,
-) -> None:
-    from tutorial.ros.topics import topic_echo
-    from tutorial.ros.topics.populate import passed_class
-    from tutorial.ros.topics.qos import requested_qos
-
-    how = _form(**form)
-    kind = passed_class(message_type) if message_type else None
-    qos = requested_qos(qos_reliability, qos_durability)
-    topic = await _expected(node, topic_name, anyhow=kind is not None, compromise=qos is None)
-    with suppress(TimeoutError):
-        async with asyncio.timeout(timeout):
-            await _print(topic_echo(node, topic, count=1 if once else None, form=how, kind=kind, qos=qos))
-
-
-async def _hz(node: MeteredNode, *, topic_name: str, window: int) -> None:
-    from tutorial.ros.topics import topic_hz
-    from tutorial.ros.topics.listening import type_of
-    from tutorial.ros.topics.names import full_topic
-
-    topic = full_topic(node, topic_name)
-    await meet(node, lambda: type_of(node, topic))
-    await _print(topic_hz(node, topic, window=window))
-
-
 async def _pub(
     node: MeteredNode,
     *,
@@ -152,14 +147,7 @@ async def _pub(
     await meet(node)
     wait = int(times != 0) if wait is None else wait
     qos = offered_qos(qos_reliability, qos_durability)
-    await _print(topic_pub(node, topic_name, message, stamps, times=times, wait=wait, qos=qos, **options))
-
-
-def _form(field: str | None, csv: bool, full_length: bool, truncate_length: int, no_arr: bool) -> Any:
-    """How echo writes a message, by its options."""
-    from tutorial.ros.topics.message_form import MessageForm
-
-    return MessageForm(field, csv, None if full_length else truncate_length, no_arr)
+    await say_all(topic_pub(node, topic_name, message, stamps, times=times, wait=wait, qos=qos, **options))
 
 
 async def _expected(node: MeteredNode, topic_name: str, anyhow: bool, compromise: bool) -> str:
@@ -186,10 +174,3 @@ async def _expected(node: MeteredNode, topic_name: str, anyhow: bool, compromise
         say(f"{not_published(topic_name)}\n")
         raise TutorialError(NO_TYPE)
     return topic
-
-
-async def _print(texts: AsyncGenerator[str, None]) -> None:
-    """Print texts as they come, to the end."""
-    async with aclosing(texts):
-        async for text in texts:
-            say(text)

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["main"]
 
+FILE = click.Path(dir_okay=False, path_type=Path)
 LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow
 
 
@@ -68,19 +69,12 @@ def tank() -> None:
 @headless_option
 @report_option
 @click.option(
-    "--port",
-    type=click.IntRange(1, 65535),
-    help="Show the 3D view on this port; else the first free from 7000.",
+    "--port", type=click.IntRange(1, 65535), help="Show the 3D view on this port; else the first free from 7000."
 )
-@click.option(
-    "--html",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Keep the run as a page that plays it again; it needs nothing else.",
-)
+@click.option("--html", type=FILE, help="Keep the run as a page that plays it again; it needs nothing else.")
 @click.option(
     "--robot",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=FILE,
     metavar="MODEL",
     help="Put this model in the place of the project's robot; the body is called after the file.",
 )
@@ -88,22 +82,12 @@ def tank() -> None:
     "--controller",
     "own",
     multiple=True,
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
+    type=FILE,
     help="Take the controllers in this Python file in the place of the project's of the same names.",
 )
 @click.pass_obj
 def run(
-    ros_args: list[str],
-    project: str,
-    duration: float | None,
-    linger: float,
-    headless: bool,
-    report: Path | None,
-    port: int | None,
-    html: Path | None,
-    robot: Path | None,
-    own: tuple[Path, ...],
+    ros_args: list[str], /, project: str, robot: Path | None, own: tuple[Path, ...], duration: float | None, **how: Any
 ) -> int:
     """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
     from tutorial.paths import find_project
@@ -114,7 +98,7 @@ def run(
         loaded = loaded.with_robot(robot)
     for path in own:
         loaded = loaded.with_own(load_controllers(path))
-    return until_asked(_host(loaded, ros_args, duration, linger, headless, report, port, html), duration)
+    return until_asked(_host(loaded, ros_args, duration, **how), duration)
 
 
 @tank.command(short_help="Publish a gamepad, or a scripted drive, on /joy.")
@@ -205,11 +189,9 @@ def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
     for word in words:
         if word == "--ros-args":
             into = ros
-        if word == "--" and into is ros:
-            ros.append(word)
+        into.append(word)
+        if word == "--":
             into = own
-        else:
-            into.append(word)
     return own, ros
 
 

@@ -24,8 +24,8 @@ INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
 def heed(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None, hangup: bool = False) -> None:
     """From now on the first Ctrl-C or SIGTERM asks this process to end, and the second ends it at once. Main thread.
 
-    They are heard on a thread of its own, for the main thread may be in a loop, or in a call that does not return. It
-    stays so until the process has ended: who lets go may be in a loop, too.
+    A thread of its own waits for them, for the main thread may be in a loop, or in a call that does not return. It
+    waits until the process has ended, for the code that closes everything may be in a loop, too.
 
     Args:
         ask: called on that thread at the first signal; it may fail when there is nothing left to ask.
@@ -55,27 +55,25 @@ def _end(heard: Iterator[int], ask: Callable[[], object], at_once: Callable[[], 
 
 def until_asked(program: Awaitable[None], duration: float | None) -> int:
     """Run a program on a fresh event loop until it ends or is asked to, by Ctrl-C or SIGTERM."""
-    asked = False
+    asked = threading.Event()
 
     async def body() -> None:
-        nonlocal asked
         task = asyncio.ensure_future(program)
+        loop = asyncio.get_running_loop()
 
         def ask() -> None:
-            nonlocal asked
-            asked = True
+            asked.set()
             loop.call_soon_threadsafe(task.cancel)
 
-        loop = asyncio.get_running_loop()
         heed(ask)
         try:
             await task
         except asyncio.CancelledError:
-            if not asked:
+            if not asked.is_set():
                 raise
 
     asyncio.run(body())
-    return INTERRUPTED if asked and duration is not None else 0
+    return INTERRUPTED if asked.is_set() and duration is not None else 0
 
 
 async def with_bar(job: Callable[[], Awaitable[int]], duration: float | None) -> int:
@@ -103,12 +101,7 @@ def progress_bar(duration: float | None, shown: bool = False) -> Iterator[Callab
     form = "{percentage:3.0f}% |{bar:40}| {n:.0f} of {total:.0f} s"
     out: Any = sys.stderr if terminal else _Lines()
     bar = tqdm(
-        total=total,
-        bar_format=form,
-        mininterval=0.1 if terminal else 2.0,
-        disable=disable,
-        ascii=" =",
-        file=out,
+        total=total, bar_format=form, mininterval=0.1 if terminal else 2.0, disable=disable, ascii=" =", file=out
     )
     with bar, logging_redirect_tqdm():
 

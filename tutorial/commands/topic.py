@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tutorial.commands.asking import ask, meet, say
+from tutorial.commands.asking import asks, meet, say
 from tutorial.commands.streams import echo, hz, pub
 
 if TYPE_CHECKING:
@@ -29,72 +29,56 @@ def topic() -> None:
 @click.option("-c", "--count-topics", is_flag=True, help="Print only how many there are.")
 @hidden_option
 @click.option("-v", "--verbose", is_flag=True, help="Show how many publish and subscribe.")
-@click.pass_obj
-def list_topics(ros_args: list[str], show_types: bool, count_topics: bool, include_hidden: bool, verbose: bool) -> int:
+@asks
+async def list_topics(node: MeteredNode, count_topics: bool, include_hidden: bool, **how: bool) -> None:
     """List the topics there are."""
+    from tutorial.ros.topics import topic_list
 
-    async def question(node: MeteredNode) -> None:
-        from tutorial.ros.topics import topic_list
-
-        await meet(node)
-        if count_topics:
-            say(f"{topic_list(node, include_hidden=include_hidden).count(chr(10))}\n")
-        else:
-            say(topic_list(node, show_types, include_hidden, verbose))
-
-    return ask(ros_args, question)
+    await meet(node)
+    if count_topics:
+        say(f"{topic_list(node, include_hidden=include_hidden).count(chr(10))}\n")
+    else:
+        say(topic_list(node, include_hidden=include_hidden, **how))
 
 
 @topic.command()
 @click.argument("topic_name")
 @click.option("-v", "--verbose", is_flag=True, help="Show the nodes, and their quality of service.")
-@click.pass_obj
-def info(ros_args: list[str], topic_name: str, verbose: bool) -> int:
+@asks
+async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
     """Say what type a topic has, and who publishes and subscribes."""
+    from tutorial.ros.topics import topic_info, topic_type
 
-    async def question(node: MeteredNode) -> None:
-        from tutorial.ros.topics import topic_info, topic_type
-
-        await meet(node, lambda: topic_type(node, topic_name, include_hidden=True))
-        say(topic_info(node, topic_name, verbose))
-
-    return ask(ros_args, question)
+    await meet(node, lambda: topic_type(node, topic_name, include_hidden=True))
+    say(topic_info(node, topic_name, verbose))
 
 
 @topic.command("type")
 @click.argument("topic_name")
 @hidden_option
-@click.pass_obj
-def type_(ros_args: list[str], topic_name: str, include_hidden: bool) -> int:
+@asks
+async def type_(node: MeteredNode, topic_name: str, include_hidden: bool) -> int:
     """Print a topic's type; the exit status is 1 when there is no such topic."""
+    from tutorial.ros.topics import topic_type
 
-    async def question(node: MeteredNode) -> int:
-        from tutorial.ros.topics import topic_type
-
-        await meet(node, lambda: topic_type(node, topic_name, include_hidden))
-        text = topic_type(node, topic_name, include_hidden)
-        say(text)
-        return 0 if text else 1
-
-    return ask(ros_args, question)
+    await meet(node, lambda: topic_type(node, topic_name, include_hidden))
+    text = topic_type(node, topic_name, include_hidden)
+    say(text)
+    return 0 if text else 1
 
 
 @topic.command()
 @click.argument("topic_type")
 @click.option("-c", "--count-topics", is_flag=True, help="Print only how many there are.")
 @hidden_option
-@click.pass_obj
-def find(ros_args: list[str], topic_type: str, count_topics: bool, include_hidden: bool) -> int:
+@asks
+async def find(node: MeteredNode, topic_type: str, count_topics: bool, include_hidden: bool) -> None:
     """List the topics of a type, such as sensor_msgs/msg/Joy."""
+    from tutorial.ros.topics import topic_find
 
-    async def question(node: MeteredNode) -> None:
-        from tutorial.ros.topics import topic_find
-
-        await meet(node)
-        text = topic_find(node, topic_type, include_hidden)
-        say(f"{text.count(chr(10))}\n" if count_topics else text)
-
-    return ask(ros_args, question)
+    await meet(node)
+    text = topic_find(node, topic_type, include_hidden)
+    say(f"{text.count(chr(10))}\n" if count_topics else text)
 
 
 for command in (echo, hz, pub):

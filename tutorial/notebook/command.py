@@ -86,11 +86,9 @@ class Command:
             if not self._reader.is_alive() and self.status is not None:
                 break
             lifeline.signal_group(self._process.pid, number)
-            try:
+            with suppress(subprocess.TimeoutExpired):
                 self._process.wait(PATIENCE)
-            except subprocess.TimeoutExpired:
-                continue
-            self._reader.join(PATIENCE)
+                self._reader.join(PATIENCE)
         if self._write_end >= 0:
             os.close(self._write_end)
             self._write_end = -1

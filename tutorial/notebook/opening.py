@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ipywidgets import Widget
 
 from tutorial.notebook.command import Command
@@ -12,14 +10,12 @@ from tutorial.notebook.program import Program
 from tutorial.notebook.widgets.joint_plot import JointPlot
 from tutorial.notebook.widgets.joystick import Joystick
 from tutorial.notebook.widgets.node_graph import NodeGraph
+from tutorial.notebook.widgets.picture import Picture
 from tutorial.notebook.widgets.side_by_side import SideBySide
 from tutorial.notebook.widgets.swimlane import swimlane as picture_of
 from tutorial.paths import find_project
 from tutorial.project import Project
 from tutorial.ros.node_thread import MeteredNode, NodeThread
-
-if TYPE_CHECKING:
-    from tutorial.notebook.widgets.picture import Picture
 
 __all__ = [
     "joint_plot",

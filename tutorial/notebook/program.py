@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, TypeVar
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TypeVar
 
 from IPython.display import display
 from ipywidgets import FloatProgress
 
+from tutorial.body import Body
+from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.host import FRAME, Host
 from tutorial.notebook.widgets.scene_view import SceneView
+from tutorial.project import Project
+from tutorial.simulation import Simulation
 from tutorial.trace import HandoffTrace
 from tutorial.view.bodies import View
 from tutorial.view.replay import recorded
 from tutorial.view.scene import Scene
-
-if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
-    from pathlib import Path
-
-    from tutorial.body import Body
-    from tutorial.controller import SimpleController
-    from tutorial.project import Project
-    from tutorial.simulation import Simulation
 
 __all__ = ["EndedEarly", "Program"]
 
@@ -189,9 +186,8 @@ class Program:
             TutorialError: the file cannot be written, or the program was closed.
         """
         self._check_open()
-        host = self.host
-        title = host.node.get_name()
-        return recorded(self._scene, path, title, host.shown_at, host.joint_positions, LONGEST_PAUSE)
+        shown = (self.host.node.get_name(), self.host.shown_at, self.host.joint_positions)
+        return recorded(self._scene, path, *shown, LONGEST_PAUSE)
 
     def close(self) -> None:
         """End the program: its simulation, its controllers, its node. Its last picture stays. Idempotent."""

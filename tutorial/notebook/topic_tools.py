@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import AsyncGenerator
-from contextlib import aclosing
-
+from tutorial.commands.asking import meet, say, say_all
 from tutorial.notebook.desk import keep_once
 from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread
-from tutorial.ros.topics import settled
 
 __all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
-
-_log = logging.getLogger(__name__)
 
 PATIENCE = 10.0  # [s] that `topic_echo` waits for a message
 
@@ -24,7 +18,7 @@ async def topic_list(show_types: bool = False) -> None:
     Args:
         show_types: with their types, as with ``-t``.
     """
-    print(topics.topic_list(await _settled(), show_types), end="")  # noqa: T201 - what it is for
+    say(topics.topic_list(await _settled(), show_types))
 
 
 async def topic_info(topic: str, verbose: bool = False) -> None:
@@ -37,7 +31,7 @@ async def topic_info(topic: str, verbose: bool = False) -> None:
     Raises:
         TutorialError: there is no such topic.
     """
-    print(topics.topic_info(await _settled(), topic, verbose), end="")  # noqa: T201
+    say(topics.topic_info(await _settled(), topic, verbose))
 
 
 async def topic_echo(topic: str, once: bool = False, field: str | None = None) -> None:
@@ -51,7 +45,7 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None) -
     Raises:
         TutorialError: there is no such topic or field, or nobody publishes on it for 10 s.
     """
-    await _print(topics.topic_echo(await _settled(), topic, count=1 if once else None, field=field, timeout=PATIENCE))
+    await say_all(topics.topic_echo(await _settled(), topic, count=1 if once else None, field=field, timeout=PATIENCE))
 
 
 async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
@@ -62,26 +56,14 @@ async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
         window: how many messages the average is taken over.
         reports: how often to print before it ends.
     """
-    await _print(topics.topic_hz(await _settled(), topic, window=window), reports)
-
-
-def _node() -> MeteredNode:
-    """The node that asks. Its name begins with an underscore, so ``ros2 node list`` doesn't show it."""
-    return keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
+    await say_all(topics.topic_hz(await _settled(), topic, window=window), reports)
 
 
 async def _settled() -> MeteredNode:
-    """It, when it has met all others; the kernel stays free meanwhile."""
-    if not await settled(_node()):
-        _log.warning("nodes still come and go: what is printed may be incomplete")
-    return _node()
+    """The node that asks, when it has met all others; the kernel stays free meanwhile.
 
-
-async def _print(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
-    """Print texts as they come: so many of them, or to the end."""
-    async with aclosing(texts):
-        async for text in texts:
-            print(text, end="", flush=True)  # noqa: T201
-            count = None if count is None else count - 1
-            if count == 0:
-                return
+    Its name begins with an underscore, so ``ros2 node list`` doesn't show it.
+    """
+    node = keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
+    await meet(node)
+    return node

@@ -17,7 +17,7 @@ FIRST, LAST = 1, 101  # those whose ports ROS 2 says are free on every system
 
 @contextmanager
 def reserved_domain(avoid: str | None = None) -> Iterator[int]:
-    """Hold a ROS_DOMAIN_ID that nobody else holds; a lock file of each number, let go when the process ends.
+    """Hold a ROS_DOMAIN_ID that nobody else holds: a lock on its file, released at the latest when the process ends.
 
     Args:
         avoid: a ROS_DOMAIN_ID that is in use without being held, if there is one.
@@ -58,8 +58,7 @@ def _open(path: Path) -> int:
 
 def _locked(file: int) -> bool:
     """Lock a file, unless another process or another opening of it has it locked."""
-    try:
+    with suppress(BlockingIOError):
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    return True
+        return True
+    return False

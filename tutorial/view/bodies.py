@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import ThreadGuard
 from tutorial.view import shapes
-from tutorial.view.scene import Scene, Vector, pack_command
+from tutorial.view.scene import MESHCATS_LIGHTS, Scene, Vector, pack_command
 
 __all__ = ["View"]
 
@@ -25,8 +25,6 @@ GRID = 10.0
 """Half the side of meshcat's grid [m]."""
 
 SKY = {"top_color": [0.80, 0.87, 0.93], "bottom_color": [0.95, 0.96, 0.97]}
-
-MESHCATS_LIGHTS = ("SpotLight", "PointLightNegativeX", "PointLightPositiveX", "AmbientLight", "FillLight")
 
 SHADOW = {
     "mapSize": [2048, 2048],
@@ -58,7 +56,6 @@ class View:
         self._guard = ThreadGuard("the 3D view")
         self._scene = scene
         self._bodies: dict[str, _Poses] = {}
-        self._floors: set[str] = set()
         self._furnish()
 
     @property
@@ -86,9 +83,7 @@ class View:
             self.remove(name)
         paths = self._draw(f"{ROOT}/{name}", model)
         self._bodies[name] = _Poses(paths, model)
-        if (model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).any():
-            self._floors.add(name)
-        self.show_grid(not self._floors)
+        self._show_grid_without_floor()
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
         self.update(name, data)
@@ -119,8 +114,7 @@ class View:
         self._find(name)
         del self._bodies[name]
         self._scene.send_message({"type": "delete", "path": f"{ROOT}/{name}"})
-        self._floors.discard(name)
-        self.show_grid(not self._floors)
+        self._show_grid_without_floor()
 
     def look_at(self, position: Vector, target: Vector) -> None:
         """Place the camera; x and y are level, z is up.
@@ -175,13 +169,14 @@ class View:
         self._guard.check("View.flush")
         self._scene.flush()
 
+    def _show_grid_without_floor(self) -> None:
+        self.show_grid(not any(poses.has_floor for poses in self._bodies.values()))
+
     def _find(self, name: str) -> _Poses:
-        try:
-            return self._bodies[name]
-        except KeyError:
+        if name not in self._bodies:
             hint = did_you_mean(name, self._bodies)
-            message = f"there is no {name!r} in the 3D view.{hint} Draw it first: add(name, model)."
-            raise TutorialError(message) from None
+            raise TutorialError(f"there is no {name!r} in the 3D view.{hint} Draw it first: add(name, model).")
+        return self._bodies[name]
 
     def _draw(self, root: str, model: mujoco.MjModel) -> dict[int, str]:
         """Draw the geoms, each below its MuJoCo body's path; return the paths by the bodies' numbers."""
@@ -231,10 +226,12 @@ class _Poses:
     def __init__(self, paths: dict[int, str], model: mujoco.MjModel) -> None:
         self.center: NDArray[np.float64] = model.stat.center.copy()
         self.extent = float(model.stat.extent)
+        self.has_floor = bool((model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE).any())
         self._ids = np.array(list(paths), dtype=np.intp)
         self._bodies = model.nbody
         self._keys = [("set_transform", path, "") for path in paths.values()]
-        self._heads = [_head_of_transform(path) for path in paths.values()]
+        whole = [{"type": "set_transform", "path": path, "matrix": np.zeros(16)} for path in paths.values()]
+        self._heads = [pack_command(command)[:-64] for command in whole]  # without the numbers, which come last
         self._now: NDArray[np.float32] = np.zeros((len(paths), 4, 4), dtype="<f4")  # column by column
         self._now[:, 3, 3] = 1
         self._sent: NDArray[np.float32] = np.full_like(self._now, np.nan)
@@ -255,8 +252,3 @@ class _Poses:
         self._sent[:] = now
         numbers = now.tobytes()
         return [(self._keys[i], self._heads[i] + numbers[64 * i : 64 * i + 64]) for i in moved]
-
-
-def _head_of_transform(path: str) -> bytes:
-    """A packed transform without its 16 numbers, with which it ends."""
-    return pack_command({"type": "set_transform", "path": path, "matrix": np.zeros(16)})[:-64]

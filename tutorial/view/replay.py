@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import gzip
 import html
-import json
 import logging
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -17,6 +16,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from string import Template
+
+import msgspec
 
 from tutorial.errors import TutorialError
 from tutorial.view.animation import Frame, animated, lines
@@ -51,11 +52,6 @@ class Replay:
     joints: dict[str, tuple[float, ...]]
     lines: tuple[tuple[float, str], ...]
 
-    @property
-    def duration(self) -> float:
-        """How long it takes [s]."""
-        return self.times[-1] if self.times else 0.0
-
     def figure(self, title: str) -> str:
         """Return it as a piece of HTML; a page needs `script` and `style` once, and meshcat's viewer.
 
@@ -65,10 +61,10 @@ class Replay:
         timeline = {
             "title": title,
             "times": [round(time, 4) for time in self.times],
-            "joints": {name: [_number(value) for value in values] for name, values in self.joints.items()},
+            "joints": {name: [round(float(value), 5) for value in values] for name, values in self.joints.items()},
             "lines": self.lines,
         }
-        packed = _packed(json.dumps(timeline, allow_nan=False).encode())
+        packed = _packed(msgspec.json.encode(timeline))  # NaN becomes null
         return (
             f'<figure class="tank-replay" aria-label="{html.escape(title)}">'
             f'<script type="text/plain" class="timeline">{packed}</script>'
@@ -86,15 +82,6 @@ class Replay:
         return template.substitute(
             title=html.escape(title), style=style(), script=script(), viewer=viewer, figure=self.figure(title)
         )
-
-    def save(self, path: Path | str, title: str) -> None:
-        """Write it as a page of its own.
-
-        Raises:
-            TutorialError: the file cannot be written.
-        """
-        with _told(path):
-            Path(path).write_text(self.page(title), encoding="utf-8")
 
 
 def script() -> str:
@@ -129,7 +116,7 @@ class Recorder:
         self._seconds = seconds
         self._joints = joints
         self._longest_pause = longest_pause
-        self._heard_at = seconds()
+        self._last_at = seconds()
         self._time = 0.0
         self._frames = [Frame(0.0, scene.snapshot(), dict(joints()))]
         scene.attach(self._take)
@@ -148,8 +135,8 @@ class Recorder:
 
     def _take(self, message: bytes) -> None:
         now = self._seconds()
-        self._time += min(max(now - self._heard_at, 0.0), self._longest_pause)
-        self._heard_at = now
+        self._time += min(max(now - self._last_at, 0.0), self._longest_pause)
+        self._last_at = now
         if self._time > LONGEST:
             if self._frames[-1].message:  # said once: the last of the frames is empty then
                 _log.warning("the first %.0f minutes of the run are kept, not more", LONGEST / 60)
@@ -191,21 +178,17 @@ def recorded(
     try:
         yield
     finally:
-        recorder.stop().save(path, title)
+        with _told(path):
+            path.write_text(recorder.stop().page(title), encoding="utf-8")
         _log.info("the run is kept in %s: open it in a browser", path)
 
 
 @contextmanager
-def _told(path: Path | str) -> Iterator[None]:
+def _told(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
         raise TutorialError(f"the replay cannot be written to {path}: {error.strerror}") from error
-
-
-def _number(value: float) -> float | None:
-    """As JSON has it, which knows no NaN."""
-    return round(value, 5) if math.isfinite(value) else None
 
 
 def _packed(data: bytes) -> str:

@@ -24,6 +24,7 @@ from tutorial.handoff import ThreadGuard
 
 __all__ = [
     "LINE_LENGTH",
+    "MESHCATS_LIGHTS",
     "Command",
     "Record",
     "Scene",
@@ -49,9 +50,9 @@ _FLOAT32 = 0x17
 
 _KINDS = ("set_object", "set_transform", "set_property", "set_animation", "delete")
 
-_LIGHTS = ("SpotLight", "PointLightNegativeX", "PointLightPositiveX", "AmbientLight", "FillLight")
+MESHCATS_LIGHTS = ("SpotLight", "PointLightNegativeX", "PointLightPositiveX", "AmbientLight", "FillLight")
 _NODES = ("Axes", "Background", "Cameras", "Cameras/default", "Cameras/default/rotated", "Grid", "Lights")
-_PATHS = [f"/{node}" for node in _NODES] + [f"/Lights/{light}" for light in _LIGHTS]
+_PATHS = [f"/{node}" for node in _NODES] + [f"/Lights/{light}" for light in MESHCATS_LIGHTS]
 _EVERY_VIEWER_HAS = frozenset(path + end for path in _PATHS for end in ("", "/<object>"))
 
 
@@ -120,7 +121,7 @@ def unpack_records(message: bytes) -> list[tuple[Record, bytes]]:
 
 
 class Scene:
-    """Keeps what was drawn, and tells those who look what changes, one message a frame.
+    """Keeps what was drawn, and tells those that are attached what changes, one message a frame.
 
     It belongs to the thread that made it. What it holds does not grow with time: of each object, transform
     and property only the last one is kept, in the order in which they were last set, which is all that the
@@ -216,7 +217,11 @@ class Scene:
         message = b"".join(self._frame.values())
         self._frame.clear()
         for sink in tuple(self._sinks):
-            self._deliver(sink, message)
+            try:
+                sink(message)
+            except Exception:
+                logger.exception("A view of the scene failed and is not shown any more.")
+                self.detach(sink)
 
     def snapshot(self) -> bytes:
         """The whole scene as one message: what it shows is what all messages so far would have shown.
@@ -256,13 +261,6 @@ class Scene:
         if self._sinks:
             self._frame.pop(key, None)
             self._frame[key] = record
-
-    def _deliver(self, sink: Sink, message: bytes) -> None:
-        try:
-            sink(message)
-        except Exception:
-            logger.exception("A view of the scene failed and is not shown any more.")
-            self.detach(sink)
 
     def _forget(self, path: str) -> None:
         if path == "/":

@@ -31,6 +31,8 @@ _UNTOUCHED = (0.5, 0.5, 0.5, 1.0)
 """The colour of a geom that was given none. MuJoCo then takes the material's (``setMaterial`` in
 ``engine_vis_visualize.c``)."""
 
+_BALL = {"type": "SphereGeometry", "widthSegments": 32, "heightSegments": 16}
+
 _AS_IT_IS = np.eye(3)
 _Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Three.js stands its cylinders along y, MuJoCo along z."""
@@ -103,13 +105,11 @@ def _box(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
 
 
 def _sphere(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
-    radius = float(model.geom_size[geom, 0])
-    return {"type": "SphereGeometry", "radius": radius, "widthSegments": 32, "heightSegments": 16}, _AS_IT_IS
+    return {**_BALL, "radius": float(model.geom_size[geom, 0])}, _AS_IT_IS
 
 
 def _ellipsoid(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
-    ball = {"type": "SphereGeometry", "radius": 1.0, "widthSegments": 32, "heightSegments": 16}
-    return ball, np.diag(model.geom_size[geom])
+    return {**_BALL, "radius": 1.0}, np.diag(model.geom_size[geom])
 
 
 def _cylinder(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:

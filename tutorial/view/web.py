@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import asyncio
 import errno
-import html
 import os
 import socket
-from string import Template
-from types import TracebackType
-from typing import Any, Self
+from contextlib import AbstractAsyncContextManager, AbstractContextManager
+from typing import Any
 from urllib.parse import urlsplit
 
 from tornado.httpserver import HTTPServer
@@ -43,7 +41,7 @@ BACKLOG = 1 << 18
 NO_LOOP = "the 3D view is served by an event loop, and none runs here. Make it within asyncio.run(main())."
 
 
-class SceneServer:
+class SceneServer(AbstractContextManager["SceneServer"], AbstractAsyncContextManager["SceneServer"]):
     """A page that shows a scene, on this machine only.
 
     Make it on the main thread while its event loop runs. Leaving ``with`` or ``async with`` closes it.
@@ -94,20 +92,10 @@ class SceneServer:
             browser.leave()
         self._closing = self._loop.create_task(self._http.close_all_connections())
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    async def __aenter__(self) -> Self:
-        return self
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         self.close()
         if self._closing is not None:
             await self._closing
@@ -151,32 +139,29 @@ def _application(scene: Scene, title: str, browsers: set[_Browser]) -> Applicati
             (r"/static/(.*)", _Files, {"path": str(STATIC)}),
             (r"/meshcat/(.*)", _Files, {"path": str(meshcats_viewer())}),
         ],
+        template_path=str(STATIC),
         log_function=lambda _handler: None,
         websocket_max_message_size=1024,
     )
 
 
-class _Page(RequestHandler):
+class _Protected(RequestHandler):
+    def set_default_headers(self) -> None:
+        self.set_header("Cache-Control", "no-cache")
+        self.set_header("Content-Security-Policy", POLICY)
+        self.set_header("X-Content-Type-Options", "nosniff")
+
+
+class _Page(_Protected):
     def initialize(self, title: str) -> None:
         self.title = title
 
-    def set_default_headers(self) -> None:
-        _protect(self)
-
     def get(self) -> None:
-        page = Template((STATIC / "page.html").read_text(encoding="utf-8"))
-        self.finish(page.substitute(title=html.escape(self.title)))
+        self.render("page.html", title=self.title)
 
 
-class _Files(StaticFileHandler):
-    def set_extra_headers(self, path: str) -> None:  # noqa: ARG002 (tornado's name)
-        _protect(self)
-
-
-def _protect(handler: RequestHandler) -> None:
-    handler.set_header("Cache-Control", "no-cache")
-    handler.set_header("Content-Security-Policy", POLICY)
-    handler.set_header("X-Content-Type-Options", "nosniff")
+class _Files(_Protected, StaticFileHandler):
+    """A file of the page's."""
 
 
 class _Browser(WebSocketHandler):

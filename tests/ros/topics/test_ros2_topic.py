@@ -17,7 +17,7 @@ from std_msgs.msg import Empty, Float32MultiArray, String
 
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode, NodeThread
-from tutorial.ros.topics import settle, settled, topic_echo, topic_hz, topic_info, topic_list
+from tutorial.ros.topics import settled, topic_echo, topic_hz, topic_info, topic_list
 from tutorial.ros.topics.message_csv import message_to_csv
 from tutorial.ros.topics.message_form import MessageForm
 from tutorial.ros.topics.message_yaml import message_to_yaml
@@ -53,6 +53,10 @@ def joint_state() -> JointState:
     message.velocity, message.effort = [0.0, 0.0], [0.0, 1.9613]
     message.header.stamp.sec, message.header.stamp.nanosec = 8, 160_000_000
     return message
+
+
+def settle(node, **how) -> bool:
+    return asyncio.run(settled(node, **how))
 
 
 async def first(texts) -> str:

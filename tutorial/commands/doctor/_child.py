@@ -5,6 +5,7 @@ The answer is the last line it prints, as JSON. An alarm ends it if nobody else 
 
 from __future__ import annotations
 
+import asyncio
 import importlib
 import json
 import signal
@@ -51,7 +52,7 @@ def nodes() -> dict[str, Any]:
     topics: Any = importlib.import_module("tutorial.ros.topics")
     with ros.NodeThread("_doctor") as thread:
         time.sleep(LISTEN)
-        return {"settled": topics.settle(thread.node), "nodes": topics.node_names(thread.node)}
+        return {"settled": asyncio.run(topics.settled(thread.node)), "nodes": topics.node_names(thread.node)}
 
 
 if __name__ == "__main__":

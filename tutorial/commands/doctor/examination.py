@@ -7,7 +7,9 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from importlib import metadata
+from itertools import chain
 from pathlib import Path
 
 from tutorial.commands.doctor.contained import ask
@@ -35,10 +37,9 @@ def doctor() -> int:
         The exit status: 0 where there is no problem, else 1.
     """
     findings = []
-    for probe in examine(_probes(os.environ)):
-        for finding in probe:
-            print(layout(finding), flush=True)  # noqa: T201 - what it is for
-            findings.append(finding)
+    for finding in chain.from_iterable(examine(_probes(os.environ))):
+        print(layout(finding), flush=True)  # noqa: T201 - what it is for
+        findings.append(finding)
     print(f"\n{summary(findings)}")  # noqa: T201
     return int(any(finding.level == "problem" for finding in findings))
 
@@ -74,14 +75,11 @@ class _Run(threading.Thread):
         try:
             self.findings = list(self._probe())
         except Exception as error:  # noqa: BLE001 - whatever it is, the other probes go on
-            self.findings = [_failed(self._subject, error)]
-
-
-def _failed(subject: str, error: Exception) -> Finding:
-    text = f"it could not be looked at: {type(error).__name__}: {error}"
-    if isinstance(error, ModuleNotFoundError) and error.name:
-        return Finding(subject, "note", text, f"python -m pip install {error.name}")
-    return Finding(subject, "note", text, "look at it by hand; the rest of this list does not depend on it")
+            text = f"it could not be looked at: {type(error).__name__}: {error}"
+            mend = "look at it by hand; the rest of this list does not depend on it"
+            if isinstance(error, ModuleNotFoundError) and error.name:
+                mend = f"python -m pip install {error.name}"
+            self.findings = [Finding(self._subject, "note", text, mend)]
 
 
 def _probes(environment: Mapping[str, str]) -> dict[str, Probe]:
@@ -102,18 +100,17 @@ def _probes(environment: Mapping[str, str]) -> dict[str, Probe]:
 
 
 def _version_of(package: str) -> str | None:
-    try:
+    """The installed version of a package; None where there is none."""
+    with suppress(metadata.PackageNotFoundError):
         return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None
+    return None
 
 
 def _requirements() -> list[str] | None:
     """What the tutorial requires; None where it is not installed."""
-    try:
+    with suppress(metadata.PackageNotFoundError):
         return metadata.requires("tank-tutorial")
-    except metadata.PackageNotFoundError:
-        return None
+    return None
 
 
 def _extension_folders() -> list[Path]:
@@ -125,7 +122,6 @@ def _extension_folders() -> list[Path]:
 
 def _is_real() -> bool:
     """Whether a real ROS 2 is in use; what is wrong with TUTORIAL_ROS is said by another probe."""
-    try:
+    with suppress(TutorialError):
         return choose() == "rclpy"
-    except TutorialError:
-        return False
+    return False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -43,7 +43,7 @@ def layout(finding: Finding) -> str:
     A word is never broken, so that paths and commands can be copied.
     """
     head = f"{finding.subject:<11}{finding.level:<9}"
-    lines = [*_wrapped(finding.text, head, INDENT)]
+    lines = _wrapped(finding.text, head, INDENT)
     if finding.mend:
         lines += _wrapped(finding.mend, INDENT + MEND, INDENT + " " * len(MEND))
     return "\n".join(lines)
@@ -52,15 +52,11 @@ def layout(finding: Finding) -> str:
 def summary(findings: Iterable[Finding]) -> str:
     """Count the problems and notes in one line."""
     levels = [finding.level for finding in findings]
-    counts = [_counted(levels.count("problem"), "problem"), _counted(levels.count("note"), "note")]
-    return ", ".join(counts) + "."
+    counts = {level: levels.count(level) for level in ("problem", "note")}
+    return ", ".join(f"{n or 'no'} {level}{'' if n == 1 else 's'}" for level, n in counts.items()) + "."
 
 
-def _wrapped(text: str, first: str, others: str) -> Iterator[str]:
-    yield from textwrap.wrap(
+def _wrapped(text: str, first: str, others: str) -> list[str]:
+    return textwrap.wrap(
         text, WIDTH, initial_indent=first, subsequent_indent=others, break_long_words=False, break_on_hyphens=False
     )
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number or 'no'} {what}{'' if number == 1 else 's'}"

@@ -37,13 +37,10 @@ def python(version: tuple[int, int, int], executable: str, home: str) -> Iterato
         executable: its path.
         home: in what kind of environment it is, as `python_home` says it; empty for the system's own.
     """
-    number = ".".join(map(str, version))
-    text = f"{number}, {executable}, {home or 'not in a virtual environment'}"
-    make = "python3.12 -m venv .venv"
+    text = f"{'.'.join(map(str, version))}, {executable}, {home or 'not in a virtual environment'}"
     if not OLDEST <= version[:2] <= NEWEST:
-        yield Finding(
-            "Python", "problem", f"{text}; the tutorial is made for 3.11 to 3.13", f"{make}, or 3.11, or 3.13"
-        )
+        text = f"{text}; the tutorial is made for 3.11 to 3.13"
+        yield Finding("Python", "problem", text, "python3.12 -m venv .venv, or 3.11, or 3.13")
     elif not home:
         mend = "to keep the tutorial's packages apart from the system's: make install, and . .venv/bin/activate"
         yield Finding("Python", "note", text, mend)
@@ -88,8 +85,7 @@ def rendering(environment: Mapping[str, str], ask: Ask, backends: Sequence[str] 
         text = f"{text}, but MUJOCO_GL is {chosen}. {FOR_WHAT}"
         yield Finding("rendering", "note", text, f"export MUJOCO_GL={good[0]}")
     else:
-        text = f"{text}{f'; MUJOCO_GL is {chosen}' if chosen else '; MUJOCO_GL is not set'}. {FOR_WHAT}"
-        yield Finding("rendering", "ok", text)
+        yield Finding("rendering", "ok", f"{text}; MUJOCO_GL is {chosen or 'not set'}. {FOR_WHAT}")
 
 
 def packages(requirements: Iterable[str] | None, version_of: VersionOf) -> Iterator[Finding]:
@@ -128,8 +124,8 @@ def jupyter(version_of: VersionOf, folders: Iterable[Path]) -> Iterator[Finding]
     versions = {name: version_of(name) for name in SHOWN}
     text = ", ".join(f"{name} {number}" for name, number in versions.items() if number)
     missing = [name for name, number in versions.items() if number is None]
-    places = tuple(folders)
-    bare = [package for name, package in LAB_EXTENSIONS.items() if not any((place / name).is_dir() for place in places)]
+    found = {name for folder in folders for name in LAB_EXTENSIONS if (folder / name).is_dir()}
+    bare = [package for name, package in LAB_EXTENSIONS.items() if name not in found]
     if missing:
         yield Finding("JupyterLab", "problem", f"missing: {', '.join(missing)}", f"{PIP} {' '.join(missing)}")
     elif bare:

@@ -6,6 +6,7 @@ import os
 import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -124,18 +125,24 @@ def running() -> list[Process]:
     psutil = _psutil()
     found = []
     for process in psutil.process_iter():
-        try:
-            with process.oneshot():
-                found.append(_seen(process))
-        except psutil.Error:  # it has ended, or may not be looked at
-            continue
+        with suppress(psutil.Error), process.oneshot():  # it has ended, or may not be looked at
+            found.append(_seen(process))
     return found
 
 
 def listeners() -> list[Listener]:
-    """Look at all ports of this machine on which somebody listens for connections."""
-    found = {port: Listener(port, pid, _name(pid)) for address, port, pid in _listening() if address in HERE}
-    return list(found.values())
+    """Look at all ports of this machine on which somebody listens for connections.
+
+    Where only root may ask for all of them, they are those of the processes that may be asked.
+    """
+    psutil = _psutil()
+    try:
+        connections = [(each, each.pid) for each in psutil.net_connections("tcp")]
+    except psutil.AccessDenied:
+        connections = list(_connections_one_by_one())
+    listening = [(each.laddr, pid) for each, pid in connections if each.status == psutil.CONN_LISTEN]
+    pids = {address.port: pid for address, pid in listening if address.ip in HERE}
+    return [Listener(port, pid, _name(pid)) for port, pid in pids.items()]
 
 
 def is_orphan(parent: int, name: str, terminal: str | None) -> bool:
@@ -149,26 +156,11 @@ def is_orphan(parent: int, name: str, terminal: str | None) -> bool:
     return (parent == 1 or name in INIT) and terminal is None
 
 
-def _listening() -> Iterator[tuple[str, int, int | None]]:
-    """Yield address, port and process of each; where only root may ask for all, of the processes that may be asked."""
-    psutil = _psutil()
-    try:
-        connections = [(each, each.pid) for each in psutil.net_connections("tcp")]
-    except psutil.AccessDenied:
-        connections = list(_listening_one_by_one())
-    for connection, pid in connections:
-        if connection.status == psutil.CONN_LISTEN:
-            yield connection.laddr.ip, connection.laddr.port, pid
-
-
-def _listening_one_by_one() -> Iterator[tuple[Any, int]]:
+def _connections_one_by_one() -> Iterator[tuple[Any, int]]:
     psutil = _psutil()
     for process in psutil.process_iter():
-        try:
-            found = process.net_connections("tcp")
-        except psutil.Error:
-            continue
-        yield from ((connection, process.pid) for connection in found)
+        with suppress(psutil.Error):
+            yield from ((connection, process.pid) for connection in process.net_connections("tcp"))
 
 
 def _seen(process: Any) -> Process:
@@ -186,10 +178,12 @@ def _seen(process: Any) -> Process:
 
 def _name(pid: int | None) -> str:
     """What a process is called: as one of the tutorial's, or as the system has it."""
+    if pid is None:
+        return ""
     psutil = _psutil()
     try:
-        process = psutil.Process(pid) if pid is not None else None
-        return "" if process is None else title(process.cmdline()) or _shortened(process.name())
+        process = psutil.Process(pid)
+        return title(process.cmdline()) or _shortened(process.name())
     except psutil.Error:
         return "a process that may not be looked at"
 

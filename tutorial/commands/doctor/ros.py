@@ -39,10 +39,7 @@ def backend(
     except TutorialError as error:
         yield Finding("ROS 2", "problem", str(error), "unset TUTORIAL_ROS")
         return
-    if chosen == "rclpy":
-        yield _real(environment, is_there(), ask)
-    else:
-        yield _underlay(environment, ask)
+    yield _real(environment, is_there(), ask) if chosen == "rclpy" else _underlay(environment, ask)
 
 
 def discovery(environment: Mapping[str, str], is_real: bool) -> Iterator[Finding]:

@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import anywidget
+import msgspec
 import traitlets
 
-__all__ = ["CellWidget"]
+__all__ = ["CellWidget", "understood"]
+
+T = TypeVar("T")
+
+
+def understood(content: object, kind: type[T]) -> T | None:
+    """Read a message of a page; None for one that makes no sense. Any thread.
+
+    Args:
+        content: the message, as it arrived.
+        kind: what it should be, a `msgspec.Struct`.
+    """
+    try:
+        return msgspec.convert(content, kind)
+    except msgspec.ValidationError:
+        return None
 
 
 class CellWidget(anywidget.AnyWidget):
@@ -21,13 +37,13 @@ class CellWidget(anywidget.AnyWidget):
 
     def __init__(self, **state: Any) -> None:
         super().__init__(**state)
-        self._hear_while_busy()
+        self._receive_while_busy()
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}()"
 
     def end(self) -> None:
-        """Let go of what is behind the widget; what it showed last stays on the page. Idempotent, main thread."""
+        """End what is behind the widget; what it showed last stays on the page. Idempotent, main thread."""
         self.ended = True
 
     def close(self) -> None:
@@ -47,9 +63,9 @@ class CellWidget(anywidget.AnyWidget):
         """
         if self.comm is not None:
             self.send({"type": kind, **fields}, buffers)
-            self._hear_while_busy()
+            self._receive_while_busy()
 
-    def _hear_while_busy(self) -> None:
+    def _receive_while_busy(self) -> None:
         """Have what the page says delivered also while a cell runs, on the thread that Jupyter has for it.
 
         ipykernel 7.4 delivers it on the thread that spoke to the page last, in place of the one that the page asks

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from xml.etree.ElementTree import Element
 
-from tutorial.notebook.widgets.svg import INK, MUTED, RULE, SERIES, draw, points_text, shorten, write
+from tutorial.notebook.widgets import svg
 
 __all__ = ["Axes", "Point", "nice_ticks", "thin", "tick_text"]
 
@@ -49,29 +50,28 @@ class Axes:
 
     def grid(self, root: Element, x_unit: str, y_unit: str) -> None:
         """Draw lines at round numbers, with the numbers."""
-        small = f"fill:{MUTED};font-size:11px"
+        small = f"fill:{svg.MUTED};font-size:11px"
         step, ticks = nice_ticks(*self.y_range, most=6)
         for tick in ticks:
             y = self.y(tick)
-            draw(root, "line", f"stroke:{RULE}", x1=self.left, y1=y, x2=self.right, y2=y)
-            write(root, self.left - 6, y + 4, tick_text(tick, step), small, "end")
+            svg.draw(root, "line", f"stroke:{svg.RULE}", x1=self.left, y1=y, x2=self.right, y2=y)
+            svg.write(root, self.left - 6, y + 4, tick_text(tick, step), small, "end")
         step, ticks = nice_ticks(*self.x_range, most=8 if self.x_range[1] < 1e5 else 4)
         for tick in ticks:
             x = self.x(tick)
-            draw(root, "line", f"stroke:{RULE}", x1=x, y1=self.top, x2=x, y2=self.bottom)
-            write(root, x, self.bottom + 15, tick_text(tick, step), small, "middle")
-        write(root, self.left - 6, self.top - 14, y_unit, small, "end")
-        write(root, self.right, self.bottom + 30, x_unit, small, "end")
+            svg.draw(root, "line", f"stroke:{svg.RULE}", x1=x, y1=self.top, x2=x, y2=self.bottom)
+            svg.write(root, x, self.bottom + 15, tick_text(tick, step), small, "middle")
+        svg.write(root, self.left - 6, self.top - 14, y_unit, small, "end")
+        svg.write(root, self.right, self.bottom + 30, x_unit, small, "end")
 
     def curve(self, root: Element, points: Sequence[Point], number: int) -> None:
         """Draw one curve; a lone point as a dot."""
         places = [(self.x(x), self.y(y)) for x, y in points]
-        colour = SERIES[number % len(SERIES)]
         if len(places) == 1:
-            draw(root, "circle", f"fill:{colour}", cx=places[0][0], cy=places[0][1], r=2)
+            svg.draw(root, "circle", f"fill:{_colour(number)}", cx=places[0][0], cy=places[0][1], r=2)
             return
-        style = f"fill:none;stroke:{colour};stroke-width:1.6;stroke-linejoin:round"
-        draw(root, "polyline", style, points=points_text(places))
+        style = f"fill:none;stroke:{_colour(number)};stroke-width:1.6;stroke-linejoin:round"
+        svg.draw(root, "polyline", style, points=svg.points_text(places))
 
     def legend(self, root: Element, names: Sequence[str], values: Sequence[str], more: int = 0) -> None:
         """Name the curves, each with a value, to the right of them.
@@ -85,12 +85,12 @@ class Axes:
         x = self.right + 16
         for i, (name, value) in enumerate(zip(names, values)):
             y = self.top + 6 + i * ROW
-            draw(root, "line", f"stroke:{SERIES[i % len(SERIES)]};stroke-width:3", x1=x, y1=y, x2=x + 14, y2=y)
-            text = write(root, x + 20, y + 4, shorten(name, LONGEST_NAME), f"fill:{INK}")
-            draw(text, "title").text = f"{name}: {value}"
+            svg.draw(root, "line", f"stroke:{_colour(i)};stroke-width:3", x1=x, y1=y, x2=x + 14, y2=y)
+            text = svg.write(root, x + 20, y + 4, svg.shorten(name, LONGEST_NAME), f"fill:{svg.INK}")
+            svg.draw(text, "title").text = f"{name}: {value}"
         if more:
             y = self.top + 6 + len(names) * ROW
-            write(root, x + 20, y + 4, f"and {more} more", f"fill:{MUTED}")
+            svg.write(root, x + 20, y + 4, f"and {more} more", f"fill:{svg.MUTED}")
 
 
 def nice_ticks(low: float, high: float, most: int) -> tuple[float, list[float]]:
@@ -132,10 +132,9 @@ def thin(points: Sequence[Point], most: int) -> Sequence[Point]:
     thinned: list[Point] = []
     for start in range(0, len(points), size):
         stretch = points[start : start + size]
-        extremes = {min(stretch, key=_height), max(stretch, key=_height)}
-        thinned += sorted(extremes)
+        thinned += sorted({min(stretch, key=itemgetter(1)), max(stretch, key=itemgetter(1))})
     return thinned
 
 
-def _height(point: Point) -> float:
-    return point[1]
+def _colour(number: int) -> str:
+    return svg.SERIES[number % len(svg.SERIES)]

@@ -7,22 +7,9 @@ from collections.abc import Sequence
 from itertools import islice, pairwise
 from xml.etree.ElementTree import Element
 
+from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.graph_watch import TopicNews, Topology
 from tutorial.notebook.widgets.layers import Edge, Layout, Place, Vertex, lay_out
-from tutorial.notebook.widgets.svg import (
-    ACCENT,
-    CODE_FONT,
-    INK,
-    LINE,
-    MUTED,
-    PAPER,
-    WARN,
-    draw,
-    new_picture,
-    shorten,
-    to_text,
-    write,
-)
 
 __all__ = ["picture"]
 
@@ -41,9 +28,7 @@ def picture(topology: Topology) -> tuple[str, str]:
     shapes = _shapes(topology)
     if not shapes:
         text = "there are no nodes yet"
-        root = new_picture(480, 80)
-        write(root, 240, 44, text, f"fill:{MUTED};font-size:14px", "middle")
-        return to_text(root), text
+        return svg.notice(480, 80, text), text
     edges = _edges(topology)
     joined = dict.fromkeys(key for edge in edges for key in edge if key in shapes)  # before what stands alone
     shown = {key: shapes[key] for key in list({**joined, **shapes})[:MOST]}
@@ -51,15 +36,15 @@ def picture(topology: Topology) -> tuple[str, str]:
     layout = lay_out({key: shape.size for key, shape in shown.items()}, edges)
     width, height = layout.size
     more = len(shapes) - len(shown)
-    root = new_picture(width + 2 * MARGIN, height + 2 * MARGIN + (20 if more else 0))
-    canvas = draw(root, "g", transform=f"translate({MARGIN} {MARGIN})")
+    root = svg.new_picture(width + 2 * MARGIN, height + 2 * MARGIN + (20 if more else 0))
+    canvas = svg.draw(root, "g", transform=f"translate({MARGIN} {MARGIN})")
     for edge in edges:
         _draw_arrow(canvas, edge, shown, layout, (edge[1], edge[0]) in edges)
     for key, shape in shown.items():
         shape.draw(canvas, layout.places[key])
     if more:
-        write(canvas, 0, height + 20, f"and {more} more, not shown", f"fill:{MUTED}")
-    return to_text(root), _words(topology)
+        svg.write(canvas, 0, height + 20, f"and {more} more, not shown", f"fill:{svg.MUTED}")
+    return svg.to_text(root), _words(topology)
 
 
 class _Node:
@@ -68,18 +53,18 @@ class _Node:
     def __init__(self, name: str, count: int) -> None:
         self._name = name
         self._count = count
-        self._label = shorten(name, LONGEST_NAME)
+        self._label = svg.shorten(name, LONGEST_NAME)
         self._hint = f"{count} nodes of one name" if count > 1 else ""
         self.size = (max(CHARACTER * len(self._label) + 36, 6.2 * len(self._hint) + 44), HEIGHT)
 
     def draw(self, canvas: Element, place: Place) -> None:
         x, y = place
-        colour = WARN if self._hint else ACCENT
-        group = draw(canvas, "g")
-        draw(group, "title").text = f"node {self._name}"
-        style = f"fill:{PAPER};stroke:{colour};stroke-width:1.8"
-        draw(group, "ellipse", style, cx=x, cy=y, rx=self.size[0] / 2, ry=HEIGHT / 2)
-        _two_lines(group, place, self._label, self._hint, WARN)
+        colour = svg.WARN if self._hint else svg.ACCENT
+        group = svg.draw(canvas, "g")
+        svg.draw(group, "title").text = f"node {self._name}"
+        style = f"fill:{svg.PAPER};stroke:{colour};stroke-width:1.8"
+        svg.draw(group, "ellipse", style, cx=x, cy=y, rx=self.size[0] / 2, ry=HEIGHT / 2)
+        _two_lines(group, place, self._label, self._hint, svg.WARN)
 
     def edge(self, dy: float) -> float:
         """How far the border is from the middle, at a height [px]."""
@@ -92,16 +77,16 @@ class _Topic:
     def __init__(self, name: str, news: TopicNews) -> None:
         self._name = name
         self._news = news
-        self._label = shorten(name, LONGEST_NAME)
+        self._label = svg.shorten(name, LONGEST_NAME)
         self.size = (max(CHARACTER * len(self._label) + 22, 64.0), HEIGHT - 4)
 
     def draw(self, canvas: Element, place: Place) -> None:
         (x, y), (width, height) = place, self.size
-        group = draw(canvas, "g")
-        draw(group, "title").text = f"topic {self._name} of type {self._news.type_name}"
-        style = f"fill:{PAPER};stroke:{LINE};stroke-width:1.4"
-        draw(group, "rect", style, x=x - width / 2, y=y - height / 2, width=width, height=height, rx=3)
-        _two_lines(group, place, self._label, _rate_text(self._news.rate), MUTED)
+        group = svg.draw(canvas, "g")
+        svg.draw(group, "title").text = f"topic {self._name} of type {self._news.type_name}"
+        style = f"fill:{svg.PAPER};stroke:{svg.LINE};stroke-width:1.4"
+        svg.draw(group, "rect", style, x=x - width / 2, y=y - height / 2, width=width, height=height, rx=3)
+        _two_lines(group, place, self._label, _rate_text(self._news.rate), svg.MUTED)
 
     def edge(self, _dy: float) -> float:
         """How far the border is from the middle [px]."""
@@ -129,9 +114,9 @@ def _edges(topology: Topology) -> list[Edge]:
 
 def _two_lines(group: Element, place: Place, label: str, hint: str, colour: str) -> None:
     x, y = place
-    write(group, x, y + (-2 if hint else 4), label, f"fill:{INK};font-family:{CODE_FONT}", "middle")
+    svg.write(group, x, y + (-2 if hint else 4), label, f"fill:{svg.INK};font-family:{svg.CODE_FONT}", "middle")
     if hint:
-        write(group, x, y + 12, hint, f"fill:{colour};{SMALL}", "middle")
+        svg.write(group, x, y + 12, hint, f"fill:{colour};{SMALL}", "middle")
 
 
 def _draw_arrow(canvas: Element, edge: Edge, shapes: _Shapes, layout: Layout, has_twin: bool) -> None:
@@ -141,12 +126,11 @@ def _draw_arrow(canvas: Element, edge: Edge, shapes: _Shapes, layout: Layout, ha
     dy = sign * -TWIN if has_twin or sign < 0 else 0.0
     start = (x1 + sign * shapes[edge[0]].edge(dy), y1 + dy)
     tip = (x2 - sign * shapes[edge[1]].edge(dy), y2 + dy)
-    end = (tip[0] - sign * HEAD, tip[1])
-    line = _curve([start, *layout.lanes.get(edge, []), end])
-    draw(canvas, "path", f"fill:none;stroke:{LINE};stroke-width:1.4", d=line)
     back = tip[0] - sign * HEAD
-    corners = f"{tip[0]:.1f},{tip[1]:.1f} {back:.1f},{tip[1] - HEAD / 2:.1f} {back:.1f},{tip[1] + HEAD / 2:.1f}"
-    draw(canvas, "polygon", f"fill:{LINE}", points=corners)
+    line = _curve([start, *layout.lanes.get(edge, []), (back, tip[1])])
+    svg.draw(canvas, "path", f"fill:none;stroke:{svg.LINE};stroke-width:1.4", d=line)
+    corners = svg.points_text([tip, (back, tip[1] - HEAD / 2), (back, tip[1] + HEAD / 2)])
+    svg.draw(canvas, "polygon", f"fill:{svg.LINE}", points=corners)
 
 
 def _curve(points: Sequence[Place]) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections import Counter, deque
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,8 +12,8 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from tutorial.errors import TutorialError
-from tutorial.ros.topics.inbox import message_class
-from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name, is_hidden
+from tutorial.ros.topics.listing import topics_with_types
+from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name, is_hidden, message_class
 
 __all__ = ["GraphWatch", "TopicNews", "Topology"]
 
@@ -70,15 +69,17 @@ class GraphWatch:
         names = (full_name(name, space) for name, space in self._node.get_node_names_and_namespaces())
         nodes = Counter(sorted(name for name in names if not is_hidden(name)))
         topics: dict[str, TopicNews] = {}
-        for topic, types in sorted(self._node.get_topic_names_and_types()):
-            if topic in EVERY_NODE_HAS or is_hidden(topic):
+        for topic, types in topics_with_types(self._node).items():
+            if topic in EVERY_NODE_HAS:
                 continue
             publishers = _visible(self._node.get_publishers_info_by_topic(topic))
             subscribers = _visible(self._node.get_subscriptions_info_by_topic(topic))
             if publishers or subscribers:
                 rate = self._rate(topic, types) if publishers and self._rates else None
                 topics[topic] = TopicNews(", ".join(types), rate, publishers, subscribers)
-        self._forget(topic for topic in tuple(self._meters) if topic not in topics or not topics[topic].publishers)
+        for topic in tuple(self._meters):
+            if topic not in topics or not topics[topic].publishers:
+                self._meters.pop(topic).close()
         return Topology(dict(nodes), topics)
 
     def _rate(self, topic: str, types: list[str]) -> float | None:
@@ -86,10 +87,6 @@ class GraphWatch:
         if topic not in self._meters:
             self._meters[topic] = _RateMeter(self._node, topic, types)
         return self._meters[topic].rate()
-
-    def _forget(self, topics: Iterable[str]) -> None:
-        for topic in topics:
-            self._meters.pop(topic).close()
 
 
 class _RateMeter:

@@ -13,9 +13,9 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
 from tutorial.errors import TutorialError
+from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.chart import Axes, Point, thin
 from tutorial.notebook.widgets.live_picture import LivePicture
-from tutorial.notebook.widgets.svg import MUTED, new_picture, shorten, to_text, write
 
 __all__ = ["JointPlot"]
 
@@ -125,14 +125,13 @@ class _History:
 
 def _picture(topic: str, samples: Sequence[_Sample], seconds: float) -> tuple[str, str]:
     """Draw samples; the picture and its description."""
-    root = new_picture(WIDTH, HEIGHT)
     names = list(dict.fromkeys(name for sample in samples for name in sample.positions))
     curves = {name: _segments(samples, name) for name in names[:MOST_JOINTS]}
     curves = {name: segments for name, segments in curves.items() if segments}
     if not curves:
-        text = f"nothing has come on {shorten(topic, 60)} yet" if not samples else f"no positions on {topic}"
-        write(root, WIDTH / 2, HEIGHT / 2, text, f"fill:{MUTED};font-size:14px", "middle")
-        return to_text(root), text
+        text = f"nothing has come on {svg.shorten(topic, 60)} yet" if not samples else f"no positions on {topic}"
+        return svg.notice(WIDTH, HEIGHT, text), text
+    root = svg.new_picture(WIDTH, HEIGHT)
     axes = _axes(samples, curves.values(), seconds)
     axes.grid(root, "stamp [s]", "[rad]")
     for number, segments in enumerate(curves.values()):
@@ -141,8 +140,8 @@ def _picture(topic: str, samples: Sequence[_Sample], seconds: float) -> tuple[st
             axes.curve(root, thin(segment, max(2, share)), number)
     values = [f"{segments[-1][-1][1]:+.4f} rad" for segments in curves.values()]
     axes.legend(root, list(curves), values, len(names) - len(curves))
-    said = ", ".join(f"{shorten(name, 40)} {value}" for name, value in zip(curves, values))
-    return to_text(root), f"Joint positions on {topic} over the last {seconds:g} s. Now: {said}."
+    said = ", ".join(f"{svg.shorten(name, 40)} {value}" for name, value in zip(curves, values))
+    return svg.to_text(root), f"Joint positions on {topic} over the last {seconds:g} s. Now: {said}."
 
 
 def _segments(samples: Sequence[_Sample], name: str) -> list[list[Point]]:

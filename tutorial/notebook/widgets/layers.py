@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from graphlib import TopologicalSorter
 from itertools import pairwise
 
 __all__ = ["Edge", "Layout", "Place", "Vertex", "lay_out"]
@@ -80,35 +81,30 @@ def _closing(vertices: Sequence[Vertex], edges: Sequence[Edge]) -> set[Edge]:
     entered = {b for _, b in edges}
     closing: set[Edge] = set()
     finished: set[Vertex] = set()
-    for start in sorted(vertices, key=lambda vertex: vertex in entered):  # those nobody leads to come first
-        path = {start: iter(following[start])} if start not in finished else {}
-        while path:
-            vertex = next(reversed(path))
-            after = next(path[vertex], None)
-            if after is None:
-                finished.add(vertex)
-                del path[vertex]
-            elif after in path:
-                closing.add((vertex, after))
+
+    def walk(path: tuple[Vertex, ...]) -> None:
+        for after in following[path[-1]]:
+            if after in path:
+                closing.add((path[-1], after))
             elif after not in finished:
-                path[after] = iter(following[after])
+                walk((*path, after))
+        finished.add(path[-1])
+
+    for start in sorted(vertices, key=lambda vertex: vertex in entered):  # those nobody leads to come first
+        if start not in finished:
+            walk((start,))
     return closing
 
 
 def _layers(vertices: Sequence[Vertex], edges: Sequence[Edge]) -> dict[Vertex, int]:
     """Number the layers: each vertex is right of all that lead to it, and those nobody leads to beside the next."""
+    before, after = _neighbours((b, a) for a, b in edges), _neighbours(edges)
     layer = dict.fromkeys(vertices, 0)
-    for _ in vertices:
-        late = [(a, b) for a, b in edges if layer[b] <= layer[a]]
-        if not late:
-            break
-        for a, b in late:
-            layer[b] = max(layer[b], layer[a] + 1)
-    entered = {b for _, b in edges}
-    following = _neighbours(edges)
+    for vertex in TopologicalSorter(before).static_order():
+        layer[vertex] = max((layer[a] + 1 for a in before[vertex]), default=0)
     for vertex in vertices:
-        if vertex not in entered and following[vertex]:
-            layer[vertex] = min(layer[after] for after in following[vertex]) - 1
+        if after[vertex] and not before[vertex]:
+            layer[vertex] = min(layer[b] for b in after[vertex]) - 1
     return layer
 
 

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import asyncio
 import threading
+from typing import Annotated
 
 import msgspec
 import traitlets
 
 from tutorial.errors import TutorialError
 from tutorial.handoff import CallQueue, running_loop
-from tutorial.notebook.widgets.cell_widget import CellWidget
+from tutorial.notebook.widgets.cell_widget import CellWidget, understood
 from tutorial.view.assets import read_static, zipped_viewer
-from tutorial.view.scene import Record, Scene, pack_record, unpack_records
+from tutorial.view.scene import Record, Scene, pack_record, unpack_command, unpack_records
 
 __all__ = ["SceneView"]
 
@@ -26,6 +27,14 @@ NO_LOOP = (
     "a 3D view in a cell needs the event loop of the notebook's kernel, and none runs here. Make it in a "
     "notebook; a script shows a scene with SceneServer."
 )
+
+
+class _Words(msgspec.Struct):
+    """What a page says."""
+
+    type: str
+    view: Annotated[str, msgspec.Meta(max_length=LONGEST_ID)]
+    frame: int = 0
 
 
 class SceneView(CellWidget):
@@ -56,7 +65,7 @@ class SceneView(CellWidget):
         self._loop = running_loop(NO_LOOP)
         self._calls = CallQueue(self._loop)
         self._audience = _Audience()
-        self._waiting = _Backlog()
+        self._waiting: list[bytes] = []
         self._timer: asyncio.TimerHandle | None = None
         self._next_at = 0.0
         scene.attach(self._show)
@@ -104,23 +113,15 @@ class SceneView(CellWidget):
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says: on whatever thread, so what touches the scene is posted."""
-        if not isinstance(content, dict):
-            return
-        view, frame = content.get("view"), content.get("frame", 0)
-        if not isinstance(view, str) or len(view) > LONGEST_ID or not isinstance(frame, int):
-            return
-        match content.get("type"):
-            case "library":
-                self._scope.call_latest("library", self._send_library)
-            case "hello":
+        match understood(content, _Words):
+            case _Words(type="library"):
+                self._scope.call_latest("library", lambda: self.say("library", [zipped_viewer()]))
+            case _Words(type="hello", view=view):
                 self._scope.call_latest(("hello", view), self._welcome, view)
-            case "seen" if not self._audience.note(view, frame):  # it was taken to be gone, and has missed frames
-                self._scope.call_latest(("hello", view), self._welcome, view)
-            case "bye":
+            case _Words(type="seen", view=view, frame=frame) if not self._audience.note(view, frame):
+                self._scope.call_latest(("hello", view), self._welcome, view)  # taken to be gone, it has missed frames
+            case _Words(type="bye", view=view):
                 self._audience.leave(view)
-
-    def _send_library(self) -> None:
-        self.say("library", [zipped_viewer()])
 
     def _welcome(self, view: str) -> None:
         """Show the whole scene to one view, and from now on all that changes."""
@@ -131,7 +132,9 @@ class SceneView(CellWidget):
         """Send one frame; if the last one was only just sent, soon. Main thread: the scene calls it in `flush`."""
         if not len(self._audience):
             return
-        self._waiting.add(message)
+        self._waiting.append(message)
+        if len(self._waiting) > FRAMES_AHEAD:  # nothing grows, however often a scene is flushed
+            self._waiting = [_merged(self._waiting)]
         if self._loop.time() >= self._next_at:
             self._send_frame()
         elif self._timer is None:
@@ -140,9 +143,9 @@ class SceneView(CellWidget):
     def _send_frame(self) -> None:
         self._cancel_timer()
         self._next_at = self._loop.time() + FRAME
-        message = self._waiting.take()
+        messages, self._waiting = self._waiting, []
         if self._audience.next_frame():
-            self.say("frame", [message], frame=self._audience.frame)
+            self.say("frame", [_merged(messages)], frame=self._audience.frame)
 
     def _cancel_timer(self) -> None:
         if self._timer is not None:
@@ -151,7 +154,7 @@ class SceneView(CellWidget):
 
 
 class _Audience:
-    """Who looks, and which frame each has seen. Whoever is too far behind is forgotten. Any thread.
+    """The views on all pages, and the last frame that each has seen; one that is too far behind is dropped. Any thread.
 
     Attributes:
         frame: the number of the last frame that was sent.
@@ -174,7 +177,7 @@ class _Audience:
             self._seen.pop(view, None)
 
     def note(self, view: str, frame: int) -> bool:
-        """Note what a view has seen; False when it is not one of those who look."""
+        """Note what a view has seen; False when it was dropped, or never joined."""
         with self._lock:
             if view not in self._seen:
                 return False
@@ -182,7 +185,7 @@ class _Audience:
             return True
 
     def next_frame(self) -> bool:
-        """Forget those who are too far behind; if anybody is left, count one more frame."""
+        """Drop the views that are too far behind; if any are left, count one more frame."""
         with self._lock:
             oldest = self.frame - FRAMES_AHEAD
             self._seen = {view: frame for view, frame in self._seen.items() if frame > oldest}
@@ -190,44 +193,21 @@ class _Audience:
             return bool(self._seen)
 
 
-class _Command(msgspec.Struct):
-    """What matters here of a command."""
-
-    type: str
-    path: str = ""
-
-
-_read_command = msgspec.msgpack.Decoder(_Command)
-
-
-class _Backlog:
-    """The messages of a scene that wait to be sent as one, in which of each body's poses only the last counts."""
-
-    def __init__(self) -> None:
-        self._messages: list[bytes] = []
-
-    def add(self, message: bytes) -> None:
-        self._messages.append(message)
-        if len(self._messages) > FRAMES_AHEAD:  # nothing grows, however often a scene is flushed
-            self._messages = [self._merged()]
-
-    def take(self) -> bytes:
-        message = self._messages[0] if len(self._messages) == 1 else self._merged()
-        self._messages = []
-        return message
-
-    def _merged(self) -> bytes:
-        merged: dict[object, bytes] = {}
-        for number, (kind, payload) in enumerate(unpack_records(b"".join(self._messages))):
-            key = _subject(kind, payload) or number
-            merged.pop(key, None)
-            merged[key] = pack_record(kind, payload)
-        return b"".join(merged.values())
+def _merged(messages: list[bytes]) -> bytes:
+    """Make one message of several, in which of each body's poses only the last one is left."""
+    if len(messages) == 1:
+        return messages[0]
+    merged: dict[object, bytes] = {}
+    for number, (kind, payload) in enumerate(unpack_records(b"".join(messages))):
+        key = _subject(kind, payload) or number
+        merged.pop(key, None)
+        merged[key] = pack_record(kind, payload)
+    return b"".join(merged.values())
 
 
 def _subject(kind: Record, payload: bytes) -> object:
-    """What a later record of the same subject makes void; None for one that has to stay."""
+    """What a record sets, so that of several only the last one counts; None for one that has to stay."""
     if kind is not Record.COMMAND:
         return kind.name
-    command = _read_command.decode(payload)
-    return command.path if command.type == "set_transform" else None
+    command = unpack_command(payload)
+    return command["path"] if command["type"] == "set_transform" else None

@@ -3,26 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-__all__ = [
-    "ACCENT",
-    "CODE_FONT",
-    "INK",
-    "LINE",
-    "MUTED",
-    "PAPER",
-    "RULE",
-    "SERIES",
-    "WARN",
-    "draw",
-    "new_picture",
-    "points_text",
-    "shorten",
-    "to_text",
-    "write",
-]
+# the characters that XML 1.0 cannot hold
+NOT_IN_XML = re.compile(r"[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 INK = "var(--jp-ui-font-color1, #212121)"
 MUTED = "var(--jp-ui-font-color2, #5f6368)"
@@ -49,6 +35,19 @@ def new_picture(width: float, height: float) -> Element:
     root.set("width", _number(width))
     root.set("style", f"max-width:100%;height:auto;background:{PAPER};font-family:{UI_FONT};font-size:12px")
     return root
+
+
+def notice(width: float, height: float, text: str) -> str:
+    """Write down a picture that has nothing to show but a line of text, in its middle.
+
+    Args:
+        width: [px].
+        height: [px].
+        text: of any characters.
+    """
+    root = new_picture(width, height)
+    write(root, width / 2, height / 2 + 4, text, f"fill:{MUTED};font-size:14px", "middle")
+    return to_text(root)
 
 
 def draw(parent: Element, tag: str, style: str = "", **attributes: float | str) -> Element:
@@ -100,14 +99,8 @@ def to_text(root: Element) -> str:
     """Write a picture down. Characters that XML cannot hold become question marks."""
     for element in root.iter():
         if element.text:
-            element.text = "".join(c if _is_allowed(c) else "?" for c in element.text)
+            element.text = NOT_IN_XML.sub("?", element.text)
     return tostring(root, encoding="unicode")
-
-
-def _is_allowed(character: str) -> bool:
-    """Whether XML 1.0 can hold it."""
-    code = ord(character)
-    return code in (9, 10, 13) or 0x20 <= code <= 0xD7FF or 0xE000 <= code <= 0xFFFD or code >= 0x10000
 
 
 def _number(value: float) -> str:

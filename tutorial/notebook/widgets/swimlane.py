@@ -6,23 +6,9 @@ from collections.abc import Iterator, Sequence
 from xml.etree.ElementTree import Element
 
 from tutorial.errors import TutorialError
+from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.chart import nice_ticks, tick_text
 from tutorial.notebook.widgets.picture import Picture
-from tutorial.notebook.widgets.svg import (
-    ACCENT,
-    CODE_FONT,
-    INK,
-    MUTED,
-    PAPER,
-    RULE,
-    WARN,
-    draw,
-    new_picture,
-    points_text,
-    shorten,
-    to_text,
-    write,
-)
 from tutorial.trace import Handoff, HandoffTrace, Moment, waiting_calls
 
 __all__ = ["swimlane"]
@@ -50,16 +36,10 @@ def swimlane(trace: HandoffTrace, count: int = 8) -> Picture:
         raise TutorialError(f"there is no picture of {count} messages. Give a count from 1 on, such as 8.")
     kept = trace.handoffs()
     if not kept:
-        return _nothing()
+        text = "nothing was received or posted yet"
+        return Picture(svg.notice(WIDTH, 80, text), text, "handoffs")
     drawing = _Drawing(kept[-count:], kept)
     return Picture(drawing.svg(), drawing.alt(), "handoffs")
-
-
-def _nothing() -> Picture:
-    text = "nothing was received or posted yet"
-    root = new_picture(WIDTH, 80)
-    write(root, WIDTH / 2, 44, text, f"fill:{MUTED};font-size:14px", "middle")
-    return Picture(to_text(root), text, "handoffs")
 
 
 class _Drawing:
@@ -73,7 +53,7 @@ class _Drawing:
     def __init__(self, handoffs: Sequence[Handoff], kept: Sequence[Handoff]) -> None:
         self._handoffs = handoffs
         self._start = min(handoff.began for handoff in handoffs)
-        self._end = max(max(moment.time for moment in _moments(handoff)) for handoff in handoffs)
+        self._end = max(moment.time for handoff in handoffs for moment in _moments(handoff))
         self._span = max(self._end - self._start, 1e-4) * 1.04
         posting = dict.fromkeys(m.thread for h in handoffs for m in (h.received, h.posted) if m is not None)
         applying = dict.fromkeys(h.applied.thread for h in handoffs if h.applied is not None)
@@ -81,10 +61,14 @@ class _Drawing:
         self._bottom = FIRST_LANE + LANE * (len(self._lanes) - 1)
         self._queue_line = self._bottom + 46 + QUEUE_HEIGHT
         self._queue = waiting_calls(kept, self._start, self._end)
+        outcomes = [handoff.outcome for handoff in handoffs]
+        self._counts = {each: outcomes.count(each) for each in ("applied", "superseded", "waiting", "handled")}
+        self._waits = [(h.applied, h.waited) for h in handoffs if h.applied is not None and h.waited is not None]
         self._crowded = len(handoffs) > 24
+        self._radius = 2.5 if self._crowded else 4
 
     def svg(self) -> str:
-        root = new_picture(WIDTH, self._queue_line + 66)
+        root = svg.new_picture(WIDTH, self._queue_line + 66)
         self._draw_axis(root)
         self._draw_lanes(root)
         for handoff in self._handoffs:
@@ -92,23 +76,21 @@ class _Drawing:
         self._draw_waits(root)
         self._draw_queue(root)
         self._draw_legend(root)
-        return to_text(root)
+        return svg.to_text(root)
 
     def alt(self) -> str:
         """The picture in words."""
-        counts = [f"{number} {outcome}" for outcome, number in self._outcomes() if number]
-        waits = self._waits()
-        waited = f" They waited {_ms_range(waits)}." if waits else ""
+        counts = [f"{number} {outcome}" for outcome, number in self._counts.items() if number]
+        waited = f" They waited {self._wait_range()}." if self._waits else ""
         lanes = " and ".join(self._lanes)
         span = _ms(self._end - self._start)
         return f"{len(self._handoffs)} messages over {span}, on {lanes}: {', '.join(counts)}.{waited}"
 
-    def _outcomes(self) -> list[tuple[str, int]]:
-        outcomes = [handoff.outcome for handoff in self._handoffs]
-        return [(outcome, outcomes.count(outcome)) for outcome in ("applied", "superseded", "waiting", "handled")]
-
-    def _waits(self) -> list[float]:
-        return [h.waited for h in self._handoffs if h.applied is not None and h.waited is not None]
+    def _wait_range(self) -> str:
+        """The shortest and the longest time from posting to applying."""
+        times = [waited for _, waited in self._waits]
+        low, high = _ms(min(times)), _ms(max(times))
+        return low if low == high else f"{low} to {high}"
 
     def _x(self, time: float) -> float:
         return LEFT + (RIGHT - LEFT) * (time - self._start) / self._span
@@ -121,21 +103,22 @@ class _Drawing:
         step, ticks = nice_ticks(0.0, self._span * 1e3, most=9)
         for tick in ticks:
             x = self._x(self._start + tick / 1e3)
-            draw(root, "line", f"stroke:{RULE}", x1=x, y1=FIRST_LANE - 20, x2=x, y2=self._queue_line)
-            write(root, x, self._queue_line + 15, tick_text(tick, step), f"fill:{MUTED};{SMALL}", "middle")
-        write(root, RIGHT, self._queue_line + 31, "ms since the first message", f"fill:{MUTED};{SMALL}", "end")
+            svg.draw(root, "line", f"stroke:{svg.RULE}", x1=x, y1=FIRST_LANE - 20, x2=x, y2=self._queue_line)
+            svg.write(root, x, self._queue_line + 15, tick_text(tick, step), f"fill:{svg.MUTED};{SMALL}", "middle")
+        svg.write(root, RIGHT, self._queue_line + 31, "ms since the first message", f"fill:{svg.MUTED};{SMALL}", "end")
 
     def _draw_lanes(self, root: Element) -> None:
         for i, name in enumerate(self._lanes):
             y = FIRST_LANE + LANE * i
-            draw(root, "line", f"stroke:{MUTED};stroke-width:1.5", x1=LEFT - 6, y1=y, x2=RIGHT, y2=y)
-            label = write(root, LEFT - 14, y + 4, shorten(name, 14), f"fill:{INK};font-family:{CODE_FONT}", "end")
-            draw(label, "title").text = f"the thread {name}"
+            svg.draw(root, "line", f"stroke:{svg.MUTED};stroke-width:1.5", x1=LEFT - 6, y1=y, x2=RIGHT, y2=y)
+            style = f"fill:{svg.INK};font-family:{svg.CODE_FONT}"
+            label = svg.write(root, LEFT - 14, y + 4, svg.shorten(name, 14), style, "end")
+            svg.draw(label, "title").text = f"the thread {name}"
 
     def _draw_way(self, root: Element, handoff: Handoff) -> None:
         """One message, from where it was received to where it ended."""
-        way = draw(root, "g")
-        draw(way, "title").text = self._story(handoff)
+        way = svg.draw(root, "g")
+        svg.draw(way, "title").text = self._story(handoff)
         if handoff.received is not None:
             self._draw_callback(way, handoff.received, handoff.handled)
         if handoff.posted is None:
@@ -144,9 +127,9 @@ class _Drawing:
         if handoff.applied is not None:
             opacity = 0.45 if self._crowded else 0.9
             end = self._place(handoff.applied)
-            style = f"fill:none;stroke:{ACCENT};stroke-width:{1 if self._crowded else 1.6};opacity:{opacity}"
-            draw(way, "polyline", style, points=points_text([start, end]))
-            draw(way, "circle", f"fill:{ACCENT}", cx=end[0], cy=end[1], r=2.5 if self._crowded else 4)
+            style = f"fill:none;stroke:{svg.ACCENT};stroke-width:{1 if self._crowded else 1.6};opacity:{opacity}"
+            svg.draw(way, "polyline", style, points=svg.points_text([start, end]))
+            svg.draw(way, "circle", f"fill:{svg.ACCENT}", cx=end[0], cy=end[1], r=self._radius)
         else:
             self._draw_dead_end(way, start, handoff.superseded)
 
@@ -154,70 +137,63 @@ class _Drawing:
         """A hollow dot where the callback began, and a bar as long as it took."""
         x, y = self._place(received)
         end = self._x(handled.time) if handled is not None else x
-        draw(way, "rect", f"fill:{INK}", x=x, y=y - 3, width=max(end - x, 0.0), height=6)
-        radius = 2.5 if self._crowded else 4
-        draw(way, "circle", f"fill:{PAPER};stroke:{INK};stroke-width:1.4", cx=x, cy=y, r=radius)
+        svg.draw(way, "rect", f"fill:{svg.INK}", x=x, y=y - 3, width=max(end - x, 0.0), height=6)
+        svg.draw(way, "circle", f"fill:{svg.PAPER};stroke:{svg.INK};stroke-width:1.4", cx=x, cy=y, r=self._radius)
 
     def _draw_dead_end(self, way: Element, start: tuple[float, float], superseded: Moment | None) -> None:
         """A call that did not run: half of the way, to a cross where a newer one took its place."""
         x = self._x(superseded.time if superseded is not None else self._end)
         y = start[1] + LANE * 0.42
         dashes = "3 2" if superseded is not None else "1 3"
-        style = f"fill:none;stroke:{WARN};stroke-width:1.2;stroke-dasharray:{dashes}"
-        draw(way, "polyline", style, points=points_text([start, (x, y)]))
+        style = f"fill:none;stroke:{svg.WARN};stroke-width:1.2;stroke-dasharray:{dashes}"
+        svg.draw(way, "polyline", style, points=svg.points_text([start, (x, y)]))
         if superseded is not None:
-            arm = 2.5 if self._crowded else 4
-            cross = f"M{x - arm:.1f},{y - arm:.1f} l{2 * arm},{2 * arm} m0,{-2 * arm} l{-2 * arm},{2 * arm}"
-            draw(way, "path", f"fill:none;stroke:{WARN};stroke-width:1.5", d=cross)
+            _draw_cross(way, x, y, self._radius)
 
     def _draw_waits(self, root: Element) -> None:
         """Below the last lane, how long each call has waited, where there is room."""
         free_from = 0.0
-        applied = [h for h in self._handoffs if h.applied is not None and h.waited is not None]
-        for handoff in sorted(applied, key=lambda h: h.applied.time if h.applied else 0.0):
-            if handoff.applied is None or handoff.waited is None:
-                continue
-            x, y = self._place(handoff.applied)
+        for applied, waited in sorted(self._waits, key=lambda wait: wait[0].time):
+            x, y = self._place(applied)
             if x >= free_from:
-                write(root, x, y + 18, _ms(handoff.waited), f"fill:{ACCENT};{SMALL}", "middle")
+                svg.write(root, x, y + 18, _ms(waited), f"fill:{svg.ACCENT};{SMALL}", "middle")
                 free_from = x + LABEL
 
     def _draw_queue(self, root: Element) -> None:
         """How many calls wait, over time."""
         most = max(number for _, number in self._queue)
         floor = float(self._queue_line)
-        write(root, LEFT - 14, floor - 20, "calls that wait", f"fill:{INK};{SMALL}", "end")
-        write(root, LEFT - 14, floor - 5, f"at most {most}", f"fill:{MUTED};{SMALL}", "end")
-        draw(root, "line", f"stroke:{MUTED}", x1=LEFT - 6, y1=floor, x2=RIGHT, y2=floor)
+        svg.write(root, LEFT - 14, floor - 20, "calls that wait", f"fill:{svg.INK};{SMALL}", "end")
+        svg.write(root, LEFT - 14, floor - 5, f"at most {most}", f"fill:{svg.MUTED};{SMALL}", "end")
+        svg.draw(root, "line", f"stroke:{svg.MUTED}", x1=LEFT - 6, y1=floor, x2=RIGHT, y2=floor)
         outline, height = [(self._x(self._start), floor)], floor
         for time, number in self._queue:
             outline.append((self._x(time), height))
             height = floor - QUEUE_HEIGHT * number / max(most, 1)
             outline.append((self._x(time), height))
         outline += [(self._x(self._end), height), (self._x(self._end), floor)]
-        draw(root, "polygon", f"fill:{ACCENT};opacity:0.35", points=points_text(outline))
+        svg.draw(root, "polygon", f"fill:{svg.ACCENT};opacity:0.35", points=svg.points_text(outline))
 
     def _draw_legend(self, root: Element) -> None:
         """What the signs mean, and how many there are of each."""
-        counts = dict(self._outcomes())
-        waits = self._waits()
         x = self._explain(root, 18.0, "received", len([h for h in self._handoffs if h.received is not None]))
-        draw(root, "circle", f"fill:none;stroke:{INK};stroke-width:1.4", cx=18, cy=18, r=4)
-        draw(root, "line", f"stroke:{ACCENT};stroke-width:1.6", x1=x - 12, y1=18, x2=x, y2=18)
-        draw(root, "circle", f"fill:{ACCENT}", cx=x, cy=18, r=4)
-        x = self._explain(root, x, "applied", counts["applied"], f" after {_ms_range(waits)}" if waits else "")
-        if counts["superseded"]:
-            draw(root, "path", f"fill:none;stroke:{WARN};stroke-width:1.5", d=f"M{x - 4},14 l8,8 m0,-8 l-8,8")
-            x = self._explain(root, x, "superseded by a newer one", counts["superseded"])
-        if counts["waiting"]:
-            style = f"stroke:{WARN};stroke-width:1.5;stroke-dasharray:1 3"
-            draw(root, "line", style, x1=x - 12, y1=18, x2=x + 4, y2=18)
-            self._explain(root, x, "not applied yet", counts["waiting"])
+        svg.draw(root, "circle", f"fill:none;stroke:{svg.INK};stroke-width:1.4", cx=18, cy=18, r=4)
+        svg.draw(root, "line", f"stroke:{svg.ACCENT};stroke-width:1.6", x1=x - 12, y1=18, x2=x, y2=18)
+        svg.draw(root, "circle", f"fill:{svg.ACCENT}", cx=x, cy=18, r=4)
+        after = f" after {self._wait_range()}" if self._waits else ""
+        x = self._explain(root, x, "applied", self._counts["applied"], after)
+        if self._counts["superseded"]:
+            _draw_cross(root, x, 18, 4)
+            x = self._explain(root, x, "superseded by a newer one", self._counts["superseded"])
+        if self._counts["waiting"]:
+            style = f"stroke:{svg.WARN};stroke-width:1.5;stroke-dasharray:1 3"
+            svg.draw(root, "line", style, x1=x - 12, y1=18, x2=x + 4, y2=18)
+            self._explain(root, x, "not applied yet", self._counts["waiting"])
 
     def _explain(self, root: Element, x: float, what: str, count: int, more: str = "") -> float:
         """Write beside a sign what it means; where the next sign comes."""
         text = f"{what} ({count}){more}"
-        write(root, x + 10, 22, text)
+        svg.write(root, x + 10, 22, text)
         return x + 46 + CHARACTER * len(text)
 
     def _story(self, handoff: Handoff) -> str:
@@ -226,6 +202,11 @@ class _Drawing:
         moments = [(name, getattr(handoff, name)) for name in names]
         said = [f"{name} at {_ms(m.time - self._start)} on {m.thread}" for name, m in moments if m is not None]
         return f"{handoff.topic or 'a call'}: {', '.join(said)}"
+
+
+def _draw_cross(parent: Element, x: float, y: float, arm: float) -> None:
+    path = f"M{x - arm:.1f},{y - arm:.1f} l{2 * arm},{2 * arm} m0,{-2 * arm} l{-2 * arm},{2 * arm}"
+    svg.draw(parent, "path", f"fill:none;stroke:{svg.WARN};stroke-width:1.5", d=path)
 
 
 def _moments(handoff: Handoff) -> Iterator[Moment]:
@@ -239,8 +220,3 @@ def _ms(seconds: float) -> str:
     if ms >= 1e3:
         return f"{seconds:.2f} s"
     return f"{ms:.0f} ms" if ms >= 99.5 else f"{ms:.1f} ms" if ms >= 9.95 else f"{ms:.2f} ms"
-
-
-def _ms_range(times: Sequence[float]) -> str:
-    low, high = _ms(min(times)), _ms(max(times))
-    return low if low == high else f"{low} to {high}"

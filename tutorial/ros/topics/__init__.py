@@ -4,12 +4,11 @@ from tutorial.ros.topics.listening import topic_echo, topic_hz
 from tutorial.ros.topics.listing import topic_find, topic_info, topic_list, topic_type
 from tutorial.ros.topics.nodes import node_info, node_names
 from tutorial.ros.topics.publishing import topic_pub
-from tutorial.ros.topics.settling import settle, settled
+from tutorial.ros.topics.settling import settled
 
 __all__ = [
     "node_info",
     "node_names",
-    "settle",
     "settled",
     "topic_echo",
     "topic_find",

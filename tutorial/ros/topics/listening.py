@@ -7,17 +7,20 @@ from __future__ import annotations
 
 import asyncio
 import math
+import time
 from collections import deque
 from collections.abc import AsyncGenerator
+from contextlib import closing
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
 from tutorial.errors import TutorialError
-from tutorial.ros.topics.inbox import Inbox
+from tutorial.handoff import CallQueue
 from tutorial.ros.topics.message_form import MessageForm
 from tutorial.ros.topics.names import message_class
+from tutorial.ros.topics.qos import reader_qos
 
 __all__ = ["NO_TYPE", "not_published", "topic_echo", "topic_hz", "type_of"]
 
@@ -65,14 +68,11 @@ async def topic_echo(
         if type_name is None:
             raise TutorialError(f"{not_published(topic)}\n{NO_TYPE}")
         kind = message_class(type_name)
-    inbox = Inbox(node, kind, topic, qos=qos)
-    try:
+    with closing(_Inbox(node, kind, topic, qos=qos)) as inbox:
         while count is None or count > 0:
             _, message = await inbox.next(timeout)
             yield form.text(message)
             count = None if count is None else count - 1
-    finally:
-        inbox.close()
 
 
 async def topic_hz(node: Node, topic: str, *, window: int = DEFAULT_WINDOW) -> AsyncGenerator[str, None]:
@@ -92,9 +92,8 @@ async def topic_hz(node: Node, topic: str, *, window: int = DEFAULT_WINDOW) -> A
         yield f"{not_published(topic)}\n"
     while (type_name := type_of(node, topic)) is None:
         await asyncio.sleep(LOOK_EVERY)
-    inbox = Inbox(node, message_class(type_name), topic, kept=window + 1, times_only=True)
     intervals: deque[float] = deque(maxlen=window)
-    try:
+    with closing(_Inbox(node, message_class(type_name), topic, kept=window + 1, times_only=True)) as inbox:
         before, _ = await inbox.next()
         told = before
         while True:
@@ -104,8 +103,68 @@ async def topic_hz(node: Node, topic: str, *, window: int = DEFAULT_WINDOW) -> A
             if now >= told + HZ_EVERY:
                 told = now
                 yield _rate_text(intervals)
-    finally:
-        inbox.close()
+
+
+class _Inbox:
+    """The messages of a topic, for the event loop that it is made on; of those not taken, the newest.
+
+    Args:
+        node: that subscribes; its thread must spin.
+        kind: the class of the messages.
+        topic: its full name.
+        kept: how many messages wait at most to be taken.
+        times_only: keep None instead of each message, which is not even decoded.
+        qos: what to ask the publishers for; None for what fits all there are.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        kind: Any,
+        topic: str,
+        kept: int = 100,
+        times_only: bool = False,
+        qos: QoSProfile | None = None,
+    ) -> None:
+        self._node = node
+        self._topic = topic
+        self._messages: deque[tuple[float, Any]] = deque(maxlen=kept)
+        self._news = asyncio.Event()
+        self._calls = CallQueue(asyncio.get_running_loop())
+        self._scope = self._calls.scope(f"a look at {topic}")
+        self._times_only = times_only
+        self._subscription = node.create_subscription(
+            kind, topic, self._on_message, qos or reader_qos(node, topic), raw=times_only
+        )
+
+    async def next(self, timeout: float | None = None) -> tuple[float, Any]:
+        """Wait for the next message; (when it came, of `time.monotonic` [s], the message).
+
+        Raises:
+            TutorialError: none came in time.
+        """
+        try:
+            async with asyncio.timeout(timeout):
+                while not self._messages:
+                    self._news.clear()
+                    await self._news.wait()
+        except TimeoutError:
+            count = self._node.count_publishers(self._topic)
+            raise TutorialError(
+                f"no message came on {self._topic} within {timeout:g} s; it has {count} "
+                f"publisher{'s' if count != 1 else ''}. Start the program that publishes it, or wait longer."
+            ) from None
+        return self._messages.popleft()
+
+    def close(self) -> None:
+        """Take the subscription back. Idempotent."""
+        self._calls.close()
+        self._node.destroy_subscription(self._subscription)
+
+    def _on_message(self, message: Any) -> None:
+        """Keep the message with its time, post, and return. The thread that spins."""
+        self._messages.append((time.monotonic(), None if self._times_only else message))
+        self._scope.call_latest("news", self._news.set)
 
 
 def type_of(node: Node, topic: str) -> str | None:

@@ -99,9 +99,7 @@ def _counts(node: Node, topics: dict[str, list[str]], publishers: bool) -> str:
 def _endpoint_text(info: TopicEndpointInfo) -> str:
     """Describe a publisher or subscription in the lines of ``ros2 topic info -v``."""
     qos = info.qos_profile
-    history = qos.history.name
-    if qos.history == HistoryPolicy.KEEP_LAST:
-        history += f" ({qos.depth})"
+    depth = f" ({qos.depth})" if qos.history == HistoryPolicy.KEEP_LAST else ""
     return "\n".join(
         (
             f"Node name: {info.node_name}",
@@ -112,7 +110,7 @@ def _endpoint_text(info: TopicEndpointInfo) -> str:
             f"GID: {'.'.join(f'{byte:02x}' for byte in info.endpoint_gid)}",
             "QoS profile:",
             f"  Reliability: {qos.reliability.name}",
-            f"  History (Depth): {history}",
+            f"  History (Depth): {qos.history.name}{depth}",
             f"  Durability: {qos.durability.name}",
             f"  Lifespan: {_duration_text(qos.lifespan)}",
             f"  Deadline: {_duration_text(qos.deadline)}",

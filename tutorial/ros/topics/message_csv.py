@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import dropwhile
+from operator import not_
 from typing import Any
 
 from tutorial.ros.topics.message_yaml import ARRAYS, TRUNCATE_LENGTH, array_summary, ellipsis
@@ -38,7 +40,4 @@ def _text(value: Any, length: int | None, no_arr: bool, kind: str = "") -> str:
 
 def _joined(texts: Iterable[str]) -> str:
     """Join texts as ROS 2 does: no comma follows what is empty so far."""
-    line = ""
-    for text in texts:
-        line += f",{text}" if line else text
-    return line
+    return ",".join(dropwhile(not_, texts))

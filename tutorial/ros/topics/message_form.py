@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 from tutorial.errors import TutorialError
@@ -44,21 +45,18 @@ class MessageForm:
         Raises:
             TutorialError: the message has no such field.
         """
-        value = self._select(message)
+        value = message
+        if self.field is not None:
+            try:
+                value = attrgetter(self._path())(message)
+            except AttributeError as error:
+                raise TutorialError(f"Invalid field '{self._path()}': {error}") from None
         if not is_message(value):
             return f"{value}\n---\n"
         if self.csv:
             return f"{message_to_csv(value, self.truncate_length, self.no_arr)}\n"
         return f"{message_to_yaml(value, self.truncate_length, self.no_arr)}---\n"
 
-    def _path(self) -> list[str]:
-        return [name for name in (self.field or "").split(".") if name]
-
-    def _select(self, message: Any) -> Any:
-        value = message
-        for name in self._path():
-            try:
-                value = getattr(value, name)
-            except AttributeError as error:
-                raise TutorialError(f"Invalid field '{'.'.join(self._path())}': {error}") from None
-        return value
+    def _path(self) -> str:
+        """The field's name, without dots too many."""
+        return ".".join(name for name in (self.field or "").split(".") if name)

@@ -34,15 +34,8 @@ def message_to_yaml(message: Any, truncate_length: int | None = TRUNCATE_LENGTH,
     Returns:
         Lines, of which the last ends in a line break too.
     """
-    text: str = yaml.dump(
-        _plain(message, truncate_length, no_arr),
-        Dumper=yaml.SafeDumper,
-        sort_keys=False,
-        allow_unicode=True,
-        default_flow_style=False,
-        width=sys.maxsize,
-    )
-    return text
+    plain = _plain(message, truncate_length, no_arr)
+    return str(yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, default_flow_style=False, width=sys.maxsize))
 
 
 def array_summary(value: Sized, kind: str) -> str:

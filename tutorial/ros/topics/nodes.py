@@ -6,6 +6,7 @@ The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from importlib import import_module
 from typing import Any
 
@@ -44,13 +45,14 @@ def node_info(node: Node, name: str, include_hidden: bool = False) -> str:
     if name not in node_names(node, include_hidden):
         raise TutorialError(f"Unable to find node '{name}'")
     who = parted(name)
+    actions = _actions()
     sections: dict[str, NamesAndTypes] = {
         "Subscribers": node.get_subscriber_names_and_types_by_node(*who),
         "Publishers": node.get_publisher_names_and_types_by_node(*who),
-        "Service Servers": _services(node, "get_service_names_and_types_by_node", who),
-        "Service Clients": _services(node, "get_client_names_and_types_by_node", who),
-        "Action Servers": _actions(node, "get_action_server_names_and_types_by_node", who),
-        "Action Clients": _actions(node, "get_action_client_names_and_types_by_node", who),
+        "Service Servers": _asked(node, "get_service_names_and_types_by_node", *who),
+        "Service Clients": _asked(node, "get_client_names_and_types_by_node", *who),
+        "Action Servers": _asked(actions, "get_action_server_names_and_types_by_node", node, *who),
+        "Action Clients": _asked(actions, "get_action_client_names_and_types_by_node", node, *who),
     }
     return f"{name}\n" + "".join(_section(title, has, include_hidden) for title, has in sections.items())
 
@@ -62,17 +64,14 @@ def _section(title: str, names_and_types: NamesAndTypes, include_hidden: bool) -
     return "\n".join((f"  {title}:", *(lines or [""]))) + "\n"
 
 
-def _services(node: Node, question: str, who: tuple[str, str]) -> NamesAndTypes:
-    """Ask the rclpy in use about services; one without services has none to tell of."""
-    ask: Any = getattr(node, question, None)
+def _actions() -> Any:
+    """The functions about actions, of the rclpy in use; None if it has none."""
+    with suppress(ImportError):
+        return import_module("rclpy.action")
+    return None
+
+
+def _asked(api: Any, question: str, *who: Any) -> NamesAndTypes:
+    """Ask the rclpy in use about services or actions; one without them has none to tell of."""
+    ask: Any = getattr(api, question, None)
     return ask(*who) if ask is not None else ()
-
-
-def _actions(node: Node, question: str, who: tuple[str, str]) -> NamesAndTypes:
-    """Ask the rclpy in use about actions; one without actions has none to tell of."""
-    try:
-        actions: Any = import_module("rclpy.action")
-    except ImportError:
-        return ()
-    found: NamesAndTypes = getattr(actions, question)(node, *who)
-    return found

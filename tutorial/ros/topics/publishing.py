@@ -17,7 +17,6 @@ from rclpy.qos import QoSProfile
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.names import full_topic
 from tutorial.ros.topics.populate import Stamp
-from tutorial.ros.topics.qos import offered_qos
 
 __all__ = ["topic_pub"]
 
@@ -31,13 +30,13 @@ async def topic_pub(
     node: Node,
     topic: str,
     message: Any,
-    stamps: Sequence[Stamp] = (),
+    stamps: Sequence[Stamp],
     *,
+    qos: QoSProfile,
     rate: float = 1.0,
     times: int = 0,
     wait: int = 0,
     print_every: int = 1,
-    qos: QoSProfile | None = None,
 ) -> AsyncGenerator[str, None]:
     """Publish a message, as ``ros2 topic pub``. Each text comes before the message that it announces is published.
 
@@ -46,11 +45,11 @@ async def topic_pub(
         topic: its name.
         message: what to publish.
         stamps: called with the time before each publication.
+        qos: what to offer.
         rate: how often [Hz].
         times: how many times; 0 goes on for ever.
         wait: for how many subscriptions to wait first.
-        print_every: announce only every so-manieth message; 0 for none.
-        qos: what to offer; None for rclpy's default.
+        print_every: announce only each n-th message; 0 for none.
 
     Yields:
         What ``ros2 topic pub`` prints.
@@ -58,7 +57,10 @@ async def topic_pub(
     Raises:
         TutorialError: the topic's name breaks the rules for names; the text is that of ROS 2.
     """
-    publisher = _publisher(node, topic, message, qos)
+    try:
+        publisher = node.create_publisher(type(message), full_topic(node, topic), qos)
+    except RuntimeError as error:
+        raise TutorialError(str(error)) from error
     try:
         async for text in _meeting(publisher, wait):
             yield text
@@ -74,13 +76,6 @@ async def topic_pub(
         await asyncio.sleep(KEEP_ALIVE)
     finally:
         node.destroy_publisher(publisher)
-
-
-def _publisher(node: Node, topic: str, message: Any, qos: QoSProfile | None) -> Any:
-    try:
-        return node.create_publisher(type(message), full_topic(node, topic), qos or offered_qos(None, None))
-    except RuntimeError as error:
-        raise TutorialError(str(error)) from error
 
 
 async def _meeting(publisher: Any, wanted: int) -> AsyncGenerator[str, None]:

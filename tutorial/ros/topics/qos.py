@@ -11,21 +11,18 @@ SENSOR_DEPTH = 5  # of rclpy's qos_profile_sensor_data, which ros2 begins with
 DEFAULT_DEPTH = 10  # of rclpy's default profile
 
 
-def reader_qos(node: Node, topic: str, depth: int = SENSOR_DEPTH) -> QoSProfile:
+def reader_qos(node: Node, topic: str) -> QoSProfile:
     """Choose what a subscription can ask for so that all publishers of a topic fit it, as ``ros2`` does.
 
     Args:
         node: that asks.
         topic: its full name.
-        depth: how many messages wait for the callback.
     """
     offered = [info.qos_profile for info in node.get_publishers_info_by_topic(topic)]
     reliable = bool(offered) and all(qos.reliability == ReliabilityPolicy.RELIABLE for qos in offered)
     lasting = bool(offered) and all(qos.durability == DurabilityPolicy.TRANSIENT_LOCAL for qos in offered)
-    return QoSProfile(
-        depth=depth,
-        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if lasting else DurabilityPolicy.VOLATILE,
+    return _profile(
+        SENSOR_DEPTH, "reliable" if reliable else "best_effort", "transient_local" if lasting else "volatile"
     )
 
 

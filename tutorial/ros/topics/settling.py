@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 
 from rclpy.node import Node
 
 from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name
 
-__all__ = ["met", "settle", "settled"]
+__all__ = ["met", "settled"]
 
 READ_EVERY = 0.1  # [s] between two looks at the graph
 QUIET_READS = 5  # that have to agree before the graph counts as settled
@@ -19,34 +19,8 @@ SHY = 2.0  # [s] that a node or topic that is asked for may take to turn up: Fas
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # whose name is still on its way
 
 
-class _Settling:
-    """Tells when the node graph has stopped changing, as one node sees it.
-
-    Attributes:
-        done: whether it has.
-    """
-
-    def __init__(self, node: Node, patience: float) -> None:
-        self.done = False
-        self._node = node
-        self._deadline = time.monotonic() + patience
-        self._seen: Hashable = None
-        self._agreeing = 0
-
-    def goes_on(self) -> bool:
-        """Look once more, and say whether to look again: until all has been the same for a while, or time is over."""
-        seen = _snapshot(self._node)
-        is_complete = all(NAMELESS not in names for names in seen)  # every endpoint has its node's name
-        self._agreeing = self._agreeing + 1 if is_complete and seen == self._seen else 0
-        self._seen = seen
-        self.done = self._agreeing >= QUIET_READS
-        return not self.done and time.monotonic() < self._deadline
-
-
-def settle(node: Node, patience: float = PATIENCE) -> bool:
+async def settled(node: Node, patience: float = PATIENCE) -> bool:
     """Wait until the node graph has stopped changing, so that what is said about it is complete.
-
-    It blocks the thread that it is called on. In a notebook take `settled`.
 
     Args:
         node: that asks; its thread must spin.
@@ -55,18 +29,16 @@ def settle(node: Node, patience: float = PATIENCE) -> bool:
     Returns:
         Whether the graph has settled.
     """
-    settling = _Settling(node, patience)
-    while settling.goes_on():
-        time.sleep(READ_EVERY)
-    return settling.done
-
-
-async def settled(node: Node, patience: float = PATIENCE) -> bool:
-    """As `settle`, but other things go on meanwhile."""
-    settling = _Settling(node, patience)
-    while settling.goes_on():
+    deadline = time.monotonic() + patience
+    seen: tuple[tuple[str, ...], ...] = ()
+    agreeing = 0  # looks in a row
+    while True:
+        before, seen = seen, _snapshot(node)
+        is_complete = all(NAMELESS not in names for names in seen)  # every endpoint has its node's name
+        agreeing = agreeing + 1 if is_complete and seen == before else 0
+        if agreeing >= QUIET_READS or time.monotonic() >= deadline:
+            return agreeing >= QUIET_READS
         await asyncio.sleep(READ_EVERY)
-    return settling.done
 
 
 async def met(node: Node, wanted: Callable[[], object]) -> bool:
