@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Hashable, Sequence
-from types import TracebackType
 from typing import Any
 
 import mujoco
@@ -12,9 +11,8 @@ import numpy as np
 from sensor_msgs.msg import JointState
 
 from tutorial.body import Body
-from tutorial.checks._node import CheckNode
-from tutorial.checks._watch import Stumble, watch
-from tutorial.checks._world import MODELS, Watched
+from tutorial.checks._watch import Failure, watch
+from tutorial.checks._world import MODELS, Stage, Watched
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.errors import WrongThreadError
 from tutorial.handoff import CallQueue, ThreadGuard
@@ -48,7 +46,7 @@ class _Witness(ThreadGuard):
                 raise
 
 
-class Desk:
+class Desk(Stage):
     """One displayed body on the main thread, and the learner's controller. Posted calls run only in `drain`.
 
     Args:
@@ -57,9 +55,7 @@ class Desk:
         name: the body's name.
 
     Attributes:
-        ros: the nodes.
         body: the displayed body.
-        learner: the learner's controller.
         guard: the body's.
         posted: how many calls were posted with `call_later`.
         keys: the keys of those posted with `call_latest`.
@@ -81,27 +77,20 @@ class Desk:
         self.uncallable = self.keyless = False
         self.shown: list[tuple[tuple[float, ...], bool]] = []
         self.last_call: Callable[[], None] = lambda: None
-        self._stumbles: list[Stumble] = []
-
-    def __enter__(self) -> Desk:
+        self._failures: list[Failure] = []
         self._loop = asyncio.new_event_loop()
         self._calls = CallQueue(self._loop)
-        self._scope = self._calls.scope(self.body.name)
-        self.ros = CheckNode()
-        try:
-            config = ControllerConfig(self.body, self.ros.node, self._call_later, self._call_latest)
-            self.learner.configure(config)
-        except BaseException:
-            self.__exit__(None, None, None)
-            raise
-        return self
+        self._scope = self._calls.scope(name)
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def config(self) -> ControllerConfig:
+        """Return what the controller is given."""
+        return ControllerConfig(self.body, self.ros.node, self._call_later, self._call_latest)
+
+    def close(self) -> None:
+        """End the nodes, and what was posted and has not run."""
         self._calls.close()
-        self.ros.__exit__(None, None, None)
         self._loop.close()
+        super().close()
 
     @property
     def waiting(self) -> int:
@@ -112,7 +101,7 @@ class Desk:
         """Run what was posted.
 
         Raises:
-            Stumble: one of the calls raised.
+            Failure: one of the calls raised.
         """
 
         async def turns() -> None:
@@ -120,8 +109,8 @@ class Desk:
                 await asyncio.sleep(0)
 
         self._loop.run_until_complete(turns())
-        if self._stumbles:
-            raise self._stumbles.pop(0)
+        if self._failures:
+            raise self._failures.pop(0)
 
     def positions(self) -> tuple[float, ...]:
         """Return where the joints are [rad or m], rounded."""
@@ -154,8 +143,8 @@ class Desk:
             try:
                 with watch.call(getattr(function, "__name__", "the posted call")):
                     function(*args)
-            except Stumble as stumble:
-                self._stumbles.append(stumble)
+            except Failure as failure:
+                self._failures.append(failure)
 
         self.last_call = run
         post(run)

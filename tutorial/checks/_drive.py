@@ -11,10 +11,10 @@ from tutorial.checks._answer import missing
 from tutorial.checks._diagnose import owner_of, sentence, sets
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._interleave import interleave
-from tutorial.checks._node import Ear
-from tutorial.checks._topics import ear_on, judge_leaving
+from tutorial.checks._node import WatchedSubscription
+from tutorial.checks._topics import endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
-from tutorial.checks._watch import Stumble, watch
+from tutorial.checks._watch import Failure, watch
 from tutorial.checks._world import World
 from tutorial.controller import SimpleController
 
@@ -81,22 +81,24 @@ def judge_drive(answer: type[SimpleController]) -> Iterator[Finding]:
         return
     with World(answer) as world:
         call = 'config.node.create_subscription(Joy, "joy", self.on_joy, 1)'
-        finding, ear = ear_on(world.ros.node, "/joy", Joy, call)
+        finding, subscription = endpoint_on(world.ros.node, WatchedSubscription, "/joy", Joy, call)
         yield finding
-        if ear is not None:
-            yield from _judge_driving(answer, world, ear)
-            yield judge_leaving(answer, world.leave, ear)
+        if subscription is not None:
+            yield from _judge_driving(answer, world, subscription)
+            yield judge_leaving(answer, world.leave, subscription)
 
 
-def _judge_driving(answer: type[SimpleController], world: World, ear: Ear) -> Iterator[Finding]:
+def _judge_driving(
+    answer: type[SimpleController], world: World, subscription: WatchedSubscription
+) -> Iterator[Finding]:
     tracks = _Tracks(world)
-    speak = world.ros.speaker(ear)
+    publish = world.ros.publisher_to(subscription)
     try:
         world.advance()
-    except Stumble as stumble:
-        yield stumble.finding(_cause(stumble.error, answer, ear.callback), "before the first message")
+    except Failure as failure:
+        yield failure.finding(_cause(failure.error, answer, subscription.callback), "before the first message")
         return
-    speak(Joy(axes=[0.0, 1.0, 0.0, 0.0]))
+    publish(Joy(axes=[0.0, 1.0, 0.0, 0.0]))
     if tracks.speeds() != (0.0, 0.0):
         yield wrong("the tracks change while control is not running", IN_CALLBACK)
         return
@@ -106,17 +108,17 @@ def _judge_driving(answer: type[SimpleController], world: World, ear: Ear) -> It
         return
     seen = []
     for axes in STICKS.values():
-        speak(Joy(axes=axes))
+        publish(Joy(axes=axes))
         world.advance(5)
         seen.append(tracks.speeds())
     probes = [Probe(label, speeds, _say, _want) for label, speeds in zip(STICKS, seen)]
     verdicts = list(judge_probes(probes, predict, MISTAKES, OTHERWISE))
     yield from verdicts
     if all(finding.right for finding in verdicts):
-        short = _judge_short_messages(world, speak, tracks)
+        short = _judge_short_messages(world, publish, tracks)
         yield short
         if short.right:
-            yield _judge_halves(world, ear, tracks)
+            yield _judge_halves(world, subscription, tracks)
     others = [name for name in ("TURRET_Y", "TURRET_P") if world.body.actuator(name).ctrl]
     if others:
         yield wrong(f"it also commands {' and '.join(others)}", "GentleTank drives only TRACK_L and TRACK_R.")
@@ -133,11 +135,11 @@ class _Tracks:
         return tuple(track.ctrl for track in self._tracks)
 
 
-def _judge_short_messages(world: World, speak: Callable[[Joy], None], tracks: _Tracks) -> Finding:
+def _judge_short_messages(world: World, publish: Callable[[Joy], None], tracks: _Tracks) -> Finding:
     """Look whether an axis that a message lacks does what a 0 does."""
 
     def speeds(*axes: float) -> tuple[float, ...]:
-        speak(Joy(axes=axes))
+        publish(Joy(axes=axes))
         world.advance()
         return tracks.speeds()
 
@@ -150,23 +152,23 @@ def _judge_short_messages(world: World, speak: Callable[[Joy], None], tracks: _T
             seen = speeds(*axes)
             if seen != wanted:
                 return wrong(f"a message with {count} axes: {_say(seen)}; expected: {_want(wanted)}", FEW_AXES)
-    except Stumble as stumble:
-        cause = FEW_AXES if isinstance(stumble.error, (IndexError, ValueError)) else None
-        return stumble.finding(cause, f"a message with {count} axes")
+    except Failure as failure:
+        cause = FEW_AXES if isinstance(failure.error, (IndexError, ValueError)) else None
+        return failure.finding(cause, f"a message with {count} axes")
     return right("a message with fewer axes: those that it lacks count as 0")
 
 
-def _judge_halves(world: World, ear: Ear, tracks: _Tracks) -> Finding:
+def _judge_halves(world: World, subscription: WatchedSubscription, tracks: _Tracks) -> Finding:
     """Look whether control ever sees half of a message, in whatever order the two threads run."""
     when = "a message that comes while control runs"
     try:
-        cause = _half_message(world, ear, tracks)
-    except Stumble as stumble:
-        return stumble.finding(PIECEWISE, when)
+        cause = _half_message(world, subscription, tracks)
+    except Failure as failure:
+        return failure.finding(PIECEWISE, when)
     return wrong(f"{when}: half of it is used", cause) if cause else right(f"{when} is used as a whole, or not yet")
 
 
-def _half_message(world: World, ear: Ear, tracks: _Tracks) -> str:
+def _half_message(world: World, subscription: WatchedSubscription, tracks: _Tracks) -> str:
     """Try all orders of a message and a step, and return the likeliest cause if one of them goes wrong."""
     rest, both = (Joy(axes=[x, y, 0.0, 0.0]) for x, y in ((0.0, 0.0), (1.0, 1.0)))
     whole = ((0.0, 0.0), (0.5, 1.5))
@@ -177,13 +179,13 @@ def _half_message(world: World, ear: Ear, tracks: _Tracks) -> str:
         seen.append(tracks.speeds())
 
     for message in (rest, both):  # Python 3.13 stops between instructions only in code that was traced before
-        interleave(partial(ear.hear, message), watch.files, control, None)
+        interleave(partial(subscription.call_back, message), watch.files, control, None)
     if any(speeds not in whole for speeds in seen):
         return PIECEWISE
     at, more = 0, True
     while more:
-        ear.hear(rest)
-        more = interleave(control, watch.files, partial(ear.hear, both), at)
+        subscription.call_back(rest)
+        more = interleave(control, watch.files, partial(subscription.call_back, both), at)
         at += 1
     return READ_TWICE if any(speeds not in whole for speeds in seen) else ""
 

@@ -10,7 +10,7 @@ from typing import Any
 from sensor_msgs.msg import JointState
 
 from tutorial.checks._verdict import Finding, right, wrong
-from tutorial.checks._watch import Stumble, watch
+from tutorial.checks._watch import Failure, watch
 
 __all__ = ["judge_match"]
 
@@ -122,9 +122,9 @@ def judge_match(answer: Callable[[Sequence[str], JointState], Any]) -> Iterator[
         try:
             with watch.call(answer.__name__):
                 given = answer(BODY, message)
-        except Stumble as stumble:
-            known = isinstance(stumble.error, (LookupError, ValueError))
-            yield stumble.finding(case.crash if known else None, case.label)
+        except Failure as failure:
+            known = isinstance(failure.error, (LookupError, ValueError))
+            yield failure.finding(case.crash if known else None, case.label)
             continue
         changed = changed or list(message.name) != list(case.names) or len(message.position) != len(case.positions)
         if not isinstance(given, dict):

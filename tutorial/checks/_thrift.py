@@ -8,9 +8,9 @@ from sensor_msgs.msg import JointState
 
 from tutorial.checks._answer import missing
 from tutorial.checks._explain import Mistake, Probe, judge_probes
-from tutorial.checks._node import Mouth
+from tutorial.checks._node import WatchedPublisher
 from tutorial.checks._publish import MADE, judge_stamps, watch_publishing
-from tutorial.checks._topics import judge_leaving, mouth_on
+from tutorial.checks._topics import endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._world import World
 from tutorial.controller import ControllerIO, SimpleController
@@ -95,34 +95,34 @@ def judge_thrift(answer: type[SimpleController]) -> Iterator[Finding]:
         return
     with World(answer, model="crane", name="Lift", before=[_Mover()]) as world:
         watch_publishing(world)
-        finding, mouth = mouth_on(world.ros.node, "/Lift/joint_state", JointState, MADE)
+        finding, publisher = endpoint_on(world.ros.node, WatchedPublisher, "/Lift/joint_state", JointState, MADE)
         yield finding
-        if mouth is None:
+        if publisher is None:
             return
         world.advance(_periods() * PERIOD)
-        if not mouth.sent:
+        if not publisher.sent:
             yield wrong("nothing is sent", NOTHING)
             return
-        seen = _by_segment([(m.step, tuple(message.name), len(message.position)) for message, m in mouth.sent])
+        seen = _by_segment([(m.step, tuple(message.name), len(message.position)) for message, m in publisher.sent])
         probes = [Probe(label, numbers, _say, _want) for label, numbers in zip((*SEGMENTS, "SLEW moves fast"), seen)]
         yield from judge_probes(probes, predict, MISTAKES, OTHERWISE)
-        yield _judge_pairs(mouth)
-        yield _judge_rest(mouth)
-        yield judge_stamps(mouth.sent)
-        yield judge_leaving(answer, world.leave, mouth)
+        yield _judge_pairs(publisher)
+        yield _judge_rest(publisher)
+        yield judge_stamps(publisher.sent)
+        yield judge_leaving(answer, world.leave, publisher)
 
 
-def _judge_pairs(mouth: Mouth) -> Finding:
-    for message, moment in mouth.sent:
+def _judge_pairs(publisher: WatchedPublisher) -> Finding:
+    for message, moment in publisher.sent:
         for name, position in zip(message.name, message.position):
             if name not in moment.joints or abs(moment.joints[name]["position"] - position) > 1e-9:
                 return wrong(f"the position sent for {name} is another joint's, or an old one", NOT_PAIRS)
     return right("each position is that of the joint named with it")
 
 
-def _judge_rest(mouth: Mouth) -> Finding:
+def _judge_rest(publisher: WatchedPublisher) -> Finding:
     for field in ("velocity", "effort"):
-        if any(len(getattr(message, field)) for message, _ in mouth.sent):
+        if any(len(getattr(message, field)) for message, _ in publisher.sent):
             return wrong(f"{field} is not empty", FILLED)
     return right("velocity and effort stay empty")
 

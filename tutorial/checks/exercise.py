@@ -10,7 +10,7 @@ from tutorial.checks._answer import misfit, unwritten
 from tutorial.checks._contain import contain
 from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
-from tutorial.checks._watch import Stumble, files_of, watch
+from tutorial.checks._watch import Failure, files_of, watch
 from tutorial.errors import TutorialError
 
 __all__ = ["Exercise"]
@@ -23,7 +23,7 @@ class Exercise:
         name: what it is called in its module.
         statement: the problem; also the exercise's docstring.
         judge: looks at an answer and yields what it finds, the root cause first; it ends where looking on makes no
-            sense. It may raise `Stumble` or `TutorialError`.
+            sense. It may raise `Failure` or `TutorialError`.
         solution: the right answer, and what else belongs to it; its source is what `solution` shows, in the
             notebooks' style.
         base: the class that the answer has to be made from, `object` for any; None where it is a function.
@@ -80,8 +80,8 @@ class Exercise:
         watch.answer = answer
         try:
             yield from self._judge(answer)
-        except Stumble as stumble:
-            yield stumble.finding()
+        except Failure as failure:
+            yield failure.finding()
         except TutorialError as error:
             yield wrong(str(error), "The check could not go on from there.")
         except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to, the learner is to hear of it
