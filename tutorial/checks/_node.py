@@ -205,6 +205,11 @@ def _check_callback(callback: Any, message_type: type) -> None:
     if not callable(callback):
         text = f"create_subscription is given {callback!r} in place of a function"
         raise Misuse(text, AT_ONCE.format(name=f"on{name}"))
+    if inspect.iscoroutinefunction(callback):
+        text = f"{callback.__name__} is a coroutine function, async def, and nobody awaits it"
+        raise Misuse(
+            text, "A callback is a plain function, def: it puts the message away, or posts a call, and returns."
+        )
     if inspect.ismethod(callback) and lacks_self(callback.__func__, 2):
         raise Misuse(f"{callback.__name__} cannot take a message", no_self(callback.__func__))
 
