@@ -32,30 +32,28 @@ STICKS = {
 }
 """What is tried, as (left x, left y, right x, right y)."""
 
-ONE_ZONE = "Most likely the two axes share one dead zone: it holds for each axis for itself."
+ONE_ZONE = "the two axes share one dead zone: it holds for each axis for itself."
 MISTAKES = (
-    Mistake("axes", (2, 3), "Most likely it reads the right stick: the left one is axes[0] and axes[1]."),
-    Mistake("axes", (1, 0), "Most likely the two axes are exchanged: axes[0] is x, to the left, axes[1] is y, ahead."),
-    Mistake("only", 0, "Most likely the right track is forgotten: set the ctrl of TRACK_R, too."),
-    Mistake("only", 1, "Most likely the left track is forgotten: set the ctrl of TRACK_L, too."),
-    Mistake(
-        "ahead", -1.0, "Most likely the sign of left_y is wrong: forward is positive, for the stick and the tracks."
-    ),
-    Mistake("gains", (2.0, 1.0), "Most likely these are the numbers of TankController; here they are 1.0 and 0.5."),
-    Mistake("gains", (1.0, 1.0), "Most likely left_x counts in full: it counts half, 0.5 * left_x."),
+    Mistake("axes", (2, 3), "it reads the right stick: the left one is axes[0] and axes[1]."),
+    Mistake("axes", (1, 0), "the two axes are exchanged: axes[0] is x, to the left, axes[1] is y, ahead."),
+    Mistake("only", 0, "the right track is forgotten: set the ctrl of TRACK_R, too."),
+    Mistake("only", 1, "the left track is forgotten: set the ctrl of TRACK_L, too."),
+    Mistake("ahead", -1.0, "the sign of left_y is wrong: forward is positive, for the stick and the tracks."),
+    Mistake("gains", (2.0, 1.0), "these are the numbers of TankController; here they are 1.0 and 0.5."),
+    Mistake("gains", (1.0, 1.0), "left_x counts in full: it counts half, 0.5 * left_x."),
     Mistake(
         "gains",
         (1.0, -0.5),
-        "Most likely left and right are exchanged: to the left, the left track slows down and the right one speeds up.",
+        "left and right are exchanged: to the left, the left track slows down and the right one speeds up.",
     ),
-    Mistake("dead", "none", "Most likely the dead zone is missing: an axis within 0.3 of the middle counts as 0."),
-    Mistake("dead", "narrow", "Most likely the dead zone is that of TankController, 0.2; here it is 0.3."),
+    Mistake("dead", "none", "the dead zone is missing: an axis within 0.3 of the middle counts as 0."),
+    Mistake("dead", "narrow", "the dead zone is that of TankController, 0.2; here it is 0.3."),
     Mistake("dead", "or", ONE_ZONE),
     Mistake("dead", "and", ONE_ZONE),
-    Mistake("dead", "y", "Most likely left_x has no dead zone: both axes have one."),
-    Mistake("dead", "x", "Most likely left_y has no dead zone: both axes have one."),
-    Mistake("dead", "rescaled", "Most likely the dead zone is taken off: outside of it an axis counts as it is."),
-    Mistake("rest", "kept", "Most likely nothing is set at rest, so the last speed stays: set 0 then."),
+    Mistake("dead", "y", "left_x has no dead zone: both axes have one."),
+    Mistake("dead", "x", "left_y has no dead zone: both axes have one."),
+    Mistake("dead", "rescaled", "the dead zone is taken off: outside of it an axis counts as it is."),
+    Mistake("rest", "kept", "nothing is set at rest, so the last speed stays: set 0 then."),
 )
 OTHERWISE = "Compare with left: 1.0 * left_y - 0.5 * left_x, right: 1.0 * left_y + 0.5 * left_x."
 IN_CALLBACK = (
@@ -233,17 +231,16 @@ def _dead_zone(x: float, y: float, kind: str) -> tuple[float, float]:
 
 
 def _say(speeds: tuple[float, ...]) -> str:
-    left, right = map(_number, speeds)
-    if left == right:
-        return "both tracks stand still" if left == "0" else f"both tracks run at {left} m/s"
-    return f"the tracks run at {left} and {right} m/s"
+    return _in_words(speeds, "both tracks stand still", "both tracks run at {} m/s", "the tracks run at {} and {} m/s")
 
 
 def _want(speeds: tuple[float, ...]) -> str:
+    return _in_words(speeds, "both stand still", "both at {} m/s", "{} and {} m/s")
+
+
+def _in_words(speeds: tuple[float, ...], still: str, alike: str, apart: str) -> str:
     left, right = map(_number, speeds)
-    if left == right:
-        return "both stand still" if left == "0" else f"both at {left} m/s"
-    return f"{left} and {right} m/s"
+    return (apart if left != right else still if left == "0" else alike).format(left, right)
 
 
 def _number(speed: float) -> str:

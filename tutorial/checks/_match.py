@@ -63,12 +63,7 @@ CASES = (
         "all joints, in order", BODY, (0.1, 0.2, 0.3), dict(zip(BODY, (0.1, 0.2, 0.3))), _zeros(WRONG_ORDER), NO_SUBSET
     ),
     _Case(
-        "another order",
-        BODY[::-1],
-        (0.3, 0.2, 0.1),
-        dict(zip(BODY, (0.1, 0.2, 0.3))),
-        _zeros(WRONG_ORDER),
-        WRONG_ORDER,
+        "another order", BODY[::-1], (0.3, 0.2, 0.1), dict(zip(BODY, (0.1, 0.2, 0.3))), _zeros(WRONG_ORDER), WRONG_ORDER
     ),
     _Case(
         "only HATCH",
@@ -87,12 +82,7 @@ CASES = (
         UNKNOWN_CRASH,
     ),
     _Case(
-        "3 names, 2 positions",
-        BODY,
-        (0.1, 0.2),
-        {"TURRET_Y": 0.1, "TURRET_P": 0.2},
-        _zeros(SHORT_DROPPED),
-        SHORT_CRASH,
+        "3 names, 2 positions", BODY, (0.1, 0.2), {"TURRET_Y": 0.1, "TURRET_P": 0.2}, _zeros(SHORT_DROPPED), SHORT_CRASH
     ),
     _Case("no positions", BODY, (), {}, _zeros(EMPTY), EMPTY),
     _Case(

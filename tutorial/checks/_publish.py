@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import degrees
@@ -214,12 +214,8 @@ def _judge_field(field: str, names: tuple[str, ...], sent: Sequence[tuple[Any, M
     if _near(given, truth):
         return right(f"{field} is each joint's, in {UNITS[field]}")
     first = [sent[0][1].joints[name][field] for name in names]
-    guesses: tuple[tuple[Callable[[], bool], str], ...] = (
-        (lambda: _near(given, truth[::-1]), EXCHANGED),
-        (lambda: _near(given, [degrees(value) for value in truth]), DEGREES),
-        (lambda: _near(given, first), STALE),
-    )
-    cause = next((cause for holds, cause in guesses if holds()), MIXED.format(field=field))
+    guesses = ((truth[::-1], EXCHANGED), ([degrees(value) for value in truth], DEGREES), (first, STALE))
+    cause = next((cause for numbers, cause in guesses if _near(given, numbers)), MIXED.format(field=field))
     return wrong(f"{field} is not what the joints do", cause)
 
 

@@ -34,38 +34,32 @@ SEGMENTS = {
 """For how many periods, and by how much the joints move at the beginning of each."""
 FAST = 4  # periods in the end, in which SLEW moves at every step
 
-REPLACED = "Most likely self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them."
+REPLACED = "self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them."
 MISTAKES = (
-    Mistake("period", 1, "Most likely control looks at every step: look 50 times per second, every 20 steps of 1 ms."),
-    Mistake("period", 40, "Most likely control looks 25 times per second: here it is 50 times."),
+    Mistake("period", 1, "control looks at every step: look 50 times per second, every 20 steps of 1 ms."),
+    Mistake("period", 40, "control looks 25 times per second: here it is 50 times."),
     Mistake(
-        "first",
-        False,
-        "Most likely the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news.",
+        "first", False, "the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news."
     ),
-    Mistake("send", "always", "Most likely every joint is sent every time: name only those that have moved."),
-    Mistake(
-        "send", "whole", "Most likely the whole message is sent as soon as one joint moves: name only those that did."
-    ),
-    Mistake("send", "empty", "Most likely a message is sent even if no joint has moved: then send none."),
-    Mistake("send", "names", "Most likely all names are in the message, but only some positions: they go in pairs."),
+    Mistake("send", "always", "every joint is sent every time: name only those that have moved."),
+    Mistake("send", "whole", "the whole message is sent as soon as one joint moves: name only those that did."),
+    Mistake("send", "empty", "a message is sent even if no joint has moved: then send none."),
+    Mistake("send", "names", "all names are in the message, but only some positions: they go in pairs."),
     Mistake(
         "compare",
         "last",
-        "Most likely positions are compared with those of the last look: a slow motion is then never sent. Compare "
+        "positions are compared with those of the last look: a slow motion is then never sent. Compare "
         "with what was last sent.",
     ),
     Mistake(
-        "compare",
-        "all",
-        "Most likely all positions are remembered as soon as one joint is sent: remember only those that were.",
+        "compare", "all", "all positions are remembered as soon as one joint is sent: remember only those that were."
     ),
-    Mistake("compare", "once", "Most likely what was sent is not remembered: note it down whenever you send."),
+    Mistake("compare", "once", "what was sent is not remembered: note it down whenever you send."),
     Mistake("compare", "replaced", REPLACED),
     Mistake("compare", "emptied", REPLACED),
-    Mistake("compare", "signed", "Most likely the sign gets in the way: compare abs(...) with 0.001."),
-    Mistake("threshold", 0.0, "Most likely any change counts: only more than 0.001 does."),
-    Mistake("threshold", 0.01, "Most likely the threshold is another: it is 0.001."),
+    Mistake("compare", "signed", "the sign gets in the way: compare abs(...) with 0.001."),
+    Mistake("threshold", 0.0, "any change counts: only more than 0.001 does."),
+    Mistake("threshold", 0.01, "the threshold is another: it is 0.001."),
 )
 OTHERWISE = "Compare each joint's position with the one that was last sent for it, every 20 steps."
 NOT_PAIRS = "Most likely names and positions come from two different lists: take both from the joints that have moved."
