@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
-from tutorial.checks._answer import missing
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._verdict import Finding, wrong
 from tutorial.checks._watch import watch
@@ -128,10 +127,6 @@ class FakeJoint:
 
 def judge_aim(answer: type) -> Iterator[Finding]:
     """Look at an answer to `aim`."""
-    lacking = missing(answer, "aim")
-    if lacking:
-        yield lacking
-        return
     joints = [_play(answer, scene) for scene in SCENES]
     if any(joint.moved for joint in joints):
         yield wrong("aim sets the joint's position", POSITION)

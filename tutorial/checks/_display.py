@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._answer import missing
 from tutorial.checks._desk import Desk, joint_state
 from tutorial.checks._node import WatchedSubscription
 from tutorial.checks._topics import endpoint_on, judge_leaving
@@ -66,10 +65,6 @@ def judge_viewer(answer: type[SimpleController], model: str, name: str, post: st
         post: how a message is posted.
         full: whether to say everything, and to look at `unconfigure`; otherwise one line sums it up.
     """
-    lacking = missing(answer, "configure")
-    if lacking:
-        yield lacking
-        return
     with Desk(answer, model, name) as desk:
         topic = f"/{name}/joint_state"
         finding, subscription = endpoint_on(desk.ros.node, WatchedSubscription, topic, JointState, CALL)
@@ -138,17 +133,17 @@ def _judge_posting(desk: Desk, publish: Callable[[JointState], None], message: J
     if desk.uncallable:
         return wrong("something else than a function is posted", AT_ONCE.format(post=post))
     if not desk.waiting:
-        cause = THROTTLED if _posts_later(desk, publish, message) else NOT_POSTED.format(post=post)
+        cause = THROTTLED if _happens_later(publish, message, lambda: desk.waiting) else NOT_POSTED.format(post=post)
         return wrong("a message comes, and nothing is posted to the main thread", cause)
     return right("the callback posts, and leaves the body alone")
 
 
-def _posts_later(desk: Desk, publish: Callable[[JointState], None], message: JointState) -> bool:
-    """Look whether a message that comes a little later, or is one of the next, is posted."""
+def _happens_later(publish: Callable[[JointState], None], message: JointState, happened: Callable[[], object]) -> bool:
+    """Look whether something happens when a message comes again, a little later."""
     for _ in range(TRIES):
         time.sleep(PAUSE)
         publish(message)
-        if desk.waiting:
+        if happened():
             return True
     return False
 
@@ -182,31 +177,23 @@ def _judge_part(desk: Desk, publish: Callable[[JointState], None], before: tuple
         return right(f"{when}: the others stay where they are")
     if desk.positions() == rounded(before):
         text = f"{when}: {'nothing moves' if posted else 'nothing is posted'}"
-        late = _shown_later(desk, publish, message, wanted)
+        late = _happens_later(publish, message, lambda: _shows(desk, wanted))
         return wrong(text, THROTTLED if late or not _shows_all(desk, publish, before) else ONLY_WHOLE)
     moved = desk.positions()[0] == 0.05
     return wrong(f"{when}: another one moves", BY_INDEX if moved else INVENTED)
 
 
-def _shown_later(
-    desk: Desk, publish: Callable[[JointState], None], message: JointState, wanted: Sequence[float]
-) -> bool:
-    """Look whether a message that was not shown is shown when it comes again, a little later."""
-    for _ in range(TRIES):
-        time.sleep(PAUSE)
-        publish(message)
-        desk.drain()
-        if desk.positions() == tuple(wanted):
-            return True
-    return False
+def _shows(desk: Desk, positions: tuple[float, ...]) -> bool:
+    """Run what was posted, and look whether the joints are there then [rad or m]."""
+    desk.drain()
+    return desk.positions() == positions
 
 
 def _shows_all(desk: Desk, publish: Callable[[JointState], None], before: tuple[float, ...]) -> bool:
     """Look whether a message with all joints is shown."""
     other = tuple(position + 0.01 for position in before)
     publish(joint_state(desk.body.joint_names, other, 2))
-    desk.drain()
-    return desk.positions() == rounded(other)
+    return _shows(desk, rounded(other))
 
 
 def _judge_unknown(desk: Desk, publish: Callable[[JointState], None]) -> Finding:
@@ -219,7 +206,7 @@ def _judge_unknown(desk: Desk, publish: Callable[[JointState], None]) -> Finding
         desk.drain()
         if desk.positions()[0] == 0.2:
             return right(f"{when}: it is left out, and the rest is shown")
-        late = _shown_later(desk, publish, message, wanted)
+        late = _happens_later(publish, message, lambda: _shows(desk, wanted))
     except Failure as failure:
         return failure.finding(UNKNOWN if isinstance(failure.error, (LookupError, TutorialError)) else None, when)
     text = "the rest of it is not shown" if posted else "nothing is posted"

@@ -73,10 +73,6 @@ READ_TWICE = (
 
 def judge_drive(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `drive`."""
-    lacking = missing(answer, "configure", "initialize")
-    if lacking:
-        yield lacking
-        return
     with World(answer) as world:
         call = 'config.node.create_subscription(Joy, "joy", self.on_joy, 1)'
         finding, subscription = endpoint_on(world.ros.node, WatchedSubscription, "/joy", Joy, call)

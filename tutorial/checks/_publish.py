@@ -10,7 +10,6 @@ from typing import Any
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._answer import missing
 from tutorial.checks._node import WatchedPublisher
 from tutorial.checks._topics import endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
@@ -89,10 +88,6 @@ def watch_publishing(world: World) -> None:
 
 def judge_publish(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `publish`."""
-    lacking = missing(answer, "configure", "initialize", "control")
-    if lacking:
-        yield lacking
-        return
     with World(answer, name="Rover", before=[_Mover()]) as world:
         watch_publishing(world)
         finding, publisher = endpoint_on(world.ros.node, WatchedPublisher, "/Rover/turret", JointState, MADE)

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._answer import missing
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._node import WatchedPublisher
 from tutorial.checks._publish import MADE, judge_stamps, watch_publishing
@@ -83,10 +82,6 @@ class _Mover(SimpleController):
 
 def judge_thrift(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `thrift`."""
-    lacking = missing(answer, "configure", "initialize", "control")
-    if lacking:
-        yield lacking
-        return
     with World(answer, model="crane", name="Lift", before=[_Mover()]) as world:
         watch_publishing(world)
         finding, publisher = endpoint_on(world.ros.node, WatchedPublisher, "/Lift/joint_state", JointState, MADE)

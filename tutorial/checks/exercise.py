@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from tutorial.checks._answer import misfit, unwritten
+from tutorial.checks._answer import misfit, missing, unwritten
 from tutorial.checks._contain import contain
 from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
@@ -30,6 +30,7 @@ class Exercise:
         parts: the methods that are to be written.
         hints: the weakest first.
         notice: one sentence on what to notice about an answer that is right.
+        requires: those of the parts without which there is nothing to look at.
         imports: what the solution needs and the notebook has not imported, each an import statement.
     """
 
@@ -43,6 +44,7 @@ class Exercise:
         parts: Sequence[str],
         hints: Sequence[str],
         notice: str,
+        requires: Sequence[str] = (),
         imports: Sequence[str] = (),
     ) -> None:
         self.__doc__ = inspect.cleandoc(statement)
@@ -55,6 +57,7 @@ class Exercise:
         self._parts = tuple(parts)
         self._hints = tuple(hints)
         self._notice = notice
+        self._requires = tuple(requires)
         self._imports = tuple(imports)
 
     def __repr__(self) -> str:
@@ -79,7 +82,8 @@ class Exercise:
         watch.files = files_of(answer)
         watch.answer = answer
         try:
-            yield from self._judge(answer)
+            lacking = missing(answer, *self._requires)
+            yield from [lacking] if lacking else self._judge(answer)
         except Failure as failure:
             yield failure.finding()
         except TutorialError as error:
