@@ -41,6 +41,7 @@ _CAUSES = {
     "configure": "configure only makes publishers and subscriptions, and returns.",
     "aim": "aim is called once for every step and returns at once; the loop is the simulation's.",
 }
+_CLINGS = "Most likely it uses an object of the notebook: let it take what it needs from config, io or its arguments."
 _CALLBACK = "A callback only puts the message away, or posts a call, and returns: it never waits and never repeats."
 _FUNCTION = "Most likely the condition of a loop never becomes false, or it waits for something."
 
@@ -73,12 +74,8 @@ def _judge(job: Job, report: int) -> None:
     try:
         answer: Any = pickle.loads(job.answer)
     except Exception as error:  # noqa: BLE001 - unpickling runs the learner's code
-        cause = (
-            "Most likely it uses an object of the notebook: let it take what it needs from config, io or its arguments."
-        )
-        _find(
-            report, wrong(f"the answer cannot be run in a process of its own: {type(error).__name__}: {error}", cause)
-        )
+        text = f"the answer cannot be run in a process of its own: {type(error).__name__}: {error}"
+        _find(report, wrong(text, _CLINGS))
         return
     for finding in exercise.findings(answer):
         _find(report, finding)

@@ -144,20 +144,14 @@ class _Process:
         frames = _FRAME.findall(self._trace)
         place = next((Place(file, int(line), name) for file, line, name in frames if file in self._files), None)
         if self._trace.startswith("Timeout"):
-            return wrong(
-                "Python itself has come to a halt", "A call into C did not return, and let nothing else run.", place
-            )
-        if status >= 0:
-            return wrong(
-                f"the process was ended, with exit status {status}",
-                "Most likely something in it ended the whole process, as os._exit does: a controller only returns.",
-                place,
-            )
-        return wrong(
-            f"the process was ended by the signal {signal.Signals(-status).name}",
-            "Most likely something outside of Python went wrong, such as a library that was used wrongly.",
-            place,
-        )
+            text, cause = "Python itself has come to a halt", "A call into C did not return, and let nothing else run."
+        elif status >= 0:
+            text = f"the process was ended, with exit status {status}"
+            cause = "Most likely something in it ended the whole process, as os._exit does: a controller only returns."
+        else:
+            text = f"the process was ended by the signal {signal.Signals(-status).name}"
+            cause = "Most likely something outside of Python went wrong, such as a library that was used wrongly."
+        return wrong(text, cause, place)
 
 
 async def _readable(fds: Iterable[int]) -> int | None:

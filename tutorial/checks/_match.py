@@ -139,14 +139,8 @@ def _near(value: Any, wanted: float) -> bool:
 
 
 def _say(positions: Mapping[str, Any]) -> str:
-    return (
-        "{"
-        + ", ".join(
-            f"{name}: {value:g}" if isinstance(value, float) else f"{name}: {value!r}"
-            for name, value in sorted(positions.items())
-        )
-        + "}"
-    )
+    said = {name: f"{q:g}" if isinstance(q, float) else repr(q) for name, q in sorted(positions.items())}
+    return "{" + ", ".join(f"{name}: {q}" for name, q in said.items()) + "}"
 
 
 def _called(value: Any) -> str:

@@ -116,10 +116,7 @@ class WatchedNode(TappedNode):
 
     publisher_tap, subscription_tap = WatchedPublisher, WatchedSubscription
     timers_made = 0
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self.moment: Callable[[], Any] = lambda: None
-        super().__init__(*args, **kwargs)
+    moment: Callable[[], Any] = staticmethod(lambda: None)
 
     def watched(self, kind: type[Endpoint]) -> list[Endpoint]:
         """Return the learner's subscriptions or publishers, destroyed or not, in the order in which they were made."""
