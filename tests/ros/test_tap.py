@@ -266,3 +266,11 @@ def test_a_check_publishes_and_waits_for_the_callback(domain):
         thread.node.create_subscription(String, "others", lambda message: 1 / 0, 1)
         with pytest.raises(Failure, match="raised ZeroDivisionError"):
             thread.publisher_to(thread.node.watched(WatchedSubscription)[1])(String())
+
+
+def test_a_check_logs_what_is_not_the_learners_once(domain, caplog):
+    """On a real rclpy every spin fails once a subscription has destroyed itself."""
+    with CheckThread() as thread:
+        for _ in range(3):
+            thread.failed(InvalidHandle())
+    assert len(caplog.records) == 1
