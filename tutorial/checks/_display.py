@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 from tutorial.checks._desk import Desk, joint_state
 from tutorial.checks._node import WatchedSubscription
 from tutorial.checks._topics import endpoint_on, judge_leaving
-from tutorial.checks._verdict import Finding, right, wrong
+from tutorial.checks._verdict import Finding, judged, right, wrong
 from tutorial.checks._watch import Failure
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, WrongThreadError
@@ -47,10 +47,7 @@ CALL = "config.node.create_subscription(JointState, topic, self.on_joint_state, 
 def judge_show(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `show`."""
     for model, name in (("tank", "Tank"), ("crane", "Lift")):
-        all_right = True
-        for finding in judge_viewer(answer, model, name, LATER, full=model == "tank"):
-            all_right = all_right and finding.right
-            yield finding
+        all_right = yield from judged(judge_viewer(answer, model, name, LATER, full=model == "tank"))
         if not all_right:
             return
 

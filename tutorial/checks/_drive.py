@@ -13,7 +13,7 @@ from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._interleave import interleave
 from tutorial.checks._node import WatchedSubscription
 from tutorial.checks._topics import endpoint_on, judge_leaving
-from tutorial.checks._verdict import Finding, right, wrong
+from tutorial.checks._verdict import Finding, judged, right, wrong
 from tutorial.checks._watch import Failure, watch
 from tutorial.checks._world import World
 from tutorial.controller import SimpleController
@@ -106,9 +106,8 @@ def _judge_driving(
         world.advance(5)
         seen.append(tracks.speeds())
     probes = [Probe(label, speeds, _say, _want) for label, speeds in zip(STICKS, seen)]
-    verdicts = list(judge_probes(probes, predict, MISTAKES, OTHERWISE))
-    yield from verdicts
-    if all(finding.right for finding in verdicts):
+    all_right = yield from judged(judge_probes(probes, predict, MISTAKES, OTHERWISE))
+    if all_right:
         short = _judge_short_messages(world, publish, tracks)
         yield short
         if short.right:

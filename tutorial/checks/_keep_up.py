@@ -11,7 +11,7 @@ from tutorial.checks._desk import Desk, joint_state
 from tutorial.checks._display import LATEST, judge_viewer, rounded
 from tutorial.checks._interleave import interleave
 from tutorial.checks._node import WatchedSubscription
-from tutorial.checks._verdict import Finding, right, wrong
+from tutorial.checks._verdict import Finding, judged, right, wrong
 from tutorial.checks._watch import watch
 from tutorial.controller import SimpleController
 
@@ -37,18 +37,14 @@ PIECES = (
 
 def judge_keep_up(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `keep_up`."""
-    all_right = True
-    for finding in judge_viewer(answer, "tank", "Tank", LATEST, full=True):
-        all_right = all_right and finding.right
-        yield finding
+    all_right = yield from judged(judge_viewer(answer, "tank", "Tank", LATEST, full=True))
     if not all_right:
         return
     with Desk(answer, "tank", "Tank") as desk:
         subscription = desk.ros.node.watched(WatchedSubscription)[0]
         publish = desk.ros.publisher_to(subscription)
-        burst = list(_judge_burst(desk, publish, 0.0))
-        yield from burst
-        if all(finding.right for finding in burst):
+        all_right = yield from judged(list(_judge_burst(desk, publish, 0.0)))
+        if all_right:
             yield next(finding for finding in _judge_burst(desk, publish, 0.5, " again") if _last(finding))
             yield _judge_pieces(desk, subscription)
 
