@@ -18,8 +18,8 @@ import psutil
 import pytest
 from programs import PATIENCE, until
 
-from tutorial.checks import _child
-from tutorial.checks._verdict import Finding, right, wrong
+from tutorial.checks import _child, _contain
+from tutorial.checks._verdict import Finding, Place, right, wrong
 from tutorial.checks.exercise import Exercise
 from tutorial.checks.tank_controller import GentleTank, drive
 
@@ -194,6 +194,16 @@ def test_what_two_threads_tell_at_once_does_not_mix():
     assert all(len(set(finding.text)) == 2 for finding in findings)
 
 
+def test_a_finding_is_bounded_in_all_its_parts():
+    reading, writing = os.pipe()
+    long = "\udcff\x00" * 300_000
+    with os.fdopen(reading, "rb") as told, os.fdopen(writing, "wb"):
+        _child._find(writing, Finding(False, long, long, Place(long, 1, long)))
+        line = told.readline()
+    assert len(line) < _contain.CHUNK
+    assert msgspec.json.decode(line, type=Finding).place.line == 1
+
+
 NOTEBOOK = """
 import threading
 from tutorial.checks.tank_controller import GentleTank
@@ -278,6 +288,40 @@ def doze(answer):
 
 
 dozing = Exercise("dozing", "", doze, (Anything,), object, ("method",), (), "")
+
+
+def crash_in_the_middle(answer):
+    """Tell so much that the pipe is full, and crash on another thread while this one waits for it."""
+    told = [0]
+
+    def crash():
+        before = -1
+        while before != told[0]:
+            before = told[0]
+            time.sleep(0.3)
+        ctypes.string_at(0)
+
+    threading.Thread(target=crash).start()
+    while True:
+        told[0] += 1
+        yield right("ö" * 300_000)
+
+
+crashing = Exercise("crashing", "", crash_in_the_middle, (Anything,), object, ("method",), (), "")
+
+
+def test_a_crash_in_the_middle_of_a_message_ends_at_once_and_leaves_the_others_whole():
+    async def check():
+        task = asyncio.create_task(crashing._contained(Anything))
+        await asyncio.sleep(0)
+        until(children, "the process that judges")
+        until(lambda: not children(), "its end, while this loop reads nothing")
+        return await task
+
+    *told, last = asyncio.run(check()).findings
+    assert last.text == "the process was ended by the signal SIGSEGV"
+    assert {finding.text for finding in told} == {"ö" * (_child.LONGEST - 1) + "…"}
+
 
 PARENT = """
 import asyncio

@@ -32,7 +32,7 @@ class HardCoded(MyViewer):
         self.node = config.node
         super().configure(config)
         self.node.destroy_subscription(self.subscription)
-        config.node.ears.clear()
+        config.node.taps.clear()
         topic = "/Tank/joint_state"
         self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
 

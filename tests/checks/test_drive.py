@@ -246,6 +246,11 @@ class CallbackWithoutSelf(GentleTank):
         message.joy.put(message)
 
 
+class CallbackIsACoroutine(GentleTank):
+    async def on_joy(self, message):
+        self.joy.put(message)
+
+
 class ConfigureWithoutSelf(GentleTank):
     def configure(config):  # noqa: N805
         config.joy = Latest(Joy())
@@ -367,6 +372,7 @@ WRONG = [
     (OneZoneUnlessEither, "share one dead zone", "0.25 to the left"),
     (ControlWithoutSelf, "self is missing: def control(self):", "control raised TypeError"),
     (CallbackWithoutSelf, "self is missing: def on_joy(self, message):", "configure: on_joy cannot take a message"),
+    (CallbackIsACoroutine, "a plain function, def", "configure: on_joy is a coroutine function, async def"),
     (ConfigureWithoutSelf, "self is missing: def configure(self, config):", "configure raised TypeError"),
     (HelperWithoutSelf, "self is missing: def set_tracks(self, left, right):", "control raised TypeError"),
     (SetsEffort, "An Actuator has ctrl, name.", "no attribute 'effort'"),

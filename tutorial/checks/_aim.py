@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
-from tutorial.checks._answer import missing
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._verdict import Finding, wrong
 from tutorial.checks._watch import watch
@@ -16,37 +16,29 @@ __all__ = ["judge_aim"]
 RANGE = (-0.17, 0.78)  # [rad]
 
 MISTAKES = (
-    Mistake(
-        "start", "zero", "Most likely the reference begins at 0: it begins where the joint stands, joint.position."
-    ),
-    Mistake(
-        "kept", False, "Most likely the reference is not kept: it moves on from self.q_ref, not from joint.position."
-    ),
-    Mistake("sign", -1.0, "Most likely the sign of the stick is wrong: at a positive stick the reference grows."),
-    Mistake("rate", pi / 180, "Most likely the rate is converted from degrees: it is 0.002 rad per call."),
-    Mistake("rate", 180 / pi, "Most likely the rate is converted to degrees: it is 0.002 rad per call."),
-    Mistake(
-        "rate", "time", "Most likely the rate is taken per second: the reference moves by 0.002 rad at every call."
-    ),
-    Mistake("clamp", "none", "Most likely the reference runs away: it has to stay within joint.range."),
+    Mistake("start", "zero", "the reference begins at 0: it begins where the joint stands, joint.position."),
+    Mistake("kept", False, "the reference is not kept: it moves on from self.q_ref, not from joint.position."),
+    Mistake("sign", -1.0, "the sign of the stick is wrong: at a positive stick the reference grows."),
+    Mistake("rate", pi / 180, "the rate is converted from degrees: it is 0.002 rad per call."),
+    Mistake("rate", 180 / pi, "the rate is converted to degrees: it is 0.002 rad per call."),
+    Mistake("rate", "time", "the rate is taken per second: the reference moves by 0.002 rad at every call."),
+    Mistake("clamp", "none", "the reference runs away: it has to stay within joint.range."),
     Mistake(
         "clamp",
         "late",
-        "Most likely the limited reference is used but not kept, so it has to come back first: keep the limited one.",
+        "the limited reference is used but not kept, so it has to come back first: keep the limited one.",
     ),
-    Mistake("gains", (50.0, 200.0), "Most likely the two gains are exchanged: 200 for the angle, 50 for the speed."),
-    Mistake("damping", "none", "Most likely the damping is missing: + 50 * (dq_ref - dq)."),
-    Mistake("damping", "q only", "Most likely dq_ref is missing: the damping is 50 * (dq_ref - dq)."),
-    Mistake("damping", "ref only", "Most likely dq is missing: the damping is 50 * (dq_ref - dq)."),
-    Mistake("damping", "sign", "Most likely the damping has the wrong sign: + 50 * (dq_ref - dq)."),
-    Mistake(
-        "damping", "stick", "Most likely dq_ref is the stick's: at the end of the range the reference stands still."
-    ),
-    Mistake("per", "call", "Most likely the speeds are differences: divide them by time_step."),
-    Mistake("per", "1 ms", "Most likely the time step is taken to be 1 ms: use time_step."),
-    Mistake("prev", "fixed", "Most likely self.q_prev is never renewed: keep q for the next call."),
-    Mistake("ref", "fixed", "Most likely self.q_ref is never renewed: keep q_ref for the next call."),
-    Mistake("order", "late", "Most likely the torque is set for the old reference: move the reference first."),
+    Mistake("gains", (50.0, 200.0), "the two gains are exchanged: 200 for the angle, 50 for the speed."),
+    Mistake("damping", "none", "the damping is missing: + 50 * (dq_ref - dq)."),
+    Mistake("damping", "q only", "dq_ref is missing: the damping is 50 * (dq_ref - dq)."),
+    Mistake("damping", "ref only", "dq is missing: the damping is 50 * (dq_ref - dq)."),
+    Mistake("damping", "sign", "the damping has the wrong sign: + 50 * (dq_ref - dq)."),
+    Mistake("damping", "stick", "dq_ref is the stick's: at the end of the range the reference stands still."),
+    Mistake("per", "call", "the speeds are differences: divide them by time_step."),
+    Mistake("per", "1 ms", "the time step is taken to be 1 ms: use time_step."),
+    Mistake("prev", "fixed", "self.q_prev is never renewed: keep q for the next call."),
+    Mistake("ref", "fixed", "self.q_ref is never renewed: keep q_ref for the next call."),
+    Mistake("order", "late", "the torque is set for the old reference: move the reference first."),
 )
 OTHERWISE = "Compare with torque = 200 * (q_ref - q) + 50 * (dq_ref - dq)."
 POSITION = "Most likely the result is set as joint.position: a motor takes a torque, joint.effort."
@@ -135,10 +127,6 @@ class FakeJoint:
 
 def judge_aim(answer: type) -> Iterator[Finding]:
     """Look at an answer to `aim`."""
-    lacking = missing(answer, "aim")
-    if lacking:
-        yield lacking
-        return
     joints = [_play(answer, scene) for scene in SCENES]
     if any(joint.moved for joint in joints):
         yield wrong("aim sets the joint's position", POSITION)
@@ -164,61 +152,49 @@ def _say(efforts: tuple[float, ...]) -> str:
     return f"{efforts[0]:.1f} N.m".replace("-0.0", "0.0")
 
 
-def predict(
-    start: str = "position",
-    kept: bool = True,
-    sign: float = 1.0,
-    rate: float | str = 1.0,
-    clamp: str = "right",
-    gains: tuple[float, float] = (200.0, 50.0),
-    damping: str = "right",
-    per: str = "step",
-    order: str = "right",
-    prev: str = "renewed",
-    ref: str = "renewed",
-) -> Sequence[tuple[float, ...]]:
+def predict(**parts: Any) -> Sequence[tuple[float, ...]]:
     """Compute the last torque [N.m] of each of `SCENES`, right or with some mistakes."""
-    parts = (start, kept, sign, rate, clamp, gains, damping, per, order, prev, ref)
-    return [(_last_effort(scene, *parts),) for scene in SCENES]
+    return [(_Model(**parts).last_effort(scene),) for scene in SCENES]
 
 
-def _last_effort(
-    scene: Scene,
-    start: str,
-    kept: bool,
-    sign: float,
-    rate: float | str,
-    clamp: str,
-    gains: tuple[float, float],
-    damping: str,
-    per: str,
-    order: str,
-    prev: str,
-    ref: str,
-) -> float:
-    """Play one scene with a joint that is right but for the mistakes."""
-    lower, upper = RANGE
-    dt = scene.time_step
-    over = {"step": dt, "call": 1.0, "1 ms": 0.001}[per]
-    step = 0.002 * sign * (dt if rate == "time" else rate)  # type: ignore[operator]
-    q = q_prev = scene.begin
-    stored = begin = 0.0 if start == "zero" else scene.begin
-    effort = 0.0
-    for stick, speed in scene.moves():
-        q += speed * dt
-        old = stored if kept else q
-        stored = old + step * stick
-        limited = min(max(stored, lower), upper)
-        if clamp == "right":
-            stored = limited
-        used = stored if clamp == "none" else limited
-        before = old
-        if clamp == "late":
-            before = min(max(old, lower), upper)
-        dq_ref = step * stick / over if damping == "stick" else (used - before) / over
-        dq = (q - q_prev) / over
-        d = {"none": 0.0, "q only": -dq, "ref only": dq_ref, "sign": dq - dq_ref}.get(damping, dq_ref - dq)
-        effort = gains[0] * ((before if order == "late" else used) - q) + gains[1] * d
-        q_prev = q if prev == "renewed" else q_prev
-        stored = stored if ref == "renewed" else begin
-    return effort
+@dataclass(frozen=True)
+class _Model:
+    """An answer that is right but for its mistakes; without arguments it is the right one."""
+
+    start: str = "position"
+    kept: bool = True
+    sign: float = 1.0
+    rate: float | str = 1.0
+    clamp: str = "right"
+    gains: tuple[float, float] = (200.0, 50.0)
+    damping: str = "right"
+    per: str = "step"
+    order: str = "right"
+    prev: str = "renewed"
+    ref: str = "renewed"
+
+    def last_effort(self, scene: Scene) -> float:
+        """Play one scene."""
+        lower, upper = RANGE
+        dt = scene.time_step
+        over = {"step": dt, "call": 1.0, "1 ms": 0.001}[self.per]
+        step = 0.002 * self.sign * (dt if self.rate == "time" else self.rate)  # type: ignore[operator]
+        q = q_prev = scene.begin
+        stored = begin = 0.0 if self.start == "zero" else scene.begin
+        effort = 0.0
+        for stick, speed in scene.moves():
+            q += speed * dt
+            old = stored if self.kept else q
+            stored = old + step * stick
+            limited = min(max(stored, lower), upper)
+            if self.clamp == "right":
+                stored = limited
+            used = stored if self.clamp == "none" else limited
+            before = min(max(old, lower), upper) if self.clamp == "late" else old
+            dq_ref = step * stick / over if self.damping == "stick" else (used - before) / over
+            dq = (q - q_prev) / over
+            d = {"none": 0.0, "q only": -dq, "ref only": dq_ref, "sign": dq - dq_ref}.get(self.damping, dq_ref - dq)
+            effort = self.gains[0] * ((before if self.order == "late" else used) - q) + self.gains[1] * d
+            q_prev = q if self.prev == "renewed" else q_prev
+            stored = stored if self.ref == "renewed" else begin
+        return effort

@@ -1,14 +1,14 @@
-"""The process that an answer is judged in: ``python -m tutorial.checks._child FD FILE``.
+"""The process that an answer is judged in: ``python -m tutorial.checks._child PIPE JOB TRACE``, three descriptors.
 
-FILE is a descriptor, too: the job is read from it. What it finds goes to the pipe FD as lines of JSON, and ``done`` is
-the last of them. The pipe stdin stays open as long as whoever has asked lives. A watchdog looks ten times a second
-whether one of the learner's methods does not return; it counts its own looks, not seconds, so that a machine with much
-else to do is not held against the learner.
+The job is read from the file JOB. What is found goes to PIPE as lines of JSON, and ``done`` is the last of them; each
+is shorter than `tutorial.checks._contain.CHUNK`, and they are written one after the other. What Python itself has to
+say when it dies is written past every lock: it goes to the file TRACE. The pipe stdin stays open as long as whoever has
+asked lives. A watchdog looks ten times a second whether one of the learner's methods does not return; it counts its own
+looks, not seconds, so that a machine with much else to do is not held against the learner.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import faulthandler
 import importlib
 import os
@@ -23,7 +23,7 @@ from typing import Any, NoReturn
 import msgspec
 
 from tutorial.checks._contain import Job
-from tutorial.checks._verdict import Finding, cut, wrong
+from tutorial.checks._verdict import Finding, Place, cut, wrong
 from tutorial.checks._watch import watch
 from tutorial.ros.domains import reserved_domain
 
@@ -31,7 +31,7 @@ LOOK = 0.1  # [s] between two looks of the watchdog
 PATIENCE = 15  # looks that a single call may take; it should take none
 BUDGET = 25  # looks that all calls of one method may take together
 HALT = 5.0  # [s] without a look, after which the watchdog itself is held up
-LONGEST = 2000  # characters of a text that is told
+LONGEST = 2000  # characters of a text that is told, of which a finding has four; one takes up to 7 bytes
 
 _exit = os._exit
 _writing = threading.Lock()
@@ -41,23 +41,25 @@ _CAUSES = {
     "configure": "configure only makes publishers and subscriptions, and returns.",
     "aim": "aim is called once for every step and returns at once; the loop is the simulation's.",
 }
+_CLINGS = "Most likely it uses an object of the notebook: let it take what it needs from config, io or its arguments."
 _CALLBACK = "A callback only puts the message away, or posts a call, and returns: it never waits and never repeats."
 _FUNCTION = "Most likely the condition of a loop never becomes false, or it waits for something."
 
 
 def main() -> NoReturn:
     """Judge the answer, and end the process."""
-    report = int(sys.argv[1])
-    os.set_inheritable(report, False)
-    faulthandler.enable(report)
-    with open(int(sys.argv[2]), "rb") as file:  # noqa: PTH123  (it has no path)
+    report, job_file, trace = map(int, sys.argv[1:])
+    for each in (report, trace):
+        os.set_inheritable(each, False)
+    faulthandler.enable(trace)
+    with open(job_file, "rb") as file:  # noqa: PTH123  (it has no path)
         job = msgspec.json.decode(file.read(), type=Job)
     lifeline = os.dup(0)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     sys.path[:] = job.path
     watch.files = set(job.files)
     os._exit = lambda status: _end(report, status)
-    threading.Thread(target=_watchdog, args=(report, lifeline), name="watchdog", daemon=True).start()
+    threading.Thread(target=_watchdog, args=(report, trace, lifeline), name="watchdog", daemon=True).start()
     os.environ.update(ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
     os.environ.pop("ROS_STATIC_PEERS", None)
     with reserved_domain(avoid=os.environ.get("ROS_DOMAIN_ID")) as domain:
@@ -72,23 +74,19 @@ def _judge(job: Job, report: int) -> None:
     try:
         answer: Any = pickle.loads(job.answer)
     except Exception as error:  # noqa: BLE001 - unpickling runs the learner's code
-        cause = (
-            "Most likely it uses an object of the notebook: let it take what it needs from config, io or its arguments."
-        )
-        _find(
-            report, wrong(f"the answer cannot be run in a process of its own: {type(error).__name__}: {error}", cause)
-        )
+        text = f"the answer cannot be run in a process of its own: {type(error).__name__}: {error}"
+        _find(report, wrong(text, _CLINGS))
         return
     for finding in exercise.findings(answer):
         _find(report, finding)
 
 
-def _watchdog(report: int, lifeline: int) -> None:
+def _watchdog(report: int, trace: int, lifeline: int) -> None:
     """Look whether who has asked still lives, and whether a method of the learner's does not return."""
     looks: Counter[tuple[str, int]] = Counter()
     sums: Counter[str] = Counter()
     while not select.select([lifeline], [], [], LOOK)[0]:
-        faulthandler.dump_traceback_later(HALT, exit=True, file=report)
+        faulthandler.dump_traceback_later(HALT, exit=True, file=trace)
         running = dict(watch.running)
         looks = Counter({call: looks[call] + 1 for call in running.values()})
         if not watch.interleaved:
@@ -120,19 +118,21 @@ def _end(report: int, status: int) -> NoReturn:
 
 def _find(report: int, finding: Finding) -> None:
     """Tell a finding, at a length that the other end takes: a learner's exception may have a text of any length."""
-    text, cause = (_plain(cut(text, LONGEST)) for text in (finding.text, finding.cause))
-    _send(report, msgspec.json.encode(dataclasses.replace(finding, text=text, cause=cause)))
+    place = finding.place and Place(_bounded(finding.place.file), finding.place.line, _bounded(finding.place.function))
+    _send(report, msgspec.json.encode(Finding(finding.right, _bounded(finding.text), _bounded(finding.cause), place)))
 
 
-def _plain(text: str) -> str:
-    """Spell out what UTF-8 has no bytes for, such as a part of a file's name that could not be decoded."""
-    return text.encode(errors="backslashreplace").decode()
+def _bounded(text: str) -> str:
+    """Cut a text, and spell out what UTF-8 has no bytes for, such as a part of a file's name that is not decodable."""
+    return cut(text, LONGEST).encode(errors="backslashreplace").decode()
 
 
 def _send(report: int, line: bytes) -> None:
     """Write a line; the watchdog and the code that is judged do it on different threads."""
+    left = line + b"\n"
     with _writing:
-        os.write(report, line + b"\n")
+        while left:  # a signal may come in between
+            left = left[os.write(report, left) :]
 
 
 if __name__ == "__main__":

@@ -75,18 +75,20 @@ class _Process:
         home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
         self._files = set(job.files)
         self._findings: list[Finding] = []
-        self._trace: list[str] = []
+        self._trace = ""
+        self._trace_file = tempfile.TemporaryFile()  # noqa: SIM115 - closed when ``with`` ends
         self._done = False
         self.output: list[str] = []
         with tempfile.TemporaryFile() as file:  # a pipe would hold only so much, and whoever writes has to wait
             file.write(msgspec.json.encode(job))
             file.seek(0)
+            fds = [report, file.fileno(), self._trace_file.fileno()]
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-u", "-m", "tutorial.checks._child", str(report), str(file.fileno())],
+                [sys.executable, "-P", "-u", "-m", "tutorial.checks._child", *map(str, fds)],
                 stdin=subprocess.PIPE,  # its end tells the process that this one is gone
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
-                pass_fds=[report, file.fileno()],
+                pass_fds=fds,
                 start_new_session=True,
                 env={**os.environ, "PYTHONPATH": home, "PYTHONUTF8": "1"},
             )
@@ -105,6 +107,9 @@ class _Process:
                 with contextlib.suppress(BrokenPipeError):
                     stream.close()
         os.close(self._report)
+        with self._trace_file as file:
+            file.seek(0)
+            self._trace = file.read().decode(errors="replace")
 
     async def listen(self) -> None:
         """Take in what the process says until it is done, or ended, or gone silent."""
@@ -131,30 +136,22 @@ class _Process:
         for line in lines:
             if line == "done":
                 self._done = True
-            elif line.startswith("{"):
-                self._findings.append(msgspec.json.decode(line, type=Finding))
             elif line:
-                self._trace.append(line)
+                self._findings.append(msgspec.json.decode(line, type=Finding))
 
     def _bad_end(self) -> Finding:
         status = self._process.returncode
-        frames = [match.groups() for match in map(_FRAME.search, self._trace) if match]
+        frames = _FRAME.findall(self._trace)
         place = next((Place(file, int(line), name) for file, line, name in frames if file in self._files), None)
-        if any(line.startswith("Timeout") for line in self._trace):
-            return wrong(
-                "Python itself has come to a halt", "A call into C did not return, and let nothing else run.", place
-            )
-        if status >= 0:
-            return wrong(
-                f"the process was ended, with exit status {status}",
-                "Most likely something in it ended the whole process, as os._exit does: a controller only returns.",
-                place,
-            )
-        return wrong(
-            f"the process was ended by the signal {signal.Signals(-status).name}",
-            "Most likely something outside of Python went wrong, such as a library that was used wrongly.",
-            place,
-        )
+        if self._trace.startswith("Timeout"):
+            text, cause = "Python itself has come to a halt", "A call into C did not return, and let nothing else run."
+        elif status >= 0:
+            text = f"the process was ended, with exit status {status}"
+            cause = "Most likely something in it ended the whole process, as os._exit does: a controller only returns."
+        else:
+            text = f"the process was ended by the signal {signal.Signals(-status).name}"
+            cause = "Most likely something outside of Python went wrong, such as a library that was used wrongly."
+        return wrong(text, cause, place)
 
 
 async def _readable(fds: Iterable[int]) -> int | None:

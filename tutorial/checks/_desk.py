@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Hashable, Sequence
-from types import TracebackType
 from typing import Any
 
 import mujoco
@@ -12,11 +11,9 @@ import numpy as np
 from sensor_msgs.msg import JointState
 
 from tutorial.body import Body
-from tutorial.checks._node import CheckNode
-from tutorial.checks._watch import Stumble, watch
-from tutorial.checks._world import MODELS, Watched
+from tutorial.checks._watch import Failure, watch
+from tutorial.checks._world import MODELS, Stage, Watched
 from tutorial.controller import ControllerConfig, SimpleController
-from tutorial.errors import WrongThreadError
 from tutorial.handoff import CallQueue, ThreadGuard
 from tutorial.world import Placement, compose
 
@@ -28,27 +25,21 @@ class _Witness(ThreadGuard):
 
     Attributes:
         lenient: whether it does.
-        stopped: what was done on another thread than the main thread.
     """
 
-    __slots__ = ("lenient", "stopped")
+    __slots__ = ("lenient",)
 
     def __init__(self, what: str) -> None:
         super().__init__(what)
         self.lenient = False
-        self.stopped: list[str] = []
 
     def check(self, action: str) -> None:
-        """Pass on the owner's thread, and remember who else comes by."""
-        try:
+        """Pass on the owner's thread, and whoever comes by while it looks away."""
+        if not self.lenient:
             super().check(action)
-        except WrongThreadError:
-            self.stopped.append(action)
-            if not self.lenient:
-                raise
 
 
-class Desk:
+class Desk(Stage):
     """One displayed body on the main thread, and the learner's controller. Posted calls run only in `drain`.
 
     Args:
@@ -57,12 +48,9 @@ class Desk:
         name: the body's name.
 
     Attributes:
-        ros: the nodes.
         body: the displayed body.
-        learner: the learner's controller.
         guard: the body's.
-        posted: how many calls were posted with `call_later`.
-        keys: the keys of those posted with `call_latest`.
+        keys: the keys of what was posted with `call_latest`.
         uncallable: whether something else than a function was posted.
         keyless: whether `call_latest` was called without a key.
         shown: what observers of the body saw at each change: the positions, and whether the links were there.
@@ -76,32 +64,24 @@ class Desk:
         self.body.calc_forward_kinematics()
         self.body.on_change(lambda _: self.shown.append((self.positions(), self.links_follow())))
         self.learner = Watched(controller_class)
-        self.posted = 0
         self.keys: list[Hashable] = []
         self.uncallable = self.keyless = False
         self.shown: list[tuple[tuple[float, ...], bool]] = []
         self.last_call: Callable[[], None] = lambda: None
-        self._stumbles: list[Stumble] = []
-
-    def __enter__(self) -> Desk:
+        self._failures: list[Failure] = []
         self._loop = asyncio.new_event_loop()
         self._calls = CallQueue(self._loop)
-        self._scope = self._calls.scope(self.body.name)
-        self.ros = CheckNode()
-        try:
-            config = ControllerConfig(self.body, self.ros.node, self._call_later, self._call_latest)
-            self.learner.configure(config)
-        except BaseException:
-            self.__exit__(None, None, None)
-            raise
-        return self
+        self._scope = self._calls.scope(name)
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def config(self) -> ControllerConfig:
+        """Return what the controller is given."""
+        return ControllerConfig(self.body, self.ros.node, self._call_later, self._call_latest)
+
+    def close(self) -> None:
+        """End the nodes, and what was posted and has not run."""
         self._calls.close()
-        self.ros.__exit__(None, None, None)
         self._loop.close()
+        super().close()
 
     @property
     def waiting(self) -> int:
@@ -112,7 +92,7 @@ class Desk:
         """Run what was posted.
 
         Raises:
-            Stumble: one of the calls raised.
+            Failure: one of the calls raised.
         """
 
         async def turns() -> None:
@@ -120,8 +100,8 @@ class Desk:
                 await asyncio.sleep(0)
 
         self._loop.run_until_complete(turns())
-        if self._stumbles:
-            raise self._stumbles.pop(0)
+        if self._failures:
+            raise self._failures.pop(0)
 
     def positions(self) -> tuple[float, ...]:
         """Return where the joints are [rad or m], rounded."""
@@ -135,7 +115,6 @@ class Desk:
         return bool(np.allclose(data.xquat, self.body.data.xquat) and np.allclose(data.xpos, self.body.data.xpos))
 
     def _call_later(self, function: Callable[..., object], *args: object) -> None:
-        self.posted += 1
         self._post(self._scope.call_later, function, args)
 
     def _call_latest(self, key: Hashable, function: Any = None, *args: object) -> None:
@@ -154,8 +133,8 @@ class Desk:
             try:
                 with watch.call(getattr(function, "__name__", "the posted call")):
                     function(*args)
-            except Stumble as stumble:
-                self._stumbles.append(stumble)
+            except Failure as failure:
+                self._failures.append(failure)
 
         self.last_call = run
         post(run)

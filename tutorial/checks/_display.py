@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._answer import missing
 from tutorial.checks._desk import Desk, joint_state
-from tutorial.checks._topics import ear_on, judge_leaving
-from tutorial.checks._verdict import Finding, right, wrong
-from tutorial.checks._watch import Stumble
+from tutorial.checks._node import WatchedSubscription
+from tutorial.checks._topics import endpoint_on, judge_leaving
+from tutorial.checks._verdict import Finding, judged, right, wrong
+from tutorial.checks._watch import Failure
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, WrongThreadError
 
@@ -47,10 +47,7 @@ CALL = "config.node.create_subscription(JointState, topic, self.on_joint_state, 
 def judge_show(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `show`."""
     for model, name in (("tank", "Tank"), ("crane", "Lift")):
-        all_right = True
-        for finding in judge_viewer(answer, model, name, LATER, full=model == "tank"):
-            all_right = all_right and finding.right
-            yield finding
+        all_right = yield from judged(judge_viewer(answer, model, name, LATER, full=model == "tank"))
         if not all_right:
             return
 
@@ -65,22 +62,19 @@ def judge_viewer(answer: type[SimpleController], model: str, name: str, post: st
         post: how a message is posted.
         full: whether to say everything, and to look at `unconfigure`; otherwise one line sums it up.
     """
-    lacking = missing(answer, "configure")
-    if lacking:
-        yield lacking
-        return
     with Desk(answer, model, name) as desk:
-        finding, ear = ear_on(desk.ros.node, f"/{name}/joint_state", JointState, CALL)
+        topic = f"/{name}/joint_state"
+        finding, subscription = endpoint_on(desk.ros.node, WatchedSubscription, topic, JointState, CALL)
         yield finding
-        if ear is None:
+        if subscription is None:
             return
-        speak = desk.ros.speaker(ear)
-        moved = list(_judge_motion(desk, speak, post))
+        publish = desk.ros.publisher_to(subscription)
+        moved = list(_judge_motion(desk, publish, post))
         yield from moved if full else [_summary(desk, finding) for finding in moved[-1:]]
         if not all(finding.right for finding in moved):
             return
         if full:
-            yield judge_leaving(answer, desk.learner.unconfigure, ear)
+            yield judge_leaving(answer, desk.learner.unconfigure, subscription)
 
 
 def _summary(desk: Desk, finding: Finding) -> Finding:
@@ -89,11 +83,11 @@ def _summary(desk: Desk, finding: Finding) -> Finding:
     return right(f"it shows {desk.body.name}, too, with the joints {names}") if finding.right else finding
 
 
-def _judge_motion(desk: Desk, speak: Callable[[JointState], None], post: str) -> Iterator[Finding]:
+def _judge_motion(desk: Desk, publish: Callable[[JointState], None], post: str) -> Iterator[Finding]:
     names = desk.body.joint_names
     wanted = tuple(0.1 * (i + 1) for i in range(len(names)))
     message = joint_state(names[::-1], wanted[::-1], 1)
-    thread = _judge_thread(desk, speak, message, post)
+    thread = _judge_thread(desk, publish, message, post)
     yield thread
     if not thread.right:
         return
@@ -108,45 +102,45 @@ def _judge_motion(desk: Desk, speak: Callable[[JointState], None], post: str) ->
         yield wrong("a message comes, and the joints stay where they are", NOT_MOVED)
         return
     yield from _judge_news(desk)
-    yield _judge_part(desk, speak, wanted)
-    yield _judge_unknown(desk, speak)
+    yield _judge_part(desk, publish, wanted)
+    yield _judge_unknown(desk, publish)
 
 
-def _judge_thread(desk: Desk, speak: Callable[[JointState], None], message: JointState, post: str) -> Finding:
+def _judge_thread(desk: Desk, publish: Callable[[JointState], None], message: JointState, post: str) -> Finding:
     """Look whether the callback only posts, and why not."""
     text = "the body is touched on the executor's thread"
     try:
-        speak(message)
-    except Stumble as stumble:
-        if not isinstance(stumble.error, WrongThreadError):
-            return stumble.finding()
+        publish(message)
+    except Failure as failure:
+        if not isinstance(failure.error, WrongThreadError):
+            return failure.finding()
         desk.guard.lenient = True
         try:
-            speak(message)
-        except Stumble:
-            return wrong(text, DIRECT.format(post=post), stumble.place)
-        return wrong(text, (AT_ONCE if desk.uncallable else DIRECT).format(post=post), stumble.place)
-    return _judge_posting(desk, speak, message, post)
+            publish(message)
+        except Failure:
+            return wrong(text, DIRECT.format(post=post), failure.place)
+        return wrong(text, (AT_ONCE if desk.uncallable else DIRECT).format(post=post), failure.place)
+    return _judge_posting(desk, publish, message, post)
 
 
-def _judge_posting(desk: Desk, speak: Callable[[JointState], None], message: JointState, post: str) -> Finding:
+def _judge_posting(desk: Desk, publish: Callable[[JointState], None], message: JointState, post: str) -> Finding:
     """Look what the callback has posted."""
     if desk.keyless:
         return wrong("call_latest is called without a key", NO_KEY)
     if desk.uncallable:
         return wrong("something else than a function is posted", AT_ONCE.format(post=post))
     if not desk.waiting:
-        cause = THROTTLED if _posts_later(desk, speak, message) else NOT_POSTED.format(post=post)
+        cause = THROTTLED if _happens_later(publish, message, lambda: desk.waiting) else NOT_POSTED.format(post=post)
         return wrong("a message comes, and nothing is posted to the main thread", cause)
     return right("the callback posts, and leaves the body alone")
 
 
-def _posts_later(desk: Desk, speak: Callable[[JointState], None], message: JointState) -> bool:
-    """Look whether a message that comes a little later, or is one of the next, is posted."""
+def _happens_later(publish: Callable[[JointState], None], message: JointState, happened: Callable[[], object]) -> bool:
+    """Look whether something happens when a message comes again, a little later."""
     for _ in range(TRIES):
         time.sleep(PAUSE)
-        speak(message)
-        if desk.waiting:
+        publish(message)
+        if happened():
             return True
     return False
 
@@ -165,59 +159,53 @@ def _judge_news(desk: Desk) -> Iterator[Finding]:
         yield right("observers are told when everything is in its place")
 
 
-def _judge_part(desk: Desk, speak: Callable[[JointState], None], before: tuple[float, ...]) -> Finding:
+def _judge_part(desk: Desk, publish: Callable[[JointState], None], before: tuple[float, ...]) -> Finding:
     names = desk.body.joint_names
     when = f"a message with only {names[-1]}"
     wanted = rounded((*before[:-1], 0.05))
     message = joint_state(names[-1:], [0.05], 2)
     try:
-        speak(message)
+        publish(message)
         posted = desk.waiting
         desk.drain()
-    except Stumble as stumble:
-        return stumble.finding(BY_INDEX if isinstance(stumble.error, IndexError) else None, when)
+    except Failure as failure:
+        return failure.finding(BY_INDEX if isinstance(failure.error, IndexError) else None, when)
     if desk.positions() == wanted:
         return right(f"{when}: the others stay where they are")
     if desk.positions() == rounded(before):
         text = f"{when}: {'nothing moves' if posted else 'nothing is posted'}"
-        late = _shown_later(desk, speak, message, wanted)
-        return wrong(text, THROTTLED if late or not _shows_all(desk, speak, before) else ONLY_WHOLE)
+        late = _happens_later(publish, message, lambda: _shows(desk, wanted))
+        return wrong(text, THROTTLED if late or not _shows_all(desk, publish, before) else ONLY_WHOLE)
     moved = desk.positions()[0] == 0.05
     return wrong(f"{when}: another one moves", BY_INDEX if moved else INVENTED)
 
 
-def _shown_later(desk: Desk, speak: Callable[[JointState], None], message: JointState, wanted: Sequence[float]) -> bool:
-    """Look whether a message that was not shown is shown when it comes again, a little later."""
-    for _ in range(TRIES):
-        time.sleep(PAUSE)
-        speak(message)
-        desk.drain()
-        if desk.positions() == tuple(wanted):
-            return True
-    return False
+def _shows(desk: Desk, positions: tuple[float, ...]) -> bool:
+    """Run what was posted, and look whether the joints are there then [rad or m]."""
+    desk.drain()
+    return desk.positions() == positions
 
 
-def _shows_all(desk: Desk, speak: Callable[[JointState], None], before: tuple[float, ...]) -> bool:
+def _shows_all(desk: Desk, publish: Callable[[JointState], None], before: tuple[float, ...]) -> bool:
     """Look whether a message with all joints is shown."""
     other = tuple(position + 0.01 for position in before)
-    speak(joint_state(desk.body.joint_names, other, 2))
-    desk.drain()
-    return desk.positions() == rounded(other)
+    publish(joint_state(desk.body.joint_names, other, 2))
+    return _shows(desk, rounded(other))
 
 
-def _judge_unknown(desk: Desk, speak: Callable[[JointState], None]) -> Finding:
+def _judge_unknown(desk: Desk, publish: Callable[[JointState], None]) -> Finding:
     when = "a message with the unknown name ANTENNA"
     message = joint_state(["ANTENNA", desk.body.joint_names[0]], [1.0, 0.2], 3)
     wanted = (0.2, *desk.positions()[1:])
     try:
-        speak(message)
+        publish(message)
         posted = desk.waiting
         desk.drain()
         if desk.positions()[0] == 0.2:
             return right(f"{when}: it is left out, and the rest is shown")
-        late = _shown_later(desk, speak, message, wanted)
-    except Stumble as stumble:
-        return stumble.finding(UNKNOWN if isinstance(stumble.error, (LookupError, TutorialError)) else None, when)
+        late = _happens_later(publish, message, lambda: _shows(desk, wanted))
+    except Failure as failure:
+        return failure.finding(UNKNOWN if isinstance(failure.error, (LookupError, TutorialError)) else None, when)
     text = "the rest of it is not shown" if posted else "nothing is posted"
     return wrong(f"{when}: {text}", THROTTLED if late else UNKNOWN)
 

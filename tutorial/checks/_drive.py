@@ -11,10 +11,10 @@ from tutorial.checks._answer import missing
 from tutorial.checks._diagnose import owner_of, sentence, sets
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._interleave import interleave
-from tutorial.checks._node import Ear
-from tutorial.checks._topics import ear_on, judge_leaving
-from tutorial.checks._verdict import Finding, right, wrong
-from tutorial.checks._watch import Stumble, watch
+from tutorial.checks._node import WatchedSubscription
+from tutorial.checks._topics import endpoint_on, judge_leaving
+from tutorial.checks._verdict import Finding, judged, right, wrong
+from tutorial.checks._watch import Failure, watch
 from tutorial.checks._world import World
 from tutorial.controller import SimpleController
 
@@ -32,30 +32,28 @@ STICKS = {
 }
 """What is tried, as (left x, left y, right x, right y)."""
 
-ONE_ZONE = "Most likely the two axes share one dead zone: it holds for each axis for itself."
+ONE_ZONE = "the two axes share one dead zone: it holds for each axis for itself."
 MISTAKES = (
-    Mistake("axes", (2, 3), "Most likely it reads the right stick: the left one is axes[0] and axes[1]."),
-    Mistake("axes", (1, 0), "Most likely the two axes are exchanged: axes[0] is x, to the left, axes[1] is y, ahead."),
-    Mistake("only", 0, "Most likely the right track is forgotten: set the ctrl of TRACK_R, too."),
-    Mistake("only", 1, "Most likely the left track is forgotten: set the ctrl of TRACK_L, too."),
-    Mistake(
-        "ahead", -1.0, "Most likely the sign of left_y is wrong: forward is positive, for the stick and the tracks."
-    ),
-    Mistake("gains", (2.0, 1.0), "Most likely these are the numbers of TankController; here they are 1.0 and 0.5."),
-    Mistake("gains", (1.0, 1.0), "Most likely left_x counts in full: it counts half, 0.5 * left_x."),
+    Mistake("axes", (2, 3), "it reads the right stick: the left one is axes[0] and axes[1]."),
+    Mistake("axes", (1, 0), "the two axes are exchanged: axes[0] is x, to the left, axes[1] is y, ahead."),
+    Mistake("only", 0, "the right track is forgotten: set the ctrl of TRACK_R, too."),
+    Mistake("only", 1, "the left track is forgotten: set the ctrl of TRACK_L, too."),
+    Mistake("ahead", -1.0, "the sign of left_y is wrong: forward is positive, for the stick and the tracks."),
+    Mistake("gains", (2.0, 1.0), "these are the numbers of TankController; here they are 1.0 and 0.5."),
+    Mistake("gains", (1.0, 1.0), "left_x counts in full: it counts half, 0.5 * left_x."),
     Mistake(
         "gains",
         (1.0, -0.5),
-        "Most likely left and right are exchanged: to the left, the left track slows down and the right one speeds up.",
+        "left and right are exchanged: to the left, the left track slows down and the right one speeds up.",
     ),
-    Mistake("dead", "none", "Most likely the dead zone is missing: an axis within 0.3 of the middle counts as 0."),
-    Mistake("dead", "narrow", "Most likely the dead zone is that of TankController, 0.2; here it is 0.3."),
+    Mistake("dead", "none", "the dead zone is missing: an axis within 0.3 of the middle counts as 0."),
+    Mistake("dead", "narrow", "the dead zone is that of TankController, 0.2; here it is 0.3."),
     Mistake("dead", "or", ONE_ZONE),
     Mistake("dead", "and", ONE_ZONE),
-    Mistake("dead", "y", "Most likely left_x has no dead zone: both axes have one."),
-    Mistake("dead", "x", "Most likely left_y has no dead zone: both axes have one."),
-    Mistake("dead", "rescaled", "Most likely the dead zone is taken off: outside of it an axis counts as it is."),
-    Mistake("rest", "kept", "Most likely nothing is set at rest, so the last speed stays: set 0 then."),
+    Mistake("dead", "y", "left_x has no dead zone: both axes have one."),
+    Mistake("dead", "x", "left_y has no dead zone: both axes have one."),
+    Mistake("dead", "rescaled", "the dead zone is taken off: outside of it an axis counts as it is."),
+    Mistake("rest", "kept", "nothing is set at rest, so the last speed stays: set 0 then."),
 )
 OTHERWISE = "Compare with left: 1.0 * left_y - 0.5 * left_x, right: 1.0 * left_y + 0.5 * left_x."
 IN_CALLBACK = (
@@ -75,28 +73,26 @@ READ_TWICE = (
 
 def judge_drive(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `drive`."""
-    lacking = missing(answer, "configure", "initialize")
-    if lacking:
-        yield lacking
-        return
     with World(answer) as world:
         call = 'config.node.create_subscription(Joy, "joy", self.on_joy, 1)'
-        finding, ear = ear_on(world.ros.node, "/joy", Joy, call)
+        finding, subscription = endpoint_on(world.ros.node, WatchedSubscription, "/joy", Joy, call)
         yield finding
-        if ear is not None:
-            yield from _judge_driving(answer, world, ear)
-            yield judge_leaving(answer, world.leave, ear)
+        if subscription is not None:
+            yield from _judge_driving(answer, world, subscription)
+            yield judge_leaving(answer, world.leave, subscription)
 
 
-def _judge_driving(answer: type[SimpleController], world: World, ear: Ear) -> Iterator[Finding]:
+def _judge_driving(
+    answer: type[SimpleController], world: World, subscription: WatchedSubscription
+) -> Iterator[Finding]:
     tracks = _Tracks(world)
-    speak = world.ros.speaker(ear)
+    publish = world.ros.publisher_to(subscription)
     try:
         world.advance()
-    except Stumble as stumble:
-        yield stumble.finding(_cause(stumble.error, answer, ear.callback), "before the first message")
+    except Failure as failure:
+        yield failure.finding(_cause(failure.error, answer, subscription.callback), "before the first message")
         return
-    speak(Joy(axes=[0.0, 1.0, 0.0, 0.0]))
+    publish(Joy(axes=[0.0, 1.0, 0.0, 0.0]))
     if tracks.speeds() != (0.0, 0.0):
         yield wrong("the tracks change while control is not running", IN_CALLBACK)
         return
@@ -106,17 +102,16 @@ def _judge_driving(answer: type[SimpleController], world: World, ear: Ear) -> It
         return
     seen = []
     for axes in STICKS.values():
-        speak(Joy(axes=axes))
+        publish(Joy(axes=axes))
         world.advance(5)
         seen.append(tracks.speeds())
     probes = [Probe(label, speeds, _say, _want) for label, speeds in zip(STICKS, seen)]
-    verdicts = list(judge_probes(probes, predict, MISTAKES, OTHERWISE))
-    yield from verdicts
-    if all(finding.right for finding in verdicts):
-        short = _judge_short_messages(world, speak, tracks)
+    all_right = yield from judged(judge_probes(probes, predict, MISTAKES, OTHERWISE))
+    if all_right:
+        short = _judge_short_messages(world, publish, tracks)
         yield short
         if short.right:
-            yield _judge_halves(world, ear, tracks)
+            yield _judge_halves(world, subscription, tracks)
     others = [name for name in ("TURRET_Y", "TURRET_P") if world.body.actuator(name).ctrl]
     if others:
         yield wrong(f"it also commands {' and '.join(others)}", "GentleTank drives only TRACK_L and TRACK_R.")
@@ -133,11 +128,11 @@ class _Tracks:
         return tuple(track.ctrl for track in self._tracks)
 
 
-def _judge_short_messages(world: World, speak: Callable[[Joy], None], tracks: _Tracks) -> Finding:
+def _judge_short_messages(world: World, publish: Callable[[Joy], None], tracks: _Tracks) -> Finding:
     """Look whether an axis that a message lacks does what a 0 does."""
 
     def speeds(*axes: float) -> tuple[float, ...]:
-        speak(Joy(axes=axes))
+        publish(Joy(axes=axes))
         world.advance()
         return tracks.speeds()
 
@@ -150,23 +145,23 @@ def _judge_short_messages(world: World, speak: Callable[[Joy], None], tracks: _T
             seen = speeds(*axes)
             if seen != wanted:
                 return wrong(f"a message with {count} axes: {_say(seen)}; expected: {_want(wanted)}", FEW_AXES)
-    except Stumble as stumble:
-        cause = FEW_AXES if isinstance(stumble.error, (IndexError, ValueError)) else None
-        return stumble.finding(cause, f"a message with {count} axes")
+    except Failure as failure:
+        cause = FEW_AXES if isinstance(failure.error, (IndexError, ValueError)) else None
+        return failure.finding(cause, f"a message with {count} axes")
     return right("a message with fewer axes: those that it lacks count as 0")
 
 
-def _judge_halves(world: World, ear: Ear, tracks: _Tracks) -> Finding:
+def _judge_halves(world: World, subscription: WatchedSubscription, tracks: _Tracks) -> Finding:
     """Look whether control ever sees half of a message, in whatever order the two threads run."""
     when = "a message that comes while control runs"
     try:
-        cause = _half_message(world, ear, tracks)
-    except Stumble as stumble:
-        return stumble.finding(PIECEWISE, when)
+        cause = _half_message(world, subscription, tracks)
+    except Failure as failure:
+        return failure.finding(PIECEWISE, when)
     return wrong(f"{when}: half of it is used", cause) if cause else right(f"{when} is used as a whole, or not yet")
 
 
-def _half_message(world: World, ear: Ear, tracks: _Tracks) -> str:
+def _half_message(world: World, subscription: WatchedSubscription, tracks: _Tracks) -> str:
     """Try all orders of a message and a step, and return the likeliest cause if one of them goes wrong."""
     rest, both = (Joy(axes=[x, y, 0.0, 0.0]) for x, y in ((0.0, 0.0), (1.0, 1.0)))
     whole = ((0.0, 0.0), (0.5, 1.5))
@@ -177,13 +172,13 @@ def _half_message(world: World, ear: Ear, tracks: _Tracks) -> str:
         seen.append(tracks.speeds())
 
     for message in (rest, both):  # Python 3.13 stops between instructions only in code that was traced before
-        interleave(partial(ear.hear, message), watch.files, control, None)
+        interleave(partial(subscription.call_back, message), watch.files, control, None)
     if any(speeds not in whole for speeds in seen):
         return PIECEWISE
     at, more = 0, True
     while more:
-        ear.hear(rest)
-        more = interleave(control, watch.files, partial(ear.hear, both), at)
+        subscription.call_back(rest)
+        more = interleave(control, watch.files, partial(subscription.call_back, both), at)
         at += 1
     return READ_TWICE if any(speeds not in whole for speeds in seen) else ""
 
@@ -231,17 +226,16 @@ def _dead_zone(x: float, y: float, kind: str) -> tuple[float, float]:
 
 
 def _say(speeds: tuple[float, ...]) -> str:
-    left, right = map(_number, speeds)
-    if left == right:
-        return "both tracks stand still" if left == "0" else f"both tracks run at {left} m/s"
-    return f"the tracks run at {left} and {right} m/s"
+    return _in_words(speeds, "both tracks stand still", "both tracks run at {} m/s", "the tracks run at {} and {} m/s")
 
 
 def _want(speeds: tuple[float, ...]) -> str:
+    return _in_words(speeds, "both stand still", "both at {} m/s", "{} and {} m/s")
+
+
+def _in_words(speeds: tuple[float, ...], still: str, alike: str, apart: str) -> str:
     left, right = map(_number, speeds)
-    if left == right:
-        return "both stand still" if left == "0" else f"both at {left} m/s"
-    return f"{left} and {right} m/s"
+    return (apart if left != right else still if left == "0" else alike).format(left, right)
 
 
 def _number(speed: float) -> str:

@@ -22,7 +22,7 @@ class Mistake:
     Attributes:
         part: which part of the model it changes.
         value: what it changes that to.
-        cause: the sentence that names it.
+        cause: what names it, after the words "Most likely".
     """
 
     part: str
@@ -104,7 +104,7 @@ def _first_shown(
         shows = [i for i in wrong_ones if i not in causes]
         best = next((i for i in shows if not _same(alone[i], expected[i])), shows[0] if shows else None)
         if best is not None:
-            causes[best] = mistake.cause
+            causes[best] = f"Most likely {mistake.cause}"
     return causes
 
 

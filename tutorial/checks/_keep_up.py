@@ -10,8 +10,8 @@ from sensor_msgs.msg import JointState
 from tutorial.checks._desk import Desk, joint_state
 from tutorial.checks._display import LATEST, judge_viewer, rounded
 from tutorial.checks._interleave import interleave
-from tutorial.checks._node import Ear
-from tutorial.checks._verdict import Finding, right, wrong
+from tutorial.checks._node import WatchedSubscription
+from tutorial.checks._verdict import Finding, judged, right, wrong
 from tutorial.checks._watch import watch
 from tutorial.controller import SimpleController
 
@@ -37,32 +37,28 @@ PIECES = (
 
 def judge_keep_up(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `keep_up`."""
-    all_right = True
-    for finding in judge_viewer(answer, "tank", "Tank", LATEST, full=True):
-        all_right = all_right and finding.right
-        yield finding
+    all_right = yield from judged(judge_viewer(answer, "tank", "Tank", LATEST, full=True))
     if not all_right:
         return
     with Desk(answer, "tank", "Tank") as desk:
-        ear = desk.ros.node.ears[0]
-        speak = desk.ros.speaker(ear)
-        burst = list(_judge_burst(desk, speak, 0.0))
-        yield from burst
-        if all(finding.right for finding in burst):
-            yield next(finding for finding in _judge_burst(desk, speak, 0.5, " again") if _last(finding))
-            yield _judge_pieces(desk, ear)
+        subscription = desk.ros.node.watched(WatchedSubscription)[0]
+        publish = desk.ros.publisher_to(subscription)
+        all_right = yield from judged(list(_judge_burst(desk, publish, 0.0)))
+        if all_right:
+            yield next(finding for finding in _judge_burst(desk, publish, 0.5, " again") if _last(finding))
+            yield _judge_pieces(desk, subscription)
 
 
 def _last(finding: Finding) -> bool:
     return not finding.right or "newest" in finding.text
 
 
-def _judge_burst(desk: Desk, speak: Callable[[JointState], None], begin: float, again: str = "") -> Iterator[Finding]:
+def _judge_burst(desk: Desk, publish: Callable[[JointState], None], begin: float, again: str = "") -> Iterator[Finding]:
     """Let many messages come while the main thread is busy."""
     names = desk.body.joint_names
     poses = [tuple(begin + 0.001 * (i + k) for k in range(len(names))) for i in range(1, BURST + 1)]
     for i, pose in enumerate(poses):
-        speak(joint_state(names, pose, 100 + round(1000 * begin) + i))
+        publish(joint_state(names, pose, 100 + round(1000 * begin) + i))
     waiting = desk.waiting
     desk.shown.clear()
     desk.drain()
@@ -75,31 +71,31 @@ def _judge_burst(desk: Desk, speak: Callable[[JointState], None], begin: float, 
         yield right(f"{when}: the newest is shown")
     else:
         first = desk.positions() == rounded(poses[0])
-        speak(joint_state(names, poses[-1], 200 + round(1000 * begin)))
+        publish(joint_state(names, poses[-1], 200 + round(1000 * begin)))
         desk.drain()
         again_right = desk.positions() == rounded(poses[-1])
         yield wrong(f"{when}: the last one is not shown", FIRST if first and again_right else LOST)
 
 
-def _judge_pieces(desk: Desk, ear: Ear) -> Finding:
+def _judge_pieces(desk: Desk, subscription: WatchedSubscription) -> Finding:
     """Look whether the main thread ever shows half of a message, in whatever order the two threads run."""
     names = desk.body.joint_names
     old, new = ((value,) * len(names) for value in (0.3, 0.4))
     desk.guard.lenient = True
     first, second = (joint_state(names, pose, 1000 + i) for i, pose in enumerate((old, new)))
     whole = {rounded(old), rounded(new)}
-    ear.hear(first)
+    subscription.call_back(first)
     desk.drain()
     desk.shown.clear()
-    ear.hear(first)
+    subscription.call_back(first)
     update = desk.last_call
     for message in (first, second):  # Python 3.13 stops between instructions only in code that was traced before
-        interleave(partial(ear.hear, message), watch.files, update, None)
+        interleave(partial(subscription.call_back, message), watch.files, update, None)
     at, more = 0, True
     while more:
         desk.drain()
-        ear.hear(first)
-        more = interleave(desk.last_call, watch.files, partial(ear.hear, second), at)
+        subscription.call_back(first)
+        more = interleave(desk.last_call, watch.files, partial(subscription.call_back, second), at)
         at += 1
     desk.drain()
     if all(positions in whole for positions, _ in desk.shown):

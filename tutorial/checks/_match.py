@@ -10,7 +10,7 @@ from typing import Any
 from sensor_msgs.msg import JointState
 
 from tutorial.checks._verdict import Finding, right, wrong
-from tutorial.checks._watch import Stumble, watch
+from tutorial.checks._watch import Failure, watch
 
 __all__ = ["judge_match"]
 
@@ -63,12 +63,7 @@ CASES = (
         "all joints, in order", BODY, (0.1, 0.2, 0.3), dict(zip(BODY, (0.1, 0.2, 0.3))), _zeros(WRONG_ORDER), NO_SUBSET
     ),
     _Case(
-        "another order",
-        BODY[::-1],
-        (0.3, 0.2, 0.1),
-        dict(zip(BODY, (0.1, 0.2, 0.3))),
-        _zeros(WRONG_ORDER),
-        WRONG_ORDER,
+        "another order", BODY[::-1], (0.3, 0.2, 0.1), dict(zip(BODY, (0.1, 0.2, 0.3))), _zeros(WRONG_ORDER), WRONG_ORDER
     ),
     _Case(
         "only HATCH",
@@ -87,12 +82,7 @@ CASES = (
         UNKNOWN_CRASH,
     ),
     _Case(
-        "3 names, 2 positions",
-        BODY,
-        (0.1, 0.2),
-        {"TURRET_Y": 0.1, "TURRET_P": 0.2},
-        _zeros(SHORT_DROPPED),
-        SHORT_CRASH,
+        "3 names, 2 positions", BODY, (0.1, 0.2), {"TURRET_Y": 0.1, "TURRET_P": 0.2}, _zeros(SHORT_DROPPED), SHORT_CRASH
     ),
     _Case("no positions", BODY, (), {}, _zeros(EMPTY), EMPTY),
     _Case(
@@ -122,9 +112,9 @@ def judge_match(answer: Callable[[Sequence[str], JointState], Any]) -> Iterator[
         try:
             with watch.call(answer.__name__):
                 given = answer(BODY, message)
-        except Stumble as stumble:
-            known = isinstance(stumble.error, (LookupError, ValueError))
-            yield stumble.finding(case.crash if known else None, case.label)
+        except Failure as failure:
+            known = isinstance(failure.error, (LookupError, ValueError))
+            yield failure.finding(case.crash if known else None, case.label)
             continue
         changed = changed or list(message.name) != list(case.names) or len(message.position) != len(case.positions)
         if not isinstance(given, dict):
@@ -149,14 +139,8 @@ def _near(value: Any, wanted: float) -> bool:
 
 
 def _say(positions: Mapping[str, Any]) -> str:
-    return (
-        "{"
-        + ", ".join(
-            f"{name}: {value:g}" if isinstance(value, float) else f"{name}: {value!r}"
-            for name, value in sorted(positions.items())
-        )
-        + "}"
-    )
+    said = {name: f"{q:g}" if isinstance(q, float) else repr(q) for name, q in sorted(positions.items())}
+    return "{" + ", ".join(f"{name}: {q}" for name, q in said.items()) + "}"
 
 
 def _called(value: Any) -> str:

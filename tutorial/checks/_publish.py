@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import degrees
@@ -10,11 +10,10 @@ from typing import Any
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._answer import missing
-from tutorial.checks._node import Mouth
-from tutorial.checks._topics import judge_leaving, mouth_on
+from tutorial.checks._node import WatchedPublisher
+from tutorial.checks._topics import endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
-from tutorial.checks._watch import Stumble
+from tutorial.checks._watch import Failure
 from tutorial.checks._world import World
 from tutorial.controller import ControllerIO, SimpleController
 from tutorial.errors import TutorialError
@@ -84,70 +83,66 @@ def watch_publishing(world: World) -> None:
         joints = {joint.name: {field: getattr(joint, field) for field in UNITS} for joint in world.body.joints}
         return Moment(io.step if io else 0, io.time_ns if io else 0, joints)
 
-    world.ros.node.on_publish = moment
+    world.ros.node.moment = moment
 
 
 def judge_publish(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `publish`."""
-    lacking = missing(answer, "configure", "initialize", "control")
-    if lacking:
-        yield lacking
-        return
     with World(answer, name="Rover", before=[_Mover()]) as world:
         watch_publishing(world)
-        finding, mouth = mouth_on(world.ros.node, "/Rover/turret", JointState, MADE)
+        finding, publisher = endpoint_on(world.ros.node, WatchedPublisher, "/Rover/turret", JointState, MADE)
         yield finding
-        if mouth is None:
+        if publisher is None:
             return
         world.advance(400)
         if world.ros.node.timers_made:
             yield wrong("messages come from a timer", TIMER)
             return
-        findings = [_judge_rate(mouth, 0.001), *(_judge_messages(mouth.sent, NAMES) if mouth.sent else ())]
+        findings = [_judge_rate(publisher, 0.001), *(_judge_messages(publisher.sent, NAMES) if publisher.sent else ())]
         yield from findings
-        if mouth.sent:
-            yield from _judge_step(answer, mouth, findings[0])
+        if publisher.sent:
+            yield from _judge_step(answer, publisher, findings[0])
         if all(finding.right for finding in findings):
             yield from _judge_crane(answer)
-        yield judge_leaving(answer, world.leave, mouth)
+        yield judge_leaving(answer, world.leave, publisher)
 
 
-def _judge_rate(mouth: Mouth, time_step: float) -> Finding:
-    if len(mouth.sent) < 2:
-        return wrong(f"in 0.4 s, {('no message', '1 message')[len(mouth.sent)]} was sent", NOTHING)
-    steps = _steps(mouth)
+def _judge_rate(publisher: WatchedPublisher, time_step: float) -> Finding:
+    if len(publisher.sent) < 2:
+        return wrong(f"in 0.4 s, {('no message', '1 message')[len(publisher.sent)]} was sent", NOTHING)
+    steps = _steps(publisher)
     periods = [b - a for a, b in pairwise(steps)]
     wanted = round(1 / (RATE * time_step))
-    said = f"it publishes {_per_second(mouth, time_step)} times per simulated second"
+    said = f"it publishes {_per_second(publisher, time_step)} times per simulated second"
     if all(abs(period - wanted) <= 1 for period in periods):
         return right(f"{said}, with steps of {time_step * 1000:g} ms")
     causes = {1: EVERY_STEP, wanted // 2: OLD_RATE}
     return wrong(f"{said}, not {RATE}", causes.get(periods[0], PERIOD))
 
 
-def _judge_step(answer: type[SimpleController], usual: Mouth, rate: Finding) -> Iterator[Finding]:
+def _judge_step(answer: type[SimpleController], usual: WatchedPublisher, rate: Finding) -> Iterator[Finding]:
     """Look whether the rate is the same with another time step, be it the right one or not."""
     with World(answer, name="Rover", time_step=0.002) as world:
         watch_publishing(world)
         world.advance(200)
-        mouth = world.ros.node.mouths[0]
-    finding = _judge_rate(mouth, 0.002)
+        publisher = world.ros.node.watched(WatchedPublisher)[0]
+    finding = _judge_rate(publisher, 0.002)
     if finding.right and rate.right:
         yield finding
     elif rate.right:
         yield wrong(f"with steps of 2 ms, {finding.text}", FIXED_STEPS)
-    elif min(len(usual.sent), len(mouth.sent)) > 1 and _steps(usual)[1] - _steps(usual)[0] > 1:
-        before, after = _per_second(usual, 0.001), _per_second(mouth, 0.002)
+    elif min(len(usual.sent), len(publisher.sent)) > 1 and _steps(usual)[1] - _steps(usual)[0] > 1:
+        before, after = _per_second(usual, 0.001), _per_second(publisher, 0.002)
         if abs(after - before) > 0.25 * before:
             yield wrong(f"with steps of 2 ms, it publishes {after} times per simulated second", FIXED_STEPS)
 
 
-def _steps(mouth: Mouth) -> list[int]:
-    return [moment.step for _, moment in mouth.sent]
+def _steps(publisher: WatchedPublisher) -> list[int]:
+    return [moment.step for _, moment in publisher.sent]
 
 
-def _per_second(mouth: Mouth, time_step: float) -> int:
-    steps = _steps(mouth)
+def _per_second(publisher: WatchedPublisher, time_step: float) -> int:
+    steps = _steps(publisher)
     return round((len(steps) - 1) / ((steps[-1] - steps[0] or 1) * time_step))
 
 
@@ -159,9 +154,9 @@ def _judge_crane(answer: type[SimpleController]) -> Iterator[Finding]:
             watch_publishing(world)
             world.advance(100)
             names = world.body.joint_names
-            findings = list(_judge_messages(world.ros.node.mouths[0].sent, names))
-    except Stumble as stumble:
-        yield stumble.finding(TYPED if isinstance(stumble.error, TutorialError) else None, when)
+            findings = list(_judge_messages(world.ros.node.watched(WatchedPublisher)[0].sent, names))
+    except Failure as failure:
+        yield failure.finding(TYPED if isinstance(failure.error, TutorialError) else None, when)
         return
     if all(finding.right for finding in findings):
         yield right(f"it works {when}, too, with the joints {', '.join(names)}")
@@ -214,12 +209,8 @@ def _judge_field(field: str, names: tuple[str, ...], sent: Sequence[tuple[Any, M
     if _near(given, truth):
         return right(f"{field} is each joint's, in {UNITS[field]}")
     first = [sent[0][1].joints[name][field] for name in names]
-    guesses: tuple[tuple[Callable[[], bool], str], ...] = (
-        (lambda: _near(given, truth[::-1]), EXCHANGED),
-        (lambda: _near(given, [degrees(value) for value in truth]), DEGREES),
-        (lambda: _near(given, first), STALE),
-    )
-    cause = next((cause for holds, cause in guesses if holds()), MIXED.format(field=field))
+    guesses = ((truth[::-1], EXCHANGED), ([degrees(value) for value in truth], DEGREES), (first, STALE))
+    cause = next((cause for numbers, cause in guesses if _near(given, numbers)), MIXED.format(field=field))
     return wrong(f"{field} is not what the joints do", cause)
 
 

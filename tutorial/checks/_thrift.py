@@ -6,11 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._answer import missing
 from tutorial.checks._explain import Mistake, Probe, judge_probes
-from tutorial.checks._node import Mouth
+from tutorial.checks._node import WatchedPublisher
 from tutorial.checks._publish import MADE, judge_stamps, watch_publishing
-from tutorial.checks._topics import judge_leaving, mouth_on
+from tutorial.checks._topics import endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._world import World
 from tutorial.controller import ControllerIO, SimpleController
@@ -34,38 +33,32 @@ SEGMENTS = {
 """For how many periods, and by how much the joints move at the beginning of each."""
 FAST = 4  # periods in the end, in which SLEW moves at every step
 
-REPLACED = "Most likely self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them."
+REPLACED = "self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them."
 MISTAKES = (
-    Mistake("period", 1, "Most likely control looks at every step: look 50 times per second, every 20 steps of 1 ms."),
-    Mistake("period", 40, "Most likely control looks 25 times per second: here it is 50 times."),
+    Mistake("period", 1, "control looks at every step: look 50 times per second, every 20 steps of 1 ms."),
+    Mistake("period", 40, "control looks 25 times per second: here it is 50 times."),
     Mistake(
-        "first",
-        False,
-        "Most likely the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news.",
+        "first", False, "the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news."
     ),
-    Mistake("send", "always", "Most likely every joint is sent every time: name only those that have moved."),
-    Mistake(
-        "send", "whole", "Most likely the whole message is sent as soon as one joint moves: name only those that did."
-    ),
-    Mistake("send", "empty", "Most likely a message is sent even if no joint has moved: then send none."),
-    Mistake("send", "names", "Most likely all names are in the message, but only some positions: they go in pairs."),
+    Mistake("send", "always", "every joint is sent every time: name only those that have moved."),
+    Mistake("send", "whole", "the whole message is sent as soon as one joint moves: name only those that did."),
+    Mistake("send", "empty", "a message is sent even if no joint has moved: then send none."),
+    Mistake("send", "names", "all names are in the message, but only some positions: they go in pairs."),
     Mistake(
         "compare",
         "last",
-        "Most likely positions are compared with those of the last look: a slow motion is then never sent. Compare "
+        "positions are compared with those of the last look: a slow motion is then never sent. Compare "
         "with what was last sent.",
     ),
     Mistake(
-        "compare",
-        "all",
-        "Most likely all positions are remembered as soon as one joint is sent: remember only those that were.",
+        "compare", "all", "all positions are remembered as soon as one joint is sent: remember only those that were."
     ),
-    Mistake("compare", "once", "Most likely what was sent is not remembered: note it down whenever you send."),
+    Mistake("compare", "once", "what was sent is not remembered: note it down whenever you send."),
     Mistake("compare", "replaced", REPLACED),
     Mistake("compare", "emptied", REPLACED),
-    Mistake("compare", "signed", "Most likely the sign gets in the way: compare abs(...) with 0.001."),
-    Mistake("threshold", 0.0, "Most likely any change counts: only more than 0.001 does."),
-    Mistake("threshold", 0.01, "Most likely the threshold is another: it is 0.001."),
+    Mistake("compare", "signed", "the sign gets in the way: compare abs(...) with 0.001."),
+    Mistake("threshold", 0.0, "any change counts: only more than 0.001 does."),
+    Mistake("threshold", 0.01, "the threshold is another: it is 0.001."),
 )
 OTHERWISE = "Compare each joint's position with the one that was last sent for it, every 20 steps."
 NOT_PAIRS = "Most likely names and positions come from two different lists: take both from the joints that have moved."
@@ -89,40 +82,36 @@ class _Mover(SimpleController):
 
 def judge_thrift(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `thrift`."""
-    lacking = missing(answer, "configure", "initialize", "control")
-    if lacking:
-        yield lacking
-        return
     with World(answer, model="crane", name="Lift", before=[_Mover()]) as world:
         watch_publishing(world)
-        finding, mouth = mouth_on(world.ros.node, "/Lift/joint_state", JointState, MADE)
+        finding, publisher = endpoint_on(world.ros.node, WatchedPublisher, "/Lift/joint_state", JointState, MADE)
         yield finding
-        if mouth is None:
+        if publisher is None:
             return
         world.advance(_periods() * PERIOD)
-        if not mouth.sent:
+        if not publisher.sent:
             yield wrong("nothing is sent", NOTHING)
             return
-        seen = _by_segment([(m.step, tuple(message.name), len(message.position)) for message, m in mouth.sent])
+        seen = _by_segment([(m.step, tuple(message.name), len(message.position)) for message, m in publisher.sent])
         probes = [Probe(label, numbers, _say, _want) for label, numbers in zip((*SEGMENTS, "SLEW moves fast"), seen)]
         yield from judge_probes(probes, predict, MISTAKES, OTHERWISE)
-        yield _judge_pairs(mouth)
-        yield _judge_rest(mouth)
-        yield judge_stamps(mouth.sent)
-        yield judge_leaving(answer, world.leave, mouth)
+        yield _judge_pairs(publisher)
+        yield _judge_rest(publisher)
+        yield judge_stamps(publisher.sent)
+        yield judge_leaving(answer, world.leave, publisher)
 
 
-def _judge_pairs(mouth: Mouth) -> Finding:
-    for message, moment in mouth.sent:
+def _judge_pairs(publisher: WatchedPublisher) -> Finding:
+    for message, moment in publisher.sent:
         for name, position in zip(message.name, message.position):
             if name not in moment.joints or abs(moment.joints[name]["position"] - position) > 1e-9:
                 return wrong(f"the position sent for {name} is another joint's, or an old one", NOT_PAIRS)
     return right("each position is that of the joint named with it")
 
 
-def _judge_rest(mouth: Mouth) -> Finding:
+def _judge_rest(publisher: WatchedPublisher) -> Finding:
     for field in ("velocity", "effort"):
-        if any(len(getattr(message, field)) for message, _ in mouth.sent):
+        if any(len(getattr(message, field)) for message, _ in publisher.sent):
             return wrong(f"{field} is not empty", FILLED)
     return right("velocity and effort stay empty")
 

@@ -2,40 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TypeVar
 
 from tutorial.checks._answer import missing
-from tutorial.checks._node import Ear, Mouth, WatchedNode
+from tutorial.checks._node import WatchedEndpoint, WatchedNode, WatchedSubscription
 from tutorial.checks._verdict import Finding, right, wrong
 
-__all__ = ["ear_on", "judge_leaving", "mouth_on"]
+__all__ = ["endpoint_on", "judge_leaving"]
 
-End = TypeVar("End", Ear, Mouth)
+Endpoint = TypeVar("Endpoint", bound=WatchedEndpoint)
 
 
-def ear_on(node: WatchedNode, topic: str, message_type: type, call: str) -> tuple[Finding, Ear | None]:
-    """Find the subscription that the exercise asks for.
+def endpoint_on(
+    node: WatchedNode, kind: type[Endpoint], topic: str, message_type: type, call: str
+) -> tuple[Finding, Endpoint | None]:
+    """Find the subscription or publisher that the exercise asks for among those that the learner has made.
 
     Args:
         node: the learner's.
+        kind: `WatchedSubscription` or `WatchedPublisher`.
         topic: its full name.
         message_type: of its messages.
-        call: how the subscription is made.
+        call: how it is made.
     """
-    if not node.ears:
-        return wrong("configure subscribes to nothing", f"Most likely the call is missing: {call}."), None
-    return _among(node.ears, "listens to", topic, message_type)
+    made = node.watched(kind)
+    listens = kind is WatchedSubscription
+    if not made:
+        nothing = "subscribes to nothing" if listens else "makes no publisher"
+        return wrong(f"configure {nothing}", f"Most likely the call is missing: {call}."), None
+    does = "listens to" if listens else "publishes on"
+    for each in made:
+        if each.topic == topic and each.message_type is message_type:
+            return right(f"it {does} {topic}"), each
+    return _other_topic(made[0], does, topic, message_type), None
 
 
-def mouth_on(node: WatchedNode, topic: str, message_type: type, call: str) -> tuple[Finding, Mouth | None]:
-    """Find the publisher that the exercise asks for; the arguments are those of `ear_on`."""
-    if not node.mouths:
-        return wrong("configure makes no publisher", f"Most likely the call is missing: {call}."), None
-    return _among(node.mouths, "publishes on", topic, message_type)
-
-
-def judge_leaving(answer: type, unconfigure: Callable[[], None], made: Ear | Mouth) -> Finding:
+def judge_leaving(answer: type, unconfigure: Callable[[], None], made: WatchedEndpoint) -> Finding:
     """Call `unconfigure`, and look whether it undoes what `configure` did.
 
     Args:
@@ -44,31 +47,24 @@ def judge_leaving(answer: type, unconfigure: Callable[[], None], made: Ear | Mou
         made: the subscription or the publisher.
 
     Raises:
-        Stumble: it raised.
+        Failure: it raised.
     """
     unconfigure()
-    does, keeps = ("listens", "subscription") if isinstance(made, Ear) else ("has its publisher", "publisher")
+    listens = isinstance(made, WatchedSubscription)
+    keeps = "subscription" if listens else "publisher"
     call = f"self.node.destroy_{keeps}(self.{keeps})"
     if made.destroyed:
-        gone = f"after unconfigure {'it does not listen any more' if does == 'listens' else 'its publisher is gone'}"
+        gone = f"after unconfigure {'it does not listen any more' if listens else 'its publisher is gone'}"
         better = f". Better call {call}: after destroy() the spin of a real ROS 2 fails, for its node was not told"
         return right(gone + better * made.by_itself)
     lacking = missing(answer, "unconfigure")
     cause = f"Most likely unconfigure is missing, or does not call {call}."
     if lacking is not None and "misspelled" in lacking.cause:
         cause = lacking.cause
-    return wrong(f"after unconfigure it still {does}", cause)
+    return wrong(f"after unconfigure it still {'listens' if listens else 'has its publisher'}", cause)
 
 
-def _among(made: Sequence[End], does: str, topic: str, message_type: type) -> tuple[Finding, End | None]:
-    """Find the one for a topic and a type among those that the learner has made."""
-    for end in made:
-        if end.topic == topic and end.message_type is message_type:
-            return right(f"it {does} {topic}"), end
-    return _other_topic(made[0], does, topic, message_type), None
-
-
-def _other_topic(made: Ear | Mouth, does: str, topic: str, message_type: type) -> Finding:
+def _other_topic(made: WatchedEndpoint, does: str, topic: str, message_type: type) -> Finding:
     if made.topic == topic:
         text = f"{topic} {does.split(maxsplit=1)[0]} messages of the type {made.message_type.__name__}"
         return wrong(text, f"Its messages are of the type {message_type.__name__}: give that class first.")

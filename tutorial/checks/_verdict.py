@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import linecache
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass
 
-__all__ = ["Finding", "Place", "Verdict", "cut", "right", "wrong"]
+__all__ = ["Finding", "Place", "Verdict", "cut", "judged", "right", "wrong"]
 
 WRONG_SHOWN = 2  # one thing after the other; what is wrong further down often follows from the first
 OUTPUT_SHOWN = 20  # lines
@@ -111,6 +111,15 @@ def right(text: str) -> Finding:
 def wrong(text: str, cause: str, place: Place | None = None) -> Finding:
     """Make the finding that something is not as it should be."""
     return Finding(False, text, cause, place)
+
+
+def judged(findings: Iterable[Finding]) -> Generator[Finding, None, bool]:
+    """Yield findings as they come, and return whether all were right: ``all_right = yield from judged(...)``."""
+    all_right = True
+    for finding in findings:
+        all_right = all_right and finding.right
+        yield finding
+    return all_right
 
 
 def _without_repetition(findings: Iterable[Finding]) -> Iterator[Finding]:

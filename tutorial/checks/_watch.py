@@ -12,10 +12,10 @@ from typing import Any
 from tutorial.checks._diagnose import Misuse, blamed, likely_cause
 from tutorial.checks._verdict import Finding, Place, wrong
 
-__all__ = ["Stumble", "Watch", "files_of", "watch"]
+__all__ = ["Failure", "Watch", "files_of", "watch"]
 
 
-class Stumble(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
+class Failure(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
     """One of the learner's methods raised.
 
     Args:
@@ -72,7 +72,7 @@ class Watch:
         """Run one of the learner's methods. Any thread.
 
         Raises:
-            Stumble: it raised, whatever it was.
+            Failure: it raised, whatever it was.
         """
         ident = threading.get_ident()
         outer = self.running.get(ident)
@@ -80,10 +80,10 @@ class Watch:
         self.running[ident] = (method, self._count)
         try:
             yield
-        except Stumble:
+        except Failure:
             raise
         except BaseException as error:
-            raise Stumble(method, error, self._place(error)) from error
+            raise Failure(method, error, self._place(error)) from error
         finally:
             if outer is None:
                 del self.running[ident]

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
+from typing import Self
 
 from tutorial.body import Body
-from tutorial.checks._node import CheckNode
-from tutorial.checks._watch import Stumble, watch
+from tutorial.checks._node import CheckThread
+from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.paths import HOME
 from tutorial.simulation import ControllerError, Simulation
 from tutorial.world import Placement
 
-__all__ = ["MODELS", "Watched", "World"]
+__all__ = ["MODELS", "Stage", "Watched", "World"]
 
 MODELS: Path = HOME / "project" / "models"
 
@@ -62,7 +62,43 @@ class Watched(SimpleController):
             self.inner.unconfigure()
 
 
-class World:
+class Stage:
+    """A body with the learner's controller, which joins it when ``with`` begins.
+
+    Attributes:
+        ros: the nodes.
+        learner: the learner's controller.
+    """
+
+    ros: CheckThread
+    learner: Watched
+
+    def __enter__(self) -> Self:
+        self.ros = CheckThread()
+        try:
+            self.learner.configure(self.config())
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def config(self) -> ControllerConfig:
+        """Return what the controller is given."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """End the nodes.
+
+        Raises:
+            Failure: a timer of the learner's has raised.
+        """
+        self.ros.close()
+
+
+class World(Stage):
     """A simulated world with one body, whose controller is the learner's. Time goes on only in `advance`.
 
     Args:
@@ -73,8 +109,6 @@ class World:
         before: controllers that come before the learner's, at every step.
 
     Attributes:
-        ros: the nodes.
-        learner: the learner's controller.
         simulation: the simulated world.
         body: the simulated body.
     """
@@ -93,25 +127,15 @@ class World:
         self.simulation = Simulation([placement], [(name, each) for each in (*before, self.learner)], time_step)
         self.body = self.simulation.bodies[name]
 
-    def __enter__(self) -> World:
-        self.ros = CheckNode()
-        try:
-            self.learner.configure(ControllerConfig(self._displayed, self.ros.node, _no_queue, _no_queue))
-        except BaseException:
-            self.ros.__exit__(None, None, None)
-            raise
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.ros.__exit__(None, None, None)
+    def config(self) -> ControllerConfig:
+        """Return what the controller is given: posted calls are dropped, for nothing is displayed."""
+        return ControllerConfig(self._displayed, self.ros.node, _drop, _drop)
 
     def leave(self) -> None:
         """Take the learner's controller off the body.
 
         Raises:
-            Stumble: one of the learner's methods raised.
+            Failure: one of the learner's methods raised.
         """
         self.simulation.release(self.body.name)
         self.learner.unconfigure()
@@ -120,15 +144,15 @@ class World:
         """Simulate so many steps.
 
         Raises:
-            Stumble: one of the learner's methods raised.
+            Failure: one of the learner's methods raised.
         """
         try:
             self.simulation.advance(steps * self.simulation.time_step)
         except ControllerError as error:
-            if isinstance(error.__cause__, Stumble):
+            if isinstance(error.__cause__, Failure):
                 raise error.__cause__ from None
             raise
 
 
-def _no_queue(*_: object) -> None:
-    """Drop what is posted: in a simulated world nothing is displayed."""
+def _drop(*_: object) -> None:
+    pass

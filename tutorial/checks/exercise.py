@@ -6,11 +6,11 @@ import inspect
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from tutorial.checks._answer import misfit, unwritten
+from tutorial.checks._answer import misfit, missing, unwritten
 from tutorial.checks._contain import contain
 from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
-from tutorial.checks._watch import Stumble, files_of, watch
+from tutorial.checks._watch import Failure, files_of, watch
 from tutorial.errors import TutorialError
 
 __all__ = ["Exercise"]
@@ -23,13 +23,14 @@ class Exercise:
         name: what it is called in its module.
         statement: the problem; also the exercise's docstring.
         judge: looks at an answer and yields what it finds, the root cause first; it ends where looking on makes no
-            sense. It may raise `Stumble` or `TutorialError`.
+            sense. It may raise `Failure` or `TutorialError`.
         solution: the right answer, and what else belongs to it; its source is what `solution` shows, in the
             notebooks' style.
         base: the class that the answer has to be made from, `object` for any; None where it is a function.
         parts: the methods that are to be written.
         hints: the weakest first.
         notice: one sentence on what to notice about an answer that is right.
+        requires: those of the parts without which there is nothing to look at.
         imports: what the solution needs and the notebook has not imported, each an import statement.
     """
 
@@ -43,6 +44,7 @@ class Exercise:
         parts: Sequence[str],
         hints: Sequence[str],
         notice: str,
+        requires: Sequence[str] = (),
         imports: Sequence[str] = (),
     ) -> None:
         self.__doc__ = inspect.cleandoc(statement)
@@ -55,6 +57,7 @@ class Exercise:
         self._parts = tuple(parts)
         self._hints = tuple(hints)
         self._notice = notice
+        self._requires = tuple(requires)
         self._imports = tuple(imports)
 
     def __repr__(self) -> str:
@@ -79,9 +82,10 @@ class Exercise:
         watch.files = files_of(answer)
         watch.answer = answer
         try:
-            yield from self._judge(answer)
-        except Stumble as stumble:
-            yield stumble.finding()
+            lacking = missing(answer, *self._requires)
+            yield from [lacking] if lacking else self._judge(answer)
+        except Failure as failure:
+            yield failure.finding()
         except TutorialError as error:
             yield wrong(str(error), "The check could not go on from there.")
         except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to, the learner is to hear of it

@@ -121,6 +121,7 @@ show = Exercise(
     solution=(MyViewer,),
     base=SimpleController,
     parts=("configure", "unconfigure"),
+    requires=("configure",),
     hints=(
         "In configure keep config.body and config.call_later, and subscribe to a topic made from the body's name. The "
         "callback has one line; all the rest happens in a method that it posts.",
@@ -143,6 +144,7 @@ keep_up = Exercise(
     solution=(CalmViewer,),
     base=SimpleController,
     parts=("configure", "unconfigure"),
+    requires=("configure",),
     hints=(
         "config.call_latest(key, function, message) is call_later, but a waiting call of the same key is replaced.",
         "self.call_latest(self.body.name, self.update, message): the key says what the call is about, and has to be "

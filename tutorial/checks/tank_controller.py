@@ -81,6 +81,7 @@ drive = Exercise(
     solution=(GentleTank,),
     base=SimpleController,
     parts=("configure", "initialize", "control", "unconfigure"),
+    requires=("configure", "initialize"),
     hints=(
         "The callback and control run on two threads. Let the callback put the message into a Latest, and let control "
         "take it from there, once per step, before it does anything else.",
@@ -107,6 +108,7 @@ aim = Exercise(
     solution=(HeldJoint,),
     base=object,
     parts=("aim",),
+    requires=("aim",),
     hints=(
         "What has to outlive the call belongs to self: the reference, and where the joint was at the last call. A "
         "speed is a difference divided by time_step.",

@@ -1,8 +1,7 @@
-"""A ROS 2 node on a thread of its own, and what it counts about its topics."""
+"""A node on a thread of its own, and what it counts about its topics."""
 
 from __future__ import annotations
 
-import inspect
 import logging
 import math
 import statistics
@@ -10,8 +9,8 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from types import TracebackType
-from typing import Any
+from contextlib import nullcontext
+from typing import Any, Generic, Self, TypeVar
 
 import rclpy
 from rclpy.context import Context
@@ -19,32 +18,33 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from tutorial.errors import where
+from tutorial.ros.tap import Call, Tap, TappedNode
 from tutorial.trace import HandoffTrace
 
-__all__ = ["MeteredNode", "NodeThread", "TopicMeter"]
+__all__ = ["MeteredNode", "NodeThread", "SpinThread", "TopicMeter"]
 
 LATENCIES_KEPT = 10_000
 LOOK = 0.05  # [s] between two looks whether the thread is to end
-STUCK = 3.0  # [s] that a callback may take to return when its node is closed
+
+AnyNode = TypeVar("AnyNode", bound=Node)
 
 _log = logging.getLogger(__name__)
 
 
-class TopicMeter:
+class TopicMeter(Tap):
     """Counts the messages of one topic that a program publishes or receives.
 
     Attributes:
-        topic: its full name.
-        type_name: its type, such as ``sensor_msgs/msg/Joy``.
+        type_name: the topic's type, such as ``sensor_msgs/msg/Joy``.
         direction: ``"published"`` or ``"received"``.
         count: how many messages so far.
         last: the newest of them.
     """
 
-    def __init__(self, topic: str, message_type: type, direction: str) -> None:
-        self.topic = topic
+    def __init__(self, node: Any, message_type: type, topic: str, callback: Any = None) -> None:
+        super().__init__(node, message_type, topic, callback)
         self.type_name = f"{message_type.__module__.split('.')[0]}/msg/{message_type.__name__}"
-        self.direction = direction
+        self.direction = "published" if callback is None else "received"
         self.count = 0
         self.last: Any = None
         self._first_at = self._last_at = 0.0
@@ -64,6 +64,16 @@ class TopicMeter:
         self.last = message
         if latency_ns is not None:
             self._latencies_ns.append(latency_ns)
+
+    def published(self, message: Any) -> None:
+        """Count it."""
+        self.add(message)
+
+    def received(self, call: Call, message: Any, info: dict[str, int]) -> None:
+        """Count it, call back with it, and write down how long that took if there is a trace."""
+        self.add(message, time.time_ns() - info["source_timestamp"])
+        with self.node.trace.receiving(self.topic) if self.node.trace is not None else nullcontext():
+            call(message, info)
 
     @property
     def brings_joint_states(self) -> bool:
@@ -90,80 +100,45 @@ class TopicMeter:
         return {"median": round(statistics.median(milliseconds), 3), "p99": round(p99, 3)}
 
 
-class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
-    """A node that counts what goes over the topics it makes. In everything else it is rclpy's.
+class MeteredNode(TappedNode):
+    """A node that counts what goes over its topics. In everything else it is rclpy's.
 
     Attributes:
-        meters: one for each topic and direction, in the order in which they were made.
         trace: where to write down when each message's callback begins and ends; None for nowhere.
     """
 
+    publisher_tap = subscription_tap = TopicMeter
     trace: HandoffTrace | None = None
 
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
-        self.meters: list[TopicMeter] = []
-        super().__init__(*args, **kwargs)
-        self.meters.clear()  # rclpy's own topics, such as /parameter_events
-
-    def create_publisher(self, msg_type: type, topic: str, *args: Any, **kwargs: Any) -> Any:
-        """Create a publisher, as rclpy does, that counts what it publishes."""
-        publisher: Any = super().create_publisher(msg_type, topic, *args, **kwargs)
-        meter = self._meter(publisher.topic_name, msg_type, "published")
-        publish = publisher.publish
-
-        def metered(message: Any) -> None:
-            publish(message)
-            meter.add(message)
-
-        publisher.publish = metered
-        return publisher
-
-    def create_subscription(
-        self, msg_type: type, topic: str, callback: Callable[..., Any], *args: Any, **kwargs: Any
-    ) -> Any:
-        """Create a subscription, as rclpy does, that counts what it receives and how long it took."""
-        meter: TopicMeter | None = None
-        count = next((count for count in (1, 2) if _accepts(callback, count)), 0)  # the message alone, as in rclpy
-
-        def metered(message: Any, info: dict[str, int]) -> None:
-            if meter is not None:
-                meter.add(message, time.time_ns() - info["source_timestamp"])
-            arguments = (message, info)[:count]
-            if self.trace is None:
-                callback(*arguments)
-                return
-            with self.trace.receiving(meter.topic if meter is not None else topic):
-                callback(*arguments)
-
-        heard = metered if count else callback  # which rclpy refuses
-        subscription = super().create_subscription(msg_type, topic, heard, *args, **kwargs)
-        meter = self._meter(subscription.topic_name, msg_type, "received")
-        return subscription
-
-    def _meter(self, topic: str, message_type: type, direction: str) -> TopicMeter:
-        meter = TopicMeter(topic, message_type, direction)
-        self.meters.append(meter)
-        return meter
+    @property
+    def meters(self) -> list[TopicMeter]:
+        """One for each publisher and subscription, in the order in which they were made."""
+        return self.taps
 
 
-class NodeThread:
+class SpinThread(Generic[AnyNode]):
     """A node whose callbacks run on a thread of its own, with a context and an executor of its own.
 
     Args:
+        node_class: the node's class.
         name: the node's name, unless it is remapped.
         args: command line arguments, of which ROS 2 takes those after ``--ros-args``.
 
     Attributes:
         node: the node.
         error: what a callback raised last, SystemExit included; None when none did.
+        patience: how long a callback may take to return when its node is closed [s]; None for as long as it likes.
     """
 
-    def __init__(self, name: str, args: Sequence[str] | None = None) -> None:
-        self.error: BaseException | None = None
+    error: BaseException | None = None
+    patience: float | None = 3.0
+
+    def __init__(self, node_class: Callable[..., AnyNode], name: str, args: Sequence[str] | None = None) -> None:
         self._context = Context()
         rclpy.init(args=list(args or ()), context=self._context)
         try:
-            self.node = MeteredNode(name, context=self._context)
+            self.node = node_class(name, context=self._context)
+            self._name = self.node.get_name()  # a program may destroy its node
             self._executor = SingleThreadedExecutor(context=self._context)
             self._executor.add_node(self.node)
         except BaseException:
@@ -174,18 +149,11 @@ class NodeThread:
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
 
-    def __enter__(self) -> NodeThread:
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
-
-    def namesakes(self) -> int:
-        """Return how many nodes in the domain have this node's full name, this one included."""
-        mine = (self.node.get_name(), self.node.get_namespace())
-        return self.node.get_node_names_and_namespaces().count(mine)
 
     def close(self) -> None:
         """End the thread, then the executor, the node and the context, in this order. Idempotent.
@@ -195,29 +163,36 @@ class NodeThread:
         if self._closed:
             return
         self._stopping.set()
-        self._thread.join(STUCK)
+        self._thread.join(self.patience)
         if self._thread.is_alive():
-            _log.error("a callback of the node %r does not return%s", self.node.get_name(), where(self._thread))
+            _log.error("a callback of the node %r does not return%s", self._name, where(self._thread))
         else:
             self._executor.shutdown()
             self.node.destroy_node()
             self._context.try_shutdown()
         self._closed = True
 
+    def failed(self, error: BaseException) -> None:
+        """Keep what a callback has raised, and log it; the other callbacks go on. Called on the thread."""
+        self.error = error
+        _log.error("a callback of the node %r failed; the others go on", self._name, exc_info=error)
+
     def _spin(self) -> None:
         while self._context.ok() and not self._stopping.is_set():
             try:
                 self._executor.spin_once(timeout_sec=LOOK)
             except BaseException as error:  # noqa: BLE001 - a callback may raise anything, and SystemExit is common
-                if not self._context.ok():
-                    return
-                self.error = error
-                _log.exception("a callback of the node %r failed; the others go on", self.node.get_name())
+                if self._context.ok():
+                    self.failed(error)
 
 
-def _accepts(callback: Callable[..., Any], count: int) -> bool:
-    try:
-        inspect.signature(callback).bind(*[None] * count)
-    except (TypeError, ValueError):
-        return False
-    return True
+class NodeThread(SpinThread[MeteredNode]):
+    """A node that counts its messages, on a thread of its own; the arguments are those of `SpinThread`."""
+
+    def __init__(self, name: str, args: Sequence[str] | None = None) -> None:
+        super().__init__(MeteredNode, name, args)
+
+    def namesakes(self) -> int:
+        """Return how many nodes in the domain have this node's full name, this one included."""
+        mine = (self.node.get_name(), self.node.get_namespace())
+        return self.node.get_node_names_and_namespaces().count(mine)

@@ -17,6 +17,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -387,3 +388,35 @@ def test_unknown_options_are_type_errors(names: dict[str, Any]) -> None:
     for code in ("node.create_publisher(String, 'x', 1, nothing=1)", "Node('x', context=node.context, nothing=1)"):
         with pytest.raises(TypeError, match="unexpected keyword argument 'nothing'"):
             eval(code, names)
+
+
+class Counting(Publisher):
+    """A program's own publisher, as a real rclpy takes it, too."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        self.count = 0
+        super().__init__(*args, **kwargs)
+
+    def publish(self, msg: Any) -> None:
+        super().publish(msg)
+        self.count += 1
+
+
+def test_a_publisher_may_be_of_a_class_of_the_programs_own(names: dict[str, Any]) -> None:
+    node = names["node"]
+    publisher = node.create_publisher(String, "x", 1, publisher_class=Counting)
+    publisher.publish(String())
+    assert type(publisher) is Counting
+    assert publisher.count == 1
+    assert publisher in node.publishers
+    assert node.destroy_publisher(publisher)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'publisher_class'"):
+        node.create_subscription(String, "x", print, 1, publisher_class=Counting)
+
+
+@pytest.mark.embedded
+def test_what_is_said_of_a_publisher_does_not_depend_on_its_class(
+    names: dict[str, Any], capfd: pytest.CaptureFixture[str]
+) -> None:
+    names["node"].create_publisher(String, "x", 1, publisher_class=Counting).destroy()
+    assert "publisher.destroy() does not tell the node" in capfd.readouterr().err

@@ -28,7 +28,7 @@ NODE = """add_on_set_parameters_callback add_post_set_parameters_callback add_pr
     remove_waitable resolve_service_name services set_descriptor set_parameters_atomically undeclare_parameter
     wait_for_node waitables"""
 NODE_OPTIONS = "allow_undeclared_parameters automatically_declare_parameters_from_overrides enable_logger_service"
-ENDPOINT_OPTIONS = "callback_group event_callbacks qos_overriding_options publisher_class content_filter_options"
+ENDPOINT_OPTIONS = "callback_group event_callbacks qos_overriding_options content_filter_options"
 
 
 def absent(owner: str, names: str) -> Callable[..., Any]:

@@ -35,6 +35,8 @@ class Endpoint:
     """
 
     _kind: type[DataWriter[Any] | DataReader[Any]]
+    _noun: str
+    """What a log line calls it, be it of a program's own class or not."""
     _incompatible: int
     """The event of a partner that does not fit."""
     _get_incompatible: str
@@ -72,7 +74,7 @@ class Endpoint:
         As in rclpy the node still counts it among its own, which no executor of rclpy's bears: its log says so once.
         """
         if self._node._remove(self, keep=True) and self._node.context.ok():
-            kind = type(self).__name__.lower()
+            kind = self._noun
             self._node.get_logger().warning(
                 f"{kind}.destroy() does not tell the node: on a real ROS 2, every later spin of this node raises "
                 f"InvalidHandle. Call node.destroy_{kind}({kind}) instead.",
@@ -116,7 +118,7 @@ class Endpoint:
         if self._destroyed:
             return InvalidHandle()
         if not self._node.context.ok():
-            return RCLError(f"{what}: {type(self).__name__.lower()}'s context is invalid")
+            return RCLError(f"{what}: {self._noun}'s context is invalid")
         return RCLError(f"{what}: {error}")
 
     def __enter__(self) -> Self:

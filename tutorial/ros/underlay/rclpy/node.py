@@ -142,6 +142,8 @@ class Node(NodeGraph, NodeParameters):
         msg_type: type[Message],
         topic: str,
         qos_profile: QoSProfile | int,
+        *,
+        publisher_class: type[Publisher] = Publisher,
         **options: Any,
     ) -> Publisher:
         """Make a publisher.
@@ -150,6 +152,7 @@ class Node(NodeGraph, NodeParameters):
             msg_type: class of the messages.
             topic: where to; relative to the node's namespace unless it begins with a slash.
             qos_profile: how hard to try; an int is the number of messages kept for those who are slow.
+            publisher_class: what to make, a subclass of `Publisher` for instance that overrides ``publish``.
             **options: others of rclpy's, which are not in the underlay.
 
         Raises:
@@ -159,7 +162,7 @@ class Node(NodeGraph, NodeParameters):
         _absent.refuse("Node.create_publisher", options, _absent.ENDPOINT_OPTIONS)
         profile, topic_name = self._checked(msg_type, topic, qos_profile)
         with self._creating("publisher"):
-            return self._add(Publisher(self, msg_type, topic, topic_name, profile))
+            return self._add(publisher_class(self, msg_type, topic, topic_name, profile))
 
     def create_subscription(
         self,

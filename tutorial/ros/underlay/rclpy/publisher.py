@@ -15,6 +15,7 @@ class Publisher(Endpoint):
     """Sends messages to a topic; made by ``Node.create_publisher``. May be used from any thread."""
 
     _kind = DataWriter
+    _noun = "publisher"
     _incompatible = DDSStatus.OfferedIncompatibleQos
     _get_incompatible = "get_offered_incompatible_qos_status"
     _warning = (

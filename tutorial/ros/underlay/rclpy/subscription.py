@@ -39,6 +39,7 @@ class Subscription(Endpoint):
     """
 
     _kind = DataReader
+    _noun = "subscription"
     _incompatible = DDSStatus.RequestedIncompatibleQos
     _get_incompatible = "get_requested_incompatible_qos_status"
     _warning = (

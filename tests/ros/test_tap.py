@@ -1,0 +1,276 @@
+"""A node with taps is rclpy's in everything that its program sees: the same tests with a plain one, and with both uses.
+
+The two uses are the program's node, which counts, and the checks' node, which watches the learner's callbacks.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+import pytest
+from programs import until
+from rclpy.exceptions import InvalidHandle, InvalidTopicNameException
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.subscription import Subscription
+from std_msgs.msg import String
+
+from tutorial.checks._diagnose import Misuse
+from tutorial.checks._node import CheckThread, WatchedNode, WatchedPublisher, WatchedSubscription
+from tutorial.checks._watch import Failure
+from tutorial.ros.node_thread import NodeThread, SpinThread
+from tutorial.ros.tap import TappedNode
+
+THREADS = {
+    "plain": lambda: SpinThread(Node, "tank"),
+    "tapped": lambda: SpinThread(TappedNode, "tank"),
+    "counting": lambda: NodeThread("tank"),
+    "checking": CheckThread,
+}
+
+
+@pytest.fixture(params=THREADS)
+def thread(domain, request):
+    thread = THREADS[request.param]()
+    yield thread
+    try:
+        thread.close()
+    except Failure:
+        assert request.param == "checking"
+
+
+@pytest.fixture
+def node(thread):
+    return thread.node
+
+
+def send(publisher, count, *texts):
+    """Publish once so many subscriptions have been found."""
+    until(lambda: publisher.get_subscription_count() == count, "the match")
+    for text in texts:
+        publisher.publish(String(data=text))
+
+
+class Callable:
+    def __init__(self, got):
+        self.got = got
+
+    def __call__(self, message):
+        self.got.append(("object", message.data))
+
+    def method(self, message, info):
+        self.got.append(("method", message.data, sorted(info)[-1]))
+
+
+def test_a_callback_gets_the_message_alone_if_it_can_do_with_that(node):
+    got = []
+    callbacks = [
+        lambda message: got.append(("one", message.data)),
+        lambda message, name="default": got.append((name, message.data)),
+        lambda *arguments: got.append(("any", len(arguments))),
+        partial(lambda name, message: got.append((name, message.data)), "partial"),
+        lambda message, info: got.append(("two", message.data, sorted(info)[-1])),
+        Callable(got),
+        Callable(got).method,
+    ]
+    for callback in callbacks:
+        node.create_subscription(String, "words", callback, 1)
+    send(node.create_publisher(String, "words", 1), len(callbacks), "a")
+    until(lambda: len(got) == len(callbacks), "all of them to be called")
+    assert sorted(got) == [
+        ("any", 1),
+        ("default", "a"),
+        ("method", "a", "source_timestamp"),
+        ("object", "a"),
+        ("one", "a"),
+        ("partial", "a"),
+        ("two", "a", "source_timestamp"),
+    ]
+
+
+@pytest.mark.parametrize("callback", [lambda: None, lambda a, b, c: None, partial(lambda message: None, "message")])
+def test_a_callback_that_takes_something_else_is_refused_and_leaves_nothing(node, callback):
+    before = list(node.subscriptions)
+    with pytest.raises(RuntimeError, match="callback should be either be callable with one argument"):
+        node.create_subscription(String, "words", callback, 1)
+    assert list(node.subscriptions) == before
+    assert getattr(node, "taps", []) == []
+
+
+def test_a_coroutine_function_is_left_to_rclpy(node, backend):
+    got = []
+
+    async def on_words(message):
+        got.append(message.data)
+
+    if backend == "underlay" or isinstance(node, WatchedNode):  # which speaks to learners
+        with pytest.raises((ImportError, Misuse), match="coroutine"):
+            node.create_subscription(String, "words", on_words, 1)
+        return
+    node.create_subscription(String, "words", on_words, 1)
+    send(node.create_publisher(String, "words", 1), 1, "a")
+    until(lambda: got == ["a"], "the callback")
+
+
+def test_raw_messages_are_bytes(node):
+    got = []
+    node.create_subscription(String, "words", got.append, 1, raw=True)
+    send(node.create_publisher(String, "words", 1), 1, "a")
+    until(lambda: got, "the message")
+    assert isinstance(got[0], bytes)
+
+
+def test_what_is_created_is_rclpys(node):
+    publisher = node.create_publisher(msg_type=String, topic="words", qos_profile=1)
+    subscription = node.create_subscription(msg_type=String, topic="words", callback=print, qos_profile=1)
+    assert isinstance(publisher, Publisher)
+    assert isinstance(subscription, Subscription)
+    assert publisher in node.publishers
+    assert subscription in node.subscriptions
+    assert (publisher.topic_name, subscription.topic_name) == ("/words", "/words")
+    with pytest.raises(InvalidTopicNameException):
+        node.create_publisher(String, "no words", 1)
+    with pytest.raises(TypeError):
+        publisher.publish("a")
+
+
+class Shouting(Publisher):
+    """A program's own publisher."""
+
+    def publish(self, msg):
+        super().publish(String(data=msg.data.upper()))
+
+
+def test_a_program_may_bring_its_own_publisher(node):
+    got = []
+    node.create_subscription(String, "words", lambda message: got.append(message.data), 1)
+    publisher = node.create_publisher(String, "words", 1, publisher_class=Shouting)
+    assert isinstance(publisher, Shouting)
+    send(publisher, 1, "a")
+    until(lambda: got == ["A"], "the message")
+    with pytest.raises(TypeError, match="publisher_class"):
+        node.create_subscription(String, "words", print, 1, publisher_class=Shouting)
+
+
+def test_what_the_node_destroys_is_gone(node):
+    publisher = node.create_publisher(String, "words", 1)
+    subscription = node.create_subscription(String, "words", print, 1)
+    assert node.destroy_publisher(publisher)
+    assert not node.destroy_publisher(publisher)
+    assert node.destroy_subscription(subscription)
+    assert not node.destroy_subscription(subscription)
+    assert publisher not in node.publishers
+    assert subscription not in node.subscriptions
+    with pytest.raises(InvalidHandle):
+        publisher.publish(String())
+    with pytest.raises(InvalidHandle):
+        _ = subscription.topic_name
+
+
+def test_what_destroys_itself_is_gone_and_its_node_does_not_know(domain):
+    thread = CheckThread()
+    thread._stopping.set()  # a real rclpy cannot spin any more
+    thread._thread.join()
+    publisher = thread.node.create_publisher(String, "words", 1)
+    subscription = thread.node.create_subscription(String, "words", print, 1)
+    other = thread.node.create_subscription(String, "words", print, 1)
+    watched, (by_itself, by_node) = thread.node.watched(WatchedPublisher), thread.node.watched(WatchedSubscription)
+    publisher.destroy()
+    subscription.destroy()
+    thread.node.destroy_subscription(other)
+    assert publisher in thread.node.publishers
+    assert [(each.destroyed, each.by_itself) for each in (*watched, by_itself, by_node)] == [
+        (True, True),
+        (True, True),
+        (True, False),
+    ]
+    thread.close()
+
+
+def test_a_destroyed_node_is_not_taken_for_a_destroyed_subscription(domain):
+    thread = CheckThread()
+    thread.node.create_subscription(String, "words", print, 1)
+    thread.node.destroy_node()
+    assert not thread.node.watched(WatchedSubscription)[0].destroyed
+    thread.close()
+
+
+def test_a_timer_calls_back_until_it_is_destroyed(node):
+    calls = []
+    timer = node.create_timer(0.001, lambda: calls.append(None))
+    assert timer in node.timers
+    until(lambda: len(calls) > 1, "two calls")
+    assert node.destroy_timer(timer)
+    assert not node.destroy_timer(timer)
+    assert timer not in node.timers
+
+
+FAILURES = [SystemExit, KeyboardInterrupt, GeneratorExit, ValueError]
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+def test_whatever_a_callback_raises_is_seen_and_the_node_goes_on_hearing(thread, caplog, failure):
+    heard = []
+
+    def fail_at_first(message):
+        heard.append(message.data)
+        if len(heard) == 1:
+            raise failure
+
+    thread.node.create_subscription(String, "words", fail_at_first, 10)
+    send(thread.node.create_publisher(String, "words", 10), 1, "first", "second")
+    until(lambda: heard == ["first", "second"], "both messages")
+    if isinstance(thread, CheckThread):
+        assert isinstance(thread.node.watched(WatchedSubscription)[0].failure.error, failure)
+    else:
+        assert isinstance(thread.error, failure)
+        assert "a callback of the node 'tank' failed; the others go on" in caplog.text
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+def test_whatever_a_timer_raises_is_seen_and_the_node_goes_on_hearing(thread, caplog, failure):
+    calls = []
+
+    def fail_at_first():
+        calls.append(None)
+        if len(calls) == 1:
+            raise failure
+
+    thread.node.create_timer(0.001, fail_at_first)
+    until(lambda: len(calls) > 1, "the next call")
+    if isinstance(thread, CheckThread):
+        with pytest.raises(Failure) as raised:
+            thread.close()
+        assert isinstance(raised.value.error, failure)
+    else:
+        assert isinstance(thread.error, failure)
+        assert "a callback of the node 'tank' failed; the others go on" in caplog.text
+
+
+def test_a_node_that_its_program_has_destroyed_can_be_closed(thread):
+    thread.node.create_subscription(String, "words", print, 1)
+    thread.node.destroy_node()
+    thread.close()
+    thread.close()
+    assert not thread._thread.is_alive()
+
+
+def test_a_check_publishes_and_waits_for_the_callback(domain):
+    got = []
+    with CheckThread() as thread:
+        thread.node.create_subscription(String, "words", lambda message: got.append(message.data), 1)
+        publish = thread.publisher_to(thread.node.watched(WatchedSubscription)[0])
+        for text in "ab":
+            publish(String(data=text))
+            assert got[-1] == text
+        thread.node.create_subscription(String, "others", lambda message: 1 / 0, 1)
+        with pytest.raises(Failure, match="raised ZeroDivisionError"):
+            thread.publisher_to(thread.node.watched(WatchedSubscription)[1])(String())
+
+
+def test_a_check_logs_what_is_not_the_learners_once(domain, caplog):
+    """On a real rclpy every spin fails once a subscription has destroyed itself."""
+    with CheckThread() as thread:
+        for _ in range(3):
+            thread.failed(InvalidHandle())
+    assert len(caplog.records) == 1
