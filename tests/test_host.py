@@ -397,13 +397,9 @@ def unruly_class(rng, let, made):
 
     class Wild(Unruly):
         def __init__(self):
-            super().__init__(
-                rng, let, ("configure", "initialize", "control", "control", "control", "stop", "unconfigure")
-            )
+            super().__init__(rng, let, ("configure", "initialize", *["control"] * 3, "stop", "unconfigure"))
             if self.method.endswith("configure") and self.act in ("hang", KeyboardInterrupt):
-                self.act = (
-                    SystemExit  # on the main thread, a hanging is the reader's to end, and an interrupt is theirs
-                )
+                self.act = SystemExit  # what hangs on the main thread is the reader's to interrupt
             made.append(self)
 
         def configure(self, config):
@@ -486,7 +482,7 @@ async def live_through(seed, model):
     return [text for each in made for text in each.raised], "".join(told)
 
 
-@pytest.mark.parametrize("tens", range(10))
+@pytest.mark.parametrize("tens", range(20))
 def test_whatever_controllers_do_a_host_ends_and_no_failure_is_unseen(tens, domain, tmp_path, monkeypatch, caplog):
     for name in ("tutorial.simulation.STUCK", "tutorial.host.HUNG"):
         monkeypatch.setattr(name, 0.1)
