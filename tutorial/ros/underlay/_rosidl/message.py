@@ -13,8 +13,6 @@ from _rosidl.checks import checker
 from _rosidl.definitions import Cardinality, Definition, Field, definition
 from _rosidl.values import PRIMITIVES, container, default_factory, field_type, from_wire
 
-__all__ = ["Message", "make_message_class", "message_class"]
-
 CHECK_FIELDS = os.environ.get("ROS_PYTHON_CHECK_FIELDS") == "1"
 
 DEFAULTS = {("geometry_msgs/msg/Quaternion", "w"): 1.0}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
@@ -76,12 +76,7 @@ def refuse_coroutine(callback: Any) -> None:
 class AbsentModules(MetaPathFinder, Loader):
     """Finds the modules of rclpy that are not here, and refuses to load them."""
 
-    def find_spec(
-        self,
-        fullname: str,
-        path: Sequence[str] | None,  # noqa: ARG002
-        target: ModuleType | None = None,  # noqa: ARG002
-    ) -> ModuleSpec | None:
+    def find_spec(self, fullname: str, path: object, target: object = None) -> ModuleSpec | None:  # noqa: ARG002
         """Answer for these modules, and for nothing else."""
         package, _, name = fullname.partition(".")
         return ModuleSpec(fullname, self) if package == "rclpy" and name in MODULES.split() else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException, InvalidTopicNameException
 
@@ -70,33 +71,31 @@ def problem(rules: Rules, name: str) -> tuple[str, int] | None:
     return None
 
 
+def _valid(rules: Rules, name: str, error: Callable[[str, str, int], Exception]) -> bool:
+    if found := problem(rules, name):
+        raise error(name, *found)
+    return True
+
+
 def validate_node_name(node_name: str) -> bool:
     """Return True if a node's name, without namespace, is valid, else raise InvalidNodeNameException."""
-    if found := problem(NODE_NAME, node_name):
-        raise InvalidNodeNameException(node_name, *found)
-    return True
+    return _valid(NODE_NAME, node_name, InvalidNodeNameException)
 
 
 def validate_namespace(namespace: str) -> bool:
     """Return True if a node's namespace is valid, else raise InvalidNamespaceException."""
-    if namespace != "/" and (found := problem(NAMESPACE, namespace)):
-        raise InvalidNamespaceException(namespace, *found)
-    return True
+    return namespace == "/" or _valid(NAMESPACE, namespace, InvalidNamespaceException)
 
 
 def validate_topic_name(name: str) -> bool:
     """Return True if a topic's name is valid, whether relative, absolute or private, else raise
     InvalidTopicNameException."""
-    if found := problem(TOPIC_NAME, name):
-        raise InvalidTopicNameException(name, *found)
-    return True
+    return _valid(TOPIC_NAME, name, InvalidTopicNameException)
 
 
 def validate_full_topic_name(name: str) -> bool:
     """Return True if a topic's full name is valid, else raise InvalidTopicNameException."""
-    if found := problem(FULL_TOPIC_NAME, name):
-        raise InvalidTopicNameException(name, *found)
-    return True
+    return _valid(FULL_TOPIC_NAME, name, InvalidTopicNameException)
 
 
 def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> str:

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from rclpy._arguments import Arguments
 from rclpy._names import expand_topic_name, validate_full_topic_name, validate_namespace, validate_node_name
-from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
+from rclpy._rclpy_pybind11 import Destroyable, RCLError
 from rclpy.exceptions import InvalidTopicNameException
 
 
-class NodeNames:
+class NodeNames(Destroyable):
     """The part of a node that deals with names. Its methods raise InvalidHandle once the node is destroyed."""
 
     def _init_names(self, name: str, namespace: str, arguments: list[Arguments]) -> None:
         """Apply remappings to the node's own name and namespace, and check both."""
         validate_node_name(name)
-        self._destroyed = False
         self._arguments = arguments
         self._name, self._namespace = name, namespace if namespace.startswith("/") else f"/{namespace}"
         for given in reversed(arguments):
@@ -70,7 +69,3 @@ class NodeNames:
     def _remapped(self, full_name: str) -> str:
         found = (arguments.topic(full_name, self._name, self._namespace) for arguments in self._arguments)
         return next((name for name in found if name is not None), full_name)
-
-    def _require_handle(self) -> None:
-        if self._destroyed:
-            raise InvalidHandle

@@ -1,4 +1,4 @@
-"""Exceptions that rclpy gets from its C++ part; programs catch them by this module's name."""
+"""What rclpy gets from its C++ part, above all exceptions; programs catch them by this module's name."""
 
 
 class RCLError(RuntimeError):
@@ -18,3 +18,13 @@ class InvalidHandle(RuntimeError):  # noqa: N818  (rclpy's name)
 
 class UnknownROSArgsError(RuntimeError):
     """There is an argument after ``--ros-args`` that ROS 2 does not know."""
+
+
+class Destroyable:
+    """Base of what can be destroyed, after which its methods raise InvalidHandle."""
+
+    _destroyed = False
+
+    def _require_handle(self) -> None:
+        if self._destroyed:
+            raise InvalidHandle

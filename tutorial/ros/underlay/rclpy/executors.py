@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import deque
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.node import Node
     from rclpy.task import Future
-
-__all__ = ["Executor", "ExternalShutdownException", "SingleThreadedExecutor"]
 
 LONGEST_WAIT = 0.1
 """How long to wait at most within Cyclone DDS [s]: Python hears a Ctrl-C only between calls into C."""
@@ -102,7 +101,7 @@ class SingleThreadedExecutor:
         """
         with self._spin():
             while self._context.ok() and not self._is_shutdown:
-                self._run_one(None)
+                self._run_one()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait for one callback to run, and run it.
@@ -117,7 +116,7 @@ class SingleThreadedExecutor:
         with self._spin():
             if not self._context.ok() and not self._is_shutdown:
                 raise RCLError(f"failed to initialize wait set: {NOT_VALID}")
-            self._run_one(timeout_sec)
+            self._run_one(_deadline(timeout_sec))
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is done or cancelled, or time runs out.
@@ -133,8 +132,8 @@ class SingleThreadedExecutor:
         deadline = _deadline(timeout_sec)
         with self._spin(), future._telling(lambda _: self.wake()):
             while self._context.ok() and not self._is_shutdown and not finished():
-                self._run_one(None if deadline is None else max(_left(deadline), 0.0), until=finished)
-                if _left(deadline) <= 0:
+                self._run_one(deadline, until=finished)
+                if time.monotonic() >= deadline:
                     return
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002  (rclpy does not wait, either)
@@ -170,9 +169,8 @@ class SingleThreadedExecutor:
             self._spinning.release()
             self._close_if_shut_down()
 
-    def _run_one(self, timeout_sec: float | None, until: Callable[[], bool] = lambda: False) -> None:
-        """Run one callback, waiting for it if necessary."""
-        deadline = _deadline(timeout_sec)
+    def _run_one(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False) -> None:
+        """Run one callback, waiting for it if necessary, but only to a time [s of the monotonic clock]."""
         woken = False
         while not self._is_shutdown and not until():
             if not self._context.ok():
@@ -184,7 +182,7 @@ class SingleThreadedExecutor:
                 return
             if woken:  # by something else than a message or a timer
                 self._report_events()
-            left = _left(deadline)
+            left = deadline - time.monotonic()
             if left <= 0:
                 return
             woken = self._wait(min(left, LONGEST_WAIT))
@@ -275,9 +273,5 @@ Executor = SingleThreadedExecutor
 __getattr__ = _absent.absent("rclpy.executors", _absent.EXECUTORS)
 
 
-def _deadline(timeout_sec: float | None) -> float | None:
-    return None if timeout_sec is None or timeout_sec < 0 else time.monotonic() + timeout_sec
-
-
-def _left(deadline: float | None) -> float:
-    return float("inf") if deadline is None else deadline - time.monotonic()
+def _deadline(timeout_sec: float | None) -> float:
+    return math.inf if timeout_sec is None or timeout_sec < 0 else time.monotonic() + timeout_sec

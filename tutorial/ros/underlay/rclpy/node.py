@@ -89,7 +89,7 @@ class Node(NodeGraph, NodeParameters):
         self._leave_graph.atexit = False
         if enable_rosout:
             with self._creating("publisher"):
-                self._rosout = Publisher(self, Log, "/rosout", self.resolve_topic_name("/rosout"), ROSOUT_QOS)
+                self._rosout = Publisher(self, Log, "/rosout", ROSOUT_QOS)
             listeners[self._logger.name] = self
         self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
 
@@ -138,11 +138,7 @@ class Node(NodeGraph, NodeParameters):
         return (entity for entity in self._entities if isinstance(entity, Timer))
 
     def create_publisher(
-        self,
-        msg_type: type[Message],
-        topic: str,
-        qos_profile: QoSProfile | int,
-        **options: Any,
+        self, msg_type: type[Message], topic: str, qos_profile: QoSProfile | int, **options: Any
     ) -> Publisher:
         """Make a publisher.
 
@@ -157,9 +153,9 @@ class Node(NodeGraph, NodeParameters):
             RCLError: the context has been shut down.
         """
         _absent.refuse("Node.create_publisher", options, _absent.ENDPOINT_OPTIONS)
-        profile, topic_name = self._checked(msg_type, topic, qos_profile)
+        profile = self._checked(msg_type, topic, qos_profile)
         with self._creating("publisher"):
-            return self._add(Publisher(self, msg_type, topic, topic_name, profile))
+            return self._add(Publisher(self, msg_type, topic, profile))
 
     def create_subscription(
         self,
@@ -187,9 +183,9 @@ class Node(NodeGraph, NodeParameters):
         """
         _absent.refuse("Node.create_subscription", options, _absent.ENDPOINT_OPTIONS)
         _absent.refuse_coroutine(callback)
-        profile, topic_name = self._checked(msg_type, topic, qos_profile)
+        profile = self._checked(msg_type, topic, qos_profile)
         with self._creating("subscription"):
-            return self._add(Subscription(self, msg_type, topic, topic_name, callback, profile, raw))
+            return self._add(Subscription(self, msg_type, topic, callback, profile, raw))
 
     def create_timer(
         self,
@@ -248,8 +244,8 @@ class Node(NodeGraph, NodeParameters):
         if executor := self.executor:
             executor.wake()
 
-    def _checked(self, msg_type: Any, topic: str, qos_profile: Any) -> tuple[QoSProfile, str]:
-        """Return the profile that a program means and the topic's full name.
+    def _checked(self, msg_type: Any, topic: str, qos_profile: Any) -> QoSProfile:
+        """Return the profile that a program means, once all that it gives for an endpoint is right.
 
         Raises:
             ValueError: the depth is negative.
@@ -264,13 +260,13 @@ class Node(NodeGraph, NodeParameters):
         if not isinstance(qos_profile, QoSProfile):
             raise TypeError(f"Expected QoSProfile or int, but received {type(qos_profile)!r}")
         try:
-            topic_name = self.resolve_topic_name(topic)
+            self.resolve_topic_name(topic)
         except RCLError:
             validate_topic_name(topic)
             self._expanded(topic)
             raise
         check_message_type(msg_type)
-        return qos_profile, topic_name
+        return qos_profile
 
     @contextmanager
     def _creating(self, what: str) -> Iterator[None]:

@@ -31,8 +31,7 @@ class Subscription(Endpoint):
     Args:
         node: that it belongs to.
         msg_type: class of its messages.
-        topic: as the program called it.
-        topic_name: in full.
+        topic: as the program calls it.
         callback: called with each message, or with the message and a dict about it.
         qos_profile: how hard to try, and how many messages wait for the callback.
         raw: give the callback bytes instead of messages.
@@ -50,7 +49,6 @@ class Subscription(Endpoint):
         node: Node,
         msg_type: type[Message],
         topic: str,
-        topic_name: str,
         callback: Callable[..., object],
         qos_profile: QoSProfile,
         raw: bool,
@@ -58,7 +56,7 @@ class Subscription(Endpoint):
         self.callback = callback
         self.raw = raw
         self._has_reported_malformed = False
-        super().__init__(node, msg_type, topic, topic_name, qos_profile)
+        super().__init__(node, msg_type, topic, qos_profile)
         with lock:
             self._condition = ReadCondition(self._dds, ViewState.Any | InstanceState.Any | SampleState.Any)
 
