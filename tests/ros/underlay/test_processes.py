@@ -42,7 +42,7 @@ def test_messages_and_graph_across_processes(node: Node, spin_until: SpinUntil, 
     spin_until(lambda: node.get_publishers_info_by_topic("/words")[0].node_name == "talker")
     info = node.get_publishers_info_by_topic("/words")[0]
     assert (info.node_namespace, info.topic_type) == ("/far", "std_msgs/msg/String")
-    assert info.topic_type_hash.startswith("RIHS01_df668c74")
+    assert str(info.topic_type_hash).startswith("RIHS01_df668c74")
     assert info.qos_profile.depth == 10
     topics = dict(node.get_publisher_names_and_types_by_node("talker", "/far"))
     assert topics.keys() == {"/words", "/rosout", "/parameter_events"}

@@ -30,6 +30,7 @@ class Endpoint(Destroyable):
         qos_profile: how hard to try.
 
     Attributes:
+        event_sources: what the executor waits on: partners that don't fit, and messages.
         guid: its identifier in DDS.
     """
 
@@ -53,6 +54,7 @@ class Endpoint(Destroyable):
             self._topic = Topic(participant, f"{prefix}{self._topic_name}", payload_type(msg_type))
             self._dds: Any = self._kind(participant, self._topic, qos)
             self._dds.set_status_mask(self._incompatible)
+        self.event_sources: list[Any] = [self._dds]
         self.guid: bytes = self._dds.guid.bytes
 
     @property
@@ -79,10 +81,6 @@ class Endpoint(Destroyable):
         self._destroyed = True
         close(self._dds)
         close(self._topic)
-
-    def event_sources(self) -> list[Any]:
-        """Return what the executor waits on for this endpoint."""
-        return [self._dds]
 
     def report_events(self) -> None:
         """Log a partner that does not fit. Called by the executor."""

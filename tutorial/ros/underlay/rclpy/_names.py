@@ -37,7 +37,7 @@ TOPIC_NAME: Rules = [
     [(r"(\{)[^}]*\Z", "topic name must not have unmatched (unbalanced) curly braces '{}'")],
     [
         (r"/([0-9])", "topic name token must not start with a number"),
-        (r"\A~([^/])", "topic name must not have a tilde '~' that is not followed by a forward slash '/'"),
+        (r"\A~([^/]).", "topic name must not have a tilde '~' that is not followed by a forward slash '/'"),
     ],
 ]
 
@@ -57,7 +57,7 @@ def _absolute(kind: str, unless: str, too_long: tuple[str, str]) -> Rules:
     ]
 
 
-FULL_TOPIC_NAME = _absolute("topic name", "", (r"\A.{246}(.).", "topic length should not exceed '247'"))
+FULL_TOPIC_NAME = _absolute("topic name", "", (r"\A.{246}(.).", "topic length should not exceed '255U - 8U'"))
 NAMESPACE = _absolute("namespace", ", unless only a '/'", (r"\A.{244}(.).", "namespace should not exceed '245'"))
 
 

@@ -1,5 +1,18 @@
 """What rclpy gets from its C++ part, above all exceptions; programs catch them by this module's name."""
 
+from enum import Enum, IntEnum
+
+
+class ClockType(IntEnum):
+    """What a time says of its clock: as rclpy.clock_type.ClockType, but printed by name."""
+
+    UNINITIALIZED = 0
+    ROS_TIME = 1
+    SYSTEM_TIME = 2
+    STEADY_TIME = 3
+
+    __str__ = Enum.__str__
+
 
 class RCLError(RuntimeError):
     """Something went wrong in the layers below rclpy."""

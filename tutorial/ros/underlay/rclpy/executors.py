@@ -11,7 +11,6 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Self
 
 from cyclonedds.core import DDSException, GuardCondition, WaitSet
-from rclpy import _absent
 from rclpy._domain import close, lock
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.context import NOT_VALID
@@ -240,7 +239,7 @@ class SingleThreadedExecutor:
                 raise
             return
         for endpoint in (*self._publishers, *self._subscriptions):
-            for source in endpoint.event_sources():
+            for source in endpoint.event_sources:
                 with suppress(DDSException):  # destroyed at this moment, which wakes us again
                     wait_set.attach(source)
 
@@ -259,8 +258,6 @@ class SingleThreadedExecutor:
         close(self._guard)
         self._spinning.release()
 
-    __getattr__ = _absent.absent("Executor", _absent.EXECUTOR)
-
     def __enter__(self) -> Self:
         return self
 
@@ -269,8 +266,6 @@ class SingleThreadedExecutor:
 
 
 Executor = SingleThreadedExecutor
-
-__getattr__ = _absent.absent("rclpy.executors", _absent.EXECUTORS)
 
 
 def _deadline(timeout_sec: float | None) -> float:

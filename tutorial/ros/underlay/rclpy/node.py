@@ -19,12 +19,13 @@ from rclpy._node_parameters import NodeParameters
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy._wire import check_message_type
 from rclpy.clock import Clock, ROSClock
-from rclpy.duration import S_TO_NS, Duration
+from rclpy.constants import S_TO_NS
+from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
 from rclpy.logging import LoggingSeverity, RcutilsLogger, get_logger, listeners
-from rclpy.parameter import Parameter
+from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter  # noqa: F401  (programs find the first here, too)
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events, qos_profile_services_default  # noqa: F401
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 
 Entity = TypeVar("Entity", Publisher, Subscription, Timer)
 
+HIDDEN_NODE_PREFIX = "_"
 ROSOUT_QOS = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
 
 
@@ -70,7 +72,7 @@ class Node(NodeGraph, NodeParameters):
         parameter_overrides: Sequence[Parameter] | None = None,
         **options: Any,
     ) -> None:
-        _absent.refuse("Node.__init__", options, _absent.NODE_OPTIONS)
+        _absent.refuse("Node.__init__", options)
         self._context = context or get_default_context()
         if not self._context.ok():
             raise NotInitializedException("cannot create node")
@@ -152,7 +154,7 @@ class Node(NodeGraph, NodeParameters):
             InvalidTopicNameException: the name breaks the rules.
             RCLError: the context has been shut down.
         """
-        _absent.refuse("Node.create_publisher", options, _absent.ENDPOINT_OPTIONS)
+        _absent.refuse("Node.create_publisher", options)
         profile = self._checked(msg_type, topic, qos_profile)
         with self._creating("publisher"):
             return self._add(Publisher(self, msg_type, topic, profile))
@@ -181,7 +183,7 @@ class Node(NodeGraph, NodeParameters):
             InvalidTopicNameException: the name breaks the rules.
             RCLError: the context has been shut down.
         """
-        _absent.refuse("Node.create_subscription", options, _absent.ENDPOINT_OPTIONS)
+        _absent.refuse("Node.create_subscription", options)
         _absent.refuse_coroutine(callback)
         profile = self._checked(msg_type, topic, qos_profile)
         with self._creating("subscription"):
@@ -208,7 +210,7 @@ class Node(NodeGraph, NodeParameters):
             RCLError: the period is negative.
         """
         period_ns = int(float(timer_period_sec) * S_TO_NS)
-        _absent.refuse("Node.create_timer", {"callback_group": callback_group}, _absent.ENDPOINT_OPTIONS)
+        _absent.refuse("Node.create_timer", {"callback_group": callback_group})
         _absent.refuse_coroutine(callback)
         with self._creating("timer"):
             return self._add(Timer(self, callback, period_ns, clock or self._clock, autostart))
@@ -318,8 +320,6 @@ class Node(NodeGraph, NodeParameters):
             return
         with suppress(RCLError, InvalidHandle):
             rosout.publish(Log(stamp=self._clock.now().to_msg(), level=int(severity), name=name, msg=text))
-
-    __getattr__ = _absent.absent("Node", _absent.NODE)
 
     def __enter__(self) -> Self:
         return self

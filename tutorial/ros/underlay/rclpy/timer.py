@@ -6,14 +6,11 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rclpy import _absent
 from rclpy._rclpy_pybind11 import Destroyable, RCLError
 from rclpy.clock import Clock
 
 if TYPE_CHECKING:
     from rclpy.node import Node
-
-__getattr__ = _absent.absent("rclpy.timer", "Rate TimerInfo")
 
 
 class Timer(Destroyable):
