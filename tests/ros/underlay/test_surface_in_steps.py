@@ -274,6 +274,10 @@ def test_another_type_on_a_topic_is_said_once_and_others_go_on(
 ) -> None:
     received: list[str] = []
     joy = node.create_publisher(Joy, "x", 10)
+    if rclpy.get_rmw_implementation_identifier() == "rmw_fastrtps_cpp":  # where a process gives a topic one type only
+        with pytest.raises(RuntimeError, match="Failed to create subscription"):
+            node.create_subscription(String, "x", print, 10)
+        return
     node.create_subscription(String, "x", lambda message: received.append(message.data), 10)
     text = node.create_publisher(String, "x", 10)
     for _ in range(5):
