@@ -115,8 +115,7 @@ class Node(NodeGraph, NodeParameters):
 
     @executor.setter
     def executor(self, new_executor: SingleThreadedExecutor | None) -> None:
-        old = self.executor
-        if old is new_executor:
+        if (old := self.executor) is new_executor:
             return
         if old is not None:
             old.remove_node(self)
