@@ -95,7 +95,9 @@ class Context:
 
         As in rclpy, a signal that has stopped it already leaves nothing to call back.
         """
-        callbacks, self._callbacks = (self._callbacks, []) if self._ok else ([], self._callbacks)
+        if not self._was_initialized:
+            return
+        was_ok = self._ok
         self.stop()
         for reference in self._executors:
             if executor := reference():
@@ -104,6 +106,7 @@ class Context:
             graph, self._graph = self._graph, None
             if graph:
                 _domain.leave(graph.participant, self._domain_id)
+            callbacks, self._callbacks = self._callbacks if was_ok else [], []
         for held in callbacks:
             if callback := held():
                 callback()

@@ -146,14 +146,10 @@ class SingleThreadedExecutor:
         self._close_if_shut_down()
         return True
 
-    def wait_until_stopped(self, timeout_sec: float) -> bool:
-        """Wait until no thread spins, unless this is the one; False if time runs out [s]."""
-        if self._spinner == threading.get_ident():
-            return True
-        if not self._spinning.acquire(timeout=timeout_sec):
-            return False
-        self._spinning.release()
-        return True
+    def wait_until_stopped(self, timeout_sec: float) -> None:
+        """Wait until no thread spins, unless this is the one, or time runs out [s]."""
+        if self._spinner != threading.get_ident() and self._spinning.acquire(timeout=timeout_sec):
+            self._spinning.release()
 
     @contextmanager
     def _spin(self) -> Iterator[None]:
