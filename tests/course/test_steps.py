@@ -215,7 +215,7 @@ def test_two_runs_at_once_do_not_hear_each_other(program, listen):
     with reserved_domain() as other:
         simulation = program("run", "step2", "--headless", environment={"ROS_DOMAIN_ID": str(other)})
         simulation.says("+ Simulator")
-        mine = program("run", "step2", "--headless", "--duration", 1)
+        mine = program("run", "step2", "--headless", "--duration", 5)  # Fast DDS takes up to 4 s to find it
         assert mine.ends() == 0
         assert heard
         assert len({stamp_ns(message) for message in heard}) == len(heard), "one simulation is heard, not two"
