@@ -195,8 +195,9 @@ def test_nothing_is_left_of_a_launched_step_whose_launcher_is_killed(program):
     running.says("simulation | look at")
     ports = {int(line.rsplit(":", 1)[1].strip().strip("/")) for line in running.lines if "look at" in line}
     assert len(ports) == 2
-    connections = [c for process in running.family() for c in process.net_connections("tcp")]
-    owned = {c.laddr.port for c in connections if c.status == psutil.CONN_LISTEN}
+    family = {process.pid for process in running.family()}
+    connections = [each for each in psutil.net_connections("tcp") if each.pid in family]
+    owned = {each.laddr.port for each in connections if each.status == psutil.CONN_LISTEN}
     assert owned == ports, "they go with the processes that have them"
     running.process.kill()
     running.leaves_nothing()
@@ -215,7 +216,7 @@ def test_two_runs_at_once_do_not_hear_each_other(program, listen):
     with reserved_domain() as other:
         simulation = program("run", "step2", "--headless", environment={"ROS_DOMAIN_ID": str(other)})
         simulation.says("+ Simulator")
-        mine = program("run", "step2", "--headless", "--duration", 1)
+        mine = program("run", "step2", "--headless", "--duration", 5)  # Fast DDS takes up to 4 s to find it
         assert mine.ends() == 0
         assert heard
         assert len({stamp_ns(message) for message in heard}) == len(heard), "one simulation is heard, not two"

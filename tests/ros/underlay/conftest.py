@@ -39,9 +39,11 @@ def default_context(domain: int) -> Iterator[None]:
 
 
 @pytest.fixture
-def node(context: Context) -> Node:
+def node(context: Context) -> Iterator[Node]:
     """A node called ``/Tank/tester``."""
-    return Node("tester", context=context, namespace="/Tank")
+    node = Node("tester", context=context, namespace="/Tank")
+    yield node
+    node.destroy_node()  # in rclpy a shutdown alone leaves it in the graph, where a later test may see it
 
 
 @pytest.fixture

@@ -11,6 +11,8 @@ from collections.abc import Callable
 
 import pytest
 
+pytestmark = pytest.mark.embedded  # rclpy 7.1.3 raises what it does not mean to, such as "generator already executing"
+
 PROGRAM = """
 import faulthandler, random, sys, threading, traceback
 faulthandler.dump_traceback_later(80, exit=True)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from rclpy.node import Node
+from rclpy.utilities import get_rmw_implementation_identifier
 from std_msgs.msg import String
 
 Start = Callable[..., subprocess.Popen[str]]
@@ -42,8 +43,8 @@ def test_messages_and_graph_across_processes(node: Node, spin_until: SpinUntil, 
     spin_until(lambda: node.get_publishers_info_by_topic("/words")[0].node_name == "talker")
     info = node.get_publishers_info_by_topic("/words")[0]
     assert (info.node_namespace, info.topic_type) == ("/far", "std_msgs/msg/String")
-    assert info.topic_type_hash.startswith("RIHS01_df668c74")
-    assert info.qos_profile.depth == 10
+    assert str(info.topic_type_hash).startswith("RIHS01_df668c74")
+    assert info.qos_profile.depth == (0 if get_rmw_implementation_identifier() == "rmw_fastrtps_cpp" else 10)  # untold
     topics = dict(node.get_publisher_names_and_types_by_node("talker", "/far"))
     assert topics.keys() == {"/words", "/rosout", "/parameter_events"}
     with pytest.raises(RuntimeError):
@@ -67,6 +68,10 @@ def test_node_that_ends_leaves_the_graph_at_once(node: Node, spin_until: SpinUnt
     assert time.monotonic() - began < 5
 
 
+LATE = ["KeyboardInterrupt True\n", "RCLError False\n"]
+"""Other endings of rclpy, which shuts down on a thread of its own: not yet, and as it was about to wait."""
+
+
 @pytest.mark.parametrize(
     ("number", "endings"),
     [
@@ -74,30 +79,34 @@ def test_node_that_ends_leaves_the_graph_at_once(node: Node, spin_until: SpinUnt
         (signal.SIGTERM, ["ExternalShutdownException False\n", ""]),  # as it waits, or between two callbacks
     ],
 )
-def test_signals_end_the_spin(start: Start, number: signal.Signals, endings: list[str]) -> None:
+def test_signals_end_the_spin(start: Start, number: signal.Signals, endings: list[str], backend: str) -> None:
     process = start(TALKER)
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
     process.send_signal(number)
     output, errors = process.communicate(timeout=60)
-    assert output in endings
+    assert output in endings or (backend == "rclpy" and output in LATE)
     assert (errors, process.returncode) == ("", 0)
 
 
 def test_a_signal_shuts_every_context_down(start: Start) -> None:
     process = start("""
-import signal, rclpy
+import signal, time, rclpy
 from rclpy.signals import SignalHandlerOptions
 contexts = [rclpy.context.Context() for _ in range(2)]
 for context in contexts:
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.ALL)
 signal.raise_signal(signal.SIGTERM)
+deadline = time.monotonic() + 30
+while any(context.ok() for context in contexts) and time.monotonic() < deadline:
+    pass  # rclpy shuts down on a thread of its own
 print([context.ok() for context in contexts])
 """)
     output, errors = process.communicate(timeout=60)
     assert (output, errors) == ("[False, False]\n", "")
 
 
+@pytest.mark.embedded  # rclpy aborts
 def test_exit_while_another_thread_spins(start: Start) -> None:
     process = start(
         "import rclpy, threading\n"
@@ -130,12 +139,14 @@ print(status, heard.wait(60))
 """
 
 
+@pytest.mark.embedded  # in rclpy the child hangs
 @pytest.mark.parametrize("in_child", ["pass", "node.destroy_node()", "rclpy.try_shutdown()"])
 def test_a_forked_process_comes_to_its_end_and_the_node_stays(start: Start, in_child: str) -> None:
     output, errors = start(FORK.format(in_child=in_child)).communicate(timeout=60)
     assert (output, errors) == ("7 True\n", "")
 
 
+@pytest.mark.embedded  # in rclpy the child hangs
 def test_a_forked_process_is_told_how_to_get_a_node(start: Start) -> None:
     new = "rclpy.try_shutdown(); rclpy.init(args=[]); rclpy.create_node('y')"
     output, errors = start(FORK.format(in_child=new)).communicate(timeout=60)
@@ -164,11 +175,16 @@ time.sleep(0.1)
 
 def test_threads_may_ask_for_the_graph_at_once(start: Start) -> None:
     process = start("""
-import rclpy, threading
+import contextlib, rclpy, threading
+from rclpy.executors import ExternalShutdownException
 from std_msgs.msg import String
 rclpy.init(args=[])
 node = rclpy.create_node("x")
-threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+def spin():
+    with contextlib.suppress(ExternalShutdownException):
+        rclpy.spin(node)
+spinner = threading.Thread(target=spin)
+spinner.start()
 def ask():
     for _ in range(100):
         publisher = node.create_publisher(String, "x", 10)
@@ -181,6 +197,8 @@ for thread in threads:
     thread.start()
 for thread in threads:
     thread.join()
+rclpy.shutdown()
+spinner.join()
 """)
     _, errors = process.communicate(timeout=60)
     assert (process.returncode, errors) == (0, "")
@@ -246,6 +264,7 @@ def test_rounds_of_everything_leave_nothing_behind(start: Start, node: str) -> N
     assert (output, errors) == ("True True True\n", "")
 
 
+@pytest.mark.embedded
 def test_coming_and_going_leaves_nothing_behind(node: Node) -> None:
     def once() -> None:
         node.destroy_subscription(node.create_subscription(String, "x", print, 10))

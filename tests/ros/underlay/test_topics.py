@@ -196,7 +196,9 @@ def test_what_is_destroyed_by_itself_stays_among_its_nodes(node: Node, kind: str
         made.destroy()
         assert len(of(node, kind)) == 1
         assert made in list(getattr(node, f"{kind}s"))
-    assert (node.count_publishers("x"), node.count_subscribers("x")) == (0, 0)
+    deadline = time.monotonic() + 30
+    while (node.count_publishers("x"), node.count_subscribers("x")) != (0, 0):  # what rclpy knows of others comes late
+        assert time.monotonic() < deadline
     assert [destroy(made), destroy(made)] == [True, False]
     assert of(node, kind) == []
     CREATE[kind](node).destroy()
@@ -332,7 +334,27 @@ def test_a_future_that_is_waited_for_again_and_again_keeps_nothing(
     assert called == [future]
 
 
-def test_only_one_thread_may_spin(node: Node, executor: SingleThreadedExecutor, spin_until: SpinUntil) -> None:
+def test_only_one_thread_may_spin(node: Node, executor: SingleThreadedExecutor) -> None:
+    node.create_timer(0.001, lambda: None)
+    errors: list[Exception] = []
+
+    def spin_until_one_is_refused() -> None:
+        while not errors:
+            try:
+                executor.spin_once(timeout_sec=0.01)
+            except (RuntimeError, ValueError) as error:  # rclpy 7.1.3: "generator already executing"
+                errors.append(error)
+
+    threads = [threading.Thread(target=spin_until_one_is_refused) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(30)
+    assert errors
+
+
+@pytest.mark.embedded  # rclpy 7.1.3 lets a callback spin, again and again; later ones refuse it
+def test_a_callback_may_not_spin(node: Node, executor: SingleThreadedExecutor, spin_until: SpinUntil) -> None:
     errors: list[str] = []
 
     def spin_again() -> None:
@@ -364,12 +386,17 @@ def test_use_after_shutdown(context: Context, node: Node) -> None:
         context.shutdown()
 
 
-def test_counts_after_shutdown(context: Context, node: Node) -> None:
+def test_a_publisher_cannot_count_after_shutdown(context: Context, node: Node) -> None:
     publisher = node.create_publisher(String, "x", 10)
-    subscription = node.create_subscription(String, "x", print, 10)
     context.shutdown()
     with pytest.raises(RuntimeError, match="subscription count: publisher's context is invalid"):
         publisher.get_subscription_count()
+
+
+@pytest.mark.embedded  # in rclpy what a subscription is in DDS outlives its context; here the whole process leaves DDS
+def test_a_subscription_cannot_count_after_shutdown(context: Context, node: Node) -> None:
+    subscription = node.create_subscription(String, "x", print, 10)
+    context.shutdown()
     with pytest.raises(RuntimeError, match="publisher count: subscription's context is invalid"):
         subscription.get_publisher_count()
 
@@ -420,7 +447,7 @@ def test_a_log_line_at_shutdown_is_no_error_of_who_logs(context: Context, node: 
     logger.info("it is shut down between the question whether it runs and the line")
 
 
-def test_endpoints_made_at_once_on_several_threads_are_all_announced(context: Context, node: Node) -> None:
+def test_endpoints_made_at_once_on_several_threads_are_all_announced(node: Node, spin_until: SpinUntil) -> None:
     def make(number: int) -> None:
         for i in range(5):
             node.create_publisher(String, f"topic_{number}_{i}", 1)
@@ -431,5 +458,8 @@ def test_endpoints_made_at_once_on_several_threads_are_all_announced(context: Co
     for thread in threads:
         thread.join()
     topics = [f"/Tank/topic_{number}_{i}" for number in range(4) for i in range(5)]
-    owners = [info.node_name for topic in topics for info in node.get_publishers_info_by_topic(topic)]
-    assert owners == 20 * ["tester"]
+
+    def owners() -> list[str]:
+        return [info.node_name for topic in topics for info in node.get_publishers_info_by_topic(topic)]
+
+    spin_until(lambda: owners() == 20 * ["tester"])  # in rclpy it takes a moment to see oneself

@@ -13,8 +13,6 @@ from rosbags.serde.cdr import generate_deserialize_cdr
 from _rosidl.definitions import wire_description
 from _rosidl.message import Message, message_class
 
-__all__ = ["decode"]
-
 HEADER = 4  # bytes before the message: which encoding it is
 ENDIANNESS = {b"\0\0": "deserialize_cdr_be", b"\0\1": "deserialize_cdr_le"}
 

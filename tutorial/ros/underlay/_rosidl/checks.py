@@ -11,8 +11,6 @@ import numpy as np
 from _rosidl.definitions import Cardinality, Field
 from _rosidl.values import Container, container, number_type
 
-__all__ = ["checker"]
-
 Check = tuple[Callable[[Any], bool], str]
 """What accepts a value, and what to say if it doesn't."""
 

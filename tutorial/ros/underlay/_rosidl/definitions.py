@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
-__all__ = ["Cardinality", "Definition", "Field", "definition", "type_hash", "type_names", "wire_description"]
 
 EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
 """IDL knows no empty struct: an empty message has this uint8 on the wire, and nothing in its class."""

@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from difflib import get_close_matches
 from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import Any
-
-__all__ = ["InterfaceFinder", "install"]
 
 PACKAGE_SUFFIXES = ("_msgs", "_interfaces", "_common")
 """How ROS names packages of messages. It spares every other failing import in the process a look into the store."""
@@ -38,12 +36,7 @@ def install(*, first: bool = False) -> None:
 class InterfaceFinder(MetaPathFinder, Loader):
     """Finds and loads ``PACKAGE``, ``PACKAGE.msg`` and ``PACKAGE.msg._some_message``."""
 
-    def find_spec(
-        self,
-        fullname: str,
-        path: Sequence[str] | None,  # noqa: ARG002
-        target: ModuleType | None = None,  # noqa: ARG002
-    ) -> ModuleSpec | None:
+    def find_spec(self, fullname: str, path: object, target: object = None) -> ModuleSpec | None:  # noqa: ARG002
         """Answer for names that are message packages or inside them, and for nothing else.
 
         Raises:

@@ -13,12 +13,10 @@ from _rosidl.checks import checker
 from _rosidl.definitions import Cardinality, Definition, Field, definition
 from _rosidl.values import PRIMITIVES, container, default_factory, field_type, from_wire
 
-__all__ = ["Message", "make_message_class", "message_class"]
-
 CHECK_FIELDS = os.environ.get("ROS_PYTHON_CHECK_FIELDS") == "1"
 
-DEFAULTS = {("geometry_msgs/msg/Quaternion", "w"): 1.0}
-"""The only default of the common interfaces that isn't zero; rosbags' store does not carry defaults."""
+DEFAULTS = {("geometry_msgs/msg/Quaternion", "w"): 1.0, ("sensor_msgs/msg/NavSatStatus", "status"): -2}
+"""The only defaults of the common interfaces that aren't zero; rosbags' store does not carry defaults."""
 
 
 class Slot(NamedTuple):

@@ -12,17 +12,6 @@ import numpy as np
 
 from _rosidl.definitions import Cardinality, Field
 
-__all__ = [
-    "PRIMITIVES",
-    "Container",
-    "Primitive",
-    "container",
-    "default_factory",
-    "field_type",
-    "from_wire",
-    "number_type",
-]
-
 FLOAT32_MAX = 3.402823466e38  # the literal that rosidl's checks are made of
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 __all__ = ["ExecuteProcess"]
 
 
+@dataclass(kw_only=True, eq=False)
 class ExecuteProcess:
     """A process to start, with the keywords of ROS 2 launch.
 
-    Args:
+    Attributes:
         cmd: the program and its arguments.
         name: how to call the process in output.
         cwd: directory to start in.
@@ -20,21 +22,10 @@ class ExecuteProcess:
         shell: run the command in a shell.
     """
 
-    def __init__(
-        self,
-        *,
-        cmd: Iterable[str],
-        name: str | None = None,
-        cwd: str | None = None,
-        env: Mapping[str, str] | None = None,
-        additional_env: Mapping[str, str] | None = None,
-        output: str = "log",
-        shell: bool = False,
-    ) -> None:
-        self.cmd = list(cmd)
-        self.name = name
-        self.cwd = cwd
-        self.env = env
-        self.additional_env = additional_env
-        self.output = output
-        self.shell = shell
+    cmd: list[str]
+    name: str | None = None
+    cwd: str | None = None
+    env: Mapping[str, str] | None = None
+    additional_env: Mapping[str, str] | None = None
+    output: str = "log"
+    shell: bool = False

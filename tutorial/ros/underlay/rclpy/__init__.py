@@ -6,7 +6,6 @@ It speaks to real ROS 2 programs: same topic names, types, quality of service an
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -33,8 +32,7 @@ from rclpy.signals import SignalHandlerOptions, install_signal_handlers, uninsta
 from rclpy.task import Future  # noqa: E402
 from rclpy.utilities import get_default_context, get_rmw_implementation_identifier, ok  # noqa: E402, F401
 
-sys.meta_path.append(_absent.AbsentModules())
-__getattr__ = _absent.absent("rclpy", "create_rate")
+_absent.install()
 
 _executor: SingleThreadedExecutor | None = None
 

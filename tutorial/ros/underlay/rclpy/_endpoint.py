@@ -12,7 +12,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from rclpy._domain import close, lock
 from rclpy._endpoint_qos import INCOMPATIBLE_TYPE, POLICY_NAMES, to_dds
-from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
+from rclpy._rclpy_pybind11 import Destroyable, InvalidHandle, RCLError
 from rclpy._wire import payload_type
 from rclpy.qos import QoSProfile
 
@@ -20,17 +20,17 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 
-class Endpoint:
+class Endpoint(Destroyable):
     """Base of :class:`Publisher` and :class:`Subscription`; may be used from any thread.
 
     Args:
         node: that it belongs to.
         msg_type: class of its messages.
-        topic: as the program called it.
-        topic_name: in full.
+        topic: as the program calls it.
         qos_profile: how hard to try.
 
     Attributes:
+        event_sources: what the executor waits on: partners that don't fit, and messages.
         guid: its identifier in DDS.
     """
 
@@ -43,29 +43,26 @@ class Endpoint:
     """Name of Cyclone DDS's method that tells more of it."""
     _warning: str
 
-    def __init__(
-        self, node: Node, msg_type: type[Message], topic: str, topic_name: str, qos_profile: QoSProfile
-    ) -> None:
+    def __init__(self, node: Node, msg_type: type[Message], topic: str, qos_profile: QoSProfile) -> None:
         self._node = node
         self.msg_type = msg_type
         self.topic = topic
-        self._topic_name = topic_name
+        self._topic_name = node.resolve_topic_name(topic)
         self.qos_profile = qos_profile
-        self._destroyed = False
         qos = to_dds(qos_profile, msg_type, writer=self._kind is DataWriter)
         prefix = "" if qos_profile.avoid_ros_namespace_conventions else "rt"
         with lock:
             participant = node.context.graph.participant
-            self._topic = Topic(participant, f"{prefix}{topic_name}", payload_type(msg_type))
+            self._topic = Topic(participant, f"{prefix}{self._topic_name}", payload_type(msg_type))
             self._dds: Any = self._kind(participant, self._topic, qos)
             self._dds.set_status_mask(self._incompatible)
+        self.event_sources: list[Any] = [self._dds]
         self.guid: bytes = self._dds.guid.bytes
 
     @property
     def topic_name(self) -> str:
         """The topic's full name."""
-        if self._destroyed:
-            raise InvalidHandle
+        self._require_handle()
         return self._topic_name
 
     def destroy(self) -> None:
@@ -87,10 +84,6 @@ class Endpoint:
         close(self._dds)
         close(self._topic)
 
-    def event_sources(self) -> list[Any]:
-        """Return what the executor waits on for this endpoint."""
-        return [self._dds]
-
     def report_events(self) -> None:
         """Log a partner that does not fit. Called by the executor."""
         with suppress(DDSException):  # destroyed at this moment
@@ -106,8 +99,7 @@ class Endpoint:
 
     def _count_matched(self, status: str, what: str) -> int:
         """Return the number of partners that fit, by the name of Cyclone DDS's method."""
-        if self._destroyed:
-            raise InvalidHandle
+        self._require_handle()
         try:
             return int(getattr(self._dds, status)().current_count)
         except DDSException as error:

@@ -30,14 +30,12 @@ def to_dds(profile: QoSProfile, msg_type: type[Message], *, writer: bool) -> Qos
         raise TypeError(f"QoSProfile: depth is {profile.depth}, must not be negative")
     keep_all = profile.history == HistoryPolicy.KEEP_ALL
     history = Policy.History.KeepAll if keep_all else Policy.History.KeepLast(profile.depth or 1)
-    least = () if writer else (ReliabilityPolicy.BEST_AVAILABLE,)
-    best_effort = profile.reliability in (ReliabilityPolicy.BEST_EFFORT, *least)
-    most = (DurabilityPolicy.BEST_AVAILABLE,) if writer else ()
-    kept = profile.durability in (DurabilityPolicy.TRANSIENT_LOCAL, *most)
+    best_effort = profile.reliability.name in (["BEST_EFFORT"] if writer else ["BEST_EFFORT", "BEST_AVAILABLE"])
+    kept = profile.durability.name in (["TRANSIENT_LOCAL", "BEST_AVAILABLE"] if writer else ["TRANSIENT_LOCAL"])
     manual = profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
     liveliness = Policy.Liveliness.ManualByTopic if manual else Policy.Liveliness.Automatic
     policies = [
-        Policy.Userdata(f"typehash={type_hash(msg_type._definition.type_name)};".encode()),
+        type_hash_policy(msg_type),
         history,
         Policy.Reliability.BestEffort if best_effort else Policy.Reliability.Reliable(FOREVER),
         Policy.Durability.TransientLocal if kept else Policy.Durability.Volatile,
@@ -49,6 +47,11 @@ def to_dds(profile: QoSProfile, msg_type: type[Message], *, writer: bool) -> Qos
     if writer:
         policies += [Policy.Lifespan(_span(profile.lifespan)), Policy.WriterDataLifecycle(autodispose=False)]
     return Qos(*policies)
+
+
+def type_hash_policy(msg_type: type[Message]) -> Policy.Userdata:
+    """Return what an endpoint announces of its messages' type: ROS 2 complains of one that does not."""
+    return Policy.Userdata(f"typehash={type_hash(msg_type._definition.type_name)};".encode())
 
 
 def from_dds(qos: Qos) -> QoSProfile:

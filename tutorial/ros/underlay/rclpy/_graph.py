@@ -17,6 +17,7 @@ from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from rclpy._domain import close, lock
+from rclpy._endpoint_qos import FOREVER, type_hash_policy
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy._wire import decode, encode, payload_type
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
@@ -31,7 +32,8 @@ MANY = 4096
 DiscoveredEndpoint = Any
 """A discovered writer or reader: ``cyclonedds.builtin.DcpsEndpoint``."""
 
-_BOTH_SIDES = (Policy.Reliability.Reliable(2**63 - 1), Policy.Durability.TransientLocal)
+_RELIABLE, _KEPT = Policy.Reliability.Reliable(FOREVER), Policy.Durability.TransientLocal
+_BOTH_SIDES = (type_hash_policy(ParticipantEntitiesInfo), _RELIABLE, _KEPT)
 _WRITER_QOS = Qos(
     *_BOTH_SIDES,
     Policy.History.KeepLast(1),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException, InvalidTopicNameException
 
@@ -36,7 +37,7 @@ TOPIC_NAME: Rules = [
     [(r"(\{)[^}]*\Z", "topic name must not have unmatched (unbalanced) curly braces '{}'")],
     [
         (r"/([0-9])", "topic name token must not start with a number"),
-        (r"\A~([^/])", "topic name must not have a tilde '~' that is not followed by a forward slash '/'"),
+        (r"\A~([^/]).", "topic name must not have a tilde '~' that is not followed by a forward slash '/'"),
     ],
 ]
 
@@ -56,7 +57,7 @@ def _absolute(kind: str, unless: str, too_long: tuple[str, str]) -> Rules:
     ]
 
 
-FULL_TOPIC_NAME = _absolute("topic name", "", (r"\A.{246}(.).", "topic length should not exceed '247'"))
+FULL_TOPIC_NAME = _absolute("topic name", "", (r"\A.{246}(.).", "topic length should not exceed '255U - 8U'"))
 NAMESPACE = _absolute("namespace", ", unless only a '/'", (r"\A.{244}(.).", "namespace should not exceed '245'"))
 
 
@@ -70,33 +71,31 @@ def problem(rules: Rules, name: str) -> tuple[str, int] | None:
     return None
 
 
+def _valid(rules: Rules, name: str, error: Callable[[str, str, int], Exception]) -> bool:
+    if found := problem(rules, name):
+        raise error(name, *found)
+    return True
+
+
 def validate_node_name(node_name: str) -> bool:
     """Return True if a node's name, without namespace, is valid, else raise InvalidNodeNameException."""
-    if found := problem(NODE_NAME, node_name):
-        raise InvalidNodeNameException(node_name, *found)
-    return True
+    return _valid(NODE_NAME, node_name, InvalidNodeNameException)
 
 
 def validate_namespace(namespace: str) -> bool:
     """Return True if a node's namespace is valid, else raise InvalidNamespaceException."""
-    if namespace != "/" and (found := problem(NAMESPACE, namespace)):
-        raise InvalidNamespaceException(namespace, *found)
-    return True
+    return namespace == "/" or _valid(NAMESPACE, namespace, InvalidNamespaceException)
 
 
 def validate_topic_name(name: str) -> bool:
     """Return True if a topic's name is valid, whether relative, absolute or private, else raise
     InvalidTopicNameException."""
-    if found := problem(TOPIC_NAME, name):
-        raise InvalidTopicNameException(name, *found)
-    return True
+    return _valid(TOPIC_NAME, name, InvalidTopicNameException)
 
 
 def validate_full_topic_name(name: str) -> bool:
     """Return True if a topic's full name is valid, else raise InvalidTopicNameException."""
-    if found := problem(FULL_TOPIC_NAME, name):
-        raise InvalidTopicNameException(name, *found)
-    return True
+    return _valid(FULL_TOPIC_NAME, name, InvalidTopicNameException)
 
 
 def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> str:

@@ -13,6 +13,7 @@ from rclpy._graph import PUBLISHERS, SUBSCRIPTIONS, DiscoveredEndpoint, Graph
 from rclpy._node_names import NodeNames
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
 from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
+from rclpy.type_hash import TypeHash
 
 if TYPE_CHECKING:
     from rclpy.context import Context
@@ -68,11 +69,11 @@ class NodeGraph(NodeNames):
             topic_name: of the topic, which is remapped.
             no_mangle: it is the name in DDS.
         """
-        return self._infos(PUBLISHERS, TopicEndpointTypeEnum.PUBLISHER, topic_name, no_mangle)
+        return self._infos(PUBLISHERS, topic_name, no_mangle)
 
     def get_subscriptions_info_by_topic(self, topic_name: str, no_mangle: bool = False) -> list[TopicEndpointInfo]:
         """Return what is known about each subscription on a topic, as for publishers."""
-        return self._infos(SUBSCRIPTIONS, TopicEndpointTypeEnum.SUBSCRIPTION, topic_name, no_mangle)
+        return self._infos(SUBSCRIPTIONS, topic_name, no_mangle)
 
     def _endpoints(self, kind: Any, wire_topic: str | None = None) -> list[DiscoveredEndpoint]:
         return self._ask(lambda graph: graph.endpoints(kind, wire_topic))
@@ -91,24 +92,22 @@ class NodeGraph(NodeNames):
         own = {gid for gid, node in owners.items() if (node.node_name, node.node_namespace) == who}
         return _by_topic([endpoint for endpoint in self._endpoints(kind) if endpoint.key.bytes in own], no_demangle)
 
-    def _infos(
-        self, kind: Any, endpoint_type: TopicEndpointTypeEnum, topic_name: str, no_mangle: bool
-    ) -> list[TopicEndpointInfo]:
+    def _infos(self, kind: Any, topic_name: str, no_mangle: bool) -> list[TopicEndpointInfo]:
         wire_topic = topic_name if no_mangle else f"rt{self._remapped(self._expanded(topic_name))}"
         endpoints = self._endpoints(kind, wire_topic)
         owners = self._ask(Graph.owners) if endpoints else {}
-        return [_info(endpoint, endpoint_type, owners.get(endpoint.key.bytes)) for endpoint in endpoints]
+        return [_info(endpoint, kind, owners.get(endpoint.key.bytes)) for endpoint in endpoints]
 
 
-def _info(endpoint: DiscoveredEndpoint, kind: TopicEndpointTypeEnum, owner: Any) -> TopicEndpointInfo:
+def _info(endpoint: DiscoveredEndpoint, kind: Any, owner: Any) -> TopicEndpointInfo:
     userdata = endpoint.qos[Policy.Userdata].data if Policy.Userdata in endpoint.qos else b""
-    found = re.search(rb"typehash=([^;]*);", userdata)
+    found = re.search(rb"typehash=RIHS(\d\d)_([0-9a-f]{64});", userdata)
     return TopicEndpointInfo(
         node_name=owner.node_name if owner else "_NODE_NAME_UNKNOWN_",
         node_namespace=owner.node_namespace if owner else "_NODE_NAMESPACE_UNKNOWN_",
         topic_type=_type_name(endpoint),
-        topic_type_hash=found[1].decode() if found else "INVALID",
-        endpoint_type=kind,
+        topic_type_hash=TypeHash(int(found[1]), bytes.fromhex(found[2].decode())) if found else TypeHash(),
+        endpoint_type=TopicEndpointTypeEnum.PUBLISHER if kind is PUBLISHERS else TopicEndpointTypeEnum.SUBSCRIPTION,
         endpoint_gid=list(endpoint.key.bytes),
         qos_profile=from_dds(endpoint.qos),
     )

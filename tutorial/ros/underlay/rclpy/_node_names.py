@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
+from rclpy import _names
 from rclpy._arguments import Arguments
-from rclpy._names import expand_topic_name, validate_full_topic_name, validate_namespace, validate_node_name
-from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
-from rclpy.exceptions import InvalidTopicNameException
+from rclpy._rclpy_pybind11 import Destroyable, RCLError
 
 
-class NodeNames:
+class NodeNames(Destroyable):
     """The part of a node that deals with names. Its methods raise InvalidHandle once the node is destroyed."""
 
     def _init_names(self, name: str, namespace: str, arguments: list[Arguments]) -> None:
         """Apply remappings to the node's own name and namespace, and check both."""
-        validate_node_name(name)
-        self._destroyed = False
+        _names.validate_node_name(name)
         self._arguments = arguments
         self._name, self._namespace = name, namespace if namespace.startswith("/") else f"/{namespace}"
         for given in reversed(arguments):
             self._name = given.node_value(name, "__node") or self._name
             self._namespace = given.node_value(name, "__ns") or self._namespace
-        validate_node_name(self._name)
-        validate_namespace(self._namespace)
+        _names.validate_node_name(self._name)
+        _names.validate_namespace(self._namespace)
 
     def get_name(self) -> str:
         """Return its name."""
@@ -46,11 +44,12 @@ class NodeNames:
         """
         self._require_handle()
         try:
-            name = expand_topic_name(topic, self._name, self._namespace)
-            name = name if only_expand else self._remapped(name)
-            validate_full_topic_name(name)
-        except (ValueError, InvalidTopicNameException) as error:
-            raise RCLError(f"failed to resolve name: {error}") from None
+            name = _names.expand_topic_name(topic, self._name, self._namespace)
+        except ValueError as error:
+            raise RCLError(f"failed to resolve name: {str(error).partition(' is invalid: ')[2]}") from None
+        name = name if only_expand else self._remapped(name)
+        if found := _names.problem(_names.FULL_TOPIC_NAME, name):
+            raise RCLError(f"failed to resolve name: {found[0]}")
         return name
 
     def _expanded(self, topic_name: str) -> str:
@@ -60,8 +59,8 @@ class NodeNames:
             ValueError: the name cannot be expanded.
             InvalidTopicNameException: what comes out breaks the rules.
         """
-        full_name = expand_topic_name(topic_name, self.get_name(), self.get_namespace())
-        validate_full_topic_name(full_name)
+        full_name = _names.expand_topic_name(topic_name, self.get_name(), self.get_namespace())
+        _names.validate_full_topic_name(full_name)
         return full_name
 
     def _full_name(self) -> str:
@@ -70,7 +69,3 @@ class NodeNames:
     def _remapped(self, full_name: str) -> str:
         found = (arguments.topic(full_name, self._name, self._namespace) for arguments in self._arguments)
         return next((name for name in found if name is not None), full_name)
-
-    def _require_handle(self) -> None:
-        if self._destroyed:
-            raise InvalidHandle

@@ -12,8 +12,6 @@ from rclpy import exceptions
 from rclpy._arguments import Arguments
 from rclpy.parameter import Parameter
 
-RELATIVE_TOLERANCE = 1e-6
-
 DEPRECATED = """when declaring parameter named '{name}', declaring a parameter only providing its name is deprecated. \
 You have to either:
 \t- Pass a name and a default value different to "PARAMETER NOT SET" (and optionally a descriptor).
@@ -23,6 +21,8 @@ You have to either:
 
 class NodeParameters:
     """The part of a node that deals with parameters."""
+
+    PARAM_REL_TOL = 1e-6
 
     def _init_parameters(self, name: str, arguments: list[Arguments], given: Iterable[Parameter]) -> None:
         self._parameters: dict[str, Parameter] = {}
@@ -35,11 +35,7 @@ class NodeParameters:
             raise exceptions.NeedsRealROSError("simulated time (use_sim_time)")
 
     def declare_parameter(
-        self,
-        name: str,
-        value: Any = None,
-        descriptor: ParameterDescriptor | None = None,
-        ignore_override: bool = False,
+        self, name: str, value: Any = None, descriptor: ParameterDescriptor | None = None, ignore_override: bool = False
     ) -> Parameter:
         """Make a parameter; a value on the command line wins over the one given here.
 
@@ -133,7 +129,7 @@ class NodeParameters:
             return _outside(parameter, descriptor.integer_range[0], 0.0, ".", "a valid step")
         if parameter.type_ == Parameter.Type.DOUBLE and descriptor.floating_point_range:
             limits = descriptor.floating_point_range[0]
-            return _outside(parameter, limits, RELATIVE_TOLERANCE, "", "close enough to a valid step")
+            return _outside(parameter, limits, self.PARAM_REL_TOL, "", "close enough to a valid step")
         return ""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import Any, Self, cast
 
-from rclpy import _absent
+from rclpy import _rclpy_pybind11
 from rclpy.clock_type import ClockType
 from rclpy.time import Time
 
@@ -22,9 +22,9 @@ class Clock:
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> Self:
         """Make a clock, which for ROS time is a ROSClock."""
-        if not isinstance(clock_type, ClockType):
+        if not isinstance(clock_type, (ClockType, _rclpy_pybind11.ClockType)):
             raise TypeError("Clock type must be a ClockType enum")
-        self: Any = object.__new__(ROSClock if clock_type is ClockType.ROS_TIME else cls)
+        self: Any = object.__new__(ROSClock if clock_type == ClockType.ROS_TIME else cls)
         self._clock_type = clock_type
         return cast(Self, self)
 
@@ -37,13 +37,11 @@ class Clock:
 
     def now(self) -> Time:
         """Return the time now."""
-        steady = self._clock_type is ClockType.STEADY_TIME
+        steady = self._clock_type == ClockType.STEADY_TIME
         return Time(nanoseconds=time.monotonic_ns() if steady else time.time_ns(), clock_type=self._clock_type)
 
     def __repr__(self) -> str:
         return f"Clock(clock_type={self._clock_type.name})"
-
-    __getattr__ = _absent.absent("Clock", _absent.CLOCK)
 
 
 class ROSClock(Clock):

@@ -7,7 +7,8 @@ import os
 import sys
 import threading
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from inspect import ismethod
 from typing import TYPE_CHECKING, Self
 
 from rclpy import _domain
@@ -41,6 +42,7 @@ class Context:
         self._domain_id = 0
         self.arguments = Arguments()
         self._graph: Graph | None = None
+        self._callbacks: list[Callable[[], Callable[[], object] | None]] = []
         self._executors: list[weakref.ref[SingleThreadedExecutor]] = []  # never changed, but replaced
         _contexts.add(self)
 
@@ -89,7 +91,13 @@ class Context:
         self.try_shutdown()
 
     def try_shutdown(self) -> None:
-        """Shut down if it has not been, once no other thread spins any more."""
+        """Shut down if it has not been, once no other thread spins any more; then call back.
+
+        As in rclpy, a signal that has stopped it already leaves nothing to call back.
+        """
+        if not self._was_initialized:
+            return
+        was_ok = self._ok
         self.stop()
         for reference in self._executors:
             if executor := reference():
@@ -98,6 +106,24 @@ class Context:
             graph, self._graph = self._graph, None
             if graph:
                 _domain.leave(graph.participant, self._domain_id)
+            callbacks, self._callbacks = self._callbacks if was_ok else [], []
+        for held in callbacks:
+            if callback := held():
+                callback()
+
+    def on_shutdown(self, callback: Callable[[], object]) -> None:
+        """Call back at the shutdown, at once if that has been; a method only as long as its object lives.
+
+        Raises:
+            TypeError: it cannot be called.
+        """
+        if not callable(callback):
+            raise TypeError("callback should be a callable, got {}", type(callback))
+        with _domain.lock:
+            if self._ok or not self._was_initialized:
+                self._callbacks.append(weakref.WeakMethod(callback) if ismethod(callback) else lambda: callback)
+                return
+        callback()
 
     def stop(self) -> None:
         """End every spin, and leave what takes time to :meth:`try_shutdown`; a signal handler may call this."""
@@ -174,4 +200,5 @@ def _shut_down_all() -> None:
 
     threading.excepthook = report_others
     for context in list(_contexts):
+        context._callbacks.clear()
         context.try_shutdown()

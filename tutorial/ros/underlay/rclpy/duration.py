@@ -6,8 +6,7 @@ from functools import total_ordering
 from typing import Any, Self
 
 from builtin_interfaces.msg import Duration as DurationMessage
-
-S_TO_NS = 1_000_000_000
+from rclpy.constants import S_TO_NS
 
 
 @total_ordering

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle  # noqa: PLC0414  (programs find it here)
-
-if TYPE_CHECKING:
-    from rclpy.parameter import Parameter
 
 
 class NotInitializedException(Exception):  # noqa: N818  (rclpy's name, as all below)
@@ -15,6 +12,20 @@ class NotInitializedException(Exception):  # noqa: N818  (rclpy's name, as all b
 
     def __init__(self, message: str | None = None) -> None:
         super().__init__("rclpy.init() has not been called." + (f" msg:{message}" if message else ""))
+
+
+class ROSInterruptException(Exception):  # noqa: N818
+    """What waited was ended by a shutdown."""
+
+    def __init__(self) -> None:
+        super().__init__("rclpy.shutdown() has been called")
+
+
+class NoTypeSupportImportedException(Exception):  # noqa: N818
+    """A message type is not supported."""
+
+    def __init__(self) -> None:
+        super().__init__("no type_support imported")
 
 
 class NameValidationException(Exception):  # noqa: N818
@@ -47,6 +58,12 @@ class InvalidTopicNameException(_InvalidName):
     """A topic name breaks the rules for names."""
 
     kind = "topic name"
+
+
+class InvalidServiceNameException(_InvalidName):
+    """A service name breaks the rules for names."""
+
+    kind = "service name"
 
 
 class ParameterException(Exception):  # noqa: N818
@@ -87,6 +104,8 @@ class InvalidParameterException(ParameterException):
 class InvalidParameterTypeException(ParameterException):
     """A parameter was given a value of another type than its own."""
 
+    from rclpy.parameter import Parameter  # noqa: PLC0415  (as in rclpy, so that this class has it)
+
     def __init__(self, desired_parameter: Parameter, expected_type: str) -> None:
         name, value, given = desired_parameter.name, desired_parameter.value, desired_parameter.type_.name
         super().__init__(
@@ -99,6 +118,13 @@ class InvalidParameterValueException(ParameterException):
 
     def __init__(self, parameter: str, value: Any, reason: str) -> None:
         super().__init__(f"Invalid parameter value ({value}) for parameter. Reason: {reason}", parameter)
+
+
+class ParameterImmutableException(ParameterException):
+    """A parameter was to be changed that cannot be."""
+
+    def __init__(self, parameter_name: str) -> None:
+        super().__init__("Attempted to modify read-only parameter", parameter_name)
 
 
 class _NotHere(Exception):  # noqa: N818

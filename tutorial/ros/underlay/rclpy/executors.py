@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections import deque
@@ -10,7 +11,6 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Self
 
 from cyclonedds.core import DDSException, GuardCondition, WaitSet
-from rclpy import _absent
 from rclpy._domain import close, lock
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.context import NOT_VALID
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.node import Node
     from rclpy.task import Future
-
-__all__ = ["Executor", "ExternalShutdownException", "SingleThreadedExecutor"]
 
 LONGEST_WAIT = 0.1
 """How long to wait at most within Cyclone DDS [s]: Python hears a Ctrl-C only between calls into C."""
@@ -102,7 +100,7 @@ class SingleThreadedExecutor:
         """
         with self._spin():
             while self._context.ok() and not self._is_shutdown:
-                self._run_one(None)
+                self._run_one()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait for one callback to run, and run it.
@@ -117,7 +115,7 @@ class SingleThreadedExecutor:
         with self._spin():
             if not self._context.ok() and not self._is_shutdown:
                 raise RCLError(f"failed to initialize wait set: {NOT_VALID}")
-            self._run_one(timeout_sec)
+            self._run_one(_deadline(timeout_sec))
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is done or cancelled, or time runs out.
@@ -133,8 +131,8 @@ class SingleThreadedExecutor:
         deadline = _deadline(timeout_sec)
         with self._spin(), future._telling(lambda _: self.wake()):
             while self._context.ok() and not self._is_shutdown and not finished():
-                self._run_one(None if deadline is None else max(_left(deadline), 0.0), until=finished)
-                if _left(deadline) <= 0:
+                self._run_one(deadline, until=finished)
+                if time.monotonic() >= deadline:
                     return
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002  (rclpy does not wait, either)
@@ -148,14 +146,10 @@ class SingleThreadedExecutor:
         self._close_if_shut_down()
         return True
 
-    def wait_until_stopped(self, timeout_sec: float) -> bool:
-        """Wait until no thread spins, unless this is the one; False if time runs out [s]."""
-        if self._spinner == threading.get_ident():
-            return True
-        if not self._spinning.acquire(timeout=timeout_sec):
-            return False
-        self._spinning.release()
-        return True
+    def wait_until_stopped(self, timeout_sec: float) -> None:
+        """Wait until no thread spins, unless this is the one, or time runs out [s]."""
+        if self._spinner != threading.get_ident() and self._spinning.acquire(timeout=timeout_sec):
+            self._spinning.release()
 
     @contextmanager
     def _spin(self) -> Iterator[None]:
@@ -170,9 +164,8 @@ class SingleThreadedExecutor:
             self._spinning.release()
             self._close_if_shut_down()
 
-    def _run_one(self, timeout_sec: float | None, until: Callable[[], bool] = lambda: False) -> None:
-        """Run one callback, waiting for it if necessary."""
-        deadline = _deadline(timeout_sec)
+    def _run_one(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False) -> None:
+        """Run one callback, waiting for it if necessary, but only to a time [s of the monotonic clock]."""
         woken = False
         while not self._is_shutdown and not until():
             if not self._context.ok():
@@ -184,7 +177,7 @@ class SingleThreadedExecutor:
                 return
             if woken:  # by something else than a message or a timer
                 self._report_events()
-            left = _left(deadline)
+            left = deadline - time.monotonic()
             if left <= 0:
                 return
             woken = self._wait(min(left, LONGEST_WAIT))
@@ -242,7 +235,7 @@ class SingleThreadedExecutor:
                 raise
             return
         for endpoint in (*self._publishers, *self._subscriptions):
-            for source in endpoint.event_sources():
+            for source in endpoint.event_sources:
                 with suppress(DDSException):  # destroyed at this moment, which wakes us again
                     wait_set.attach(source)
 
@@ -261,8 +254,6 @@ class SingleThreadedExecutor:
         close(self._guard)
         self._spinning.release()
 
-    __getattr__ = _absent.absent("Executor", _absent.EXECUTOR)
-
     def __enter__(self) -> Self:
         return self
 
@@ -272,12 +263,6 @@ class SingleThreadedExecutor:
 
 Executor = SingleThreadedExecutor
 
-__getattr__ = _absent.absent("rclpy.executors", _absent.EXECUTORS)
 
-
-def _deadline(timeout_sec: float | None) -> float | None:
-    return None if timeout_sec is None or timeout_sec < 0 else time.monotonic() + timeout_sec
-
-
-def _left(deadline: float | None) -> float:
-    return float("inf") if deadline is None else deadline - time.monotonic()
+def _deadline(timeout_sec: float | None) -> float:
+    return math.inf if timeout_sec is None or timeout_sec < 0 else time.monotonic() + timeout_sec

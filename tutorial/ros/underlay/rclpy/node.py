@@ -19,12 +19,13 @@ from rclpy._node_parameters import NodeParameters
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy._wire import check_message_type
 from rclpy.clock import Clock, ROSClock
-from rclpy.duration import S_TO_NS, Duration
+from rclpy.constants import S_TO_NS
+from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
 from rclpy.logging import LoggingSeverity, RcutilsLogger, get_logger, listeners
-from rclpy.parameter import Parameter
+from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter  # noqa: F401  (programs find the first here, too)
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events, qos_profile_services_default  # noqa: F401
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 
 Entity = TypeVar("Entity", Publisher, Subscription, Timer)
 
+HIDDEN_NODE_PREFIX = "_"
 ROSOUT_QOS = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
 
 
@@ -70,7 +72,7 @@ class Node(NodeGraph, NodeParameters):
         parameter_overrides: Sequence[Parameter] | None = None,
         **options: Any,
     ) -> None:
-        _absent.refuse("Node.__init__", options, _absent.NODE_OPTIONS)
+        _absent.refuse("Node.__init__", options)
         self._context = context or get_default_context()
         if not self._context.ok():
             raise NotInitializedException("cannot create node")
@@ -89,7 +91,7 @@ class Node(NodeGraph, NodeParameters):
         self._leave_graph.atexit = False
         if enable_rosout:
             with self._creating("publisher"):
-                self._rosout = Publisher(self, Log, "/rosout", self.resolve_topic_name("/rosout"), ROSOUT_QOS)
+                self._rosout = Publisher(self, Log, "/rosout", ROSOUT_QOS)
             listeners[self._logger.name] = self
         self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
 
@@ -113,8 +115,7 @@ class Node(NodeGraph, NodeParameters):
 
     @executor.setter
     def executor(self, new_executor: SingleThreadedExecutor | None) -> None:
-        old = self.executor
-        if old is new_executor:
+        if (old := self.executor) is new_executor:
             return
         if old is not None:
             old.remove_node(self)
@@ -159,10 +160,10 @@ class Node(NodeGraph, NodeParameters):
             InvalidTopicNameException: the name breaks the rules.
             RCLError: the context has been shut down.
         """
-        _absent.refuse("Node.create_publisher", options, _absent.ENDPOINT_OPTIONS)
-        profile, topic_name = self._checked(msg_type, topic, qos_profile)
+        _absent.refuse("Node.create_publisher", options)
+        profile = self._checked(msg_type, topic, qos_profile)
         with self._creating("publisher"):
-            return self._add(publisher_class(self, msg_type, topic, topic_name, profile))
+            return self._add(publisher_class(self, msg_type, topic, profile))
 
     def create_subscription(
         self,
@@ -188,11 +189,11 @@ class Node(NodeGraph, NodeParameters):
             InvalidTopicNameException: the name breaks the rules.
             RCLError: the context has been shut down.
         """
-        _absent.refuse("Node.create_subscription", options, _absent.ENDPOINT_OPTIONS)
+        _absent.refuse("Node.create_subscription", options)
         _absent.refuse_coroutine(callback)
-        profile, topic_name = self._checked(msg_type, topic, qos_profile)
+        profile = self._checked(msg_type, topic, qos_profile)
         with self._creating("subscription"):
-            return self._add(Subscription(self, msg_type, topic, topic_name, callback, profile, raw))
+            return self._add(Subscription(self, msg_type, topic, callback, profile, raw))
 
     def create_timer(
         self,
@@ -215,7 +216,7 @@ class Node(NodeGraph, NodeParameters):
             RCLError: the period is negative.
         """
         period_ns = int(float(timer_period_sec) * S_TO_NS)
-        _absent.refuse("Node.create_timer", {"callback_group": callback_group}, _absent.ENDPOINT_OPTIONS)
+        _absent.refuse("Node.create_timer", {"callback_group": callback_group})
         _absent.refuse_coroutine(callback)
         with self._creating("timer"):
             return self._add(Timer(self, callback, period_ns, clock or self._clock, autostart))
@@ -251,8 +252,8 @@ class Node(NodeGraph, NodeParameters):
         if executor := self.executor:
             executor.wake()
 
-    def _checked(self, msg_type: Any, topic: str, qos_profile: Any) -> tuple[QoSProfile, str]:
-        """Return the profile that a program means and the topic's full name.
+    def _checked(self, msg_type: Any, topic: str, qos_profile: Any) -> QoSProfile:
+        """Return the profile that a program means, once all that it gives for an endpoint is right.
 
         Raises:
             ValueError: the depth is negative.
@@ -267,13 +268,13 @@ class Node(NodeGraph, NodeParameters):
         if not isinstance(qos_profile, QoSProfile):
             raise TypeError(f"Expected QoSProfile or int, but received {type(qos_profile)!r}")
         try:
-            topic_name = self.resolve_topic_name(topic)
+            self.resolve_topic_name(topic)
         except RCLError:
             validate_topic_name(topic)
             self._expanded(topic)
             raise
         check_message_type(msg_type)
-        return qos_profile, topic_name
+        return qos_profile
 
     @contextmanager
     def _creating(self, what: str) -> Iterator[None]:
@@ -325,8 +326,6 @@ class Node(NodeGraph, NodeParameters):
             return
         with suppress(RCLError, InvalidHandle):
             rosout.publish(Log(stamp=self._clock.now().to_msg(), level=int(severity), name=name, msg=text))
-
-    __getattr__ = _absent.absent("Node", _absent.NODE)
 
     def __enter__(self) -> Self:
         return self

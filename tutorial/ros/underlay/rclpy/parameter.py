@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
+PARAMETER_SEPARATOR_STRING = "."
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Parameter:

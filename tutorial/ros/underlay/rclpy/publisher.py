@@ -6,7 +6,6 @@ from _rosidl.message import Message
 from cyclonedds.core import DDSException, DDSStatus
 from cyclonedds.pub import DataWriter
 from rclpy._endpoint import Endpoint
-from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy._wire import encode
 from rclpy.duration import Duration, Infinite
 
@@ -30,8 +29,7 @@ class Publisher(Endpoint):
             InvalidHandle: the publisher has been destroyed.
             RCLError: the context has been shut down.
         """
-        if self._destroyed:
-            raise InvalidHandle
+        self._require_handle()
         if isinstance(msg, self.msg_type):
             data = encode(msg)
         elif isinstance(msg, bytes):

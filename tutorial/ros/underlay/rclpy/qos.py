@@ -150,7 +150,7 @@ def _every_policy(name: str, **others: Any) -> QoSProfile:
     return QoSProfile(**{policy: kind[name] for policy, kind in kinds.items() if name in kind.__members__}, **others)
 
 
-_BEST_AVAILABLE = Duration(nanoseconds=2**63 - 2)
+DeadlineBestAvailable = LivelinessLeaseDurationeBestAvailable = Duration(nanoseconds=2**63 - 2)
 
 qos_profile_unknown = _every_policy("UNKNOWN", depth=0)
 qos_profile_default = QoSProfile(depth=10)
@@ -160,7 +160,7 @@ qos_profile_services_default = QoSProfile(depth=10)
 qos_profile_parameters = QoSProfile(depth=1000)
 qos_profile_parameter_events = QoSProfile(depth=1000)
 qos_profile_best_available = _every_policy(
-    "BEST_AVAILABLE", depth=10, deadline=_BEST_AVAILABLE, liveliness_lease_duration=_BEST_AVAILABLE
+    "BEST_AVAILABLE", depth=10, deadline=DeadlineBestAvailable, liveliness_lease_duration=DeadlineBestAvailable
 )
 qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 

@@ -19,6 +19,8 @@ from rclpy.qos import QoSProfile
 if TYPE_CHECKING:
     from rclpy.node import Node
 
+Callback = Callable[..., object]
+
 SEQUENCE_NUMBER_UNSUPPORTED = 2**64 - 1
 """What rmw_cyclonedds, too, says for sequence numbers."""
 
@@ -31,8 +33,7 @@ class Subscription(Endpoint):
     Args:
         node: that it belongs to.
         msg_type: class of its messages.
-        topic: as the program called it.
-        topic_name: in full.
+        topic: as the program calls it.
         callback: called with each message, or with the message and a dict about it.
         qos_profile: how hard to try, and how many messages wait for the callback.
         raw: give the callback bytes instead of messages.
@@ -47,29 +48,23 @@ class Subscription(Endpoint):
     )
 
     def __init__(
-        self,
-        node: Node,
-        msg_type: type[Message],
-        topic: str,
-        topic_name: str,
-        callback: Callable[..., object],
-        qos_profile: QoSProfile,
-        raw: bool,
+        self, node: Node, msg_type: type[Message], topic: str, callback: Callback, qos_profile: QoSProfile, raw: bool
     ) -> None:
         self.callback = callback
         self.raw = raw
         self._has_reported_malformed = False
-        super().__init__(node, msg_type, topic, topic_name, qos_profile)
+        super().__init__(node, msg_type, topic, qos_profile)
         with lock:
-            self._condition = ReadCondition(self._dds, ViewState.Any | InstanceState.Any | SampleState.Any)
+            any_state = ViewState.Any | InstanceState.Any | SampleState.Any
+            self.event_sources.append(ReadCondition(self._dds, any_state))
 
     @property
-    def callback(self) -> Callable[..., object]:
+    def callback(self) -> Callback:
         """What is called with each message, or with the message and a dict about it."""
         return self._callback
 
     @callback.setter
-    def callback(self, value: Callable[..., object]) -> None:
+    def callback(self, value: Callback) -> None:
         self._wants_info = not _accepts(value, 1)
         if self._wants_info and not _accepts(value, 2):
             raise RuntimeError(
@@ -101,10 +96,6 @@ class Subscription(Endpoint):
             return True
         return False
 
-    def event_sources(self) -> list[Any]:
-        """Return what the executor waits on: partners that don't fit, and messages."""
-        return [self._dds, self._condition]
-
     def _take(self) -> Any:
         """Return the next message as it was received, None if there is none."""
         try:
@@ -133,7 +124,7 @@ def _info(payload: Any) -> dict[str, int]:
     }
 
 
-def _accepts(callback: Callable[..., object], count: int) -> bool:
+def _accepts(callback: Callback, count: int) -> bool:
     try:
         inspect.signature(callback).bind(*[None] * count)
     except TypeError:

@@ -10,9 +10,6 @@ from contextlib import contextmanager
 from typing import Any
 
 from rclpy import _absent
-from rclpy.exceptions import NeedsRealROSError
-
-__getattr__ = _absent.absent("rclpy.task", "Task")
 
 
 class Future:
@@ -25,8 +22,7 @@ class Future:
     """
 
     def __init__(self, *, executor: None = None) -> None:
-        if executor is not None:
-            raise NeedsRealROSError("Future(executor=...)")
+        _absent.refuse("Future", {"executor": executor})
         self._lock = threading.Lock()
         self._callbacks: list[Callable[[Future], object]] = []
         self._done = self._cancelled = False

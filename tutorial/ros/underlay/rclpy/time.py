@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from functools import total_ordering
 from typing import Any, Self, overload
 
 from builtin_interfaces.msg import Time as TimeMessage
+from rclpy import _rclpy_pybind11
 from rclpy.clock_type import ClockType
-from rclpy.duration import S_TO_NS, Duration
+from rclpy.constants import S_TO_NS
+from rclpy.duration import Duration
 
 
 @total_ordering
@@ -25,15 +28,15 @@ class Time:  # noqa: PLW1641  (rclpy's has no hash either)
     """
 
     def __init__(
-        self, *, seconds: float = 0, nanoseconds: float = 0, clock_type: ClockType = ClockType.SYSTEM_TIME
+        self, *, seconds: float = 0, nanoseconds: float = 0, clock_type: IntEnum = ClockType.SYSTEM_TIME
     ) -> None:
-        if not isinstance(clock_type, ClockType):
+        if not isinstance(clock_type, (ClockType, _rclpy_pybind11.ClockType)):
             raise TypeError("Clock type must be a ClockType enum")
         for name, value in (("Seconds", seconds), ("Nanoseconds", nanoseconds)):
             if value < 0:
                 raise ValueError(f"{name} value must not be negative")
         self._nanoseconds = int(seconds * S_TO_NS) + int(nanoseconds)
-        self._clock_type = clock_type
+        self._clock_type = _rclpy_pybind11.ClockType(clock_type)
         if self._nanoseconds >= 2**63:
             raise OverflowError("Total nanoseconds value is too large to store in C time point.")
 
@@ -43,7 +46,7 @@ class Time:  # noqa: PLW1641  (rclpy's has no hash either)
         return self._nanoseconds
 
     @property
-    def clock_type(self) -> ClockType:
+    def clock_type(self) -> _rclpy_pybind11.ClockType:
         """The kind of clock that measured it."""
         return self._clock_type
 

@@ -6,17 +6,14 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rclpy import _absent
-from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
+from rclpy._rclpy_pybind11 import Destroyable, RCLError
 from rclpy.clock import Clock
 
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-__getattr__ = _absent.absent("rclpy.timer", "Rate TimerInfo")
 
-
-class Timer:
+class Timer(Destroyable):
     """Calls back again and again; made by ``Node.create_timer``.
 
     The callback runs on the thread that spins. If that thread is late, calls are skipped rather than made up for, and
@@ -42,7 +39,6 @@ class Timer:
         self.callback = callback
         self.timer_period_ns = timer_period_ns
         self.clock = clock
-        self._destroyed = False
         self._canceled = not autostart
         self._last_call = time.monotonic_ns()
         self._next_call = self._last_call + timer_period_ns
@@ -100,13 +96,11 @@ class Timer:
         self._last_call = now = time.monotonic_ns()
         self._next_call += self.timer_period_ns
         if self._next_call < now:
-            missed = -((self._next_call - now) // self.timer_period_ns) if self.timer_period_ns else 0
-            self._next_call = self._next_call + missed * self.timer_period_ns if missed else now
+            self._next_call = now + (self._next_call - now) % (self.timer_period_ns or 1)
         self.callback()
         return True
 
     def _now(self) -> int:
         """Return the time [ns], if the timer still exists."""
-        if self._destroyed:
-            raise InvalidHandle
+        self._require_handle()
         return time.monotonic_ns()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from rclpy.qos import QoSProfile
+from rclpy.type_hash import TypeHash
 
 
 class TopicEndpointTypeEnum(IntEnum):
@@ -22,7 +23,6 @@ class TopicEndpointInfo:
 
     Attributes:
         topic_type: such as ``"sensor_msgs/msg/Joy"``.
-        topic_type_hash: such as ``"RIHS01_..."``.
         endpoint_gid: the 16 bytes that tell it from all others.
         qos_profile: what it offers or asks for.
     """
@@ -30,7 +30,7 @@ class TopicEndpointInfo:
     node_name: str
     node_namespace: str
     topic_type: str
-    topic_type_hash: str
+    topic_type_hash: TypeHash
     endpoint_type: TopicEndpointTypeEnum
     endpoint_gid: list[int]
     qos_profile: QoSProfile

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Sequence
 
 from rclpy import _arguments
+from rclpy.constants import S_TO_NS as S_TO_NS  # noqa: PLC0414  (programs find it here, too)
 from rclpy.context import Context
 
 _default_context: Context | None = None

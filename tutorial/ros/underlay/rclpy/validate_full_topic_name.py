@@ -1,5 +1,3 @@
 """Check a topic's full name."""
 
-from rclpy._names import validate_full_topic_name
-
-__all__ = ["validate_full_topic_name"]
+from rclpy._names import validate_full_topic_name as validate_full_topic_name  # noqa: PLC0414  (programs find it here)

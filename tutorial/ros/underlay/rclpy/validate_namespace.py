@@ -1,5 +1,3 @@
 """Check a node's namespace."""
 
-from rclpy._names import validate_namespace
-
-__all__ = ["validate_namespace"]
+from rclpy._names import validate_namespace as validate_namespace  # noqa: PLC0414  (programs find it here)

@@ -1,5 +1,3 @@
 """Check a node's name."""
 
-from rclpy._names import validate_node_name
-
-__all__ = ["validate_node_name"]
+from rclpy._names import validate_node_name as validate_node_name  # noqa: PLC0414  (programs find it here)

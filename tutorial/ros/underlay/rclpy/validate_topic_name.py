@@ -1,5 +1,5 @@
 """Check a topic's name as a program gives it."""
 
-from rclpy._names import validate_topic_name
+from rclpy._names import validate_topic_name as validate_topic_name  # noqa: PLC0414  (programs find it here)
 
-__all__ = ["validate_topic_name"]
+TOPIC_SEPARATOR_STRING = "/"

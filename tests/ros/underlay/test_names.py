@@ -1,0 +1,87 @@
+"""Every public name of rclpy 7.1.3 is there, or says that it needs a real ROS 2."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.clock import Clock, ROSClock
+from rclpy.context import Context
+from rclpy.duration import Duration
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.logging import get_logger
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
+from rclpy.task import Future
+from rclpy.time import Time
+from std_msgs.msg import String
+
+NAMES: dict[str, dict[str, list[str] | None]] = json.loads(
+    (Path(__file__).parent / "data/rclpy_names.json").read_text(encoding="utf-8")
+)
+"""By module its names, and the members of those that are classes; as a real rclpy lists them."""
+
+
+@pytest.fixture
+def objects(context: Context, node: Node, executor: SingleThreadedExecutor, spin_until: Any) -> dict[str, Any]:
+    """One of each class whose members are looked for in an object; those of the others are in the class itself."""
+    publisher = node.create_publisher(String, "x", 10)
+    spin_until(lambda: node.get_publishers_info_by_topic("x"))
+    info = node.get_publishers_info_by_topic("x")[0]
+    return {
+        "Clock": Clock(),
+        "ROSClock": ROSClock(),
+        "Context": context,
+        "Duration": Duration(),
+        "Executor": executor,
+        "Future": Future(),
+        "Node": node,
+        "Parameter": Parameter("x", value=1),
+        "Publisher": publisher,
+        "QoSProfile": QoSProfile(depth=1),
+        "RcutilsLogger": get_logger("x"),
+        "SingleThreadedExecutor": executor,
+        "Subscription": node.create_subscription(String, "x", print, 10),
+        "Time": Time(),
+        "Timer": node.create_timer(100.0, print),
+        "TopicEndpointInfo": info,
+        "TypeHash": info.topic_type_hash,
+    }
+
+
+def refusal(ask: Callable[..., object], *arguments: object) -> str:
+    """Return what is said where something is not there, "" where it is."""
+    try:
+        ask(*arguments)
+    except (ImportError, AttributeError) as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.filterwarnings("ignore:importing 'qos_event' is deprecated:UserWarning")
+@pytest.mark.parametrize("module", NAMES)
+def test_every_name_answers(module: str, objects: dict[str, Any]) -> None:
+    names: dict[str, str] = {module: refusal(import_module, module)}
+    for name, members in {} if names[module] else NAMES[module].items():
+        there = import_module(module)
+        names[name] = refusal(getattr, there, name)
+        for member in [] if names[name] else members or []:
+            owner = objects.get(name, getattr(there, name))
+            names[f"{name}.{member}"] = refusal(getattr, owner, member)
+    assert [name for name, said in names.items() if said and "A real ROS 2 Jazzy has" not in said] == []
+
+
+@pytest.mark.embedded
+def test_what_is_refused_is_not_there() -> None:
+    from pkgutil import resolve_name
+
+    from rclpy._absent import TABLE
+
+    owners = TABLE["attributes"]
+    assert [f"{owner}.{name}" for owner in owners for name in owners[owner] if name in vars(resolve_name(owner))] == []
+    assert [name for name in TABLE["modules"] if not refusal(import_module, f"rclpy.{name}")] == []

@@ -1,0 +1,20 @@
+"""What tells one definition of a message type from another."""
+
+from dataclasses import dataclass
+
+
+@dataclass(repr=False)
+class TypeHash:
+    """The hash of a type (REP 2016).
+
+    Attributes:
+        version: of the way to compute it; -1: there is none.
+        value: its 32 bytes.
+    """
+
+    version: int = -1
+    value: bytes = bytes(32)
+
+    def __str__(self) -> str:
+        is_valid = self.version > 0 and len(self.value) == 32
+        return f"RIHS{self.version:02}_{self.value.hex()}" if is_valid else "INVALID"
