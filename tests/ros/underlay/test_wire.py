@@ -143,7 +143,7 @@ def test_a_wrong_value_names_its_field(cls: type[Any], field: str, value: object
         (serialize_message(Image(data=bytes(100)))[:-1], Image),
         (serialize_message(Image(data=bytes(100)))[:-99], Image),
     ],
-    ids=lambda value: value[:24].hex() if isinstance(value, bytes) else value.__name__,
+    ids=lambda value: f"{len(value)} bytes" if isinstance(value, bytes) else value.__name__,
 )
 def test_what_is_no_message_is_refused(data: bytes, cls: type[Any]) -> None:
     with pytest.raises(RuntimeError, match=f"^failed to deserialize .*: {len(data)} bytes are no {cls.__name__}: ."):
