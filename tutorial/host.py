@@ -6,7 +6,6 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Sequence
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from tutorial.body import Body
@@ -81,7 +80,9 @@ class Host:
             if view is not None and len(project.bodies) == 1:
                 view.look_at_body(project.bodies[0].placement.name)
             if project.time_step is not None:
-                self.simulation = self._simulation(project, project.time_step)
+                controllers = [(name, each) for name, item in self._items.items() for each in item.controllers]
+                placements = [item.placement for item in project.bodies]
+                self.simulation = Simulation(placements, controllers, project.time_step)
         except BaseException:
             self.close()
             raise
@@ -89,9 +90,7 @@ class Host:
     async def __aenter__(self) -> Host:
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         self.close()
 
     @property
@@ -220,10 +219,6 @@ class Host:
             if not simulates and controller_class.control is not SimpleController.control:
                 name = controller_class.__name__
                 _log.warning("%s is never asked for control: this project has no 'simulator'", name)
-
-    def _simulation(self, project: Project, time_step: float) -> Simulation:
-        pairs = [(item.body.name, c) for item in self._items.values() for c in item.controllers]
-        return Simulation((item.placement for item in project.bodies), pairs, time_step)
 
     def _over(self, began: float, duration: float | None, linger: float) -> bool:
         if self._closed:
