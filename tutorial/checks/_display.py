@@ -64,8 +64,7 @@ def judge_viewer(answer: type[SimpleController], model: str, name: str, post: st
     """
     with Desk(answer, model, name) as desk:
         topic = f"/{name}/joint_state"
-        finding, subscription = endpoint_on(desk.ros.node, WatchedSubscription, topic, JointState, CALL)
-        yield finding
+        subscription = yield from endpoint_on(desk.ros.node, WatchedSubscription, topic, JointState, CALL)
         if subscription is None:
             return
         publish = desk.ros.publisher_to(subscription)

@@ -75,8 +75,7 @@ def judge_drive(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `drive`."""
     with World(answer) as world:
         call = 'config.node.create_subscription(Joy, "joy", self.on_joy, 1)'
-        finding, subscription = endpoint_on(world.ros.node, WatchedSubscription, "/joy", Joy, call)
-        yield finding
+        subscription = yield from endpoint_on(world.ros.node, WatchedSubscription, "/joy", Joy, call)
         if subscription is not None:
             yield from _judge_driving(answer, world, subscription)
             yield judge_leaving(answer, world.leave, subscription)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 from sensor_msgs.msg import JointState
 
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._node import WatchedPublisher
-from tutorial.checks._publish import MADE, judge_stamps, watch_publishing
+from tutorial.checks._publish import MADE, judge_stamps
 from tutorial.checks._topics import endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._world import World
@@ -83,9 +84,7 @@ class _Mover(SimpleController):
 def judge_thrift(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `thrift`."""
     with World(answer, model="crane", name="Lift", before=[_Mover()]) as world:
-        watch_publishing(world)
-        finding, publisher = endpoint_on(world.ros.node, WatchedPublisher, "/Lift/joint_state", JointState, MADE)
-        yield finding
+        publisher = yield from endpoint_on(world.ros.node, WatchedPublisher, "/Lift/joint_state", JointState, MADE)
         if publisher is None:
             return
         world.advance(_periods() * PERIOD)
@@ -177,13 +176,8 @@ def _by_segment(messages: Sequence[tuple[int, tuple[str, ...], int]]) -> list[tu
     begin = 0
     for count in counts:
         inside = [m for m in messages if begin <= m[0] // PERIOD < begin + count]
-        found.append(
-            tuple(
-                number
-                for step, names, positions in inside
-                for number in (step // PERIOD - begin, _code(names), positions)
-            )
-        )
+        numbers = [(step // PERIOD - begin, _code(names), positions) for step, names, positions in inside]
+        found.append(tuple(chain.from_iterable(numbers)))
         begin += count
     return found
 
