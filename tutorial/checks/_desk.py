@@ -27,11 +27,7 @@ class _Witness(ThreadGuard):
         lenient: whether it does.
     """
 
-    __slots__ = ("lenient",)
-
-    def __init__(self, what: str) -> None:
-        super().__init__(what)
-        self.lenient = False
+    lenient = False
 
     def check(self, action: str) -> None:
         """Pass on the owner's thread, and whoever comes by while it looks away."""

@@ -16,15 +16,14 @@ __all__ = ["interleave"]
 TURN = 0.05  # [s]; who waits for a lock that the interrupted function holds gets no further, however long this is
 
 
-def interleave(function: Callable[[], object], files: set[str], between: Callable[[], object], at: int | None) -> bool:
-    """Run a function on this thread, and give another thread a turn in the middle of it.
+def interleave(function: Callable[[], object], between: Callable[[], object], at: int | None) -> bool:
+    """Run a function on this thread, and give another thread a turn in the middle of it, where it is the learner's.
 
     Which turn a scheduler gives is chance; this gives every one, so a race is found or excluded, not met or missed. A
     turn that cannot go on, because the function holds a lock, ends after the function.
 
     Args:
         function: what to run and to interrupt.
-        files: the files of the code that may be interrupted.
         between: what the other thread runs.
         at: before which instruction, counted from 0; None for before every one.
 
@@ -42,7 +41,7 @@ def interleave(function: Callable[[], object], files: set[str], between: Callabl
         return step
 
     def enter(frame: FrameType, _event: str, _argument: Any) -> Any:
-        if frame.f_code.co_filename not in files:
+        if frame.f_code.co_filename not in watch.files:
             return None
         frame.f_trace_opcodes = True
         return step
