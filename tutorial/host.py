@@ -27,6 +27,10 @@ __all__ = ["Host"]
 FRAME = 1 / 30  # [s] between two frames of the view
 QUIET = 0.3  # [s] without a message, after which nothing more is taken to be on its way
 HUNG = 5.0  # [s] without a step, after which a run that has a duration is not waited for any more
+NAMESAKES = (
+    "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name, "
+    "--ros-args -r __node:=%s_2, or a ROS_DOMAIN_ID of its own"
+)
 
 _log = logging.getLogger(__name__)
 
@@ -277,12 +281,5 @@ class Host:
         self._namesakes_looked = time.monotonic()
         count = self._ros.namesakes()
         if count > self._namesakes_said:
-            name = self.node.get_fully_qualified_name()
-            _log.warning(
-                "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name, "
-                "--ros-args -r __node:=%s_2, or a ROS_DOMAIN_ID of its own",
-                count,
-                name,
-                self.node.get_name(),
-            )
+            _log.warning(NAMESAKES, count, self.node.get_fully_qualified_name(), self.node.get_name())
         self._namesakes_said = max(count, 1)
