@@ -146,14 +146,18 @@ class Body:
         self._observers: list[Callable[[Any], object]] = []
 
     @classmethod
-    def displayed(cls, placement: Placement) -> Body:
+    def displayed(cls, placement: Placement, guard: ThreadGuard | None = None) -> Body:
         """Make a body that is shown, from its model file. It belongs to the calling thread.
+
+        Args:
+            placement: its name and its model.
+            guard: who may move it; None for one that is made here.
 
         Raises:
             TutorialError: the model does not load.
         """
         model = compose([placement])
-        body = cls(placement.name, model, mujoco.MjData(model), ThreadGuard(f"the body {placement.name!r}"))
+        body = cls(placement.name, model, mujoco.MjData(model), guard or ThreadGuard(f"the body {placement.name!r}"))
         body.calc_forward_kinematics()
         return body
 

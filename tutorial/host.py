@@ -6,7 +6,6 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Sequence
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from tutorial.body import Body
@@ -28,6 +27,10 @@ __all__ = ["Host"]
 FRAME = 1 / 30  # [s] between two frames of the view
 QUIET = 0.3  # [s] without a message, after which nothing more is taken to be on its way
 HUNG = 5.0  # [s] without a step, after which a run that has a duration is not waited for any more
+NAMESAKES = (
+    "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name, "
+    "--ros-args -r __node:=%s_2, or a ROS_DOMAIN_ID of its own"
+)
 
 _log = logging.getLogger(__name__)
 
@@ -81,7 +84,9 @@ class Host:
             if view is not None and len(project.bodies) == 1:
                 view.look_at_body(project.bodies[0].placement.name)
             if project.time_step is not None:
-                self.simulation = self._simulation(project, project.time_step)
+                controllers = [(name, each) for name, item in self._items.items() for each in item.controllers]
+                placements = [item.placement for item in project.bodies]
+                self.simulation = Simulation(placements, controllers, project.time_step)
         except BaseException:
             self.close()
             raise
@@ -89,9 +94,7 @@ class Host:
     async def __aenter__(self) -> Host:
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def __aexit__(self, *_: object) -> None:
         self.close()
 
     @property
@@ -221,10 +224,6 @@ class Host:
                 name = controller_class.__name__
                 _log.warning("%s is never asked for control: this project has no 'simulator'", name)
 
-    def _simulation(self, project: Project, time_step: float) -> Simulation:
-        pairs = [(item.body.name, c) for item in self._items.values() for c in item.controllers]
-        return Simulation((item.placement for item in project.bodies), pairs, time_step)
-
     def _over(self, began: float, duration: float | None, linger: float) -> bool:
         if self._closed:
             return True
@@ -282,12 +281,5 @@ class Host:
         self._namesakes_looked = time.monotonic()
         count = self._ros.namesakes()
         if count > self._namesakes_said:
-            name = self.node.get_fully_qualified_name()
-            _log.warning(
-                "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name, "
-                "--ros-args -r __node:=%s_2, or a ROS_DOMAIN_ID of its own",
-                count,
-                name,
-                self.node.get_name(),
-            )
+            _log.warning(NAMESAKES, count, self.node.get_fully_qualified_name(), self.node.get_name())
         self._namesakes_said = max(count, 1)

@@ -62,9 +62,8 @@ class Item:
         except TutorialError:
             raise
         except (Exception, SystemExit) as error:
-            raise TutorialError(
-                f"{name} could not join {self.body.name}: {tell(error, file_of(controller_class))}"
-            ) from error
+            text = f"{name} could not join {self.body.name}: {tell(error, file_of(controller_class))}"
+            raise TutorialError(text) from error
         self.controllers.append(controller)
         self._scopes.append(scope)
         self.joint_topics += [meter.topic for meter in node.meters[topics_before:] if meter.brings_joint_states]

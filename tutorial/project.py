@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pkgutil
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import Annotated
 
 import msgspec
@@ -86,12 +87,11 @@ class Project:
         simulator = file.data.simulator
         return cls(file.path, items, None if simulator is msgspec.UNSET else simulator.time_step)
 
-    def with_robot(self, model: Path, name: str | None = None) -> Project:
+    def with_robot(self, model: Path) -> Project:
         """Put another model in the place of the body that carries the controllers.
 
         Args:
-            model: its MJCF file.
-            name: the body's name; None for the file's name, capitalised.
+            model: its MJCF file; the body gets the file's name, capitalised.
 
         Raises:
             TutorialError: no body, or more than one, has controllers.
@@ -101,7 +101,7 @@ class Project:
             raise TutorialError(
                 f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
             )
-        placement = replace(robots[0].placement, name=name or model.stem.capitalize(), model=model)
+        placement = replace(robots[0].placement, name=model.stem.capitalize(), model=model)
         swapped = replace(robots[0], placement=placement)
         return self._with(lambda item: swapped if item is robots[0] else item)
 
@@ -144,30 +144,23 @@ class Project:
 
     def tree(self) -> str:
         """Draw the items, as the original's item tree shows them."""
-        return "\n".join(self._tree_lines())
+        indent = "" if self.time_step is None else "  "
+        lines = []
+        for item in self.bodies:
+            lines.append(f"{indent}+ {item.placement.name}")
+            lines += [f"{indent}  - {controller.__name__}{_origin(controller)}" for controller in item.controllers]
+        if self.time_step is not None:
+            lines = ["+ World", *lines, f"{indent}+ Simulator ({self.time_step * 1000:g} ms)"]
+        return "\n".join(lines)
 
     def _with(self, change: Callable[[BodyItem], BodyItem]) -> Project:
         return replace(self, bodies=tuple(map(change, self.bodies)))
 
-    def _tree_lines(self) -> Iterator[str]:
-        indent = ""
-        if self.time_step is not None:
-            yield "+ World"
-            indent = "  "
-        for item in self.bodies:
-            yield f"{indent}+ {item.placement.name}"
-            for controller in item.controllers:
-                yield f"{indent}  - {controller.__name__}{_origin(controller)}"
-        if self.time_step is not None:
-            yield f"{indent}+ Simulator ({self.time_step * 1000:g} ms)"
-
 
 def controller_names() -> dict[str, str]:
     """Map the names of the library's controllers to their modules: ``tank_controller.py`` holds ``TankController``."""
-    modules = (module.name for module in pkgutil.iter_modules(controllers.__path__))
-    return {
-        "".join(word.capitalize() for word in name.split("_")): f"{controllers.__name__}.{name}" for name in modules
-    }
+    names = [module.name for module in pkgutil.iter_modules(controllers.__path__)]
+    return {"".join(map(str.capitalize, name.split("_"))): f"{controllers.__name__}.{name}" for name in names}
 
 
 def find_controller(name: str) -> type[SimpleController]:
@@ -184,7 +177,7 @@ def find_controller(name: str) -> type[SimpleController]:
         module = import_module(known[name])
     except Exception as error:
         raise TutorialError(tell(error, file)) from error
-    found = {n: c for n, c in vars(module).items() if isinstance(c, type) and c.__module__ == module.__name__}
+    found = _classes_of(module)
     if name not in found:
         mend = "A controller's class is called like its file: imu_publisher.py holds ImuPublisher."
         raise TutorialError(f"{file} has no class {name!r}.{did_you_mean(name, found)} {mend}")
@@ -214,21 +207,21 @@ def load_controllers(path: Path) -> dict[str, type[SimpleController]]:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         raise TutorialError(tell(error, str(path))) from error
-    found = {
-        name: thing
-        for name, thing in vars(module).items()
-        if isinstance(thing, type) and issubclass(thing, SimpleController) and thing.__module__ == spec.name
-    }
+    found = {name: each for name, each in _classes_of(module).items() if issubclass(each, SimpleController)}
     if not found:
         raise TutorialError(f"{path} defines no controller: a class made from SimpleController.")
     return found
 
 
+def _classes_of(module: ModuleType) -> dict[str, type]:
+    """Return the classes that a module itself defines, by name."""
+    return {n: c for n, c in vars(module).items() if isinstance(c, type) and c.__module__ == module.__name__}
+
+
 def _origin(controller: type[SimpleController]) -> str:
     """The file that a controller of the user's own comes from, in parentheses."""
     file = getattr(sys.modules.get(controller.__module__), "__file__", None)
-    is_own = file is not None and not Path(file).is_relative_to(Path(__file__).parent)
-    return f" ({Path(file).name})" if is_own and file is not None else ""
+    return "" if file is None or Path(file).is_relative_to(Path(__file__).parent) else f" ({Path(file).name})"
 
 
 def _check_names(file: YamlFile[_ProjectFile]) -> None:

@@ -99,13 +99,9 @@ class _Process:
 
     def __exit__(self, *_: object) -> None:
         """End the process, and what it may have started."""
-        with contextlib.suppress(ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
+        gone = (ProcessLookupError, PermissionError)  # PermissionError: what macOS says of a zombie
+        with self._process, contextlib.suppress(*gone):  # to leave it closes its streams, and waits for it
             os.killpg(self._process.pid, signal.SIGKILL)
-        self._process.wait()
-        for stream in (self._process.stdin, self._process.stdout):
-            if stream is not None:
-                with contextlib.suppress(BrokenPipeError):
-                    stream.close()
         os.close(self._report)
         with self._trace_file as file:
             file.seek(0)

@@ -15,7 +15,7 @@ from tutorial.checks._watch import Failure, watch
 from tutorial.checks._world import MODELS, Stage, Watched
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.handoff import CallQueue, ThreadGuard
-from tutorial.world import Placement, compose
+from tutorial.world import Placement
 
 __all__ = ["Desk", "joint_state"]
 
@@ -27,11 +27,7 @@ class _Witness(ThreadGuard):
         lenient: whether it does.
     """
 
-    __slots__ = ("lenient",)
-
-    def __init__(self, what: str) -> None:
-        super().__init__(what)
-        self.lenient = False
+    lenient = False
 
     def check(self, action: str) -> None:
         """Pass on the owner's thread, and whoever comes by while it looks away."""
@@ -58,10 +54,8 @@ class Desk(Stage):
     """
 
     def __init__(self, controller_class: type[SimpleController], model: str, name: str) -> None:
-        composed = compose([Placement(name, MODELS / f"{model}.xml")])
         self.guard = _Witness(f"the body {name!r}")
-        self.body = Body(name, composed, mujoco.MjData(composed), self.guard)
-        self.body.calc_forward_kinematics()
+        self.body = Body.displayed(Placement(name, MODELS / f"{model}.xml"), self.guard)
         self.body.on_change(lambda _: self.shown.append((self.positions(), self.links_follow())))
         self.learner = Watched(controller_class)
         self.keys: list[Hashable] = []

@@ -12,6 +12,7 @@ import re
 import sys
 from collections.abc import Iterator
 from difflib import get_close_matches
+from traceback import walk_tb
 from types import FrameType, FunctionType, MemberDescriptorType, MethodType
 from typing import Any
 
@@ -176,7 +177,7 @@ def _call(error: TypeError, answer: Any) -> str:
     owner, _, name = found[1].rpartition(".")
     if found[2] == "'self'" and owner:
         return _CLASS.format(name=owner.rpartition(".")[2])
-    frames = list(_frames(error))
+    frames = _frames(error)
     callback = _method(answer, found[1]) is not None and not hasattr(SimpleController, name)
     if callback and frames and frames[-1].f_code.co_name == "configure":
         return AT_ONCE.format(name=name)
@@ -201,15 +202,12 @@ def _class_name(owner: Any) -> str:
 
 def _in_reach(error: BaseException) -> Iterator[Any]:
     """Yield the objects that the code which raised had at hand, the nearest first."""
-    for frame in reversed(list(_frames(error))):
+    for frame in reversed(_frames(error)):
         values = list(frame.f_locals.values())
         yield from values
         for value in values:
             yield from getattr(value, "__dict__", {}).values()
 
 
-def _frames(error: BaseException) -> Iterator[FrameType]:
-    trace = error.__traceback__
-    while trace is not None:
-        yield trace.tb_frame
-        trace = trace.tb_next
+def _frames(error: BaseException) -> list[FrameType]:
+    return [frame for frame, _ in walk_tb(error.__traceback__)]

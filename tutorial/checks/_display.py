@@ -64,8 +64,7 @@ def judge_viewer(answer: type[SimpleController], model: str, name: str, post: st
     """
     with Desk(answer, model, name) as desk:
         topic = f"/{name}/joint_state"
-        finding, subscription = endpoint_on(desk.ros.node, WatchedSubscription, topic, JointState, CALL)
-        yield finding
+        subscription = yield from endpoint_on(desk.ros.node, WatchedSubscription, topic, JointState, CALL)
         if subscription is None:
             return
         publish = desk.ros.publisher_to(subscription)
@@ -92,18 +91,15 @@ def _judge_motion(desk: Desk, publish: Callable[[JointState], None], post: str) 
     if not thread.right:
         return
     desk.drain()
-    turned = wrong("a message with the joints in another order: it shows them exchanged", BY_INDEX)
-    if desk.positions() == rounded(wanted):
-        yield right("a message with the joints in another order: each goes where its name says")
-    elif desk.positions() == rounded(wanted[::-1]):
-        yield turned
-        return
-    else:
+    if desk.positions() == rounded(wanted[::-1]):
+        yield wrong("a message with the joints in another order: it shows them exchanged", BY_INDEX)
+    elif desk.positions() != rounded(wanted):
         yield wrong("a message comes, and the joints stay where they are", NOT_MOVED)
-        return
-    yield from _judge_news(desk)
-    yield _judge_part(desk, publish, wanted)
-    yield _judge_unknown(desk, publish)
+    else:
+        yield right("a message with the joints in another order: each goes where its name says")
+        yield from _judge_news(desk)
+        yield _judge_part(desk, publish, wanted)
+        yield _judge_unknown(desk, publish)
 
 
 def _judge_thread(desk: Desk, publish: Callable[[JointState], None], message: JointState, post: str) -> Finding:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from itertools import count
 
 from sensor_msgs.msg import Joy
 
@@ -14,7 +15,7 @@ from tutorial.checks._interleave import interleave
 from tutorial.checks._node import WatchedSubscription
 from tutorial.checks._topics import endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, judged, right, wrong
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._watch import Failure
 from tutorial.checks._world import World
 from tutorial.controller import SimpleController
 
@@ -75,8 +76,7 @@ def judge_drive(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `drive`."""
     with World(answer) as world:
         call = 'config.node.create_subscription(Joy, "joy", self.on_joy, 1)'
-        finding, subscription = endpoint_on(world.ros.node, WatchedSubscription, "/joy", Joy, call)
-        yield finding
+        subscription = yield from endpoint_on(world.ros.node, WatchedSubscription, "/joy", Joy, call)
         if subscription is not None:
             yield from _judge_driving(answer, world, subscription)
             yield judge_leaving(answer, world.leave, subscription)
@@ -85,7 +85,6 @@ def judge_drive(answer: type[SimpleController]) -> Iterator[Finding]:
 def _judge_driving(
     answer: type[SimpleController], world: World, subscription: WatchedSubscription
 ) -> Iterator[Finding]:
-    tracks = _Tracks(world)
     publish = world.ros.publisher_to(subscription)
     try:
         world.advance()
@@ -93,7 +92,7 @@ def _judge_driving(
         yield failure.finding(_cause(failure.error, answer, subscription.callback), "before the first message")
         return
     publish(Joy(axes=[0.0, 1.0, 0.0, 0.0]))
-    if tracks.speeds() != (0.0, 0.0):
+    if _speeds(world) != (0.0, 0.0):
         yield wrong("the tracks change while control is not running", IN_CALLBACK)
         return
     lacking = missing(answer, "control")
@@ -104,64 +103,58 @@ def _judge_driving(
     for axes in STICKS.values():
         publish(Joy(axes=axes))
         world.advance(5)
-        seen.append(tracks.speeds())
+        seen.append(_speeds(world))
     probes = [Probe(label, speeds, _say, _want) for label, speeds in zip(STICKS, seen)]
     all_right = yield from judged(judge_probes(probes, predict, MISTAKES, OTHERWISE))
     if all_right:
-        short = _judge_short_messages(world, publish, tracks)
+        short = _judge_short_messages(world, publish)
         yield short
         if short.right:
-            yield _judge_halves(world, subscription, tracks)
+            yield _judge_halves(world, subscription)
     others = [name for name in ("TURRET_Y", "TURRET_P") if world.body.actuator(name).ctrl]
     if others:
         yield wrong(f"it also commands {' and '.join(others)}", "GentleTank drives only TRACK_L and TRACK_R.")
 
 
-class _Tracks:
-    """The commands of the two tracks."""
-
-    def __init__(self, world: World) -> None:
-        self._tracks = [world.body.actuator(name) for name in ("TRACK_L", "TRACK_R")]
-
-    def speeds(self) -> tuple[float, ...]:
-        """Return what is commanded now [m/s], left and right."""
-        return tuple(track.ctrl for track in self._tracks)
+def _speeds(world: World) -> tuple[float, ...]:
+    """Return what the two tracks are commanded now [m/s], left and right."""
+    return tuple(world.body.actuator(name).ctrl for name in ("TRACK_L", "TRACK_R"))
 
 
-def _judge_short_messages(world: World, publish: Callable[[Joy], None], tracks: _Tracks) -> Finding:
+def _judge_short_messages(world: World, publish: Callable[[Joy], None]) -> Finding:
     """Look whether an axis that a message lacks does what a 0 does."""
 
     def speeds(*axes: float) -> tuple[float, ...]:
         publish(Joy(axes=axes))
         world.advance()
-        return tracks.speeds()
+        return _speeds(world)
 
-    count = 0
+    given = 0
     try:
         for axes in ((0.0, 1.0), ()):
             wanted = speeds(*axes, *(0.0 for _ in range(4 - len(axes))))
             speeds(0.5, -0.8, 0.0, 0.0)
-            count = len(axes)
+            given = len(axes)
             seen = speeds(*axes)
             if seen != wanted:
-                return wrong(f"a message with {count} axes: {_say(seen)}; expected: {_want(wanted)}", FEW_AXES)
+                return wrong(f"a message with {given} axes: {_say(seen)}; expected: {_want(wanted)}", FEW_AXES)
     except Failure as failure:
         cause = FEW_AXES if isinstance(failure.error, (IndexError, ValueError)) else None
-        return failure.finding(cause, f"a message with {count} axes")
+        return failure.finding(cause, f"a message with {given} axes")
     return right("a message with fewer axes: those that it lacks count as 0")
 
 
-def _judge_halves(world: World, subscription: WatchedSubscription, tracks: _Tracks) -> Finding:
+def _judge_halves(world: World, subscription: WatchedSubscription) -> Finding:
     """Look whether control ever sees half of a message, in whatever order the two threads run."""
     when = "a message that comes while control runs"
     try:
-        cause = _half_message(world, subscription, tracks)
+        cause = _half_message(world, subscription)
     except Failure as failure:
         return failure.finding(PIECEWISE, when)
     return wrong(f"{when}: half of it is used", cause) if cause else right(f"{when} is used as a whole, or not yet")
 
 
-def _half_message(world: World, subscription: WatchedSubscription, tracks: _Tracks) -> str:
+def _half_message(world: World, subscription: WatchedSubscription) -> str:
     """Try all orders of a message and a step, and return the likeliest cause if one of them goes wrong."""
     rest, both = (Joy(axes=[x, y, 0.0, 0.0]) for x, y in ((0.0, 0.0), (1.0, 1.0)))
     whole = ((0.0, 0.0), (0.5, 1.5))
@@ -169,17 +162,16 @@ def _half_message(world: World, subscription: WatchedSubscription, tracks: _Trac
 
     def control() -> None:
         world.learner.control()
-        seen.append(tracks.speeds())
+        seen.append(_speeds(world))
 
     for message in (rest, both):  # Python 3.13 stops between instructions only in code that was traced before
-        interleave(partial(subscription.call_back, message), watch.files, control, None)
+        interleave(partial(subscription.call_back, message), control, None)
     if any(speeds not in whole for speeds in seen):
         return PIECEWISE
-    at, more = 0, True
-    while more:
+    for at in count():
         subscription.call_back(rest)
-        more = interleave(control, watch.files, partial(subscription.call_back, both), at)
-        at += 1
+        if not interleave(control, partial(subscription.call_back, both), at):
+            break
     return READ_TWICE if any(speeds not in whole for speeds in seen) else ""
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import count
 
 from sensor_msgs.msg import JointState
 
@@ -12,7 +13,6 @@ from tutorial.checks._display import LATEST, judge_viewer, rounded
 from tutorial.checks._interleave import interleave
 from tutorial.checks._node import WatchedSubscription
 from tutorial.checks._verdict import Finding, judged, right, wrong
-from tutorial.checks._watch import watch
 from tutorial.controller import SimpleController
 
 __all__ = ["judge_keep_up"]
@@ -90,13 +90,12 @@ def _judge_pieces(desk: Desk, subscription: WatchedSubscription) -> Finding:
     subscription.call_back(first)
     update = desk.last_call
     for message in (first, second):  # Python 3.13 stops between instructions only in code that was traced before
-        interleave(partial(subscription.call_back, message), watch.files, update, None)
-    at, more = 0, True
-    while more:
+        interleave(partial(subscription.call_back, message), update, None)
+    for at in count():
         desk.drain()
         subscription.call_back(first)
-        more = interleave(desk.last_call, watch.files, partial(subscription.call_back, second), at)
-        at += 1
+        if not interleave(desk.last_call, partial(subscription.call_back, second), at):
+            break
     desk.drain()
     if all(positions in whole for positions, _ in desk.shown):
         return right("a message that comes while another is drawn does not mix with it")

@@ -41,66 +41,43 @@ class _Case:
         label: what it is like.
         names, positions: what it says.
         wanted: the right answer.
-        guess: the most likely cause, from what was returned.
+        cause: the most likely cause of a wrong answer, unless zeros were invented.
         crash: the most likely cause when something is raised.
+        symptom: names a cause that comes before these, if what was returned is a symptom of it; else nothing.
     """
 
     label: str
     names: Sequence[str]
     positions: Sequence[float]
     wanted: Mapping[str, float]
-    guess: Callable[[dict[str, float]], str]
+    cause: str
     crash: str
+    symptom: Callable[[dict[str, float]], str] = lambda _given: ""
+
+    def guess(self, given: dict[str, float]) -> str:
+        """Name the most likely cause of what was returned."""
+        return self.symptom(given) or (INVENTED if 0.0 in given.values() else self.cause)
 
 
-def _zeros(cause: str) -> Callable[[dict[str, float]], str]:
-    """Guess that zeros were invented, where there are any."""
-    return lambda given: INVENTED if 0.0 in given.values() else cause
+def _by_place(given: dict[str, float]) -> str:
+    return WRONG_ORDER if "TURRET_Y" in given and 0.0 not in given.values() else ""
 
 
+def _with_nan(given: dict[str, float]) -> str:
+    return NAN if any(map(isnan, given.values())) else ""
+
+
+TWINS = ("TURRET_Y", "TURRET_P", "TURRET_Y")
+IN_ORDER = dict(zip(BODY, (0.1, 0.2, 0.3)))
 CASES = (
-    _Case(
-        "all joints, in order", BODY, (0.1, 0.2, 0.3), dict(zip(BODY, (0.1, 0.2, 0.3))), _zeros(WRONG_ORDER), NO_SUBSET
-    ),
-    _Case(
-        "another order", BODY[::-1], (0.3, 0.2, 0.1), dict(zip(BODY, (0.1, 0.2, 0.3))), _zeros(WRONG_ORDER), WRONG_ORDER
-    ),
-    _Case(
-        "only HATCH",
-        ("HATCH",),
-        (0.3,),
-        {"HATCH": 0.3},
-        lambda given: WRONG_ORDER if "TURRET_Y" in given and 0.0 not in given.values() else _zeros(NO_SUBSET)(given),
-        NO_SUBSET,
-    ),
-    _Case(
-        "an unknown name, ANTENNA",
-        ("ANTENNA", "TURRET_P"),
-        (0.9, 0.2),
-        {"TURRET_P": 0.2},
-        _zeros(UNKNOWN),
-        UNKNOWN_CRASH,
-    ),
-    _Case(
-        "3 names, 2 positions", BODY, (0.1, 0.2), {"TURRET_Y": 0.1, "TURRET_P": 0.2}, _zeros(SHORT_DROPPED), SHORT_CRASH
-    ),
-    _Case("no positions", BODY, (), {}, _zeros(EMPTY), EMPTY),
-    _Case(
-        "NaN for TURRET_P",
-        BODY,
-        (0.1, nan, 0.3),
-        {"TURRET_Y": 0.1, "HATCH": 0.3},
-        lambda given: NAN if any(map(isnan, given.values())) else _zeros(NAN_DROPPED)(given),
-        NAN,
-    ),
-    _Case(
-        "TURRET_Y twice",
-        ("TURRET_Y", "TURRET_P", "TURRET_Y"),
-        (0.1, 0.2, 0.3),
-        {"TURRET_Y": 0.3, "TURRET_P": 0.2},
-        _zeros(FIRST_WINS),
-        FIRST_WINS,
-    ),
+    _Case("all joints, in order", BODY, (0.1, 0.2, 0.3), IN_ORDER, WRONG_ORDER, NO_SUBSET),
+    _Case("another order", BODY[::-1], (0.3, 0.2, 0.1), IN_ORDER, WRONG_ORDER, WRONG_ORDER),
+    _Case("only HATCH", ("HATCH",), (0.3,), {"HATCH": 0.3}, NO_SUBSET, NO_SUBSET, _by_place),
+    _Case("an unknown name, ANTENNA", ("ANTENNA", "TURRET_P"), (0.9, 0.2), {"TURRET_P": 0.2}, UNKNOWN, UNKNOWN_CRASH),
+    _Case("3 names, 2 positions", BODY, (0.1, 0.2), {"TURRET_Y": 0.1, "TURRET_P": 0.2}, SHORT_DROPPED, SHORT_CRASH),
+    _Case("no positions", BODY, (), {}, EMPTY, EMPTY),
+    _Case("NaN for TURRET_P", BODY, (0.1, nan, 0.3), {"TURRET_Y": 0.1, "HATCH": 0.3}, NAN_DROPPED, NAN, _with_nan),
+    _Case("TURRET_Y twice", TWINS, (0.1, 0.2, 0.3), {"TURRET_Y": 0.3, "TURRET_P": 0.2}, FIRST_WINS, FIRST_WINS),
 )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from math import degrees
 from typing import Any
@@ -14,11 +13,11 @@ from tutorial.checks._node import WatchedPublisher
 from tutorial.checks._topics import endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure
-from tutorial.checks._world import World
+from tutorial.checks._world import Moment, World
 from tutorial.controller import ControllerIO, SimpleController
 from tutorial.errors import TutorialError
 
-__all__ = ["Moment", "judge_publish", "judge_stamps", "watch_publishing"]
+__all__ = ["MADE", "judge_publish", "judge_stamps"]
 
 RATE = 25  # [Hz]
 NAMES = ("TURRET_Y", "TURRET_P")
@@ -49,21 +48,6 @@ TYPED = "Most likely the joints' names are typed: take joints and names from the
 MADE = "config.node.create_publisher(JointState, topic, 1)"
 
 
-@dataclass(frozen=True)
-class Moment:
-    """What was true when a message was published.
-
-    Attributes:
-        step: the simulation's.
-        time_ns: simulated time [ns].
-        joints: by name, the joint's position, velocity and effort.
-    """
-
-    step: int
-    time_ns: int
-    joints: dict[str, dict[str, float]]
-
-
 class _Mover(SimpleController):
     """Turns every joint, each differently, so that no two numbers are alike."""
 
@@ -75,23 +59,10 @@ class _Mover(SimpleController):
             joint.effort = 3.0 + 2.0 * i
 
 
-def watch_publishing(world: World) -> None:
-    """Have every message kept together with the moment of its publication."""
-
-    def moment() -> Moment:
-        io = world.learner.io
-        joints = {joint.name: {field: getattr(joint, field) for field in UNITS} for joint in world.body.joints}
-        return Moment(io.step if io else 0, io.time_ns if io else 0, joints)
-
-    world.ros.node.moment = moment
-
-
 def judge_publish(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `publish`."""
     with World(answer, name="Rover", before=[_Mover()]) as world:
-        watch_publishing(world)
-        finding, publisher = endpoint_on(world.ros.node, WatchedPublisher, "/Rover/turret", JointState, MADE)
-        yield finding
+        publisher = yield from endpoint_on(world.ros.node, WatchedPublisher, "/Rover/turret", JointState, MADE)
         if publisher is None:
             return
         world.advance(400)
@@ -123,7 +94,6 @@ def _judge_rate(publisher: WatchedPublisher, time_step: float) -> Finding:
 def _judge_step(answer: type[SimpleController], usual: WatchedPublisher, rate: Finding) -> Iterator[Finding]:
     """Look whether the rate is the same with another time step, be it the right one or not."""
     with World(answer, name="Rover", time_step=0.002) as world:
-        watch_publishing(world)
         world.advance(200)
         publisher = world.ros.node.watched(WatchedPublisher)[0]
     finding = _judge_rate(publisher, 0.002)
@@ -151,7 +121,6 @@ def _judge_crane(answer: type[SimpleController]) -> Iterator[Finding]:
     when = "on the crane Lift"
     try:
         with World(answer, model="crane", name="Lift") as world:
-            watch_publishing(world)
             world.advance(100)
             names = world.body.joint_names
             findings = list(_judge_messages(world.ros.node.watched(WatchedPublisher)[0].sent, names))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 from sensor_msgs.msg import JointState
 
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._node import WatchedPublisher
-from tutorial.checks._publish import MADE, judge_stamps, watch_publishing
+from tutorial.checks._publish import MADE, judge_stamps
 from tutorial.checks._topics import endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._world import World
@@ -32,6 +33,7 @@ SEGMENTS = {
 }
 """For how many periods, and by how much the joints move at the beginning of each."""
 FAST = 4  # periods in the end, in which SLEW moves at every step
+LENGTHS = [*(count for count, _ in SEGMENTS.values()), FAST]  # of each segment, in periods
 
 REPLACED = "self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them."
 MISTAKES = (
@@ -83,12 +85,10 @@ class _Mover(SimpleController):
 def judge_thrift(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `thrift`."""
     with World(answer, model="crane", name="Lift", before=[_Mover()]) as world:
-        watch_publishing(world)
-        finding, publisher = endpoint_on(world.ros.node, WatchedPublisher, "/Lift/joint_state", JointState, MADE)
-        yield finding
+        publisher = yield from endpoint_on(world.ros.node, WatchedPublisher, "/Lift/joint_state", JointState, MADE)
         if publisher is None:
             return
-        world.advance(_periods() * PERIOD)
+        world.advance(sum(LENGTHS) * PERIOD)
         if not publisher.sent:
             yield wrong("nothing is sent", NOTHING)
             return
@@ -116,10 +116,6 @@ def _judge_rest(publisher: WatchedPublisher) -> Finding:
     return right("velocity and effort stay empty")
 
 
-def _periods() -> int:
-    return sum(count for count, _ in SEGMENTS.values()) + FAST
-
-
 def _poses() -> Iterator[tuple[float, ...]]:
     """Yield where the joints are at each step [m, rad, rad]."""
     pose: tuple[float, ...] = (0.0, 0.0, 0.0)  # where they are before the first step, too
@@ -143,7 +139,7 @@ def predict(
     messages = []
     poses = list(_poses())
     known: list[float | None] = [None if first else position for position in poses[0]]
-    for step in range(0, _periods() * PERIOD, period):
+    for step in range(0, sum(LENGTHS) * PERIOD, period):
         pose = poses[step]
         moved = [i for i in range(3) if _moved(pose[i], known[i], compare, threshold)]
         named = moved if send in ("moved", "empty") or not (moved or send == "always") else [0, 1, 2]
@@ -172,18 +168,12 @@ def _remembered(compare: str, sent: bool, any_sent: bool, nothing_yet: bool) -> 
 
 def _by_segment(messages: Sequence[tuple[int, tuple[str, ...], int]]) -> list[tuple[float, ...]]:
     """Sort messages into segments; each is three numbers: its period within the segment, its joints, its positions."""
-    counts = [*(count for count, _ in SEGMENTS.values()), FAST]
     found: list[tuple[float, ...]] = []
     begin = 0
-    for count in counts:
+    for count in LENGTHS:
         inside = [m for m in messages if begin <= m[0] // PERIOD < begin + count]
-        found.append(
-            tuple(
-                number
-                for step, names, positions in inside
-                for number in (step // PERIOD - begin, _code(names), positions)
-            )
-        )
+        numbers = [(step // PERIOD - begin, _code(names), positions) for step, names, positions in inside]
+        found.append(tuple(chain.from_iterable(numbers)))
         begin += count
     return found
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from typing import TypeVar
 
 from tutorial.checks._answer import missing
@@ -16,8 +16,10 @@ Endpoint = TypeVar("Endpoint", bound=WatchedEndpoint)
 
 def endpoint_on(
     node: WatchedNode, kind: type[Endpoint], topic: str, message_type: type, call: str
-) -> tuple[Finding, Endpoint | None]:
+) -> Generator[Finding, None, Endpoint | None]:
     """Find the subscription or publisher that the exercise asks for among those that the learner has made.
+
+    It is returned, None where there is none, and what was found is yielded: ``made = yield from endpoint_on(...)``.
 
     Args:
         node: the learner's.
@@ -28,14 +30,16 @@ def endpoint_on(
     """
     made = node.watched(kind)
     listens = kind is WatchedSubscription
-    if not made:
-        nothing = "subscribes to nothing" if listens else "makes no publisher"
-        return wrong(f"configure {nothing}", f"Most likely the call is missing: {call}."), None
     does = "listens to" if listens else "publishes on"
-    for each in made:
-        if each.topic == topic and each.message_type is message_type:
-            return right(f"it {does} {topic}"), each
-    return _other_topic(made[0], does, topic, message_type), None
+    found = next((each for each in made if each.topic == topic and each.message_type is message_type), None)
+    if found is not None:
+        yield right(f"it {does} {topic}")
+    elif made:
+        yield _other_topic(made[0], does, topic, message_type)
+    else:
+        nothing = "subscribes to nothing" if listens else "makes no publisher"
+        yield wrong(f"configure {nothing}", f"Most likely the call is missing: {call}.")
+    return found
 
 
 def judge_leaving(answer: type, unconfigure: Callable[[], None], made: WatchedEndpoint) -> Finding:

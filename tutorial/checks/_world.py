@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
@@ -14,9 +15,24 @@ from tutorial.paths import HOME
 from tutorial.simulation import ControllerError, Simulation
 from tutorial.world import Placement
 
-__all__ = ["MODELS", "Stage", "Watched", "World"]
+__all__ = ["MODELS", "Moment", "Stage", "Watched", "World"]
 
 MODELS: Path = HOME / "project" / "models"
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What was true when a message was published.
+
+    Attributes:
+        step: the simulation's.
+        time_ns: simulated time [ns].
+        joints: by name, the joint's position, velocity and effort.
+    """
+
+    step: int
+    time_ns: int
+    joints: dict[str, dict[str, float]]
 
 
 class Watched(SimpleController):
@@ -75,6 +91,7 @@ class Stage:
 
     def __enter__(self) -> Self:
         self.ros = CheckThread()
+        self.ros.node.moment = self.moment
         try:
             self.learner.configure(self.config())
         except BaseException:
@@ -88,6 +105,10 @@ class Stage:
     def config(self) -> ControllerConfig:
         """Return what the controller is given."""
         raise NotImplementedError
+
+    def moment(self) -> Moment | None:
+        """Return what is to be kept with a message that is published now: nothing, where nothing is simulated."""
+        return None
 
     def close(self) -> None:
         """End the nodes.
@@ -152,6 +173,13 @@ class World(Stage):
             if isinstance(error.__cause__, Failure):
                 raise error.__cause__ from None
             raise
+
+    def moment(self) -> Moment:
+        """Return what is true now."""
+        io = self.learner.io
+        fields = ("position", "velocity", "effort")
+        joints = {joint.name: {field: getattr(joint, field) for field in fields} for joint in self.body.joints}
+        return Moment(io.step if io else 0, io.time_ns if io else 0, joints)
 
 
 def _drop(*_: object) -> None:

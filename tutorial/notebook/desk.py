@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import threading
 import time
 from collections import deque
 from collections.abc import Callable
@@ -20,31 +19,21 @@ LINES_KEPT = 100
 
 
 class LogLines(logging.Handler):
-    """Keeps what is logged. A line printed by another thread would appear below whichever cell was run last."""
+    """Keeps what is logged. A line printed by another thread would appear below whichever cell was run last.
+
+    Attributes:
+        lines: the newest, each with its time, of `time.monotonic` [s]. Any thread may add one at any moment.
+    """
 
     def __init__(self) -> None:
         super().__init__()
-        self._lock = threading.Lock()
-        self._kept: deque[tuple[float, str]] = deque(maxlen=LINES_KEPT)
-
-    def copy(self, clear: bool = False) -> list[tuple[float, str]]:
-        """Return what is kept, the oldest first: each line with its time, of `time.monotonic` [s]. Any thread.
-
-        Args:
-            clear: forget it.
-        """
-        with self._lock:
-            kept = list(self._kept)
-            if clear:
-                self._kept.clear()
-        return kept
+        self.lines: deque[tuple[float, str]] = deque(maxlen=LINES_KEPT)
 
     def emit(self, record: logging.LogRecord) -> None:
         line = f"[{record.levelname}] {record.getMessage()}"
         if record.exc_info and record.exc_info[1] is not None:
             line += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"
-        with self._lock:
-            self._kept.append((time.monotonic(), line))
+        self.lines.append((time.monotonic(), line))
 
 
 T = TypeVar("T")
@@ -105,16 +94,15 @@ async def until(condition: Callable[[], object], what: str = "", patience: float
 def _in_vain(began: float, patience: float, what: str) -> str:
     """Say what was waited for, and the newest error that was logged meanwhile: it may be the cause."""
     said = f"waited {patience:g} s in vain{f' for {what}' if what else ''}."
-    errors = [line for time, line in logged.copy() if time >= began and line.startswith("[ERROR]")]
-    if errors:
-        return f"{said} Meanwhile: {errors[-1]}"
-    return f"{said} Run the cells above, in order, then this one."
+    errors = [line for time, line in logged.lines.copy() if time >= began and line.startswith("[ERROR]")]
+    hint = f"Meanwhile: {errors[-1]}" if errors else "Run the cells above, in order, then this one."
+    return f"{said} {hint}"
 
 
 def log() -> None:
     """Print what the library has logged since this was last called. It comes from any thread, so no cell shows it."""
-    for _, line in logged.copy(clear=True):
-        print(line)  # noqa: T201 - what it is for
+    for _ in range(len(logged.lines)):
+        print(logged.lines.popleft()[1])  # noqa: T201 - what it is for
 
 
 def _close(name: str) -> None:
