@@ -31,7 +31,7 @@ async def topic_info(topic: str, verbose: bool = False) -> None:
     Raises:
         TutorialError: there is no such topic.
     """
-    say(topics.topic_info(await _settled(), topic, verbose))
+    say(topics.topic_info(await _settled(topic), topic, verbose))
 
 
 async def topic_echo(topic: str, once: bool = False, field: str | None = None) -> None:
@@ -45,7 +45,9 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None) -
     Raises:
         TutorialError: there is no such topic or field, or nobody publishes on it for 10 s.
     """
-    await say_all(topics.topic_echo(await _settled(), topic, count=1 if once else None, field=field, timeout=PATIENCE))
+    await say_all(
+        topics.topic_echo(await _settled(topic), topic, count=1 if once else None, field=field, timeout=PATIENCE)
+    )
 
 
 async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
@@ -56,14 +58,14 @@ async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
         window: how many messages the average is taken over.
         reports: how often to print before it ends.
     """
-    await say_all(topics.topic_hz(await _settled(), topic, window=window), reports)
+    await say_all(topics.topic_hz(await _settled(topic), topic, window=window), reports)
 
 
-async def _settled() -> MeteredNode:
-    """The node that asks, when it has met all others; the kernel stays free meanwhile.
+async def _settled(topic: str | None = None) -> MeteredNode:
+    """The node that asks, when it has met all others, and a topic if it is there; the kernel stays free meanwhile.
 
     Its name begins with an underscore, so ``ros2 node list`` doesn't show it.
     """
     node = keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
-    await meet(node)
+    await meet(node, lambda: topic is None or topics.topic_type(node, topic, include_hidden=True))
     return node

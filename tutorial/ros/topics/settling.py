@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 
 from rclpy.node import Node
+from rclpy.utilities import get_rmw_implementation_identifier
 
 from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name
 
@@ -15,7 +16,8 @@ __all__ = ["met", "settled"]
 READ_EVERY = 0.1  # [s] between two looks at the graph
 QUIET_READS = 5  # that have to agree before the graph counts as settled
 PATIENCE = 5.0  # [s] for it to settle
-SHY = 2.0  # [s] that a node or topic that is asked for may take to turn up: Fast DDS is slower than Cyclone
+SHY = 2.0  # [s] that a node or topic that is asked for may take to turn up
+SHY_ON_FAST_DDS = 6.0  # [s]
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # whose name is still on its way
 
 
@@ -51,7 +53,8 @@ async def met(node: Node, wanted: Callable[[], object]) -> bool:
     Returns:
         Whether the graph has settled.
     """
-    deadline = time.monotonic() + SHY
+    is_fast_dds = "fastrtps" in get_rmw_implementation_identifier()
+    deadline = time.monotonic() + (SHY_ON_FAST_DDS if is_fast_dds else SHY)
     while True:
         done = await settled(node)
         if wanted() or time.monotonic() >= deadline:
