@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from _rosidl.message import Message
 from cyclonedds.core import DDSException
@@ -112,9 +112,3 @@ class Endpoint(Destroyable):
         if not self._node.context.ok():
             return RCLError(f"{what}: {self._noun}'s context is invalid")
         return RCLError(f"{what}: {error}")
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.destroy()
