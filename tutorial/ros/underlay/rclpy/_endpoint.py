@@ -53,7 +53,7 @@ class Endpoint(Destroyable):
         prefix = "" if qos_profile.avoid_ros_namespace_conventions else "rt"
         with lock:
             participant = node.context.graph.participant
-            self._topic = Topic(participant, f"{prefix}{self._topic_name}", payload_type(msg_type))
+            self._topic = Topic(participant, prefix + self._topic_name, payload_type(msg_type._definition.type_name))
             self._dds: Any = self._kind(participant, self._topic, qos)
             self._dds.set_status_mask(self._incompatible)
         self.event_sources: list[Any] = [self._dds]

@@ -41,7 +41,7 @@ class _ShortKeys(Enum):
         return self.name.lower()
 
 
-class QoSPolicyEnum(_ShortKeys, IntEnum):  # type: ignore[misc]
+class QoSPolicyEnum(_ShortKeys, IntEnum):
     """Base of the policies; their numbers are those of rmw."""
 
 
