@@ -61,9 +61,10 @@ print(rclpy.ok(), c.ok(), m.get_name(), m.context is c)
 c = Context()
 c.init(args=[])
 n, m = start(), Node("m", context=c)
-while len(n.get_node_names()) < 2 or len(m.get_node_names()) < 2:
-    pass
-print(sorted(n.get_node_names()), sorted(m.get_node_names()))
+for node in (n, m):
+    while {"t", "m"} - set(node.get_node_names()):
+        pass
+    print("sees both")
 
 # %% messages go from one context to another
 c = Context()

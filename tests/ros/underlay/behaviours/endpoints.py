@@ -315,6 +315,8 @@ attempt(n.create_subscription, String, "x", print, 1, colour="red")
 n = start(namespace="/Tank")
 p, q = n.create_publisher(String, "x", 1), n.create_publisher(String, "x", 1)
 s = n.create_subscription(String, "/Tank/x", print, 1)
+while n.count_publishers("x") < 2 or n.count_subscribers("x") < 1:
+    pass
 print(n.count_publishers("x"), n.count_subscribers("x"), n.count_publishers("/x"))
 n.destroy_publisher(p)
 while n.count_publishers("x") > 1:
