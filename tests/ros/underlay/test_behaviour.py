@@ -19,15 +19,17 @@ ROWS = [row for record in RECORDS for row in record["rows"]]
 def seen(backend: str) -> dict[int, dict[str, Any]]:
     """What this ROS 2 does, by the row's id.
 
-    A real one's graph lags behind, and some of the first snippets do not wait for it: what differs there is run once
-    more, in a process of its own, as it was recorded.
+    A real one's graph lags behind, and some of the first snippets do not wait for it: what differs there is run again,
+    up to five times, in a process of its own, as it was recorded.
     """
     results: dict[int, dict[str, Any]] = {}
     for record in RECORDS:
         done = outcomes(record["prelude"], [row["code"] for row in record["rows"]])
         for row, outcome in zip(record["rows"], done, strict=True):
-            again = backend == "rclpy" and outcome != expected(row)
-            results[row["id"]] = outcomes(record["prelude"], [row["code"]])[0] if again else outcome
+            results[row["id"]] = outcome
+            for _ in range(5 if backend == "rclpy" else 0):
+                if results[row["id"]] != expected(row):
+                    (results[row["id"]],) = outcomes(record["prelude"], [row["code"]])
     return results
 
 
