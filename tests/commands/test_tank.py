@@ -33,11 +33,8 @@ from programs import TANK
         ("run step3 --headless --controller nothing.py", "there is no file 'nothing.py'"),
         ("run step3 --headless --ros-args -r garbage", "Couldn't parse remap rule: '-r garbage'"),
         ("run step3 --headless --ros-args --nonsense", "ROS 2 does not know the arguments ['--nonsense']"),
-        (
-            "run step3 --headless --ros-args -r __node:=bad-name",
-            "node name must not contain characters other than",
-        ),
-        ("joy --ros-args -r __ns:=/bad-ns", "namespace must not contain characters other than"),
+        ("run step3 --headless --ros-args -r __node:=bad-name", "Couldn't parse remap rule: '-r __node:=bad-name'"),
+        ("joy --ros-args -r __ns:=/bad-ns", "Couldn't parse remap rule: '-r __ns:=/bad-ns'"),
     ],
 )
 def test_a_mistake_is_a_clear_error(program, command, said):

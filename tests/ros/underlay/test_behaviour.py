@@ -3,95 +3,54 @@
 from __future__ import annotations
 
 import json
-import os
-import re
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from domains import reserved_domain
+from behaviours import RECORD, behaviours, outcomes, prelude
 
-RECORDED = json.loads((Path(__file__).parent / "data/rclpy_behaviour.json").read_text())
-
-PLACE = re.compile(r"( \(unknown location\)| \(\S+\.py\)|(, at \S+\.c:\d+)+)$")
-"""Where an error comes from, which recordings leave out: a module's file, or lines of rcl."""
-
-# Each process runs several snippets, one after the other, because starting Python takes longer than most of them.
-# `exec` stands for the fresh process of the recording: ROS 2 is shut down between snippets.
-RUNNER = """
-import contextlib, io, json, os, sys, tempfile
-prelude, snippets = json.load(sys.stdin)
-
-@contextlib.contextmanager
-def stderr_in(file):
-    # also what C writes there, as a real rclpy does
-    sys.stderr.flush()
-    kept = os.dup(2)
-    os.dup2(file.fileno(), 2)
-    try:
-        yield
-    finally:
-        sys.stderr.flush()
-        os.dup2(kept, 2)
-        os.close(kept)
-
-results = []
-for snippet in snippets:
-    printed, logged, raised = io.StringIO(), tempfile.TemporaryFile("w+"), None
-    with contextlib.redirect_stdout(printed), stderr_in(logged):
-        import rclpy
-        try:
-            scope = {}
-            exec(prelude, scope)
-            exec(snippet, scope)
-        except BaseException as error:
-            raised = [type(error).__module__ + "." + type(error).__name__, str(error)]
-        rclpy.try_shutdown()
-        if "c" in scope and hasattr(scope["c"], "try_shutdown"):
-            scope["c"].try_shutdown()
-    logged.seek(0)
-    results.append([printed.getvalue(), raised, logged.read()])
-print(json.dumps(results))
-"""
+RECORDS = [json.loads(file.read_text()) for file in (Path(__file__).parent / "data/rclpy_behaviour.json", RECORD)]
+ROWS = [row for record in RECORDS for row in record["rows"]]
 
 
 @pytest.fixture(scope="module")
-def results() -> dict[int, list[Any]]:
-    """What the underlay does, by the recording's row."""
-    snippets = [row["code"] for row in RECORDED["rows"]]
-    with reserved_domain() as domain:
-        done = subprocess.run(
-            [sys.executable, "-c", f"import tutorial\n{RUNNER}"],
-            env=os.environ | {"ROS_DOMAIN_ID": str(domain)},
-            input=json.dumps([RECORDED["prelude"], snippets]),
-            capture_output=True,
-            text=True,
-            check=True,
-            cwd=Path(__file__).parents[3],
-            timeout=100,
-        )
-    return {row["id"]: result for row, result in zip(RECORDED["rows"], json.loads(done.stdout), strict=True)}
+def seen(backend: str) -> dict[int, dict[str, Any]]:
+    """What this ROS 2 does, by the row's id.
+
+    A real one's graph lags behind, and some of the first snippets do not wait for it: what differs there is run again,
+    up to five times, in a process of its own, as it was recorded.
+    """
+    results: dict[int, dict[str, Any]] = {}
+    for record in RECORDS:
+        done = outcomes(record["prelude"], [row["code"] for row in record["rows"]])
+        for row, outcome in zip(record["rows"], done, strict=True):
+            results[row["id"]] = outcome
+            for _ in range(5 if backend == "rclpy" else 0):
+                if results[row["id"]] != expected(row):
+                    (results[row["id"]],) = outcomes(record["prelude"], [row["code"]])
+    return results
+
+
+def expected(row: dict[str, Any]) -> dict[str, Any]:
+    """What a row has of the outcome; the order of log lines is left out."""
+    return {"printed": row["printed"], "raises": row["raises"], "logged": sorted(row["logged"])}
 
 
 def test_all_that_was_recorded_is_compared() -> None:
-    assert len(RECORDED["rows"]) == 85
+    assert len(RECORDS[0]["rows"]) == 85
 
 
-@pytest.mark.parametrize("row", RECORDED["rows"], ids=lambda row: f"{row['about']}-{row['id']}")
-def test_same_as_rclpy(row: dict[str, Any], results: dict[int, list[Any]]) -> None:
-    printed, raised, logged = results[row["id"]]
-    assert printed == row["printed"]
-    if row["raises"] is None:
-        assert raised is None
-    else:
-        assert raised is not None
-        assert raised[0] == row["raises"]["type"]
-        assert PLACE.sub("", raised[1]) == row["raises"]["text"]
-    lines = [re.sub(r"\[\d+\.\d+\]", "[T]", line) for line in logged.splitlines() if re.match(r"\[[A-Z]+\] \[\d", line)]
-    assert sorted(lines) == sorted(row["logged"])
+def test_the_record_is_of_these_snippets() -> None:
+    record = RECORDS[1]
+    recorded = [(row["about"], row["shows"], row["code"]) for row in record["rows"]]
+    assert (record["prelude"], recorded) == (prelude(), list(behaviours())), "run tests/support/record_behaviours.py"
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row['about']}-{row.get('shows', row['id'])}")
+def test_same_as_rclpy(row: dict[str, Any], seen: dict[int, dict[str, Any]]) -> None:
+    assert seen[row["id"]] == expected(row)
 
 
 @pytest.mark.embedded

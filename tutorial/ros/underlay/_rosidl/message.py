@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from array import array
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any, ClassVar, NamedTuple
@@ -24,6 +25,7 @@ class Slot(NamedTuple):
 
     Attributes:
         name: of the field.
+        size: how many values an array has, 0 if the field is none.
         default: makes its default value.
         contain: turns what the constructor is given into the container that is kept; None keeps it as it is.
         from_wire: turns what is decoded into what is kept; None keeps it as it is.
@@ -31,6 +33,7 @@ class Slot(NamedTuple):
     """
 
     name: str
+    size: int
     default: Callable[[], Any]
     contain: Callable[[Any], Any] | None
     from_wire: Callable[[Any], Any] | None
@@ -46,6 +49,9 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
     Args:
         check_fields: check every value that is assigned; the default is ``ROS_PYTHON_CHECK_FIELDS=1``.
         **fields: values of fields; those not given have their default.
+
+    Raises:
+        AssertionError: an array is not as long as it has to be, which is always checked here.
     """
 
     __slots__ = ()
@@ -65,6 +71,7 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
             if slot.name in fields:
                 value = fields[slot.name]
                 setattr(self, slot.name, slot.contain(value) if slot.contain else value)
+                assert not slot.size or getattr(self, slot.name).shape == (slot.size,)
             else:
                 slot.store(self, slot.default())
 
@@ -84,7 +91,7 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
 
     def __repr__(self) -> str:
         package = type(self).__module__.rpartition(".")[0]
-        fields = ", ".join(f"{slot.name}={_shown(slot, getattr(self, slot.name))}" for slot in self._slots_)
+        fields = ", ".join(f"{slot.name}={_shown(getattr(self, slot.name))}" for slot in self._slots_)
         return f"{package}.{type(self).__name__}({fields})"
 
     def __eq__(self, other: object) -> bool:
@@ -122,8 +129,8 @@ def make_message_class(type_name: str, module: str) -> type[Message]:
         "_fields_and_field_types": {field.name: field_type(field) for field in message.fields},
     }
     namespace.update(message.constants)
-    read_only = {name: _read_only(value) for name, value in message.constants.items()}
-    cls: type[Message] = type(f"Metaclass_{name}", (type,), read_only)(name, (Message,), namespace)
+    shared = {"__module__": module, **{name: _read_only(value) for name, value in message.constants.items()}}
+    cls: type[Message] = type(f"Metaclass_{name}", (type,), shared)(name, (Message,), namespace)
     cls._slots_ = tuple(_add_field(cls, field) for field in message.fields)
     return cls
 
@@ -147,15 +154,15 @@ def _add_field(cls: type[Message], field: Field) -> Slot:
         setattr(cls, field.wire_attribute, property(lambda self: slot.__get__(self).tobytes()))
     default = DEFAULTS.get((cls._definition.type_name, field.name))
     make_default = default_factory(field, element) if default is None else lambda: default
-    contain = kept.make if kept and field.cardinality is Cardinality.SEQUENCE else None
-    return Slot(field.name, make_default, contain, from_wire(field), slot.__set__)
+    size = field.size if field.cardinality is Cardinality.ARRAY else 0
+    return Slot(field.name, size, make_default, kept and kept.make, from_wire(field), slot.__set__)
 
 
 def _read_only(value: Any) -> property:
     return property(lambda _: value)
 
 
-def _shown(slot: Slot, value: Any) -> str:
-    if slot.contain is None:
+def _shown(value: Any) -> str:
+    if not isinstance(value, array):
         return repr(value)
     return repr(value)[len("array('d', ") : -1] if len(value) else "[]"

@@ -25,6 +25,8 @@ FLAGS = {
 SWITCHES = [f"--{able}-{what}-logs" for able in ("enable", "disable") for what in ("rosout", "stdout", "external-lib")]
 
 RULE = re.compile(r"(?:(?P<node>\w+):(?!//|=))?(?:rostopic://)?(?P<name>.+?):=(?P<value>.+)", re.DOTALL)
+READABLE = re.compile(r"([\w/~{}*]+:(?!=))?(rostopic://)?[\w/~{}*]*(:=[\w/~{}*]*)?")
+"""How far a remapping can be read."""
 YES = [word for yes in ("yes", "true", "on") for word in (yes, yes.title(), yes.upper())] + ["y", "Y"]
 NO = [word for no in ("no", "false", "off") for word in (no, no.title(), no.upper())] + ["n", "N"]
 
@@ -96,24 +98,24 @@ class Arguments:
     def _add(self, flag: str, text: str | None) -> None:
         kind = FLAGS[flag]
         if text is None:
-            raise _unreadable(f"Couldn't parse trailing {flag} flag. No {kind} found.")
+            raise _unreadable(f"trailing {flag} flag. No {kind} found.")
+        failure = f"{kind}: '{flag} {text}'. Error:"
         if kind in (REMAP, PARAMETER):
-            self._add_rule(flag, kind, text)
+            self._add_rule(kind, text, failure)
         elif kind is LOG_LEVEL:
             logger, _, level = text.rpartition(":=")
             if level.upper() not in LoggingSeverity.__members__:
-                raise _unreadable(f"Couldn't parse log level rule: '{flag} {text}'.")
+                raise _unreadable(f"{failure} Argument does not use a valid severity level")
             self.log_levels[logger] = LoggingSeverity[level.upper()]
         elif kind is PARAMETER_FILE:
             raise NeedsRealROSError(flag)
 
-    def _add_rule(self, flag: str, kind: str, text: str) -> None:
-        parts = RULE.fullmatch(text)
-        if not parts:
-            raise _unreadable(
-                f"Couldn't parse {kind}: '{flag} {text}'. "
-                f"Error: Expected lexeme type (19) not found, search ended at index {len(text.partition(':=')[0])}"
-            )
+    def _add_rule(self, kind: str, text: str, failure: str) -> None:
+        parts, unread = RULE.fullmatch(text), READABLE.sub("", text, count=1)
+        if not parts or (unread and kind is REMAP):
+            lexeme = 22 if kind is PARAMETER else 1 if parts and parts["name"].startswith("__") else 19
+            end = len(text) - len(unread)
+            raise _unreadable(f"{failure} Expected lexeme type ({lexeme}) not found, search ended at index {end}")
         node, name, value = parts["node"] or "", parts["name"], parts["value"]
         if kind is REMAP:
             self.remappings.append(Rule(node, name, value))
@@ -121,7 +123,7 @@ class Arguments:
         try:
             self.parameters.append(Rule(node, name, parameter_value(value)))
         except ValueError as error:
-            raise _unreadable(f"Couldn't parse {kind}: '{flag} {text}'. Error: {error}") from None
+            raise _unreadable(f"{failure} {error}") from None
 
 
 def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -176,4 +178,4 @@ def _scalar(text: str, style: str | None) -> Any:
 
 def _unreadable(text: str) -> RCLError:
     get_logger("rcl").error("Failed to parse global arguments")
-    return RCLError(f"failed to initialize rcl: {text}")
+    return RCLError(f"failed to initialize rcl: Couldn't parse {text}")

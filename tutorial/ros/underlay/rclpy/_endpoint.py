@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from _rosidl.message import Message
 from cyclonedds.core import DDSException
@@ -53,7 +53,7 @@ class Endpoint(Destroyable):
         prefix = "" if qos_profile.avoid_ros_namespace_conventions else "rt"
         with lock:
             participant = node.context.graph.participant
-            self._topic = Topic(participant, f"{prefix}{self._topic_name}", payload_type(msg_type))
+            self._topic = Topic(participant, prefix + self._topic_name, payload_type(msg_type._definition.type_name))
             self._dds: Any = self._kind(participant, self._topic, qos)
             self._dds.set_status_mask(self._incompatible)
         self.event_sources: list[Any] = [self._dds]
@@ -112,9 +112,3 @@ class Endpoint(Destroyable):
         if not self._node.context.ok():
             return RCLError(f"{what}: {self._noun}'s context is invalid")
         return RCLError(f"{what}: {error}")
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.destroy()

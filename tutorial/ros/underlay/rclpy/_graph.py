@@ -58,7 +58,7 @@ class Graph:
         self.participant = participant
         self._local: list[NodeEntitiesInfo] = []
         self._remote: dict[bytes, list[NodeEntitiesInfo]] = {}
-        self._payload = payload_type(ParticipantEntitiesInfo)
+        self._payload = payload_type(ParticipantEntitiesInfo._definition.type_name)
         topic = Topic(participant, "ros_discovery_info", self._payload)
         self._writer = DataWriter(participant, topic, _WRITER_QOS)
         self._reader = DataReader(participant, topic, _READER_QOS)

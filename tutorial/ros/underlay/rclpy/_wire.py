@@ -7,11 +7,12 @@ encodes by: it reads the attributes of our messages. Decoding is done by rosbags
 from __future__ import annotations
 
 import threading
+from functools import cache
 from typing import Any, ClassVar, Self, cast
 
 from _rosidl import cdr
-from _rosidl.definitions import Cardinality, Field
-from _rosidl.message import Message, message_class
+from _rosidl.definitions import Cardinality, Field, definition
+from _rosidl.message import Message
 from cyclonedds.idl import make_idl_struct, types
 from rclpy._rclpy_pybind11 import RCLError
 
@@ -25,8 +26,6 @@ PRIMITIVES: dict[str, Any] = {
 }
 
 _lock = threading.RLock()
-_wire_types: dict[tuple[type[Message], Any], Any] = {}
-_payload_types: dict[type[Message], type[Payload]] = {}
 
 
 class Payload:
@@ -78,7 +77,7 @@ def encode(message: Message) -> bytes:
         TypeError: a field holds what its type cannot.
     """
     try:
-        return cast(bytes, _wire_type(type(message)).__idl__.serialize(message))
+        return cast(bytes, _wire_type(message._definition.type_name, bytes).__idl__.serialize(message))
     except Exception as error:
         causes = [str(error)]
         while error.__cause__ is not None:
@@ -101,14 +100,12 @@ def decode(data: bytes, message_type: type[Message]) -> Message:
         ) from error
 
 
-def payload_type(message_type: type[Message]) -> type[Payload]:
-    """Return the kind of payload that topics of a message type carry."""
-    known = _payload_types.get(message_type)
-    if known is not None:
-        return known
-    wire_type = _wire_type(message_type, types.sequence[types.uint8])
+@cache
+def payload_type(type_name: str) -> type[Payload]:
+    """Return the kind of payload that topics of a message type, such as ``"sensor_msgs/msg/Joy"``, carry."""
+    wire_type = _wire_type(type_name, types.sequence[types.uint8])
     identity = {"__slots__": (), "__idl__": wire_type.__idl__, "__idl_typename__": wire_type.__idl_typename__}
-    return _payload_types.setdefault(message_type, type(f"{message_type.__name__}Payload", (Payload,), identity))
+    return type(f"{wire_type.__name__}Payload", (Payload,), identity)
 
 
 def wire_name(type_name: str) -> str:
@@ -117,28 +114,25 @@ def wire_name(type_name: str) -> str:
     return f"{package}::msg::dds_::{name}_"
 
 
-def _wire_type(message_type: type[Message], octets: Any = bytes) -> Any:
-    """Return Cyclone DDS's struct for a message type; made once.
+@cache
+def _wire_type(type_name: str, octets: Any) -> Any:
+    """Return Cyclone DDS's struct for a message type; made once, or once by each of two threads.
 
     Args:
-        message_type: what to encode or decode.
+        type_name: of what to encode.
         octets: what a sequence of uint8 is. ``bytes`` is the same on the wire, and an image need not become a list of
             numbers; but a topic describes its type to others, and knows no name for that.
     """
-    known = _wire_types.get((message_type, octets))
-    if known is not None:
-        return known
     with _lock:  # make_idl_struct keeps a global stack of scopes
-        definition = message_type._definition
-        fields = {field.wire_attribute: _idl_type(field, octets) for field in definition.wire_fields}
-        typename = wire_name(definition.type_name)
+        fields = {field.wire_attribute: _idl_type(field, octets) for field in definition(type_name).wire_fields}
+        typename = wire_name(type_name)
         wire_type = make_idl_struct(typename.rpartition("::")[2], typename, fields, dataclassify=False)
         wire_type.__idl__.populate()
-        return _wire_types.setdefault((message_type, octets), wire_type)
+        return wire_type
 
 
 def _idl_type(field: Field, octets: Any) -> Any:
-    base = _wire_type(message_class(field.base), octets) if field.is_message else PRIMITIVES[field.base]
+    base = _wire_type(field.base, octets) if field.is_message else PRIMITIVES[field.base]
     if field.string_bound:
         base = types.bounded_str[field.string_bound]
     if field.cardinality is Cardinality.ARRAY:

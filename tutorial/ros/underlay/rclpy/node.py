@@ -6,7 +6,7 @@ import threading
 import weakref
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from _rosidl.message import Message
 from cyclonedds.core import DDSException
@@ -213,25 +213,24 @@ class Node(NodeGraph, NodeParameters):
             autostart: start at once.
 
         Raises:
-            RCLError: the period is negative.
+            RCLError: the period is negative, or the context has been shut down.
         """
         period_ns = int(float(timer_period_sec) * S_TO_NS)
         _absent.refuse("Node.create_timer", {"callback_group": callback_group})
         _absent.refuse_coroutine(callback)
-        with self._creating("timer"):
-            return self._add(Timer(self, callback, period_ns, clock or self._clock, autostart))
+        return self._add(Timer(self, callback, period_ns, clock or self._clock, autostart))
 
     def destroy_publisher(self, publisher: Publisher) -> bool:
         """Destroy a publisher of this node; False if it has none such any more."""
-        return self._remove(publisher)
+        return publisher in self.publishers and self._remove(publisher)
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
         """Destroy a subscription of this node; False if it has none such any more."""
-        return self._remove(subscription)
+        return subscription in self.subscriptions and self._remove(subscription)
 
     def destroy_timer(self, timer: Timer) -> bool:
         """Destroy a timer of this node; False if it has none such any more."""
-        return self._remove(timer)
+        return timer in self.timers and self._remove(timer)
 
     def destroy_node(self) -> None:
         """Destroy the node with all that belongs to it; may be called again."""
@@ -326,9 +325,3 @@ class Node(NodeGraph, NodeParameters):
             return
         with suppress(RCLError, InvalidHandle):
             rosout.publish(Log(stamp=self._clock.now().to_msg(), level=int(severity), name=name, msg=text))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.destroy_node()

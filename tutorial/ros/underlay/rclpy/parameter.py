@@ -54,11 +54,8 @@ class Parameter:
         def check(self, parameter_value: Any) -> bool:
             """Whether a value is of this type."""
             element, is_array = _PYTHON_TYPES[self.name.removesuffix("_ARRAY")], self.name.endswith("_ARRAY")
-            if is_array:
-                return isinstance(parameter_value, (list, tuple, array)) and all(
-                    isinstance(value, element) for value in parameter_value
-                )
-            return isinstance(parameter_value, element)
+            values = parameter_value if is_array else [parameter_value]
+            return isinstance(values, (list, tuple, array)) and all(isinstance(value, element) for value in values)
 
     name: str
     type_: Parameter.Type = None  # type: ignore[assignment]  # the value's

@@ -22,23 +22,27 @@ class InvalidQoSProfileException(Exception):  # noqa: N818  (rclpy's name)
         super().__init__("Invalid QoSProfile", *args)
 
 
-class QoSPolicyEnum(IntEnum):
-    """Base of the policies; their numbers are those of rmw."""
+class _ShortKeys(Enum):
+    """Names its members as the ``ros2`` command does, such as ``"best_effort"``."""
 
     @classmethod
     def short_keys(cls) -> list[str]:
-        """Return the names that the ``ros2`` command uses, such as ``"best_effort"``."""
-        return [policy.short_key for policy in cls]
+        """Return these names."""
+        return [name.lower() for name in cls.__members__]
 
     @classmethod
-    def get_from_short_key(cls, name: str) -> int:
-        """Return the number of a policy by such a name."""
+    def get_from_short_key(cls, name: str) -> Any:
+        """Return what is called so: a policy's number, a profile."""
         return cls[name.upper()].value
 
     @property
     def short_key(self) -> str:
-        """The name that the ``ros2`` command uses."""
+        """The member's name."""
         return self.name.lower()
+
+
+class QoSPolicyEnum(_ShortKeys, IntEnum):
+    """Base of the policies; their numbers are those of rmw."""
 
 
 class HistoryPolicy(QoSPolicyEnum):
@@ -165,7 +169,7 @@ qos_profile_best_available = _every_policy(
 qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-class QoSPresetProfiles(Enum):
+class QoSPresetProfiles(_ShortKeys):
     """The predefined profiles by name; those that are equal are one."""
 
     UNKNOWN = qos_profile_unknown

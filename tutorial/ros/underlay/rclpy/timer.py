@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rclpy._rclpy_pybind11 import Destroyable, RCLError
 from rclpy.clock import Clock
+from rclpy.context import NOT_VALID
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -27,14 +28,15 @@ class Timer(Destroyable):
         autostart: start at once, else at :meth:`reset`.
 
     Raises:
-        RCLError: the period is negative.
+        RCLError: the period is negative, or the context is not running.
     """
 
     def __init__(
         self, node: Node, callback: Callable[[], object], timer_period_ns: int, clock: Clock, autostart: bool
     ) -> None:
-        if timer_period_ns < 0:
-            raise RCLError("failed to create timer: timer period must be non-negative")
+        if timer_period_ns < 0 or not node.context.ok():
+            reason = "timer period must be non-negative" if timer_period_ns < 0 else NOT_VALID
+            raise RCLError(f"failed to create timer: {reason}")
         self._node = node
         self.callback = callback
         self.timer_period_ns = timer_period_ns

@@ -1,0 +1,174 @@
+# %% severities
+for severity in logging.LoggingSeverity:
+    print(severity.name, severity.value)
+
+# %% every severity
+logger = logging.get_logger("every")
+logger.set_level(logging.LoggingSeverity.DEBUG)
+print([log("text") for log in (logger.debug, logger.info, logger.warn, logger.warning, logger.error, logger.fatal)])
+
+# %% a level drops what is below
+logger = logging.get_logger("drops")
+logger.set_level(logging.LoggingSeverity.ERROR)
+print(logger.info("hidden"), logger.warning("hidden"), logger.error("shown"), logger.fatal("shown"))
+
+# %% the level of a logger that has none
+logger = logging.get_logger("without")
+print(logger.get_effective_level().name, logger.is_enabled_for(logging.LoggingSeverity.DEBUG))
+
+# %% levels are numbers, too
+logger = logging.get_logger("numbers")
+logger.set_level(40)
+print(logger.get_effective_level().name, logger.is_enabled_for(30), logger.is_enabled_for(50))
+
+# %% levels that there are not
+logger = logging.get_logger("levels")
+attempt(logger.set_level, 15)
+attempt(logger.set_level, "loud")
+attempt(logger.set_level, None)
+
+# %% a child has its parent's level
+parent = logging.get_logger("parent")
+child = parent.get_child("child")
+parent.set_level(logging.LoggingSeverity.FATAL)
+print(child.name, child.get_effective_level().name)
+child.set_level(logging.LoggingSeverity.DEBUG)
+print(child.get_effective_level().name, parent.get_effective_level().name)
+child.set_level(logging.LoggingSeverity.UNSET)
+print(child.get_effective_level().name)
+
+# %% a grandchild
+logger = logging.get_logger("family").get_child("a").get_child("b")
+print(logger.name, logger.info("hello"))
+
+# %% loggers need names
+attempt(logging.get_logger, "")
+attempt(logging.get_logger("named").get_child, "")
+
+# %% two loggers of one name
+a, b = logging.get_logger("same"), logging.get_logger("same")
+a.set_level(logging.LoggingSeverity.ERROR)
+print(a is b, a.name == b.name, b.get_effective_level().name)
+
+# %% a line only once
+logger = logging.get_logger("once")
+print([logger.info(f"line {number}", once=True) for number in range(3)])
+
+# %% a line not the first time
+logger = logging.get_logger("skipped")
+print([logger.info(f"line {number}", skip_first=True) for number in range(3)])
+
+# %% a line not too often
+logger = logging.get_logger("throttled")
+print([logger.info(f"line {number}", throttle_duration_sec=1000.0) for number in range(3)])
+
+# %% a line not the first time, and once
+logger = logging.get_logger("both")
+print([logger.info(f"line {number}", skip_first=True, once=True) for number in range(4)])
+
+# %% two lines, each once
+logger = logging.get_logger("lines")
+for _ in range(2):
+    logger.info("one", once=True)
+    logger.info("two", once=True)
+
+# %% a hidden line does not count
+logger = logging.get_logger("counted")
+for level in (40, 20):
+    logger.set_level(level)
+    print(logger.info(f"at {level}", once=True))
+
+# %% options that there are not
+logger = logging.get_logger("options")
+attempt(logger.info, "text", twice=True)
+attempt(logger.info, "text", throttle_time_source_type="ROS_TIME")
+
+# %% options that say no
+logger = logging.get_logger("no")
+print([logger.info(f"line {number}", once=False, skip_first=False) for number in range(2)])
+
+# %% a severity changes
+logger = logging.get_logger("changes")
+
+
+def log(severity):
+    return logger.log("text", severity)
+
+
+print(log(20))
+attempt(log, 30)
+
+# %% filters change
+logger = logging.get_logger("filters")
+
+
+def log(**options):
+    return logger.info("text", **options)
+
+
+print(log())
+attempt(log, once=True)
+
+# %% log() takes a severity
+logger = logging.get_logger("log")
+print(logger.log("one", logging.LoggingSeverity.WARN), logger.log("two", 40), logger.log("three", 10))
+
+# %% a severity that there is not
+attempt(logging.get_logger("severity").log, "text", 25)
+
+# %% a message is a text
+try:
+    logging.get_logger("texts").info(3)
+except Exception as error:
+    print(type(error).__name__)
+
+# %% texts with percent signs, braces and lines
+logger = logging.get_logger("texts")
+logger.info("100 % %s {0} {}")
+logger.info("")
+logger.info("ä → ü")
+
+# %% a name for one line
+logging.get_logger("mine").info("text", name="other")
+
+# %% a node's logger
+n = start(namespace="/Tank")
+n.get_logger().info("text")
+n.get_logger().get_child("part").warning("text")
+
+# %% a node's logger is always the same
+n = start()
+print(n.get_logger() is n.get_logger())
+
+# %% levels of a node
+n = start(name="levelled")
+n.get_logger().set_level(logging.LoggingSeverity.WARN)
+print(n.get_logger().info("hidden"), n.get_logger().warn("shown"))
+print(logging.get_logger_level("levelled").name, logging.get_logger_effective_level("levelled.child").name)
+
+# %% levels by name
+logging.set_logger_level("by_name", logging.LoggingSeverity.ERROR)
+print(logging.get_logger_level("by_name").name, logging.get_logger_level("unknown").name)
+print(logging.get_logger_effective_level("by_name.child").name)
+
+# %% loggers without a start
+print(logging.get_logger("early").info("before"))
+rclpy.init(args=[])
+rclpy.shutdown()
+print(logging.get_logger("late").info("after"))
+
+# %% a logger of two threads
+logger = logging.get_logger("threads")
+threads = [threading.Thread(target=lambda: logger.info("text", once=True)) for _ in range(3)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+
+# %% a severity from a text
+attempt(lambda: logging.LoggingSeverity["WARN"])
+attempt(lambda: logging.LoggingSeverity["LOUD"])
+attempt(logging.LoggingSeverity, 30)
+
+# %% a throttle needs a duration
+attempt(logging.get_logger("throttle").info, "text", throttle_time_source_type=Clock())

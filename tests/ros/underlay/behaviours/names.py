@@ -1,0 +1,113 @@
+# %% names are resolved
+n = start(namespace="/Tank")
+for name in ("x", "/x", "a/b", "~", "~/x", "{node}", "/{ns}/x", "{namespace}/x", "x{node}"):
+    attempt(n.resolve_topic_name, name)
+
+# %% names are resolved in the root
+n = start()
+print([n.resolve_topic_name(name) for name in ("x", "/x", "~", "~/x", "{node}/x")])
+
+# %% names that cannot be resolved
+n = start()
+for name in ("", "bad name", "x/", "/", "a//b", "1x", "a/1", "~x", "a~", "{what}", "{node", "x-y", "/x/{ns}"):
+    attempt(n.resolve_topic_name, name)
+
+# %% names are resolved without remapping
+n = start("-r", "x:=y")
+print(n.resolve_topic_name("x"), n.resolve_topic_name("x", only_expand=True))
+
+# %% names that are none
+n = start()
+attempt(n.resolve_topic_name, "x" * 300)
+
+# %% names of topics
+for name in ("x", "/x", "~/x", "{node}/x", "a_1", "_", "x__y", "a/b/c"):
+    print(validate_topic_name(name))
+
+# %% bad names of topics
+for name in ("", "x y", "9", "a/9", "x/", "{a", "a}", "{1}", "~a", "a~b", "a-b", "ä", "{a b}"):
+    attempt(validate_topic_name, name)
+
+# %% bad full names of topics
+for name in ("", "x", "/", "/x/", "/a//b", "/9", "/~", "/{node}", "/a b"):
+    attempt(validate_full_topic_name, name)
+
+# %% names of nodes
+for name in ("a", "A1", "_x", "a" * 255):
+    print(validate_node_name(name))
+
+# %% bad names of nodes
+for name in ("", "1a", "a b", "a/b", "a-b", "~", "ü", "a" * 256):
+    attempt(validate_node_name, name)
+
+# %% namespaces
+for name in ("/", "/a", "/a/b", "/_"):
+    print(validate_namespace(name))
+
+# %% bad namespaces
+for name in ("", "a", "/a/", "//", "/a//b", "/1", "/a b", "/~"):
+    attempt(validate_namespace, name)
+
+# %% names are expanded
+for name in ("x", "/x", "~", "~/x", "{node}/x", "{ns}/x", "{namespace}/x"):
+    print(expand_topic_name(name, "t", "/Tank"), expand_topic_name(name, "t", "/"))
+
+# %% names that cannot be expanded
+attempt(expand_topic_name, "{what}", "t", "/")
+attempt(expand_topic_name, "bad name", "t", "/")
+attempt(expand_topic_name, "x", "bad name", "/")
+
+# %% a namespace without a slash
+print(start(namespace="Tank").get_namespace())
+
+# %% no namespace
+print(
+    [start(namespace="").get_fully_qualified_name(), rclpy.create_node("u", namespace="/").get_fully_qualified_name()]
+)
+
+# %% a namespace of several parts
+n = start(namespace="/a/b")
+print(n.get_namespace(), n.get_fully_qualified_name(), n.resolve_topic_name("~/x"))
+
+# %% bad namespaces of nodes
+rclpy.init(args=[])
+for namespace in ("/a/", "a//b", "/1", "a b", "~"):
+    attempt(rclpy.create_node, "t", namespace=namespace)
+
+# %% bad names of new nodes
+rclpy.init(args=[])
+for name in ("1a", "a/b", "a-b", "/a"):
+    attempt(rclpy.create_node, name)
+
+# %% a private topic
+n = start(namespace="/Tank")
+print(n.create_publisher(String, "~/x", 1).topic_name, n.create_subscription(String, "~", print, 1).topic_name)
+
+# %% a topic with substitutions
+n = start(namespace="/Tank")
+print(n.create_publisher(String, "{node}/x", 1).topic_name)
+
+# %% bad topics of publishers
+n = start()
+for topic in ("x/", "1x", "a/1", "a~", "{what}", "{node", "/a b"):
+    attempt(n.create_publisher, String, topic, 1)
+
+# %% names are strings
+n = start()
+try:
+    n.create_publisher(String, 3, 1)
+except Exception as error:
+    print(type(error).__name__)
+
+# %% a node's name is a string
+rclpy.init(args=[])
+try:
+    rclpy.create_node(3)
+except Exception as error:
+    print(type(error).__name__)
+
+# %% errors of names have a common base
+try:
+    validate_topic_name("bad name")
+except NameValidationException as error:
+    print(type(error).__name__, isinstance(error, ValueError))

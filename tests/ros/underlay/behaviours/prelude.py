@@ -1,0 +1,49 @@
+"""What every behaviour begins with: the names that it uses."""
+
+import math
+import re
+import threading
+import warnings
+from contextlib import suppress
+from copy import copy, deepcopy
+from functools import partial
+
+import numpy
+import rclpy
+from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy import logging
+from rclpy.clock import Clock, ROSClock
+from rclpy.clock_type import ClockType
+from rclpy.context import Context
+from rclpy.duration import Duration, Infinite
+from rclpy.exceptions import *
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.expand_topic_name import expand_topic_name
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import *
+from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.task import Future
+from rclpy.time import Time
+from rclpy.utilities import remove_ros_args
+from rclpy.validate_full_topic_name import validate_full_topic_name
+from rclpy.validate_namespace import validate_namespace
+from rclpy.validate_node_name import validate_node_name
+from rclpy.validate_topic_name import validate_topic_name
+from sensor_msgs.msg import Image, Imu, JointState, Joy, NavSatFix
+from std_msgs.msg import Bool, ByteMultiArray, ColorRGBA, Empty, Float32, Header, Int8, Int32, String, UInt8
+
+
+def start(*ros_args, name="t", **options):
+    """Start ROS 2 with these ROS arguments, and return a node."""
+    rclpy.init(args=["--ros-args", *ros_args])
+    return rclpy.create_node(name, **options)
+
+
+def attempt(call, *args, **options):
+    """Print what a call returns or raises, without the lines of rcl's source that an error names."""
+    try:
+        print(call(*args, **options))
+    except Exception as error:
+        print(type(error).__name__, re.sub(r"(, at \S+:\d+)+$", "", str(error)), sep=": ")
