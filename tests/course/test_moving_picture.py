@@ -21,9 +21,9 @@ pytestmark = [
     pytest.mark.skipif("TANK_SCREENSHOTS" not in os.environ, reason="it makes the README's picture: make screenshots"),
 ]
 
-FRAME = 0.066  # [s] from one picture to the next
-WIDTH = 960  # [pixels]
-SOON = 0.25  # by how much a hand moves a stick from one picture to the next
+FRAME = 0.1  # [s] from one picture to the next
+WIDTH = 800  # [pixels]
+SOON = 0.38  # by how much a hand moves a stick from one picture to the next
 
 CELL = """
 from tutorial.notebook import joystick, open_program, side_by_side
@@ -118,11 +118,11 @@ class Drive:
 
 async def drive_to_the_rail_and_back(drive):
     """End where it began: the picture begins anew there."""
-    await drive.hold(0, 6)
+    await drive.hold(0, 4)
     await drive.hold_while(lambda take: 0.85, lambda take: not take["touching"])
-    await drive.hold(0.85, 16)
+    await drive.hold(0.85, 10)
     await drive.hold_while(lambda take: -min(1.0, 0.15 + take["driven"]), lambda take: take["driven"] > 0.08)
-    await drive.hold(0, 5)
+    await drive.hold(0, 3)
 
 
 def test_the_tank_drives_to_the_rail_and_its_barrel_is_lifted(domain, tmp_path):

@@ -6,7 +6,7 @@ from pathlib import Path
 from PIL import Image
 from playwright.async_api import FloatRect, Page
 
-QUALITY = 70  # of 100: what WebP may leave out
+QUALITY = 60  # of 100: what WebP may leave out
 
 
 class Film:
