@@ -13,7 +13,7 @@ import signal
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import pytest
 import yaml
@@ -37,23 +37,14 @@ class Beside:
     """A simulation with the one ROS 2, and the commands of the other.
 
     Attributes:
-        simulation: what starts ``tank`` with the one.
+        simulation: that of step 2.
         ros2: what starts ``ros2`` with the other.
         environment: of both.
-        running: the simulation.
     """
 
-    simulation: list[str]
+    simulation: subprocess.Popen
     ros2: list[str]
     environment: dict[str, str]
-    running: list[subprocess.Popen] = field(default_factory=list)
-
-    def start(self) -> subprocess.Popen:
-        """Start the simulation of step 2."""
-        started = [*self.simulation, "run", str(PROJECT), "--headless"]
-        quiet = subprocess.DEVNULL
-        self.running.append(subprocess.Popen(started, env=self.environment, stdout=quiet, start_new_session=True))
-        return self.running[-1]
 
     def run(self, *command: str) -> subprocess.CompletedProcess:
         """Run a command that comes to its end by itself."""
@@ -78,8 +69,9 @@ class Beside:
         """A command that goes on, until Ctrl-C ends it and what it is run by."""
         arguments, pipe = [*self.ros2, *command], subprocess.PIPE
         process = subprocess.Popen(arguments, env=self.environment, stdout=pipe, text=True, start_new_session=True)
-        with process:
+        try:
             yield process
+        finally:
             os.killpg(process.pid, signal.SIGINT)
             process.communicate(timeout=PATIENCE)
 
@@ -96,10 +88,9 @@ class Beside:
 
     def clear(self) -> None:
         """End what still runs, and what ``ros2`` has left running."""
-        for process in self.running:
-            if process.poll() is None:
-                os.killpg(process.pid, signal.SIGTERM)
-            process.wait(PATIENCE)
+        if self.simulation.poll() is None:
+            os.killpg(self.simulation.pid, signal.SIGTERM)
+        self.simulation.wait(PATIENCE)
         if self.ros2[-1] == "ros2":
             self.say("daemon", "stop")
 
@@ -110,22 +101,20 @@ def rmw(request):
 
 
 @pytest.fixture(scope="module", params=["the real one's commands", "the embedded one's commands"])
-def sides(request, rmw):
+def beside(request, rmw):
+    """The simulation runs, and the other side has seen it."""
+    theirs = request.param.startswith("the real")
+    start, ros2 = ([TANK], [*REAL, "ros2"]) if theirs else ([*REAL, TANK], [TANK])
     with reserved_domain() as domain:
         environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": rmw}
-        embedded, real = [TANK], [*REAL, TANK]
-        theirs = request.param.startswith("the real")
-        beside = Beside(*((embedded, [*REAL, "ros2"]) if theirs else (real, embedded)), environment)
-        yield beside
-        beside.clear()
-
-
-@pytest.fixture(scope="module")
-def beside(sides):
-    """The simulation runs, and the other side has seen it."""
-    sides.start()
-    sides.says(JOINTS, "topic", "list")
-    return sides
+        arguments, quiet = [*start, "run", str(PROJECT), "--headless"], subprocess.DEVNULL
+        simulation = subprocess.Popen(arguments, env=environment, stdout=quiet, start_new_session=True)
+        beside = Beside(simulation, ros2, environment)
+        try:
+            beside.says(JOINTS, "topic", "list")
+            yield beside
+        finally:
+            beside.clear()
 
 
 def test_the_node_is_listed(beside):
@@ -175,6 +164,6 @@ def test_a_published_message_turns_the_turret(beside):
 
 
 def test_a_killed_node_leaves_the_graph(beside):
-    os.killpg(beside.running[-1].pid, signal.SIGKILL)
+    os.killpg(beside.simulation.pid, signal.SIGKILL)
     until(lambda: "/tank" not in beside.say("node", "list").splitlines(), "the node is gone")
     until(lambda: JOINTS not in beside.say("topic", "list"), "its topic is gone")

@@ -11,7 +11,6 @@ import signal
 if __name__ == "__main__":
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # until the server takes Ctrl-C over, it ends all without a traceback
 
-
 import logging
 import os
 import re
