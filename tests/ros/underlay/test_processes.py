@@ -299,3 +299,36 @@ def test_how_far_it_is_heard(reach: str, uri: str, said: str, monkeypatch: pytes
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", reach)
     monkeypatch.setenv("CYCLONEDDS_URI", uri)
     assert said in configuration()
+
+
+INTERRUPTED = """
+import signal
+import rclpy
+from std_msgs.msg import String
+rclpy.init()
+node = rclpy.create_node("interrupted")
+publisher = node.create_publisher(String, "words", 100)
+subscription = node.create_subscription(String, "words", lambda message: None, 100)
+while not subscription.get_publisher_count():
+    pass
+def interrupt(*_):
+    raise KeyboardInterrupt
+signal.signal(signal.SIGALRM, interrupt)
+for _ in range(1_000):
+    for _ in range(50):
+        publisher.publish(String(data="hello"))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.0003)
+        while True:
+            subscription.execute()
+    except KeyboardInterrupt:
+        pass
+print("whole", flush=True)
+"""
+
+
+@pytest.mark.embedded
+def test_an_interrupt_while_a_message_is_taken_is_no_crash(start: Start) -> None:
+    process = start(INTERRUPTED)
+    assert process.communicate(timeout=60)[0] == "whole\n"
+    assert process.returncode == 0

@@ -39,9 +39,7 @@ def default_domain_id() -> int:
     """
     text = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0"
     if not (text.isdecimal() and int(text) <= MAX_DOMAIN_ID):
-        raise RCLError(
-            f"failed to initialize rcl: ROS_DOMAIN_ID is {text!r}, but must be a number from 0 to {MAX_DOMAIN_ID}"
-        )
+        raise RCLError(f"failed to initialize rcl: ROS_DOMAIN_ID is {text!r}, must be a number up to {MAX_DOMAIN_ID}")
     return int(text)
 
 

@@ -122,8 +122,8 @@ class Graph:
     def _announce(self) -> None:
         with suppress(DDSException):  # shut down at this moment: there is nobody to tell
             gid = Gid(data=list(self.participant.guid.bytes))
-            info = ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=self._local)
-            self._writer.write(self._payload(encode(info)))
+            info = encode(ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=self._local))
+            self._writer.write(self._payload(info))
 
     def _learn(self, data: bytes) -> None:
         with suppress(RCLError):

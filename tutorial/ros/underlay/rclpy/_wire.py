@@ -10,10 +10,12 @@ import threading
 from functools import cache
 from typing import Any, ClassVar, Self, cast
 
+import msgspec
 from _rosidl import cdr
 from _rosidl.definitions import Cardinality, Field, definition
 from _rosidl.message import Message
 from cyclonedds.idl import make_idl_struct, types
+from cyclonedds.internal import SampleInfo
 from rclpy._rclpy_pybind11 import RCLError
 
 PRIMITIVES: dict[str, Any] = {
@@ -54,6 +56,11 @@ class Payload:
         return cls(data)
 
     deserialize_key = deserialize
+
+
+SampleInfo.__new__ = staticmethod(msgspec.defstruct("SampleInfo", ["python_class", *SampleInfo.__match_args__]))
+# It is made in C now. Cyclone DDS's C makes one for each sample, and crashes if making it raises: as a method in Python
+# does where it is interrupted by Ctrl-C.
 
 
 def check_message_type(message_type: Any) -> None:
