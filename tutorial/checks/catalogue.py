@@ -16,24 +16,24 @@ __all__ = ["exercises"]
 
 @cache
 def exercises() -> dict[str, tuple[Exercise, ...]]:
-    """Return them by the file of the step that they belong to, such as ``tank_controller``, in the course's order.
+    """Return them in the course's order, by the notebook that they are in, such as ``1_tank_controller``.
 
-    That is the order of the numbered notebooks; what belongs to none of them comes last.
+    A notebook and its checks have the same name, but for the number. What has no notebook here comes last.
     """
-    notebooks = sorted((HOME / "notebooks").glob("[0-9]*_*.ipynb"))
-    order = [path.stem.partition("_")[2] for path in notebooks]
     names = [each.name for each in pkgutil.iter_modules(checks.__path__) if each.name[0] != "_"]
+    notebooks = {path.stem.partition("_")[2]: path for path in sorted((HOME / "notebooks").glob("[0-9]*_*.ipynb"))}
     found = {}
-    for name in sorted(names, key=lambda name: (name not in order, name in order and order.index(name), name)):
+    for name in [*(name for name in notebooks if name in names), *(name for name in names if name not in notebooks)]:
         values = vars(importlib.import_module(f"{checks.__name__}.{name}")).values()
-        text = _text(notebooks[order.index(name)]) if name in order else ""
+        text = _text(notebooks[name]) if name in notebooks else ""
         own = {each for each in values if isinstance(each, Exercise)}
-        found[name] = tuple(sorted(own, key=lambda each: (text.find(f"{each.name}.check("), each.name)))
-    return {name: own for name, own in found.items() if own}
+        title = notebooks[name].stem if name in notebooks else name
+        found[title] = tuple(sorted(own, key=lambda each: (text.find(f"{each.name}.check("), each.name)))
+    return {title: own for title, own in found.items() if own}
 
 
 def _text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8", errors="replace")
-    except OSError:  # another process may not be allowed to read it
+    except OSError:  # the process that judges strangers' answers may not read it
         return ""

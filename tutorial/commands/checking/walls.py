@@ -235,10 +235,13 @@ def _open_to(folder: Path, namespaces: bool) -> Iterator[tuple[str, int]]:
         yield str((folder / DOMAINS).resolve()), _READ | _LIST | _WRITE | _MAKE
     if namespaces:
         yield str(SHARED_MEMORY), everything
+        yield "/proc", usual
+    for general in ("cpuinfo", "filesystems", "meminfo", "stat", "sys"):  # not what is there of other processes
+        yield f"/proc/{general}", usual
     yield "/dev/null", _READ | _WRITE
     for device in ("/dev/zero", "/dev/random", "/dev/urandom"):
         yield device, _READ
-    for system in ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/etc", "/opt", "/proc", "/sys"):
+    for system in ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/etc", "/opt", "/sys"):
         yield system, usual
     yield str(PACKAGE.parent), _LIST  # for the import; what lies beside the package stays closed
     for own in (PACKAGE, PACKAGE.parent / "project", Path(sys.prefix), Path(sys.base_prefix)):
