@@ -66,7 +66,7 @@ def _judge_all(notebook: int, done: Collection[str], walls: Walls, tell: Callabl
             cells = cells_of(file.read())
         answers = find_answers(cells, {name: each.right_answer.__name__ for name, each in known.items()})
     except Exception as error:  # noqa: BLE001 - the file may be anything
-        tell(Unreadable(walls, clean(f"it is no notebook: {type(error).__name__}: {error}")[:200]))
+        tell(Unreadable(walls, clean(f"it is no notebook: {error}")[:200]))
         return
     tell(Opened(walls, tuple(answer.exercise for answer in answers)))
     for answer in answers:

@@ -30,7 +30,7 @@ ENDLESS = "The answer did not come to its end within {limit:g} s."
 BROKEN = "The answer ended the process that judged it."
 KEPT = (
     *("PATH", "LANG", "LC_", "TZ", "PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_", "VIRTUAL_ENV", "CONDA_PREFIX"),
-    *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_", "TANK_TEST_"),
+    *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_"),
 )
 """What variables begin with that a learner's code may see; others may hold keys and passwords."""
 

@@ -184,7 +184,7 @@ def _enter_namespaces(folder: Path) -> None:
     _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     _mount("proc", "/proc", "proc", _NOSUID_NODEV)
     with suppress(OSError):  # since Linux 6.14, and for root, whom RLIMIT_NPROC does not hold
-        Path("/proc/sys/kernel/pid_max").write_text(str(4 * PROCESSES), encoding="ascii")
+        Path("/proc/sys/kernel/pid_max").write_text(str(2 * PROCESSES), encoding="ascii")
     os.chdir(folder)
 
 
