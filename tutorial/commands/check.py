@@ -29,7 +29,7 @@ LIMIT = 60.0  # [s] that an answer may take
 
 
 @click.command(short_help="Check the answers in learners' notebooks.")
-@click.argument("notebooks", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
+@click.argument("notebooks", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "--jobs", type=click.IntRange(1, 64), default=TOGETHER, show_default=True, help="Judge so many notebooks at a time."
 )
@@ -71,9 +71,15 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, j
 
 
 def _found(given: Sequence[Path]) -> Iterator[Path]:
-    """Yield the notebooks, each once; of a folder, those beneath it, without the copies that Jupyter keeps."""
+    """Yield the notebooks, each once; of a folder, those beneath it, without the copies that Jupyter keeps.
+
+    Raises:
+        TutorialError: there is nothing of such a name.
+    """
     seen: set[Path] = set()
     for path in given:
+        if not path.exists():
+            raise TutorialError(f"there is no file or folder {str(path)!r}")
         inner = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
         for each in inner:
             if ".ipynb_checkpoints" not in each.parts and each not in seen:

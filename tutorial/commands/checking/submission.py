@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
-import psutil
+import psutil  # type: ignore[import-untyped]
 
 from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable, clean
 from tutorial.commands.checking.walls import DOMAINS, Walls
