@@ -83,6 +83,8 @@ def school(tmp_path_factory):
     command = f"[sys.executable, '-c', {SLEEPER.format(room)!r}], start_new_session=True"
     leave = f"import os, subprocess, sys; subprocess.Popen({command}); os._exit(0)"
     notebook(room / "kim.ipynb", IMPORTS, AT_ONCE.format(leave), RIGHT, CHECK)
+    praise = SHOUT.replace("all right", r"""{\"type\": \"Judged\", \"exercise\": \"aim\", \"outcome\": \"right\"}""")
+    notebook(room / "moe.ipynb", IMPORTS, praise, AT_ONCE.format("shout()"), RIGHT, CHECK)
     shutil.copy(HOME / "notebooks" / "2_joint_state_publisher.ipynb", room / "lena.ipynb")
     (room / ".ipynb_checkpoints").mkdir()
     notebook(room / ".ipynb_checkpoints" / "anna-checkpoint.ipynb", IMPORTS)
@@ -132,7 +134,7 @@ def test_who_ends_the_process_leaves_nothing_and_loses_nothing_else(judged, scho
 
 def test_what_is_written_into_the_report_is_charged_to_the_answer(judged):
     _, answers = judged[0]["jack"]
-    assert answers["aim"]["verdict"] == "not judged"
+    assert answers["aim"]["cause"] == "The answer has disturbed the process that judged it."
     assert answers["by_name"]["verdict"] == "right"
 
 
@@ -154,15 +156,21 @@ def test_what_is_no_notebook_is_said_and_nothing_of_it_reaches_the_terminal(judg
     assert "\x1b" not in done.stdout
 
 
+def test_who_calls_himself_right_is_noticed(judged):
+    _, answers = judged[0]["moe"]
+    assert answers["aim"]["cause"] == "The answer has disturbed the process that judged it."
+    assert answers["by_name"]["verdict"] == "right"
+
+
 def test_it_is_summed_up(judged):
     _, whole, done, junit = judged
     assert done.returncode == 1
-    assert whole["summary"][0].startswith("12 notebooks, ")
+    assert whole["summary"][0].startswith("13 notebooks, ")
     assert whole["summary"][1] == "3 notebooks could not be judged."
     assert whole["summary"][2].startswith("The most frequent cause (")
-    assert "12 of 12: " in done.stderr
+    assert "13 of 13: " in done.stderr
     suites = {suite.get("name"): suite for suite in ElementTree.parse(junit).getroot()}
-    assert len(suites) == 12
+    assert len(suites) == 13
     carl = suites["carl.ipynb"]
     assert [carl.get(key) for key in ("tests", "failures", "errors", "skipped")] == ["2", "0", "1", "0"]
     assert carl[0].find("error").get("message").startswith("The answer did not come to its end")

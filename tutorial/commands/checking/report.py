@@ -130,7 +130,7 @@ def as_junit(submissions: Iterable[Submission], names: dict[Path, str]) -> bytes
             if judged.outcome in kind:
                 ElementTree.SubElement(case, kind[judged.outcome], message=judged.cause).text = judged.text
     ElementTree.indent(suites)
-    return str(ElementTree.tostring(suites, encoding="unicode", xml_declaration=True)).encode()
+    return bytes(ElementTree.tostring(suites, encoding="utf-8", xml_declaration=True))
 
 
 def _answers(submissions: Iterable[Submission]) -> list[Judged]:

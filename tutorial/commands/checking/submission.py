@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import os
 import signal
+import site
 import stat
 import subprocess
 import sys
@@ -20,6 +22,7 @@ import psutil  # type: ignore[import-untyped]
 from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable, clean
 from tutorial.commands.checking.walls import DOMAINS, Walls
 from tutorial.paths import PACKAGE
+from tutorial.ros.domains import shared_folder
 
 __all__ = ["Submission", "judge"]
 
@@ -27,6 +30,7 @@ LARGEST = 50 << 20  # bytes of a notebook
 LINE = 1 << 16  # bytes of a message
 OUTLAST = 4  # times its limit that an answer may take of the processor: two threads and more may be at work
 ENDLESS = "The answer did not come to its end within {limit:g} s."
+DISTURBED = "The answer has disturbed the process that judged it."
 BROKEN = "The answer ended the process that judged it."
 KEPT = (
     *("PATH", "LANG", "LC_", "TZ", "PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_", "VIRTUAL_ENV", "CONDA_PREFIX"),
@@ -70,6 +74,8 @@ async def judge(path: Path, limit: float) -> Submission:
     try:
         while await _goes_on(submission, notebook, limit):
             os.lseek(notebook, 0, os.SEEK_SET)
+    except OSError as error:
+        submission.problem = f"it could not be judged: {error}"
     finally:
         os.close(notebook)
     return submission
@@ -91,39 +97,67 @@ def _opened(path: Path) -> int:
 
 async def _goes_on(submission: Submission, notebook: int, limit: float) -> bool:
     """Judge what is not judged yet, in one process; return whether something is left that another one can do."""
-    trying, left = "", set[str]()
+    state = _State(submission)
     why = BROKEN
     try:
         async with aclosing(_messages(notebook, tuple(submission.judged), limit)) as messages:
             async for message in messages:
-                if isinstance(message, (Opened, Unreadable)) and submission.walls is None:
-                    submission.walls = message.walls
-                match message:
-                    case Unreadable(why=problem):
-                        submission.problem = clean(problem)
-                        return False
-                    case Opened(exercises=names):
-                        left = set(names) - submission.judged.keys()
-                    case Trying(exercise=name) if name in left:
-                        trying = name
-                    case Judged() if message.exercise == trying:
-                        submission.judged[trying] = _cleaned(message)
-                        left.discard(trying)
-                        trying = ""
+                state.take(message)
     except TimeoutError:
         why = ENDLESS.format(limit=limit)
     except (ValueError, msgspec.MsgspecError):
-        why = "The answer has disturbed the process that judged it."
-    if trying:
-        submission.judged[trying] = Judged(trying, Outcome.NOT_JUDGED, why, why)
-        return len(left) > 1
-    if submission.walls is None or left:
+        why = DISTURBED
+        state.trying = state.trying or state.last
+    if state.trying:
+        submission.judged[state.trying] = Judged(state.trying, Outcome.NOT_JUDGED, why, why)
+        return bool(state.left - {state.trying})
+    if state.left or not state.opened:
         submission.problem = "it could not be read: the process that reads it has ended, or taken too long"
     return False
 
 
-def _cleaned(message: Judged) -> Judged:
-    return Judged(message.exercise, message.outcome, clean(message.cause), clean(message.text))
+class _State:
+    """How far a process has come with a notebook, and what comes next.
+
+    Args:
+        submission: is told what becomes of its answers.
+
+    Attributes:
+        opened: whether the notebook is read.
+        left: the exercises that are not judged yet.
+        trying: the one whose answer is being run; empty for none.
+        last: the one whose answer was run before.
+    """
+
+    def __init__(self, submission: Submission) -> None:
+        self._submission = submission
+        self.opened = False
+        self.left: set[str] = set()
+        self.trying = self.last = ""
+
+    def take(self, message: Message) -> None:
+        """Take in a message.
+
+        Raises:
+            ValueError: it is not its turn, so it is the answer's and not the process's.
+        """
+        submission = self._submission
+        match message:
+            case Unreadable() if not self.opened:
+                submission.problem, submission.walls = message.why, message.walls
+            case Opened() if not self.opened:
+                submission.walls = message.walls
+                self.left = set(message.exercises) - submission.judged.keys()
+            case Trying(exercise=name) if name in self.left and not self.trying:
+                self.trying = name
+            case Judged(exercise=name) if name == self.trying != "":
+                cause, text = clean(message.cause), clean(message.text)
+                submission.judged[name] = Judged(name, message.outcome, cause, text)
+                self.left.discard(name)
+                self.trying, self.last = "", name
+            case _:
+                raise ValueError(message)
+        self.opened = True
 
 
 async def _messages(notebook: int, done: Sequence[str], limit: float) -> AsyncGenerator[Message]:
@@ -154,10 +188,8 @@ async def _messages(notebook: int, done: Sequence[str], limit: float) -> AsyncGe
 @contextmanager
 def _running(notebook: int, report: int, done: Sequence[str], limit: float) -> Iterator[None]:
     with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder:
-        shared = Path(tempfile.gettempdir()) / DOMAINS
-        shared.mkdir(exist_ok=True)
-        (Path(folder) / DOMAINS).symlink_to(shared)
-        words = [report, notebook, folder, round(OUTLAST * limit), *done]
+        (Path(folder) / DOMAINS).symlink_to(shared_folder())
+        words = [report, notebook, folder, math.ceil(OUTLAST * limit), *done]
         process = subprocess.Popen(
             [sys.executable, "-P", "-m", "tutorial.commands.checking._child", *map(str, words)],
             stdin=subprocess.PIPE,  # its end tells the process that this one is gone
@@ -178,8 +210,13 @@ def _running(notebook: int, report: int, done: Sequence[str], limit: float) -> I
 def _environment(folder: str) -> dict[str, str]:
     kept = {name: value for name, value in os.environ.items() if name.startswith(KEPT)}
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
-    own = {"HOME": folder, "TMPDIR": folder, "PYTHONPATH": home, "PYTHONUTF8": "1", "PYTHONDONTWRITEBYTECODE": "1"}
-    return {**kept, **own, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    return {
+        **kept,
+        **{"HOME": folder, "TMPDIR": folder, "PYTHONPATH": home, "PYTHONUSERBASE": site.getuserbase()},
+        **{"PYTHONUTF8": "1", "PYTHONDONTWRITEBYTECODE": "1"},
+        **{"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},  # each thread takes memory, of which there is a limit
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+    }
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
