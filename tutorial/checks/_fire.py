@@ -92,7 +92,7 @@ def predict(
             "length": bool(buttons),
             "buttons": {
                 "any": any(buttons),
-                "all": all(buttons),
+                "all": bool(buttons) and all(buttons),
                 0: buttons[:1] == (1,),
                 1: buttons[1:2] == (1,),
             }[button],
