@@ -7,6 +7,7 @@ import math
 import statistics
 import threading
 import time
+import traceback
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
@@ -14,6 +15,7 @@ from typing import Any, Generic, Self, TypeVar
 
 import rclpy
 from rclpy.context import Context
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
@@ -25,6 +27,7 @@ __all__ = ["MeteredNode", "NodeThread", "SpinThread", "TopicMeter"]
 
 LATENCIES_KEPT = 10_000
 LOOK = 0.05  # [s] between two looks whether the thread is to end
+GONE_FOR_GOOD = 1000  # spins in a row, some 0.1 s of them, that fail because of what is destroyed
 
 AnyNode = TypeVar("AnyNode", bound=Node)
 
@@ -178,12 +181,25 @@ class SpinThread(Generic[AnyNode]):
         _log.error("a callback of the node %r failed; the others go on", self._name, exc_info=error)
 
     def _spin(self) -> None:
+        gone = 0  # spins in a row that failed because of what is destroyed
         while self._context.ok() and not self._stopping.is_set():
             try:
                 self._executor.spin_once(timeout_sec=LOOK)
+                gone = 0
             except BaseException as error:  # noqa: BLE001 - a callback may raise anything, and SystemExit is common
-                if self._context.ok():
+                gone = gone + 1 if _met_what_is_destroyed(error) else 0
+                if self._context.ok() and gone % GONE_FOR_GOOD == 0:
                     self.failed(error)
+
+
+def _met_what_is_destroyed(error: BaseException) -> bool:
+    """Whether a spin failed before any callback, because rclpy was to wait for what is destroyed.
+
+    Once is nothing: another thread has called ``node.destroy_publisher`` between rclpy's look at what the node has and
+    the wait for it. Again and again means that something was destroyed behind the node's back, by its own ``destroy``.
+    """
+    frames = traceback.walk_tb(error.__traceback__)
+    return isinstance(error, InvalidHandle) and any(f.f_code.co_name == "add_to_wait_set" for f, _ in frames)
 
 
 class NodeThread(SpinThread[MeteredNode]):
