@@ -9,7 +9,7 @@ from tutorial.ros.node_thread import MeteredNode, NodeThread
 
 __all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
 
-PATIENCE = 10.0  # [s] that `topic_echo` waits for a message
+PATIENCE = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
 
 
 async def topic_list(show_types: bool = False) -> None:
@@ -57,8 +57,11 @@ async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
         topic: its full name.
         window: how many messages the average is taken over.
         reports: how often to print before it ends.
+
+    Raises:
+        TutorialError: nobody publishes on it for 10 s.
     """
-    await say_all(topics.topic_hz(await _settled(topic), topic, window=window), reports)
+    await say_all(topics.topic_hz(await _settled(topic), topic, window=window, timeout=PATIENCE), reports)
 
 
 async def _settled(topic: str | None = None) -> MeteredNode:
