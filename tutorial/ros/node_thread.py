@@ -11,7 +11,7 @@ import traceback
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from typing import Any, Generic, Self, TypeVar
+from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import rclpy
 from rclpy.context import Context
@@ -131,8 +131,11 @@ class SpinThread(Generic[AnyNode]):
         node: the node.
         error: what a callback raised last, SystemExit included; None when none did.
         patience: how long a callback may take to return when its node is closed [s]; None for as long as it likes.
+        full_name: the node's.
+        alive: all of this process, whatever their node's class, that are not closed.
     """
 
+    alive: ClassVar[set[SpinThread[Any]]] = set()
     error: BaseException | None = None
     patience: float | None = 3.0
 
@@ -142,6 +145,7 @@ class SpinThread(Generic[AnyNode]):
         try:
             self.node = node_class(name, context=self._context)
             self._name = self.node.get_name()  # a program may destroy its node
+            self.full_name = self.node.get_fully_qualified_name()
             self._executor = SingleThreadedExecutor(context=self._context)
             self._executor.add_node(self.node)
         except BaseException:
@@ -149,6 +153,7 @@ class SpinThread(Generic[AnyNode]):
             raise
         self._stopping = threading.Event()
         self._closed = False
+        self.alive.add(self)
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
 
@@ -174,6 +179,7 @@ class SpinThread(Generic[AnyNode]):
             self.node.destroy_node()
             self._context.try_shutdown()
         self._closed = True
+        self.alive.discard(self)
 
     def failed(self, error: BaseException) -> None:
         """Keep what a callback has raised, and log it; the other callbacks go on. Called on the thread."""
