@@ -19,12 +19,19 @@ from typing import Any
 from tutorial.controller import SimpleController
 from tutorial.joints import JointReport
 
-__all__ = ["AT_ONCE", "Misuse", "blamed", "lacks_self", "likely_cause", "no_self", "owner_of", "sentence", "sets"]
+__all__ = ["AT_ONCE", "Misuse", "blamed", "lacks_self", "likely_cause", "no_self", "owner_of", "sentence", "sets", "slept"]
 
 PROVED = ((3, 11), (3, 12), (3, 13))
 """The versions of CPython whose sentences are known."""
 
 AT_ONCE = "Most likely the callback is called at once: give it without parentheses, self.{name}."
+_SLEPT = "time passes by itself; who has called it waits with it, and all that comes after."
+_SLEPT_BY = {
+    "control": "control is called once for every step, and the simulation waits with it: count steps, io.step.",
+    "aim": "aim is called once for every step, and the simulation waits with it: simulated time goes on by itself.",
+    "update": "it runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
+}
+_SLEPT_BACK = "it is a callback, and the executor's thread waits with it: put the message away, or post a call, and return."
 _GENERAL = "Mend this line first; what comes after it has not been looked at."
 _UNSET = "Most likely it is read before anything has set it: "
 _LIFE = "configure comes first, then initialize, then control; a message may come at any time after configure."
@@ -74,6 +81,13 @@ def likely_cause(error: BaseException, answer: Any) -> str:
     if isinstance(error, TypeError):
         return _call(error, answer)
     return next((cause for kind, cause in _CAUSES.items() if isinstance(error, kind)), _GENERAL)
+
+
+def slept(method: str) -> str:
+    """Say what is wrong about a method that sleeps."""
+    is_callback = method.startswith("on_") or "back" in method
+    reason = _SLEPT_BY.get(method, _SLEPT_BACK if is_callback else _SLEPT)
+    return f"Leave out what sleeps or waits: {reason}"
 
 
 def lacks_self(function: Any, given: int) -> bool:
