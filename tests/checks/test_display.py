@@ -414,8 +414,8 @@ MATCH = [
     (short_drops_all, "dropped as a whole", "3 names, 2 positions: {}"),
     (all_expected, "every joint is expected in every message", "only HATCH: all_expected raised ValueError"),
     (returns_all, "Return a dict", "returns a tuple"),
-    (returns_nothing, "Return a dict", "returns None"),
-    (empties_the_message, "leave the message as it is", "not the same afterwards"),
+    (returns_nothing, "return is missing", "returns None"),
+    (empties_the_message, "leave it as it is, take a copy", "not the same afterwards"),
 ]
 
 

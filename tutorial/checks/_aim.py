@@ -32,7 +32,9 @@ MISTAKES = (
     Mistake("stick", "sign", "only the stick's sign counts: half a stick moves the reference by half as much."),
     Mistake("stick", "dead zone", "the stick has a dead zone, as in TankController: here every position of it counts."),
     Mistake("stick", "limited", "joint.range limits the stick: it is the reference, an angle, that stays within it."),
-    Mistake("stick", "is angle", "the stick is taken for the angle: it moves the reference, by 0.002 * stick per call."),
+    Mistake(
+        "stick", "is angle", "the stick is taken for the angle: it moves the reference, by 0.002 * stick per call."
+    ),
     Mistake("stick", "one way", "the stick counts only in one direction: a negative one moves the reference back."),
     Mistake("clamp", "none", "the reference runs away: it has to stay within joint.range."),
     Mistake("clamp", "no lower", "the reference runs away at the lower end: joint.range has two, and both hold."),
@@ -44,7 +46,9 @@ MISTAKES = (
         "late",
         "the limited reference is used but not kept, so it has to come back first: keep the limited one.",
     ),
-    Mistake("clamp", "of position", "joint.range limits the joint's position q: it is the reference that stays within."),
+    Mistake(
+        "clamp", "of position", "joint.range limits the joint's position q: it is the reference that stays within."
+    ),
     Mistake("gains", (50.0, 200.0), "the two gains are exchanged: 200 for the angle, 50 for the speed."),
     Mistake("gains", (0.0, 50.0), "the spring is missing: 200 * (q_ref - q)."),
     Mistake("gains", (200.0, 200.0), "both gains are 200: it is 50 for the speed."),
@@ -70,7 +74,9 @@ MISTAKES = (
     Mistake("per", "1 ms", "the time step is taken to be 1 ms: use time_step."),
     Mistake("per", "times", "the speeds are multiplied by time_step: divide by it."),
     Mistake("prev", "fixed", "self.q_prev is never renewed: keep q for the next call."),
-    Mistake("prev", "reference", "self.q_prev is set to the reference: keep q, where the joint was, for the next call."),
+    Mistake(
+        "prev", "reference", "self.q_prev is set to the reference: keep q, where the joint was, for the next call."
+    ),
     Mistake("prev", "zero", "self.q_prev begins at 0, so the first speed is wrong: it begins at joint.position."),
     Mistake("ref", "fixed", "self.q_ref is never renewed: keep q_ref for the next call."),
     Mistake("order", "late", "the torque is set for the old reference: move the reference first."),
@@ -203,9 +209,7 @@ def judge_aim(answer: type) -> Iterator[Finding]:
         play = _Play(answer, scene)
         play.go_on()
         alone.append(play.joint.effort)
-    probes = [
-        Probe(scene.label, (effort,), _say, otherwise=scene.otherwise) for scene, effort in zip(SCENES, alone)
-    ]
+    probes = [Probe(scene.label, (effort,), _say, otherwise=scene.otherwise) for scene, effort in zip(SCENES, alone)]
     all_right = yield from judged(judge_probes(probes, predict, MISTAKES, shared.cause(OTHERWISE)))
     if all_right:
         yield _judge_two(answer, [joint.effort for joint in joints], shared)

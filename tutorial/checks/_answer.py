@@ -73,7 +73,7 @@ def unwritten(answer: Any, parts: Iterable[str]) -> bool:
 
 
 def name_of(answer: Any) -> str:
-    """Return what a callable is called: a function's name, that of a partial's function, or that of an object's class."""
+    """Return what a callable is called: a function's name, that of a partial's, or that of an object's class."""
     inner = answer.func if isinstance(answer, partial) else answer
     return str(getattr(inner, "__name__", type(inner).__name__))
 

@@ -19,7 +19,18 @@ from typing import Any
 from tutorial.controller import SimpleController
 from tutorial.joints import JointReport
 
-__all__ = ["AT_ONCE", "Misuse", "blamed", "lacks_self", "likely_cause", "no_self", "owner_of", "sentence", "sets", "slept"]
+__all__ = [
+    "AT_ONCE",
+    "Misuse",
+    "blamed",
+    "lacks_self",
+    "likely_cause",
+    "no_self",
+    "owner_of",
+    "sentence",
+    "sets",
+    "slept",
+]
 
 PROVED = ((3, 11), (3, 12), (3, 13))
 """The versions of CPython whose sentences are known."""
@@ -31,7 +42,9 @@ _SLEPT_BY = {
     "aim": "aim is called once for every step, and the simulation waits with it: simulated time goes on by itself.",
     "update": "it runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
 }
-_SLEPT_BACK = "it is a callback, and the executor's thread waits with it: put the message away, or post a call, and return."
+_SLEPT_BACK = (
+    "it is a callback, and the executor's thread waits with it: put the message away, or post a call, and return."
+)
 _GENERAL = "Mend this line first; what comes after it has not been looked at."
 _UNSET = "Most likely it is read before anything has set it: "
 _LIFE = "configure comes first, then initialize, then control; a message may come at any time after configure."

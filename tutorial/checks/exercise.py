@@ -107,7 +107,9 @@ class Exercise:
         if number not in range(1, count + 1):
             _say(f"There are {count} hints: {self.name}.hint() to {self.name}.hint({count}).")
             return
-        more = f"{self.name}.hint({number + 1}) says more." if number < count else f"Then there is {self.name}.solution()."
+        more = (
+            f"{self.name}.hint({number + 1}) says more." if number < count else f"Then there is {self.name}.solution()."
+        )
         _say(f"Hint {number} of {count}: {self._hints[number - 1]} {more}")
 
     def solution(self) -> None:
