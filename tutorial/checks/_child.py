@@ -39,7 +39,7 @@ _writing = threading.Lock()
 _CAUSES = {
     "control": "control is called once for every step and returns at once; the loop is the simulation's.",
     "initialize": "initialize only prepares the first step, and returns; what repeats belongs into control.",
-    "configure": "configure only makes publishers and subscriptions, and returns.",
+    "configure": "configure only makes publishers and subscriptions, and returns; the program spins its node already.",
     "aim": "aim is called once for every step and returns at once; the loop is the simulation's.",
 }
 _CLINGS = "Most likely it uses an object of the notebook: let it take what it needs from config, io or its arguments."

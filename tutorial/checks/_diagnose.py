@@ -50,11 +50,28 @@ _UNSET = "Most likely it is read before anything has set it: "
 _LIFE = "configure comes first, then initialize, then control; a message may come at any time after configure."
 _NONE = "Most likely what stands before the dot is None: nothing was kept or returned there."
 _CLASS = "Most likely parentheses are missing: {name} alone is the class, {name}(...) makes an object of it."
+_LOOP = (
+    "Most likely it goes to the event loop by itself: config.call_later(self.update, message) is asked for, which drops "
+    "what still waits when the controller leaves its body."
+)
+_SPIN = "Leave it out: the program spins its node already, on a thread of its own, and spin never returns."
+_PROGRAMS = {
+    "spin": _SPIN,
+    "spin_once": _SPIN,
+    "spin_until_future_complete": _SPIN,
+    "init": "Leave it out: the program has called rclpy.init already; a controller uses config.node.",
+    "shutdown": "Leave it out: rclpy belongs to the whole program, which shuts it down at its end.",
+    "create_node": "Leave it out: the program has a node already, config.node.",
+}
 _CAUSES = {
     NameError: "Most likely its import or definition is missing: write it into the same cell as the class.",
     ImportError: "Most likely the name is spelled differently, or the module is not installed.",
     SystemExit: "Most likely an exit() was left over; a controller only returns.",
     KeyboardInterrupt: "A controller only returns; to interrupt is the user's business.",
+}
+_TYPES = {
+    "'property' object": "Most likely parentheses are missing where an object is made: a class was used in its place.",
+    "unhashable": "Most likely a list is taken for a key: take what says what it is about, such as the body's name.",
 }
 _ATTRIBUTE = re.compile(r"'(\w+)' object has no attribute '(\w+)'")
 _GIVEN = re.compile(r"(\S+)\(\) takes .*positional arguments? but (\d+) (?:was|were) given")
@@ -89,6 +106,11 @@ def likely_cause(error: BaseException, answer: Any) -> str:
     """
     if isinstance(error, Misuse):
         return error.cause
+    ros = _of_rclpy(error)
+    if ros:
+        return ros
+    if isinstance(error, RuntimeError) and "event loop" in sentence(error):
+        return _LOOP
     if isinstance(error, AttributeError):
         return _attribute(error, answer)
     if isinstance(error, TypeError):
@@ -159,6 +181,16 @@ def _attribute(error: AttributeError, answer: Any) -> str:
     return _taken_for_another(owner) or _what_there_is(owner, name)
 
 
+def _of_rclpy(error: BaseException) -> str:
+    """Say why what a program calls once, for the whole of it, is not called by a controller."""
+    names = [frame.f_code.co_name for frame in _frames(error) if _is_rclpy(frame)]
+    return next((cause for name, cause in _PROGRAMS.items() if name in names), "")
+
+
+def _is_rclpy(frame: FrameType) -> bool:
+    return str(frame.f_globals.get("__name__", "")).partition(".")[0] == "rclpy"
+
+
 def _taken_for_another(owner: Any) -> str:
     """Say what something is that was taken for an object with attributes; nothing if it is one."""
     if isinstance(owner, tuple):
@@ -196,8 +228,9 @@ def _call(error: TypeError, answer: Any) -> str:
     function = blamed(error, answer)
     if function is not None:
         return no_self(function)
-    if "'property' object" in text:
-        return "Most likely parentheses are missing where an object is made: a class was used in its place."
+    known = next((cause for words, cause in _TYPES.items() if words in text), "")
+    if known:
+        return known
     found = _LACKING.search(text)
     if found is None:
         return _GENERAL

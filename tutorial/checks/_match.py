@@ -57,8 +57,8 @@ NO_SUBSET = "Most likely every joint is expected in every message: go through th
 UNKNOWN = "Most likely names that the body does not have are kept: leave them out, if name in joint_names."
 UNKNOWN_CRASH = "Most likely a name is looked up that the body does not have: ask first, if name in joint_names."
 SHORT_CRASH = (
-    "Most likely there is an index beyond the end, or zip with strict=True: zip(message.name, message.position) alone ends "
-    "with the shorter."
+    "Most likely there is an index beyond the end, or zip with strict=True: zip(message.name, message.position) alone "
+    "ends with the shorter."
 )
 SHORT = "Most likely fewer positions than names are not expected: those that are there count."
 LONG = "Most likely more positions than names are not expected: those without a name say nothing, the others count."
