@@ -9,6 +9,7 @@ from difflib import get_close_matches
 from functools import partial
 from typing import Any
 
+from tutorial.checks._diagnose import NO_ARGUMENTS
 from tutorial.checks._verdict import Finding, wrong
 from tutorial.controller import SimpleController
 
@@ -98,6 +99,9 @@ def _mend(answer: type, part: str) -> str:
     near = get_close_matches(part, others, n=1)
     if near:
         return f"Most likely its name is misspelled: {near[0]} should be {part}."
+    made = getattr(vars(answer).get("__init__"), "__code__", None)
+    if made is not None and made.co_argcount > 1 and issubclass(answer, SimpleController):
+        return f"Most likely __init__ does its work. {NO_ARGUMENTS}"
     return f"Write the method {part}; it is part of the answer."
 
 

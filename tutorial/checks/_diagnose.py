@@ -45,13 +45,18 @@ _SLEPT_BY = {
 _SLEPT_BACK = (
     "it is a callback, and the executor's thread waits with it: put the message away, or post a call, and return."
 )
+NO_ARGUMENTS = "__init__ is given nothing: config comes to configure(self, config), and io to initialize(self, io)."
 _GENERAL = "Mend this line first; what comes after it has not been looked at."
 _UNSET = "Most likely it is read before anything has set it: "
+_KEEP = {
+    "io": ("initialize", "self.io = io"),
+    **{name: ("configure", f"self.{name} = config.{name}") for name in ("body", "node", "call_later", "call_latest")},
+}
 _LIFE = "configure comes first, then initialize, then control; a message may come at any time after configure."
 _NONE = "Most likely what stands before the dot is None: nothing was kept or returned there."
 _CLASS = "Most likely parentheses are missing: {name} alone is the class, {name}(...) makes an object of it."
 _LOOP = (
-    "Most likely it goes to the event loop by itself: config.call_later(self.update, message) is asked for, which drops "
+    "Most likely it goes to the event loop by itself: config.call_later(self.update, message) is asked for; it drops "
     "what still waits when the controller leaves its body."
 )
 _SPIN = "Leave it out: the program spins its node already, on a thread of its own, and spin never returns."
@@ -210,6 +215,9 @@ def _unset(answer: type, name: str) -> str:
         code = getattr(inspect.getattr_static(answer, method, None), "__code__", None)
         if code is not None and name in code.co_varnames[code.co_argcount :]:
             return f"Most likely self is missing in {method}: self.{name} = ..."
+    keep = _KEEP.get(name)
+    if keep is not None and not any(sets(member, name) for member in vars(answer).values()):
+        return f"Most likely {keep[0]} does not keep it: {keep[1]}."
     return _UNSET + (_LIFE if issubclass(answer, SimpleController) else "let __init__ set it.")
 
 
@@ -232,9 +240,14 @@ def _call(error: TypeError, answer: Any) -> str:
     if known:
         return known
     found = _LACKING.search(text)
-    if found is None:
-        return _GENERAL
+    return _GENERAL if found is None else _lacking(error, answer, found)
+
+
+def _lacking(error: TypeError, answer: Any, found: re.Match[str]) -> str:
+    """Say why something was called with too few arguments."""
     owner, _, name = found[1].rpartition(".")
+    if name == "__init__" and isinstance(answer, type) and issubclass(answer, SimpleController):
+        return NO_ARGUMENTS
     if found[2] == "'self'" and owner:
         return _CLASS.format(name=owner.rpartition(".")[2])
     frames = _frames(error)

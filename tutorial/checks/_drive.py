@@ -216,7 +216,7 @@ def _judge_crowd(world: World, subscription: WatchedSubscription) -> Finding:
 def _judge_two(
     answer: type[SimpleController], world: World, subscription: WatchedSubscription, shared: SharedState
 ) -> Iterator[Finding]:
-    """Look at a second tank beside the first, with another name and time step, that hears something before its start."""
+    """Look at a second tank beside the first, of another name and time step, that hears something before its start."""
     drives, rests = Joy(axes=[0.5, -0.8, 0.0, 0.0]), Joy(axes=[0.0, 0.0, 0.0, 0.0])
     subscription.call_back(rests)
     world.advance()

@@ -91,9 +91,7 @@ def _left_out(answer: type, keeps: str, call: str) -> str:
     """Say what is the matter with an `unconfigure` after which something is still there."""
     lacking = missing(answer, "unconfigure")
     if lacking is None:
-        return (
-            f"Most likely unconfigure does not destroy the {keeps}, for a flag or None does not: it has to call {call}."
-        )
+        return f"Most likely unconfigure does not call {call}: a flag or None does not destroy the {keeps}."
     return (
         lacking.cause if "misspelled" in lacking.cause else f"Most likely unconfigure is missing: in it, call {call}."
     )

@@ -89,7 +89,7 @@ publish = Exercise(
     solution=(TurretPublisher,),
     base=SimpleController,
     parts=("configure", "initialize", "control", "unconfigure"),
-    requires=("configure", "initialize", "control"),
+    requires=("configure", "initialize"),
     hints=(
         "Make the publisher in configure, with a topic made from config.body.name. In initialize keep io and "
         "io.body.joints, and compute how many steps there are from one message to the next.",
@@ -117,7 +117,7 @@ thrift = Exercise(
     solution=(ThriftyPublisher,),
     base=SimpleController,
     parts=("configure", "initialize", "control", "unconfigure"),
-    requires=("configure", "initialize", "control"),
+    requires=("configure", "initialize"),
     hints=(
         "Keep a dict from each joint's name to the position that was last sent for it. It is empty in the beginning, "
         "and changes only when something is sent.",
