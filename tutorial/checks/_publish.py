@@ -86,8 +86,8 @@ MIXED = "Most likely {field} is filled with something else: [joint.{field} for j
 TYPED = "Most likely the joints' names are typed: take joints and names from the body, io.body.joints."
 SHARED = "Most likely what is kept belongs to the class, and so to all bodies: make it in configure or initialize."
 RESTART = (
-    "Most likely what says when to publish is kept from the run before: initialize is called at every start, and has to "
-    "begin anew, at step 0."
+    "Most likely what says when to publish is kept from the run before: initialize is called at every start, and has "
+    "to begin anew, at step 0."
 )
 MADE = "config.node.create_publisher(JointState, topic, 1)"
 
