@@ -17,6 +17,7 @@ from types import FrameType, FunctionType, MemberDescriptorType, MethodType
 from typing import Any
 
 from tutorial.controller import SimpleController
+from tutorial.errors import WrongThreadError
 from tutorial.joints import JointReport
 
 __all__ = [
@@ -72,6 +73,7 @@ _CAUSES = {
     NameError: "Most likely its import or definition is missing: write it into the same cell as the class.",
     ImportError: "Most likely the name is spelled differently, or the module is not installed.",
     SystemExit: "Most likely an exit() was left over; a controller only returns.",
+    WrongThreadError: "The displayed body belongs to the main thread: post the call instead, self.call_later(...).",
     KeyboardInterrupt: "A controller only returns; to interrupt is the user's business.",
 }
 _TYPES = {
