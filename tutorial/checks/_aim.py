@@ -91,6 +91,9 @@ POSITION = "Most likely the result is set as joint.position: a motor takes a tor
 NO_EFFORT = "Most likely the torque is computed but not set: joint.effort = ..."
 RETURNED = "Most likely the torque is only returned, and nobody looks at that: set it, self.joint.effort = ..."
 OWN_EFFORT = "Most likely it is set as self.{name}, an attribute of the answer's own: it is self.joint.effort = ..."
+CLOCK = (
+    "Most likely the computer's clock says how long a call is: it is time_step, however long it takes to compute it."
+)
 SHARED = (
     "Most likely something is kept on the class, or outside of it, and so shared by all joints: keep it in the object, "
     "self.q_ref = ..., and make it in __init__."
@@ -145,21 +148,25 @@ SCENES = (
 )
 
 
-class FakeJoint:
-    """Stands for a joint; it moves as the scene says, and writes down what is set.
+class Joint:
+    """Stands for a `tutorial.body.Joint`; it moves as the scene says, and writes down what is set.
+
+    What a joint has not, begins with an underscore, so that no learner is told of it.
 
     Attributes:
         name, range, velocity: as a `tutorial.body.Joint` has them.
-        efforts: what was set at each call [N.m]; None where nothing was.
-        moved: whether somebody has set the position.
+        _efforts: what was set at each call [N.m]; None where nothing was.
+        _moved: whether somebody has set the position.
     """
+
+    __slots__ = ("_position", "_scene", "_efforts", "_moved", "name", "range", "velocity")
 
     def __init__(self, scene: Scene) -> None:
         self.name = "TURRET_P"
         self.range = scene.limits
         self.velocity = 0.0
-        self.efforts: list[float | None] = []
-        self.moved = False
+        self._efforts: list[float | None] = []
+        self._moved = False
         self._position = scene.begin
         self._scene = scene
 
@@ -170,24 +177,24 @@ class FakeJoint:
 
     @position.setter
     def position(self, _value: float) -> None:
-        self.moved = True
+        self._moved = True
 
     @property
     def effort(self) -> float:
         """Torque [N.m] of the last call."""
-        efforts = [effort for effort in self.efforts if effort is not None]
+        efforts = [effort for effort in self._efforts if effort is not None]
         return efforts[-1] if efforts else 0.0
 
     @effort.setter
     def effort(self, value: float) -> None:
-        self.efforts[-1] = float(value)
+        self._efforts[-1] = float(value)
 
-    def play(self) -> Iterator[float]:
+    def _play(self) -> Iterator[float]:
         """Yield the stick for each call."""
         for stick, speed in self._scene.moves():
             self.velocity = speed
             self._position += speed * self._scene.time_step
-            self.efforts.append(None)
+            self._efforts.append(None)
             yield stick
 
 
@@ -198,10 +205,10 @@ def judge_aim(answer: type) -> Iterator[Finding]:
     for play in plays:
         play.go_on()
     joints = [play.joint for play in plays]
-    if any(joint.moved for joint in joints):
+    if any(joint._moved for joint in joints):
         yield wrong("aim sets the joint's position", POSITION)
         return
-    if all(effort is None for joint in joints for effort in joint.efforts):
+    if all(effort is None for joint in joints for effort in joint._efforts):
         yield wrong("aim sets no torque", _no_effort(plays))
         return
     alone = []
@@ -210,9 +217,13 @@ def judge_aim(answer: type) -> Iterator[Finding]:
         play.go_on()
         alone.append(play.joint.effort)
     probes = [Probe(scene.label, (effort,), _say, otherwise=scene.otherwise) for scene, effort in zip(SCENES, alone)]
-    all_right = yield from judged(judge_probes(probes, predict, MISTAKES, shared.cause(OTHERWISE)))
+    all_right = yield from judged(judge_probes(probes, predict, MISTAKES, shared.cause(_otherwise())))
     if all_right:
         yield _judge_two(answer, [joint.effort for joint in joints], shared)
+
+
+def _otherwise() -> str:
+    return CLOCK if "clock" in watch.noted else OTHERWISE
 
 
 def _judge_two(answer: type, before: Sequence[float], shared: SharedState) -> Finding:
@@ -245,14 +256,14 @@ class _Play:
     """
 
     def __init__(self, answer: type, scene: Scene) -> None:
-        self.joint = FakeJoint(scene)
+        self.joint = Joint(scene)
         self.returned: object = None
         with watch.call("__init__"):
             self.held = answer(self.joint, scene.time_step)
 
     def calls(self) -> Iterator[None]:
         """Make one call after the other."""
-        for stick in self.joint.play():
+        for stick in self.joint._play():
             with watch.call("aim"):
                 self.returned = self.held.aim(stick)
             yield

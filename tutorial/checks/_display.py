@@ -25,7 +25,11 @@ Publish = Callable[[JointState], None]
 TRIES = 12  # messages, after which one that is dropped now and then would have come through
 PAUSE = 0.1  # [s] between them
 
-DIRECT = "Most likely the callback moves the body itself: post the call instead, {post}."
+DIRECT = "Most likely the callback moves the body itself: post the call instead, {post}; a lock does not help."
+PARTLY = (
+    "Most likely the callback moves the body itself, and posts only what comes after: all that touches the body "
+    "belongs into the posted call, {post}."
+)
 AT_ONCE = (
     "Most likely the parentheses call it at once, and post what it returns: give the function and its arguments apart, "
     "{post}."
@@ -192,7 +196,7 @@ def _judge_thread(desk: Desk, publish: Publish, message: JointState, post: str) 
     finally:
         desk.guard.lenient = False
     if desk.guard.touched is not None:
-        cause = AT_ONCE if desk.uncallable else DIRECT
+        cause = AT_ONCE if desk.uncallable else PARTLY if desk.waiting else DIRECT
         return wrong("the body is touched on the executor's thread", cause.format(post=post), desk.guard.touched)
     return _judge_posting(desk, publish, message, post)
 

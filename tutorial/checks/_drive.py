@@ -98,6 +98,7 @@ CONSUMED = (
 QUEUED = (
     "Most likely messages wait in a queue, and are taken one after the other: only the newest counts, as in a Latest."
 )
+SMOOTHED = "Most likely the speeds are smoothed, or approach what the stick says step by step: set them at once."
 READ_ONCE = "Most likely the stick is read once, in initialize: control has to look at every step, self.joy.get()."
 OVERWRITTEN = (
     "Most likely self.{name} = ... puts a number in the place of the actuator: it is self.{name}.ctrl = ..., the "
@@ -167,7 +168,7 @@ def _judge_driving(
         cause = _unmoved(answer, world, any(map(any, at_once)))
         yield wrong("whatever the stick does, the tracks stand still", cause)
         return
-    all_right = yield from judged(judge_probes(probes, predict, MISTAKES, OTHERWISE))
+    all_right = yield from judged(judge_probes(probes, predict, MISTAKES, OTHERWISE if at_once == seen else SMOOTHED))
     if all_right:
         yield _judge_crowd(world, subscription)
         short = _judge_short_messages(world, publish)

@@ -83,7 +83,9 @@ ONCE = (
 SHORT = "Most likely {field} is left out or cut: it has one number for each name."
 OTHER_FIELD = "Most likely {field} is filled with {other}: [joint.{field} for joint in self.joints]."
 MIXED = "Most likely {field} is filled with something else: [joint.{field} for joint in self.joints]."
-TYPED = "Most likely the joints' names are typed: take joints and names from the body, io.body.joints."
+TYPED = (
+    "Most likely the joints' names are typed, or how many there are: take all of them from the body, io.body.joints."
+)
 SHARED = "Most likely what is kept belongs to the class, and so to all bodies: make it in configure or initialize."
 RESTART = (
     "Most likely what says when to publish is kept from the run before: initialize is called at every start, and has "
