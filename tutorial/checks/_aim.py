@@ -159,7 +159,7 @@ class Joint:
         _moved: whether somebody has set the position.
     """
 
-    __slots__ = ("_position", "_scene", "_efforts", "_moved", "name", "range", "velocity")
+    __slots__ = ("_efforts", "_moved", "_position", "_scene", "name", "range", "velocity")
 
     def __init__(self, scene: Scene) -> None:
         self.name = "TURRET_P"
@@ -308,8 +308,8 @@ class _Model:
         """Play one scene."""
         dt = scene.time_step
         over = {"step": dt, "call": 1.0, "1 ms": 0.001, "times": 1 / dt}[self.per]
-        factor = {"time": dt, "2 rad/s": dt / 0.001}.get(self.rate, self.rate)  # type: ignore[arg-type]
-        step = 0.002 * self.sign * factor  # type: ignore[operator]
+        factor = self.rate if isinstance(self.rate, float) else {"time": dt, "2 rad/s": dt / 0.001}[self.rate]
+        step = 0.002 * self.sign * factor
         q = scene.begin
         q_prev = 0.0 if self.prev == "zero" else q
         stored = begin = 0.0 if self.start == "zero" else q

@@ -255,7 +255,7 @@ def _same(seen: Sequence[float], wanted: Sequence[float]) -> bool:
 
 def _judge_short_messages(world: World, publish: Callable[[Joy], None]) -> Finding:
     """Look whether an axis that a message lacks does what a 0 does, and one too many does nothing."""
-    for axes in ((0.0, 1.0), (), (1.0,), (1.0, -1.0, 0.7), (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4)):
+    for axes in ([0.0, 1.0], [], [1.0], [1.0, -1.0, 0.7], [1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4]):
         when = f"a message with {len(axes)} ax{'i' if len(axes) == 1 else 'e'}s"
         left_x, left_y, *_ = (*axes, 0.0, 0.0)
         wanted = (left_y - 0.5 * left_x, left_y + 0.5 * left_x)
@@ -355,23 +355,18 @@ def _dead_zone(x: float, y: float, kind: str | float) -> tuple[float, float]:
         return x, y
     if kind == "and" and (abs(x) <= 0.3 or abs(y) <= 0.3):
         return 0.0, 0.0
-    if isinstance(kind, str):
-        outside: dict[str, Callable[[float], bool]] = {
-            "one side": lambda axis: axis > 0.3,
-            "other side": lambda axis: axis > 0.3 or axis < 0.0,
-            "turned round": lambda axis: abs(axis) <= 0.3,
-        }
-        counts = outside.get(kind, lambda axis: abs(axis) > 0.3)
-    else:
-        counts = partial(_outside, kind)
-    cut_x, cut_y = (axis if counts(axis) else 0.0 for axis in (x, y))
+    cut_x, cut_y = (axis if _counts(axis, kind) else 0.0 for axis in (x, y))
     if kind == "rescaled":
         return tuple((abs(a) - 0.3) / 0.7 * (1 if a > 0 else -1) if a else 0.0 for a in (cut_x, cut_y))  # type: ignore[return-value]
     return (x if kind == "y" else cut_x), (y if kind == "x" else cut_y)
 
 
-def _outside(width: float, axis: float) -> bool:
-    return abs(axis) > width
+def _counts(axis: float, kind: str | float) -> bool:
+    """Whether an axis is outside of the dead zone, as the answer understands it."""
+    if not isinstance(kind, str):
+        return abs(axis) > kind
+    known = {"one side": axis > 0.3, "other side": axis > 0.3 or axis < 0.0, "turned round": abs(axis) <= 0.3}
+    return known.get(kind, abs(axis) > 0.3)
 
 
 def _say(speeds: tuple[float, ...]) -> str:

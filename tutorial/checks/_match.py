@@ -258,18 +258,23 @@ class _Model:
     def _value(self, position: float) -> float:
         if isnan(position):
             return 0.0 if self.nan == "zero" else position
-        convert = {"absolute": abs, "degrees": math.degrees, "radians": math.radians, "rounded": lambda q: round(q, 3)}
-        return convert.get(self.value, float)(position)
+        converted = {
+            "absolute": abs(position),
+            "degrees": math.degrees(position),
+            "radians": math.radians(position),
+            "rounded": round(position, 3),
+        }
+        return converted.get(self.value, position)
 
     def _winner(self, twins: list[float]) -> float:
-        choose: dict[str, Callable[[list[float]], float]] = {
-            "first": lambda each: each[0],
-            "largest": max,
-            "smallest": min,
-            "mean": lambda each: sum(each) / len(each),
-            "sum": sum,
+        chosen = {
+            "first": twins[0],
+            "largest": max(twins),
+            "smallest": min(twins),
+            "mean": sum(twins) / len(twins),
+            "sum": sum(twins),
         }
-        return choose.get(self.twins, lambda each: each[-1])(twins)
+        return chosen.get(self.twins, twins[-1])
 
 
 def judge_match(answer: Callable[[Sequence[str], JointState], Any]) -> Iterator[Finding]:

@@ -380,12 +380,14 @@ def _named(moved: list[int], everything: list[int], send: str, is_first: bool) -
 def _moved(position: float, known: float | None, compare: str, threshold: float) -> bool:
     if known is None:
         return True
-    if compare in ("never", "rounded", "cut off"):
-        change = {"rounded": lambda q: round(q, 3), "cut off": lambda q: int(q * 1000)}.get(compare, lambda _: 0)
-        return change(position) != change(known)
     difference = position - known
     measured = {"signed": difference, "negative": -difference, "squared": difference**2}
-    return measured.get(compare, abs(difference)) > threshold
+    known_otherwise = {
+        "never": False,
+        "rounded": round(position, 3) != round(known, 3),
+        "cut off": int(position * 1000) != int(known * 1000),
+    }
+    return known_otherwise.get(compare, measured.get(compare, abs(difference)) > threshold)
 
 
 def _remembered(compare: str, sent: bool, any_sent: bool, nothing_yet: bool) -> bool:
