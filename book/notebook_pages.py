@@ -43,6 +43,8 @@ def _put_in_place(notebook: dict[str, Any], kept: Path) -> None:
         if cell["cell_type"] == "markdown":
             cell["source"] = _with_links(cell["source"])
             continue
+        if cell["metadata"].get("jupyter", {}).get("source_hidden"):
+            cell["metadata"].setdefault("tags", []).append("hide-input")
         cell["outputs"] = [output for output in cell["outputs"] if not _text(output).startswith("FloatProgress(")]
         for output in cell["outputs"]:
             if WIDGET.match(_text(output)):

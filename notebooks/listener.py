@@ -6,12 +6,11 @@ from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
 
-class Listener(Node):
+class JointListener(Node):
     def __init__(self):
         super().__init__("listener")
         self.positions = {}
-        topic = "/Tank/joint_state"
-        self.subscription = self.create_subscription(JointState, topic, self.on_joint_state, 1)
+        self.subscription = self.create_subscription(JointState, "/Tank/joint_state", self.on_joint_state, 1)
         self.timer = self.create_timer(1.0, self.on_timer)
 
     def on_joint_state(self, message):
@@ -19,11 +18,16 @@ class Listener(Node):
 
     def on_timer(self):
         where = [f"{name} {position:z.2f}" for name, position in self.positions.items()]
-        self.get_logger().info(", ".join(where))
+        self.get_logger().info(", ".join(where) or "nothing heard yet")
 
 
-try:
-    rclpy.init()
-    rclpy.spin(Listener())  # waits, and calls what there is to call, until Ctrl-C
-except (KeyboardInterrupt, ExternalShutdownException):
-    pass
+def main():
+    try:
+        rclpy.init()
+        rclpy.spin(JointListener())  # waits, and calls what there is to call, until Ctrl-C
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+
+
+if __name__ == "__main__":
+    main()

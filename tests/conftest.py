@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import signal
 from collections.abc import Callable, Iterator
 
 import pytest
 from domains import reserved_domain
 from programs import Program
-from xdist.scheduler import LoadScopeScheduling
 
 from tutorial import ros_backend
-
-LONG = ("test_notebooks_in_browser.py", "test_desk_in_browser.py")
-"""The files whose tests come first and are shared out one by one: each takes longer than most files."""
 
 
 def pytest_configure() -> None:
@@ -37,30 +32,6 @@ def _embedded(request: pytest.FixtureRequest, backend: str) -> None:
     """Skip what is about the embedded ROS 2 alone."""
     if backend != "underlay" and request.node.get_closest_marker("embedded"):
         pytest.skip("a real ROS 2 is in use: this is about the embedded one")
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with what takes longest, so that in the end no core waits for another."""
-    items.sort(key=lambda item: (item.path.name not in LONG, item.get_closest_marker("browser") is None))
-
-
-def pytest_xdist_auto_num_workers() -> int:
-    """One more than there are cores: tests often wait, for a discovery, or for a process to end."""
-    return (os.cpu_count() or 1) + 1
-
-
-class _ByFile(LoadScopeScheduling):
-    """Keeps the tests of a file together, and the cells of a notebook, in their order."""
-
-    def _split_scope(self, nodeid: str) -> str:
-        file, *_ = nodeid.split("::")
-        return nodeid if file.endswith(LONG) else file
-
-
-def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> LoadScopeScheduling:
-    """Share the tests out by files."""
-    return _ByFile(config, log)
 
 
 def pytest_report_header() -> str:

@@ -100,8 +100,11 @@ def test_a_right_answer_is_told_no_hint():
     assert str(exercise.judge(GentleTank)).splitlines()[-1] == "All right. Well."
 
 
+BEFORE = (ast.Import, ast.ImportFrom, ast.ClassDef)
+
+
 def imports_and_cell(name):
-    """Return the cell that an answer is written in, after the notebook's own import statements before it."""
+    """Return the cell that an answer is written in, after the notebook's own imports and classes before it."""
     found = []
     for path in sorted((HOME / "notebooks").glob("*.ipynb")):
         found.clear()
@@ -111,9 +114,7 @@ def imports_and_cell(name):
                 continue
             if any(f"{kind} {name}(" in source for kind in ("def", "class")) or f"class {name}:" in source:
                 return "\n".join(found), source
-            found += [
-                ast.unparse(node) for node in ast.parse(source).body if isinstance(node, (ast.Import, ast.ImportFrom))
-            ]
+            found += [ast.unparse(node) for node in ast.parse(source).body if isinstance(node, BEFORE)]
     raise AssertionError(f"no notebook has a cell for {name}")
 
 
@@ -233,18 +234,13 @@ def test_what_cannot_be_run_is_said_at_once(exercise, answer, said, capsys):
     assert capsys.readouterr().out == f"{said}\n"
 
 
-METHODS = ("configure", "initialize", "control", "unconfigure", "aim")
-"""Those that an exercise may ask for, in the order in which they are named."""
-
-
 @every_exercise
 def test_the_notebooks_own_cell_is_not_attempted(exercise, capsys):
     name = exercise.right_answer.__name__
     namespace = {"__name__": "__main__"}
     exec("\n".join(imports_and_cell(name)), namespace)
     asyncio.run(exercise.check(namespace[name]))
-    written = getattr(exercise.right_answer, "__dict__", {})
-    methods = ", ".join(method for method in METHODS if method in written)
+    methods = ", ".join(exercise._parts)
     said = f"Not attempted yet: {name} is still to be written{': ' * bool(methods)}{methods}.\n"
     assert capsys.readouterr().out == said
 

@@ -11,6 +11,7 @@ import threading
 import psutil
 import pytest
 from kernels import kernel
+from programs import marked
 from programs import until as wait_until
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
@@ -274,10 +275,10 @@ def test_a_killed_kernel_leaves_nothing_behind(domain, monkeypatch):
     monkeypatch.setenv("TANK_TEST_MARK", mark := f"kernel-{os.getpid()}-{domain}")
     with kernel() as running:
         assert running.run(OPEN_EVERYTHING) == "['TURRET_Y', 'TURRET_P']\n---\n"
-        assert len(family(mark)) > 1
+        assert len(marked(mark)) > 1
         assert {port.laddr.ip for port in listening(running.process)} <= {"127.0.0.1"}
         running.process.send_signal(signal.SIGKILL)
-        wait_until(lambda: not family(mark), f"the end of {family(mark)}")
+        wait_until(lambda: not marked(mark), f"the end of {marked(mark)}")
 
 
 def test_a_kernel_that_is_shut_down_leaves_nothing_behind(domain, monkeypatch):
@@ -285,7 +286,7 @@ def test_a_kernel_that_is_shut_down_leaves_nothing_behind(domain, monkeypatch):
     with kernel() as running:
         running.run(OPEN_EVERYTHING)
         running.client.shutdown()
-        wait_until(lambda: not family(mark), f"the end of {family(mark)}")
+        wait_until(lambda: not marked(mark), f"the end of {marked(mark)}")
 
 
 def test_everything_closed_leaves_the_kernel_with_its_own_threads(domain):
@@ -311,17 +312,6 @@ def shows_the_bar(message):
 
 def moves_the_bar(message):
     return message["msg_type"] == "comm_msg" and message["content"]["data"].get("state", {}).get("value", 0) > 0
-
-
-def family(mark):
-    found = []
-    for process in psutil.process_iter():
-        try:
-            if process.status() != psutil.STATUS_ZOMBIE and process.environ().get("TANK_TEST_MARK") == mark:
-                found.append(process)
-        except (psutil.NoSuchProcess, psutil.AccessDenied, psutil.ZombieProcess):
-            continue
-    return [process for process in found if process.pid != os.getpid()]
 
 
 def listening(process):

@@ -101,3 +101,25 @@ def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):
     thread.close()
     assert not thread._thread.is_alive()
     assert not thread._context.ok()
+
+
+def test_what_is_destroyed_while_the_executor_looks_around_is_no_failure(domain, caplog):
+    interval = sys.getswitchinterval()
+    with NodeThread("spins") as thread:
+        sys.setswitchinterval(1e-6)
+        try:
+            for _ in range(500):
+                thread.node.destroy_publisher(thread.node.create_publisher(String, "words", 1))
+                thread.node.destroy_subscription(thread.node.create_subscription(String, "words", print, 1))
+        finally:
+            sys.setswitchinterval(interval)
+        assert thread.error is None, caplog.text
+
+
+def test_what_was_destroyed_behind_the_nodes_back_is_told(domain, backend):
+    if backend == "underlay":
+        pytest.skip("the embedded executor goes on without it; what it says of it is another test's")
+    with NodeThread("spins") as thread:
+        thread.node.create_subscription(String, "words", print, 1).destroy()
+        until(lambda: thread.error, "the executor's complaint")
+        assert str(thread.error) == "cannot use Destroyable because destruction was requested"

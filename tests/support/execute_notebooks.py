@@ -35,7 +35,11 @@ def execute(path: Path) -> None:
     manager = AsyncKernelManager(kernel_name="python3")
     manager.kernel_spec.argv[0] = sys.executable
     with reserved_domain() as domain, tempfile.TemporaryDirectory(prefix="ipython-") as settings:
-        os.environ |= {"ROS_DOMAIN_ID": str(domain), "IPYTHONDIR": settings}
+        os.environ |= {
+            "ROS_DOMAIN_ID": str(domain),
+            "IPYTHONDIR": settings,
+            "TANK_PROGRESS": f"{settings}/progress.json",
+        }
         startup = Path(settings) / "profile_default" / "startup" / "keep.py"
         startup.parent.mkdir(parents=True)
         startup.write_text(STARTUP.format(book=str(HOME / "book"), name=path.stem), encoding="utf-8")

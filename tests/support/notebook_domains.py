@@ -30,7 +30,10 @@ _open: dict[IPyNbFile, ExitStack] = {}
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """On Fast DDS, leave out of the comparison what it cannot say."""
+    """Remember nothing that a test solves; and on Fast DDS, leave out of the comparison what it cannot say."""
+    folder = tempfile.TemporaryDirectory(prefix="progress-")
+    config.add_cleanup(folder.cleanup)
+    os.environ["TANK_PROGRESS"] = os.path.join(folder.name, "progress.json")  # noqa: PTH118
     if ros_backend() == "rclpy" and os.environ.get("RMW_IMPLEMENTATION", FAST_DDS[0]) in FAST_DDS:
         usual = Path(config.option.nbval_sanitize_with).read_text(encoding="utf-8")
         with tempfile.NamedTemporaryFile("w", suffix=".cfg", delete=False) as file:
@@ -55,5 +58,7 @@ def _own_surroundings() -> ExitStack:
     stack = ExitStack()
     environment = stack.enter_context(pytest.MonkeyPatch.context())
     environment.setenv("ROS_DOMAIN_ID", str(stack.enter_context(reserved_domain())))
-    environment.setenv("IPYTHONDIR", stack.enter_context(tempfile.TemporaryDirectory(prefix="ipython-")))
+    settings = stack.enter_context(tempfile.TemporaryDirectory(prefix="ipython-"))
+    environment.setenv("IPYTHONDIR", settings)
+    environment.setenv("TANK_PROGRESS", f"{settings}/progress.json")
     return stack

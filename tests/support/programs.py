@@ -43,6 +43,18 @@ def answer(request: Request | str, patience: float = PATIENCE) -> HTTPResponse:
         time.sleep(0.02)
 
 
+def marked(mark: str) -> list[psutil.Process]:
+    """Every process that runs and was started with this mark in ``TANK_TEST_MARK``: it is handed down."""
+
+    def is_marked(process: psutil.Process) -> bool:
+        try:
+            return process.status() != psutil.STATUS_ZOMBIE and process.environ().get("TANK_TEST_MARK") == mark
+        except (psutil.NoSuchProcess, psutil.AccessDenied, psutil.ZombieProcess):
+            return False
+
+    return [process for process in psutil.process_iter() if is_marked(process)]
+
+
 class Program:
     """One running ``tank`` command, its output line by line, and all processes that come from it.
 
@@ -87,7 +99,7 @@ class Program:
 
     def family(self) -> list[psutil.Process]:
         """Every process that comes from it and still runs, this one included."""
-        return [process for process in psutil.process_iter() if self._is_mine(process)]
+        return marked(self._mark)
 
     def leaves_nothing(self) -> None:
         """Wait until none of its processes is left."""
@@ -104,9 +116,3 @@ class Program:
     def _read(self) -> None:
         for line in self.process.stdout:
             self.lines.append(line)
-
-    def _is_mine(self, process: psutil.Process) -> bool:
-        try:
-            return process.status() != psutil.STATUS_ZOMBIE and process.environ().get("TANK_TEST_MARK") == self._mark
-        except (psutil.NoSuchProcess, psutil.AccessDenied, psutil.ZombieProcess):
-            return False

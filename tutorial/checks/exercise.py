@@ -12,9 +12,13 @@ from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
 from tutorial.checks._watch import Failure, files_of, watch
 from tutorial.checks._witness import witnessed
+from tutorial.checks.progress import remember
 from tutorial.errors import TutorialError
 
-__all__ = ["Exercise"]
+__all__ = ["NOT_YET", "Exercise"]
+
+NOT_YET = "Not attempted yet"
+"""What the text begins with that says that nothing is written yet."""
 
 SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hint does, the weakest first
 
@@ -74,7 +78,14 @@ class Exercise:
         Args:
             answer: the class or function itself; None for none yet.
         """
-        _say(self._first_look(answer) or str(await self._contained(answer)))
+        seen = await self.examine(answer)
+        if isinstance(seen, Verdict) and seen.right:
+            remember(self.name)
+        _say(str(seen))
+
+    async def examine(self, answer: Any) -> Verdict | str:
+        """Run an answer in a process of its own; where there is nothing to run, a text says why."""
+        return self._first_look(answer) or await self._contained(answer)
 
     def judge(self, answer: Any) -> Verdict:
         """Judge an answer in this process, without containing it. It takes a ROS domain from the environment."""
@@ -130,13 +141,13 @@ class Exercise:
         """Say what keeps an answer from being run; nothing if it can be."""
         name, call = self.right_answer.__name__, f"await {self.name}.check"
         if answer is None:
-            return f"Not attempted yet: write {name}, then {call}({name}). {self.name}.hint() gives a hint."
+            return f"{NOT_YET}: write {name}, then {call}({name}). {self.name}.hint() gives a hint."
         mend = misfit(answer, name, self._base, call)
         if mend:
             return mend
         if unwritten(answer, self._parts):
             what = ", ".join(self._parts)
-            return f"Not attempted yet: {name_of(answer)} is still to be written{': ' * bool(what)}{what}."
+            return f"{NOT_YET}: {name_of(answer)} is still to be written{': ' * bool(what)}{what}."
         return ""
 
 

@@ -1,4 +1,4 @@
-"""Exercises of step 1: drive the tracks, and hold a joint where the stick has put it."""
+"""Exercises of step 1: hear a button, hold a joint where the stick has put it, and drive the tracks."""
 
 from __future__ import annotations
 
@@ -7,11 +7,42 @@ from sensor_msgs.msg import Joy
 from tutorial.body import Joint
 from tutorial.checks._aim import judge_aim
 from tutorial.checks._drive import judge_drive
+from tutorial.checks._fire import judge_fire
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.handoff import Latest
 
-__all__ = ["aim", "drive"]
+__all__ = ["aim", "drive", "fire"]
+
+
+class Listener(SimpleController):
+    """Listen to the joystick, as in the notebook."""
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Listen to the joystick."""
+        self.node = config.node
+        self.joy = Latest(Joy())
+        self.subscription = self.node.create_subscription(Joy, "joy", self.on_joy, 1)
+
+    def on_joy(self, message: Joy) -> None:
+        """Keep the newest state of the joystick."""
+        self.joy.put(message)
+
+    def unconfigure(self) -> None:
+        """Stop listening."""
+        self.node.destroy_subscription(self.subscription)
+
+
+class FireButton(Listener):
+    """Say whether the joystick's first button is pressed."""
+
+    def __init__(self) -> None:
+        self.fire = Latest(False)
+
+    def on_joy(self, message: Joy) -> None:
+        """Keep the newest state of the button."""
+        pressed = len(message.buttons) > 0 and message.buttons[0] == 1
+        self.fire.put(pressed)
 
 
 class GentleTank(SimpleController):
@@ -62,6 +93,25 @@ class HeldJoint:
         self.joint.effort = 200 * (q_ref - q) + 50 * (dq_ref - dq)
         self.q_ref, self.q_prev = q_ref, q
 
+
+fire = Exercise(
+    name="fire",
+    statement="""
+    Write the callback `on_joy` of `FireButton`: it puts `True` into `self.fire` if button 0 of the message is pressed,
+    else `False`. In `message.buttons` a button that is pressed is 1, else 0; one that the message lacks is not pressed.
+    """,
+    judge=judge_fire,
+    solution=(FireButton,),
+    base=SimpleController,
+    parts=("on_joy",),
+    hints=(
+        "Look at what is put, and when: something at every message, also when the button is released, and when there "
+        "are no buttons.",
+        "message.buttons is a list, which may be empty: ask for its len before its first entry.",
+        "pressed = len(message.buttons) > 0 and ..., and then self.fire.put(pressed).",
+    ),
+    notice="Notice that the callback only leaves a value behind, and returns.",
+)
 
 drive = Exercise(
     name="drive",

@@ -17,8 +17,10 @@ import click
 from tqdm.contrib import DummyTqdmFile
 
 from tutorial.commands.asking import clear_ros_errors, named_node
+from tutorial.commands.check import check
 from tutorial.commands.node import node
 from tutorial.commands.options import duration_option, headless_option, linger_option, report_option
+from tutorial.commands.progress import progress
 from tutorial.commands.terminal import INTERRUPTED, heed, progress_bar, until_asked, with_bar
 from tutorial.commands.topic import topic
 from tutorial.errors import TutorialError
@@ -177,7 +179,9 @@ def check_up() -> int:
     return doctor()
 
 
+tank.add_command(check)
 tank.add_command(node)
+tank.add_command(progress)
 tank.add_command(topic)
 
 

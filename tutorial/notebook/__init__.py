@@ -18,6 +18,7 @@ from tutorial.notebook.opening import (
 )
 from tutorial.notebook.process import prepare_process
 from tutorial.notebook.program import Program
+from tutorial.notebook.progress import progress
 from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list
 
 __all__ = [
@@ -30,6 +31,7 @@ __all__ = [
     "node_graph",
     "open_node",
     "open_program",
+    "progress",
     "side_by_side",
     "start_command",
     "swimlane",

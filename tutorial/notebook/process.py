@@ -24,12 +24,15 @@ def prepare_process() -> None:
 
     - Unless ``ROS_DOMAIN_ID`` names one, the process has a ROS domain of its own, for two notebooks must not meet. What
       it starts inherits it.
+    - Unless ``ROS_AUTOMATIC_DISCOVERY_RANGE`` says otherwise, it is heard on this machine only: with a real ROS 2, too,
+      whose default is the whole network. In a room full of learners two would sooner or later have one domain.
     - What the library logs is kept for `tutorial.notebook.log`, and goes nowhere else.
     - At the end everything that is open is closed.
     - In IPython, a coroutine that a cell would display says that it lacks its ``await``.
     """
     if not os.environ.get("ROS_DOMAIN_ID"):
         os.environ["ROS_DOMAIN_ID"] = str(_until_exit.enter_context(reserved_domain()))
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     logger = logging.getLogger("tutorial")
     logger.addHandler(logged)
     logger.propagate = False

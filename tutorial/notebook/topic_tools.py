@@ -6,10 +6,11 @@ from tutorial.commands.asking import meet, say, say_all
 from tutorial.notebook.desk import keep_once
 from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread
+from tutorial.ros.topics.names import full_name
 
 __all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
 
-PATIENCE = 10.0  # [s] that `topic_echo` waits for a message
+PATIENCE = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
 
 
 async def topic_list(show_types: bool = False) -> None:
@@ -57,15 +58,25 @@ async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
         topic: its full name.
         window: how many messages the average is taken over.
         reports: how often to print before it ends.
+
+    Raises:
+        TutorialError: nobody publishes on it for 10 s.
     """
-    await say_all(topics.topic_hz(await _settled(topic), topic, window=window), reports)
+    await say_all(topics.topic_hz(await _settled(topic), topic, window=window, timeout=PATIENCE), reports)
 
 
 async def _settled(topic: str | None = None) -> MeteredNode:
     """The node that asks, when it has met all others, and a topic if it is there; the kernel stays free meanwhile.
 
-    Its name begins with an underscore, so ``ros2 node list`` doesn't show it.
+    It waits for the other nodes of this kernel, which Fast DDS takes seconds to meet: they are there for certain. Its
+    name begins with an underscore, so ``ros2 node list`` doesn't show it.
     """
     node = keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
-    await meet(node, lambda: topic is None or topics.topic_type(node, topic, include_hidden=True))
+
+    def has_met_them() -> bool:
+        met = {full_name(*each) for each in node.get_node_names_and_namespaces()}
+        is_there = topic is None or bool(topics.topic_type(node, topic, include_hidden=True))
+        return is_there and met.issuperset(each.full_name for each in NodeThread.alive)
+
+    await meet(node, has_met_them)
     return node

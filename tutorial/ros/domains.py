@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-__all__ = ["FIRST", "LAST", "reserved_domain"]
+__all__ = ["FIRST", "LAST", "reserved_domain", "shared_folder"]
 
 FIRST, LAST = 1, 101  # those whose ports ROS 2 says are free on every system
 
@@ -25,8 +25,7 @@ def reserved_domain(avoid: str | None = None) -> Iterator[int]:
     Raises:
         RuntimeError: all of them are taken.
     """
-    directory = Path(tempfile.gettempdir()) / "ros-domains"
-    _share(directory)
+    directory = shared_folder()
     for number in random.sample(range(FIRST, LAST + 1), LAST - FIRST + 1):
         if str(number) == (avoid or "").strip():
             continue
@@ -40,11 +39,13 @@ def reserved_domain(avoid: str | None = None) -> Iterator[int]:
     raise RuntimeError(f"all ROS domains from {FIRST} to {LAST} are taken: see {directory}")
 
 
-def _share(directory: Path) -> None:
-    """Make a folder that all users of this machine have in common: their programs hear each other."""
+def shared_folder() -> Path:
+    """Return the folder of the locks. All users of this machine have it in common: their programs hear each other."""
+    directory = Path(tempfile.gettempdir()) / "ros-domains"
     with suppress(FileExistsError):
         directory.mkdir()
         directory.chmod(0o1777)
+    return directory
 
 
 def _open(path: Path) -> int:

@@ -7,13 +7,15 @@ import math
 import statistics
 import threading
 import time
+import traceback
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from typing import Any, Generic, Self, TypeVar
+from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import rclpy
 from rclpy.context import Context
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
@@ -25,6 +27,7 @@ __all__ = ["MeteredNode", "NodeThread", "SpinThread", "TopicMeter"]
 
 LATENCIES_KEPT = 10_000
 LOOK = 0.05  # [s] between two looks whether the thread is to end
+GONE_FOR_GOOD = 1000  # spins in a row, some 0.1 s of them, that fail because of what is destroyed
 
 AnyNode = TypeVar("AnyNode", bound=Node)
 
@@ -128,8 +131,11 @@ class SpinThread(Generic[AnyNode]):
         node: the node.
         error: what a callback raised last, SystemExit included; None when none did.
         patience: how long a callback may take to return when its node is closed [s]; None for as long as it likes.
+        full_name: the node's.
+        alive: all of this process, whatever their node's class, that are not closed.
     """
 
+    alive: ClassVar[set[SpinThread[Any]]] = set()
     error: BaseException | None = None
     patience: float | None = 3.0
 
@@ -139,6 +145,7 @@ class SpinThread(Generic[AnyNode]):
         try:
             self.node = node_class(name, context=self._context)
             self._name = self.node.get_name()  # a program may destroy its node
+            self.full_name = self.node.get_fully_qualified_name()
             self._executor = SingleThreadedExecutor(context=self._context)
             self._executor.add_node(self.node)
         except BaseException:
@@ -146,6 +153,7 @@ class SpinThread(Generic[AnyNode]):
             raise
         self._stopping = threading.Event()
         self._closed = False
+        self.alive.add(self)
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
 
@@ -171,6 +179,7 @@ class SpinThread(Generic[AnyNode]):
             self.node.destroy_node()
             self._context.try_shutdown()
         self._closed = True
+        self.alive.discard(self)
 
     def failed(self, error: BaseException) -> None:
         """Keep what a callback has raised, and log it; the other callbacks go on. Called on the thread."""
@@ -178,12 +187,25 @@ class SpinThread(Generic[AnyNode]):
         _log.error("a callback of the node %r failed; the others go on", self._name, exc_info=error)
 
     def _spin(self) -> None:
+        gone = 0  # spins in a row that failed because of what is destroyed
         while self._context.ok() and not self._stopping.is_set():
             try:
                 self._executor.spin_once(timeout_sec=LOOK)
+                gone = 0
             except BaseException as error:  # noqa: BLE001 - a callback may raise anything, and SystemExit is common
-                if self._context.ok():
+                gone = gone + 1 if _met_what_is_destroyed(error) else 0
+                if self._context.ok() and gone % GONE_FOR_GOOD == 0:
                     self.failed(error)
+
+
+def _met_what_is_destroyed(error: BaseException) -> bool:
+    """Whether a spin failed before any callback, because rclpy was to wait for what is destroyed.
+
+    Once is nothing: another thread has called ``node.destroy_publisher`` between rclpy's look at what the node has and
+    the wait for it. Again and again means that something was destroyed behind the node's back, by its own ``destroy``.
+    """
+    frames = traceback.walk_tb(error.__traceback__)
+    return isinstance(error, InvalidHandle) and any(f.f_code.co_name == "add_to_wait_set" for f, _ in frames)
 
 
 class NodeThread(SpinThread[MeteredNode]):

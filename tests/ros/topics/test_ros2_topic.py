@@ -197,6 +197,19 @@ class TestHz:
         assert rate.startswith("average rate: ")
         assert not list(asker.subscriptions)
 
+    def test_a_topic_or_a_message_that_does_not_come_in_time_is_said(self, simulation, asker):
+        async def watch():
+            async with aclosing(topic_hz(asker, "/never", timeout=0.1)) as texts:
+                await anext(texts)  # the warning
+                await anext(texts)
+
+        assert settle(asker)
+        with pytest.raises(TutorialError, match=r"no message came on /never within 0.1 s; it has 0 publishers\."):
+            asyncio.run(watch())
+        with pytest.raises(TutorialError, match=r"no message came on /joy within 0.1 s; it has 1 publisher\."):
+            asyncio.run(first(topic_hz(asker, "/joy", timeout=0.1)))
+        assert not list(asker.subscriptions)
+
 
 class TestQoS:
     RELIABLE, BEST_EFFORT = ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT

@@ -10,7 +10,7 @@ import math
 import time
 from collections import deque
 from collections.abc import AsyncGenerator
-from contextlib import closing
+from contextlib import asynccontextmanager, closing
 from typing import Any
 
 from rclpy.node import Node
@@ -75,7 +75,9 @@ async def topic_echo(
             count = None if count is None else count - 1
 
 
-async def topic_hz(node: Node, topic: str, *, window: int = DEFAULT_WINDOW) -> AsyncGenerator[str, None]:
+async def topic_hz(
+    node: Node, topic: str, *, window: int = DEFAULT_WINDOW, timeout: float | None = None
+) -> AsyncGenerator[str, None]:
     """Measure the rate at which messages come in, as ``ros2 topic hz``; it goes on for ever.
 
     While nothing new comes, it says nothing.
@@ -84,20 +86,25 @@ async def topic_hz(node: Node, topic: str, *, window: int = DEFAULT_WINDOW) -> A
         node: that subscribes; its thread must spin.
         topic: its full name. If there is none, a warning is the first text, and the wait for it begins.
         window: how many intervals between messages count, the newest.
+        timeout: how long to wait for the topic, and then for each message, at most [s]; None for ever.
 
     Yields:
         About once a second: average rate [Hz], and of the intervals the extremes and the standard deviation [s].
+
+    Raises:
+        TutorialError: no message came in time.
     """
     if type_of(node, topic) is None:
         yield f"{not_published(topic)}\n"
-    while (type_name := type_of(node, topic)) is None:
-        await asyncio.sleep(LOOK_EVERY)
+    async with _in_time(node, topic, timeout):
+        while (type_name := type_of(node, topic)) is None:
+            await asyncio.sleep(LOOK_EVERY)
     intervals: deque[float] = deque(maxlen=window)
     with closing(_Inbox(node, message_class(type_name), topic, kept=window + 1, times_only=True)) as inbox:
-        before, _ = await inbox.next()
+        before, _ = await inbox.next(timeout)
         told = before
         while True:
-            now, _ = await inbox.next()
+            now, _ = await inbox.next(timeout)
             intervals.append(now - before)
             before = now
             if now >= told + HZ_EVERY:
@@ -143,17 +150,10 @@ class _Inbox:
         Raises:
             TutorialError: none came in time.
         """
-        try:
-            async with asyncio.timeout(timeout):
-                while not self._messages:
-                    self._news.clear()
-                    await self._news.wait()
-        except TimeoutError:
-            count = self._node.count_publishers(self._topic)
-            raise TutorialError(
-                f"no message came on {self._topic} within {timeout:g} s; it has {count} "
-                f"publisher{'s' if count != 1 else ''}. Start the program that publishes it, or wait longer."
-            ) from None
+        async with _in_time(self._node, self._topic, timeout):
+            while not self._messages:
+                self._news.clear()
+                await self._news.wait()
         return self._messages.popleft()
 
     def close(self) -> None:
@@ -165,6 +165,24 @@ class _Inbox:
         """Keep the message with its time, post, and return. The thread that spins."""
         self._messages.append((time.monotonic(), None if self._times_only else message))
         self._scope.call_latest("news", self._news.set)
+
+
+@asynccontextmanager
+async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenerator[None, None]:
+    """Bound a wait for a message [s]; None does not.
+
+    Raises:
+        TutorialError: none came in time.
+    """
+    try:
+        async with asyncio.timeout(timeout):
+            yield
+    except TimeoutError:
+        count = node.count_publishers(topic)
+        raise TutorialError(
+            f"no message came on {topic} within {timeout:g} s; it has {count} "
+            f"publisher{'s' if count != 1 else ''}. Start the program that publishes it, or wait longer."
+        ) from None
 
 
 def type_of(node: Node, topic: str) -> str | None:

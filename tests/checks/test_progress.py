@@ -1,0 +1,118 @@
+"""What is solved is remembered beside the notebook, and nowhere else."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+from datetime import date
+
+import pytest
+from kernels import kernel
+
+from tutorial.checks import progress
+from tutorial.checks.catalogue import exercises
+from tutorial.checks.joint_state_subscriber import by_name
+from tutorial.checks.overview import Overview
+from tutorial.checks.progress import FILE, read_progress, remember
+
+SOLVE = """
+from tutorial.checks.joint_state_subscriber import by_name
+from tutorial.notebook import progress
+await by_name.check(lambda names, message: {})
+await by_name.check(by_name.right_answer)
+print(progress())
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A notebook's folder, in which this process works."""
+    monkeypatch.delenv("TANK_PROGRESS")  # it keeps what tests solve from the course's own folder
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def notebook(folder, monkeypatch):
+    """The same, as a notebook's kernel sees it."""
+    monkeypatch.setattr(progress, "_in_notebook", lambda: True)
+    return folder
+
+
+def test_a_kernel_remembers_what_is_solved_beside_its_notebook(folder):
+    with kernel() as running:
+        printed = running.run(SOLVE)
+    today = date.today().isoformat()
+    assert re.search(rf"by_name +solved on {today}\n", printed)
+    assert re.search(r"\n1 of \d+ exercises are solved\.\n$", printed)
+    assert json.loads((folder / FILE).read_text()) == {"solved": {"by_name": today}}
+    assert [path.name for path in folder.iterdir()] == [FILE]
+
+
+def test_where_there_is_no_notebook_nothing_is_remembered(folder):
+    asyncio.run(by_name.check(by_name.right_answer))
+    remember("aim")
+    assert list(folder.iterdir()) == []
+
+
+def test_the_first_day_counts_and_others_stay(notebook):
+    (notebook / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')
+    remember("aim")
+    remember("show")
+    assert read_progress() == ({"aim": "2026-01-02", "show": date.today().isoformat()}, "")
+    assert read_progress(notebook) == read_progress()
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"solved": 3}', '{"solved": {"aim": "soon"}}', "\xff"])
+def test_a_broken_file_is_said_and_mended_by_the_next_exercise(notebook, text):
+    (notebook / FILE).write_text(text, encoding="latin-1")
+    assert read_progress()[0] == {}
+    said = repr(Overview())
+    assert re.search(r"\n0 of \d+ exercises are solved\.\n", said)
+    assert f"{FILE} cannot be read, so nothing counts as solved: " in said
+    remember("aim")
+    assert set(read_progress()[0]) == {"aim"}
+
+
+def test_a_folder_that_cannot_be_written_to_is_no_error(notebook, monkeypatch):
+    monkeypatch.setenv("TANK_PROGRESS", "/proc/nothing/progress.json")
+    remember("aim")
+    assert read_progress() == ({}, "")
+
+
+def test_a_write_that_fails_leaves_the_file_as_it_was(notebook, monkeypatch):
+    remember("aim")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.replace", full)
+    remember("show")
+    assert set(read_progress()[0]) == {"aim"}
+    assert [path.name for path in notebook.iterdir()] == [FILE]
+
+
+def test_the_overview_has_every_exercise_once_under_its_notebook(folder):
+    (folder / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')
+    names = [exercise.name for own in exercises().values() for exercise in own]
+    assert len(names) == len(set(names)), "they are known by their names"
+    *rows, last = repr(Overview()).splitlines()
+    assert [row.split()[-3 if "solved" not in row else -4] for row in rows] == names
+    assert rows[0].split() == ["1_tank_controller", "aim", "solved", "on", "2026-01-02"]
+    assert last == f"1 of {len(names)} exercises are solved."
+    page = Overview()._repr_html_()
+    assert page.count("<tr>") == len(names)
+    assert page.count("✓") == 1
+
+
+def test_tank_progress_shows_the_folder_one_is_in_or_names(program, folder):
+    (folder / "notebooks").mkdir()
+    (folder / "notebooks" / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')
+    for words in ((), (folder,), (folder / "notebooks",)):
+        running = program("progress", *words)
+        assert running.ends() == 0
+        assert "1_tank_controller         aim      solved on 2026-01-02\n" in running.output
+    running = program("progress", folder / "nothing")
+    assert running.ends() == 1
+    assert f"Error: there is no folder '{folder / 'nothing'}'" in running.output

@@ -1,0 +1,193 @@
+"""What a process behind walls can reach: with all of them, and where the system has no namespaces."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+
+import pytest
+
+from tutorial.commands.checking.walls import PROCESSES, Walls
+
+PRELUDE = """
+import ctypes, json, os, signal, socket, sys
+from pathlib import Path
+
+import tutorial.commands.checking.walls as walls
+
+folder, mine, how = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]
+if how == "without namespaces":
+    walls._succeeds = lambda folder: False
+stands = walls.raise_walls(folder, 60)
+
+def outcome(attempt):
+    try:
+        return repr(attempt())
+    except OSError as error:
+        return type(error).__name__
+
+def say(**attempts):
+    found = {name: outcome(attempt) for name, attempt in attempts.items()}
+    walls_found = [stands.namespaces, stands.landlock, stands.seccomp]
+    print(json.dumps([walls_found, found]))
+"""
+REFUSED = {"PermissionError", "OSError"}  # OSError: the file system is read-only
+
+
+@pytest.fixture(params=["with namespaces", "without namespaces"])
+def behind(request, tmp_path):
+    """Run code behind walls; returns the walls, and by name what became of its attempts."""
+
+    def run(code: str) -> tuple[Walls, dict[str, str]]:
+        folder = tmp_path / "folder"
+        folder.mkdir()
+        words = [sys.executable, "-c", PRELUDE + code, str(folder), str(tmp_path / "mine"), request.param]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
+        assert done.stdout, done.stderr
+        stands, found = json.loads(done.stdout)
+        walls = Walls(*stands)
+        if request.param == "with namespaces" and not walls.namespaces:
+            pytest.skip("this system lets nobody make namespaces")
+        return walls, found
+
+    if sys.platform != "linux":
+        pytest.skip("these walls are Linux's")
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "secret.txt").write_text("the solutions")
+    return run
+
+
+def test_my_files_stay_as_they_are_and_are_not_read(behind, tmp_path):
+    walls, found = behind("""
+secret = mine / "secret.txt"
+say(
+    write=lambda: secret.write_text("hacked"),
+    cut=lambda: os.truncate(secret, 0),
+    delete=secret.unlink,
+    move=lambda: secret.rename(mine / "other"),
+    make=lambda: (mine / "new").touch(),
+    close=lambda: mine.chmod(0),
+    own=lambda: (folder / "x").write_text("1234"),
+    read=secret.read_text,
+    listing=lambda: os.listdir(mine),
+)
+""")
+    assert found.pop("own") == "4"
+    reading = {name: found.pop(name) for name in ("read", "listing")}
+    if walls.landlock:
+        assert set(reading.values()) == {"PermissionError"}
+    if walls.namespaces or (walls.landlock >= 3 and walls.seccomp):
+        assert set(found.values()) <= REFUSED
+        assert [path.name for path in (tmp_path / "mine").iterdir()] == ["secret.txt"]
+        assert (tmp_path / "mine" / "secret.txt").read_text() == "the solutions"
+        assert (tmp_path / "mine").stat().st_mode & 0o700 == 0o700
+
+
+def test_the_network_is_out_of_reach(behind, tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as server, socket.socket(socket.AF_UNIX) as service:
+        service.bind(str(tmp_path / "mine" / "bus"))
+        service.listen()
+        walls, found = behind(f"""
+port = {server.getsockname()[1]}
+say(
+    tcp=lambda: socket.create_connection(("127.0.0.1", port), 5).close(),
+    far=lambda: socket.create_connection(("192.0.2.1", 80), 0.01).close(),
+    bus=lambda: socket.socket(socket.AF_UNIX).connect(str(mine / "bus")),
+    datagram=lambda: socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b"x", ("192.0.2.1", 9)),
+    loopback=lambda: socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b"x", ("127.0.0.1", 9)),
+)
+""")
+    assert found["loopback"] == "1"  # DDS needs it
+    if walls.namespaces:
+        assert found["datagram"] == "OSError"  # there is no way to it
+        assert found["tcp"] == ("PermissionError" if walls.landlock >= 4 else "ConnectionRefusedError")
+    if walls.landlock >= 4:
+        assert found["far"] == "PermissionError"
+    if walls.seccomp:
+        assert found["bus"] == "PermissionError"
+
+
+def test_this_process_is_neither_killed_nor_looked_into(behind, monkeypatch):
+    monkeypatch.setenv("PASSWORD", "open sesame")
+    walls, found = behind(f"""
+say(
+    kill=lambda: os.kill({os.getpid()}, 0),
+    look=lambda: Path("/proc/{os.getpid()}/environ").read_bytes(),
+)
+""")
+    if walls.namespaces:
+        assert found == {"kill": "ProcessLookupError", "look": "FileNotFoundError"}
+    elif walls.landlock:
+        assert found["look"] == "PermissionError"
+        assert found["kill"] == ("PermissionError" if walls.landlock >= 6 else "None")
+
+
+def test_files_memory_and_processes_have_an_end(behind):
+    walls, found = behind(f"""
+def fill():
+    for i in range(10):
+        (folder / str(i)).write_bytes(bytes(walls.FILE_SIZE))
+
+def allocate():
+    try:
+        bytearray(walls.MEMORY)
+    except MemoryError:
+        return "refused"
+
+def multiply():
+    children = []
+    held = stands.namespaces and (os.getuid() or int(Path("/proc/sys/kernel/pid_max").read_text()) == {2 * PROCESSES})
+    try:
+        for _ in range({2 * PROCESSES} if held else 0):
+            child = os.fork()
+            if child == 0:
+                signal.pause()
+            children.append(child)
+    finally:
+        for child in children:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+
+say(
+    large=lambda: (folder / "large").write_bytes(bytes(walls.FILE_SIZE + 1)),
+    many=fill if stands.namespaces else lambda: None,
+    memory=allocate,
+    processes=multiply,
+)
+""")
+    assert found["large"] == "OSError"
+    assert found["memory"] == "'refused'"
+    if walls.namespaces:
+        assert found["many"] == "OSError"
+        assert found["processes"] in {"BlockingIOError", *["None"] * (os.getuid() == 0)}  # root before Linux 6.14
+
+
+def test_what_stands_and_what_does_not_is_said():
+    everything = list(Walls(namespaces=True, landlock=7, seccomp=True).sentences())
+    assert len(everything) == 3
+    assert not any(word.isupper() for word in " ".join(everything).split() if word not in ("ROS", "Python"))
+    some = " ".join(Walls(landlock=4, seccomp=True).sentences())
+    assert "could write to nothing but" in some
+    assert "COULD SEND UDP" in some
+    assert "MAY STILL RUN" in some
+    old = " ".join(Walls(landlock=1, seccomp=True).sentences())
+    assert "COULD CHANGE yours" in old  # truncate is refused from version 3 on
+    none = " ".join(Walls().sentences())
+    for words in ("COULD CHANGE yours", "COULD READ your files", "COULD REACH it", "MAY STILL RUN"):
+        assert words in none
+
+
+def test_the_folder_is_all_that_is_needed(behind):
+    """Python, MuJoCo and a child process work behind them."""
+    _, found = behind("""
+import subprocess
+import mujoco
+
+model = mujoco.MjModel.from_xml_string("<mujoco/>")
+command = [sys.executable, "-c", "import tutorial; from rclpy.node import Node; print(1)"]
+say(child=lambda: subprocess.run(command, capture_output=True, text=True).stdout)
+""")
+    assert found == {"child": r"'1\n'"}

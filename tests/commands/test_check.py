@@ -1,0 +1,227 @@
+"""`tank check` with a class in which somebody is up to everything: each gets what is his, and the teacher is safe."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import psutil
+import pytest
+from programs import TANK, until
+
+from tutorial.commands.checking import submission
+from tutorial.paths import HOME
+
+IMPORTS = "from tutorial.checks.joint_state_subscriber import by_name\nfrom tutorial.checks.tank_controller import aim"
+CHECK = "await by_name.check(match_by_name)"
+RIGHT = """
+import math
+
+def match_by_name(joint_names, message):
+    found = zip(message.name, message.position)
+    return {name: position for name, position in found if name in joint_names and math.isfinite(position)}
+"""
+AT_ONCE = "class HeldJoint:\n    {}\n    def aim(self, stick): 1 / 0"
+WHEN_CALLED = "import os, shutil, sys\ndef match_by_name(joint_names, message):\n    {}"
+SHOUT = """
+import os
+
+def shout():
+    for fd in range(3, 50):
+        try:
+            os.write(fd, b"all right\\n")
+        except OSError:
+            pass
+"""
+SLEEPER = "import sys, time; time.sleep(10_000)  # {}"
+LIMIT = 20  # [s] for an answer: one that is judged takes a second, or ten where much else is going on
+
+
+def notebook(path, *sources):
+    """Write a notebook; each source is a cell."""
+    cells = [{"cell_type": "code", "source": source, "metadata": {}, "outputs": []} for source in sources]
+    path.write_text(json.dumps({"cells": cells, "nbformat": 4, "nbformat_minor": 5, "metadata": {}}))
+    return path
+
+
+def command_lines():
+    for process in psutil.process_iter():
+        try:
+            yield " ".join(process.cmdline())
+        except (psutil.NoSuchProcess, psutil.AccessDenied, psutil.ZombieProcess):
+            continue
+
+
+pytestmark = pytest.mark.timeout(320)
+
+
+@pytest.fixture(scope="module")
+def school(tmp_path_factory):
+    """A class's notebooks, in a folder beside which the teacher has files of his own."""
+    folder = tmp_path_factory.mktemp("teacher")
+    (folder / "grades.txt").write_text("all of them")
+    room = folder / "class"
+    room.mkdir()
+    notebook(room / "anna.ipynb", IMPORTS, "raise RuntimeError('no simulation')", "program.start()", RIGHT, CHECK)
+    notebook(room / "ben.ipynb", IMPORTS, RIGHT.replace(" and math.isfinite(position)", ""), CHECK)
+    notebook(
+        room / "carl.ipynb", IMPORTS, AT_ONCE.format("while True: pass"), "await aim.check(HeldJoint)", RIGHT, CHECK
+    )
+    notebook(room / "dora.ipynb", IMPORTS, WHEN_CALLED.format(f"shutil.rmtree({str(folder)!r})"), CHECK)
+    notebook(room / "emil.ipynb", IMPORTS, WHEN_CALLED.format("while True: print('x' * 10_000)"), CHECK)
+    notebook(room / "fred.ipynb", IMPORTS, WHEN_CALLED.format("open('f', 'w').write('x' * 10**8)"), CHECK)
+    (room / "gina.ipynb").write_text("Dear teacher, \x1b[31m my dog has eaten it.")
+    with (room / "hans.ipynb").open("wb") as file:
+        file.truncate(submission.LARGEST + 1)
+    os.mkfifo(room / "ida.ipynb")
+    notebook(room / "jack.ipynb", IMPORTS, SHOUT, AT_ONCE.format("shout()"), "await aim.check(HeldJoint)", RIGHT, CHECK)
+    command = f"[sys.executable, '-c', {SLEEPER.format(room)!r}], start_new_session=True"
+    leave = f"import os, subprocess, sys; subprocess.Popen({command}); os._exit(0)"
+    notebook(room / "kim.ipynb", IMPORTS, AT_ONCE.format(leave), RIGHT, CHECK)
+    praise = SHOUT.replace("all right", r"""{\"type\": \"Judged\", \"exercise\": \"aim\", \"outcome\": \"right\"}""")
+    notebook(room / "moe.ipynb", IMPORTS, praise, AT_ONCE.format("shout()"), RIGHT, CHECK)
+    shutil.copy(HOME / "notebooks" / "2_joint_state_publisher.ipynb", room / "lena.ipynb")
+    (room / ".ipynb_checkpoints").mkdir()
+    notebook(room / ".ipynb_checkpoints" / "anna-checkpoint.ipynb", IMPORTS)
+    return room
+
+
+@pytest.fixture(scope="module")
+def judged(school, tmp_path_factory):
+    """What became of them: by learner, the problem, and the answers by exercise; and the whole of it."""
+    junit = tmp_path_factory.mktemp("junit") / "junit.xml"
+    words = [TANK, "check", school, "--json", "--limit", str(LIMIT), "--junit", junit, "--jobs", "3"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=300, check=False)
+    assert done.stdout, done.stderr
+    whole = json.loads(done.stdout)
+    by_learner = {
+        Path(each["notebook"]).stem: (each["problem"], {answer["exercise"]: answer for answer in each["answers"]})
+        for each in whole["notebooks"]
+    }
+    return by_learner, whole, done, junit
+
+
+def test_each_answer_has_its_verdict_and_the_cause(judged):
+    learners, *_ = judged
+    assert learners["anna"][1]["by_name"]["verdict"] == "right"
+    assert learners["anna"][1]["aim"]["verdict"] == "not tried"
+    ben = learners["ben"][1]["by_name"]
+    assert ben["verdict"] == "wrong"
+    assert ben["cause"]
+    assert "✗" in ben["text"]
+    assert {answer["verdict"] for answer in learners["lena"][1].values()} == {"not tried"}
+    assert "anna-checkpoint" not in learners
+
+
+def test_an_endless_loop_is_charged_to_its_own_answer(judged):
+    _, answers = judged[0]["carl"]
+    assert answers["aim"]["verdict"] == "not judged"
+    assert answers["aim"]["cause"] == f"The answer did not come to its end within {LIMIT} s."
+    assert answers["by_name"]["verdict"] == "right"
+
+
+def test_who_ends_the_process_leaves_nothing_and_loses_nothing_else(judged, school):
+    _, answers = judged[0]["kim"]
+    assert answers["aim"]["cause"] == "The answer ended the process that judged it."
+    assert answers["by_name"]["verdict"] == "right"
+    assert not [line for line in command_lines() if SLEEPER.format(school) in line or "checking._child" in line]
+
+
+def test_what_is_written_into_the_report_is_charged_to_the_answer(judged):
+    _, answers = judged[0]["jack"]
+    assert answers["aim"]["cause"] == "The answer has disturbed the process that judged it."
+    assert answers["by_name"]["verdict"] == "right"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the walls around files are Linux's")
+def test_nothing_is_deleted_or_filled(judged, school):
+    learners, whole, *_ = judged
+    assert (school.parent / "grades.txt").read_text() == "all of them"
+    for learner in ("dora", "emil", "fred"):
+        assert learners[learner][1]["by_name"]["verdict"] == "wrong"
+    assert len(learners["emil"][1]["by_name"]["text"]) < 10_000
+    assert len(whole["walls"]) >= 3
+
+
+def test_what_is_no_notebook_is_said_and_nothing_of_it_reaches_the_terminal(judged):
+    learners, _, done, _ = judged
+    assert learners["gina"][0].startswith("it is no notebook: JSONDecodeError: ")
+    assert learners["hans"][0] == "it cannot be opened: it has more than 50 MB"
+    assert learners["ida"][0] == "it cannot be opened: it is no file"
+    assert "\x1b" not in done.stdout
+
+
+def test_who_calls_himself_right_is_noticed(judged):
+    _, answers = judged[0]["moe"]
+    assert answers["aim"]["cause"] == "The answer has disturbed the process that judged it."
+    assert answers["by_name"]["verdict"] == "right"
+
+
+def test_it_is_summed_up(judged):
+    _, whole, done, junit = judged
+    assert done.returncode == 1
+    assert whole["summary"][0].startswith("13 notebooks, ")
+    assert whole["summary"][1] == "3 notebooks could not be judged."
+    assert whole["summary"][2].startswith("The most frequent cause (")
+    assert "13 of 13: " in done.stderr
+    suites = {suite.get("name"): suite for suite in ElementTree.parse(junit).getroot()}
+    assert len(suites) == 13
+    carl = suites["carl.ipynb"]
+    assert [carl.get(key) for key in ("tests", "failures", "errors", "skipped")] == ["2", "0", "1", "0"]
+    assert carl[0].find("error").get("message").startswith("The answer did not come to its end")
+    assert suites["ben.ipynb"].find("testcase/failure") is not None
+    assert suites["gina.ipynb"].find("testcase/error") is not None
+
+
+def test_a_table_is_printed_where_all_is_right(program, tmp_path):
+    path = notebook(tmp_path / "nora.ipynb", RIGHT)
+    running = program("check", path, notebook(tmp_path / "none.ipynb", "x = 1"))
+    assert running.ends() == 0, running.output
+    for words in (" by_name ", " right ", "2 notebooks, 1 answer: 1 right.\n", "no exercise", "Network: "):
+        assert words in running.output
+
+
+def test_there_has_to_be_a_notebook(program, tmp_path):
+    running = program("check", tmp_path)
+    assert running.ends() == 1
+    assert f"Error: there is no notebook in {tmp_path}" in running.output
+    running = program("check", tmp_path / "other.ipynb")
+    assert running.ends() == 1
+    assert f"Error: there is no file or folder '{tmp_path / 'other.ipynb'}'" in running.output
+
+
+def judges(running):
+    """The processes in which it judges."""
+    return [p for p in psutil.Process(running.process.pid).children() if p.status() != psutil.STATUS_ZOMBIE]
+
+
+def test_ctrl_c_shows_what_is_done_and_leaves_nothing(program, tmp_path):
+    room = tmp_path / "class"
+    room.mkdir()
+    notebook(room / "a.ipynb", RIGHT)
+    notebook(room / "b.ipynb", f"# {tmp_path}", AT_ONCE.format("while True: pass"))
+    running = program("check", room, "--jobs", "1")
+    running.says("1 of 2: a.ipynb")
+    until(lambda: judges(running), "the second notebook")
+    below = psutil.Process(running.process.pid).children(recursive=True)
+    running.asks_to_stop()
+    assert running.ends() == 130
+    assert " right " in running.output
+    assert "Interrupted: 1 of 2 notebooks are not judged." in running.output
+    psutil.wait_procs(below, timeout=60)
+    assert not [process for process in below if process.is_running() and process.status() != psutil.STATUS_ZOMBIE]
+
+
+def test_nothing_goes_on_when_the_teachers_process_is_killed(program, tmp_path):
+    running = program("check", notebook(tmp_path / "b.ipynb", AT_ONCE.format("while True: pass")))
+    until(lambda: judges(running), "the judge")
+    below = psutil.Process(running.process.pid).children(recursive=True)
+    running.process.kill()
+    running.ends()
+    psutil.wait_procs(below, timeout=60)
+    assert not [process for process in below if process.is_running() and process.status() != psutil.STATUS_ZOMBIE]

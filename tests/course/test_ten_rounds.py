@@ -1,0 +1,102 @@
+"""Each program of the notebooks, opened and closed ten times while messages arrive: nothing of it is left."""
+
+from __future__ import annotations
+
+import json
+import re
+import uuid
+
+import nbformat
+import pytest
+from kernels import kernel
+from programs import marked, until
+
+from tutorial.paths import HOME
+
+ROUNDS = 10
+TROUBLE = re.compile("Traceback|InvalidHandle|ERROR")
+
+OF_NOTEBOOKS = [nbformat.read(path, as_version=4) for path in sorted((HOME / "notebooks").glob("*.ipynb"))]
+SOURCES = "\n".join(cell.source for notebook in OF_NOTEBOOKS for cell in notebook.cells if cell.cell_type == "code")
+LINES = sorted(set(re.findall(r'start_command\("(tank (?:run|joy) [^"]*)"\)', SOURCES)))
+"""The notebooks' commands. There is also ``tank launch``, which starts these three, and takes as long as they do."""
+
+
+def answer(running, expression):
+    """What an expression is in a kernel, if nothing goes wrong meanwhile."""
+    said, _, text = running.run(f"print('=>', json.dumps({expression}))").partition("=> ")
+    assert not TROUBLE.search(said), said
+    return json.loads(text)
+
+
+PROGRAMS = """
+import json, threading
+import psutil
+from tutorial.notebook import *
+from sensor_msgs.msg import JointState, Joy
+
+def flood():  # a node that goes on publishing while the others come and go
+    hand = open_node("hand")
+    sticks = hand.create_publisher(Joy, "/joy", 1)
+    joints = hand.create_publisher(JointState, "/Tank/joint_state", 1)
+    hand.create_timer(0.002, lambda: sticks.publish(Joy(axes=[0.0, 0.3])))
+    hand.create_timer(0.002, lambda: joints.publish(JointState(name=["TURRET_Y"], position=[0.5])))
+
+def left():
+    names = sorted(thread.name for thread in threading.enumerate())
+    return {"threads": names, "native": psutil.Process().num_threads(), "files": psutil.Process().num_fds()}
+
+async def go_round():
+    flood()
+    widgets = joystick(), joint_plot(), node_graph()
+    for project, node in (("step1", "simulation"), ("step2", "simulation"), ("step3", "viewer")):
+        program = open_program(project, node=node)  # the one of its name is closed, and messages go on arriving
+        if node == "simulation":
+            program.start()
+        await until(lambda: program.received > 20)
+        assert program.error is None
+    close_all()
+    log()
+    return left()
+"""
+
+
+@pytest.mark.timeout(300)
+def test_programs_within_a_kernel(domain):
+    with kernel() as running:
+        assert running.run(PROGRAMS) == ""
+        before = answer(running, "left()")
+        rounds = [answer(running, "await go_round()") for _ in range(ROUNDS)]
+    for after in rounds:
+        assert after["threads"] == before["threads"]
+    for what in ("native", "files"):
+        grown = rounds[-1][what] - rounds[0][what]
+        assert grown < ROUNDS - 1, f"each round leaves some: {[each[what] for each in rounds]}"
+
+
+COMMANDS = """
+import json
+from tutorial.notebook import *
+
+async def go_round():
+    commands = [start_command(line) for line in LINES]
+    for command in commands:
+        await command.says("scripted drive: tour" if " joy " in repr(command) else "+ Tank")
+    close_all()
+    log()
+    return [(command.status, command.output) for command in commands]
+"""
+
+
+@pytest.mark.timeout(300)
+def test_commands_beside_a_kernel(domain):
+    assert len(LINES) == 3, "those of the notebooks were found"
+    mark = uuid.uuid4().hex  # of what the kernel starts, not of itself: psutil sees what a process was started with
+    with kernel() as running:
+        assert running.run(f"import os\nos.environ['TANK_TEST_MARK'] = {mark!r}\nLINES = {LINES!r}\n{COMMANDS}") == ""
+        for _ in range(ROUNDS):
+            ended = answer(running, "await go_round()")
+            until(lambda: not marked(mark), f"the end of {marked(mark)}")
+            for line, (status, output) in zip(LINES, ended):
+                assert status == 0, f"{line}: {output}"
+                assert not TROUBLE.search(output), f"{line}: {output}"

@@ -1,0 +1,144 @@
+"""The command ``tank check``: the answers in other people's notebooks, judged."""
+
+# ruff: noqa: PLC0415 - help is to come at once
+
+from __future__ import annotations
+
+import asyncio
+import json
+import math
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tutorial.commands.options import Seconds
+from tutorial.commands.terminal import INTERRUPTED, until_asked
+from tutorial.errors import TutorialError
+
+if TYPE_CHECKING:
+    from tutorial.commands.checking.submission import Submission
+
+__all__ = ["check"]
+
+TOGETHER = 2  # notebooks at a time
+LIMIT = 60.0  # [s] that an answer may take
+
+
+@click.command(short_help="Check the answers in learners' notebooks.")
+@click.argument("notebooks", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "--jobs", type=click.IntRange(1, 64), default=TOGETHER, show_default=True, help="Judge so many notebooks at a time."
+)
+@click.option(
+    "--limit",
+    type=Seconds(min=0, min_open=True),
+    default=LIMIT,
+    show_default=True,
+    metavar="SECONDS",
+    help="Give up an answer that takes longer.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print JSON, with all that a check says, instead of the table.")
+@click.option(
+    "--junit", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Write JUnit's XML to FILE, too."
+)
+def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, junit: Path | None) -> int:
+    """Check the answers in NOTEBOOKS: files, or folders of them.
+
+    Only the answers are run, with the definitions that they need, and behind walls: what they are, the last lines say.
+    The exit status is 1 if an answer is not right, or could not be judged; one that was not tried does not count.
+    """
+    from tutorial.commands.checking.messages import Outcome
+
+    paths = list(_found(notebooks))
+    if not paths:
+        raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")
+    names = _names(paths)
+    done: dict[Path, Submission] = {}
+    interrupted = until_asked(_judge_all(paths, names, jobs, limit, done), duration=math.inf)
+    submissions = [done[path] for path in paths if path in done]
+    if junit is not None:
+        _write(junit, submissions, names)
+    _show(submissions, names, as_json)
+    if interrupted:
+        click.echo(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.", err=True)
+        return INTERRUPTED
+    fine = (Outcome.RIGHT, Outcome.NOT_TRIED)
+    return int(any(each.problem or any(a.outcome not in fine for a in each.judged.values()) for each in submissions))
+
+
+def _found(given: Sequence[Path]) -> Iterator[Path]:
+    """Yield the notebooks, each once; of a folder, those beneath it, without the copies that Jupyter keeps.
+
+    Raises:
+        TutorialError: there is nothing of such a name.
+    """
+    seen: set[Path] = set()
+    for path in given:
+        if not path.exists():
+            raise TutorialError(f"there is no file or folder {str(path)!r}")
+        inner = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
+        for each in inner:
+            if ".ipynb_checkpoints" not in each.parts and each not in seen:
+                seen.add(each)
+                yield each
+
+
+def _names(paths: Sequence[Path]) -> dict[Path, str]:
+    """Call each notebook by what is different in their paths, with nothing in it that a terminal would obey."""
+    from tutorial.commands.checking.messages import clean
+
+    absolute = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100 - where a link leads is not its name
+    common = Path(os.path.commonpath([path.parent for path in absolute]))
+    return {path: clean(str(whole.relative_to(common))) for path, whole in zip(paths, absolute)}
+
+
+async def _judge_all(
+    paths: Sequence[Path], names: dict[Path, str], jobs: int, limit: float, done: dict[Path, Submission]
+) -> None:
+    """Judge notebooks, some at a time, with a progress bar; where nobody can watch it, a line for each."""
+    from tqdm import tqdm
+
+    from tutorial.commands.checking.submission import judge
+
+    terminal = sys.stderr.isatty()
+    turn = asyncio.Semaphore(jobs)
+    with tqdm(total=len(paths), unit="notebook", disable=not terminal, ascii=" =") as bar:
+
+        async def judge_one(path: Path) -> None:
+            async with turn:
+                done[path] = await judge(path, limit)
+            bar.update()
+            if not terminal:
+                click.echo(f"{len(done)} of {len(paths)}: {names[path]}", err=True)
+
+        async with asyncio.TaskGroup() as group:
+            for path in paths:
+                group.create_task(judge_one(path))
+
+
+def _show(submissions: Sequence[Submission], names: dict[Path, str], as_json: bool) -> None:
+    from rich.console import Console
+
+    from tutorial.commands.checking import report
+
+    if as_json:
+        click.echo(json.dumps(report.as_json(submissions, names), indent=2))
+        return
+    console = Console(highlight=False)
+    console.print(report.table(submissions, names))
+    walls = report.walls_of(submissions)
+    for line in (*report.summary(submissions), *(walls.sentences() if walls else ())):
+        console.print(line, markup=False)
+
+
+def _write(path: Path, submissions: Sequence[Submission], names: dict[Path, str]) -> None:
+    from tutorial.commands.checking.report import as_junit
+
+    try:
+        path.write_bytes(as_junit(submissions, names))
+    except OSError as error:
+        raise TutorialError(f"{str(path)!r} cannot be written: {error.strerror}") from error

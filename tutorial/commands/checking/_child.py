@@ -1,0 +1,103 @@
+"""The process in which a notebook is read and its answers are judged: ``python -m tutorial.commands.checking._child``.
+
+It is given the descriptors of a pipe for its messages and of the notebook, the folder that it may write to, the
+processor time [s] that a process may take, and the names of exercises that are done already. First it raises the walls.
+It does not end by itself, but is killed by whoever has started it, or when that is gone: so what an answer has started
+can be found beneath it.
+"""
+
+# ruff: noqa: PLC0415 - the walls are raised while there is one thread; numpy and others start more
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+import msgspec
+
+from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable, clean
+from tutorial.commands.checking.walls import Walls, raise_walls
+
+if TYPE_CHECKING:
+    from tutorial.checks.exercise import Exercise
+    from tutorial.commands.checking.answers import Answer
+
+UNDEFINED = "Most likely the answer needs something of a cell that only works in a running notebook."
+
+
+def main() -> NoReturn:
+    """Judge a notebook, and wait to be killed."""
+    report, notebook, folder, seconds, *done = sys.argv[1:]
+    for fd in map(int, (report, notebook)):
+        os.set_inheritable(fd, False)
+    walls = raise_walls(Path(folder), int(seconds))
+    threading.Thread(target=_end_with_the_teacher, name="lifeline", daemon=True).start()
+
+    def tell(message: Message) -> None:
+        line = msgspec.json.encode(message) + b"\n"
+        while line:
+            line = line[os.write(int(report), line) :]
+
+    _judge_all(int(notebook), done, walls, tell)
+    tell(Done())
+    while True:
+        signal.pause()
+
+
+def _end_with_the_teacher() -> None:
+    """Wait until the other end of stdin is closed, by whoever holds it or by his death."""
+    os.read(0, 1)
+    os.killpg(0, signal.SIGKILL)
+
+
+def _judge_all(notebook: int, done: Collection[str], walls: Walls, tell: Callable[[Message], None]) -> None:
+    from tutorial.checks.catalogue import exercises
+    from tutorial.commands.checking.answers import cells_of, find_answers
+
+    known = {each.name: each for those in exercises().values() for each in those}
+    try:
+        with open(notebook, encoding="utf-8") as file:
+            cells = cells_of(file.read())
+        answers = find_answers(cells, {name: each.right_answer.__name__ for name, each in known.items()})
+    except Exception as error:  # noqa: BLE001 - the file may be anything
+        tell(Unreadable(walls, clean(f"it is no notebook: {error}")[:200]))
+        return
+    tell(Opened(walls, tuple(answer.exercise for answer in answers)))
+    for answer in answers:
+        if answer.exercise not in done:
+            tell(Trying(answer.exercise))
+            tell(_judge(known[answer.exercise], answer))
+
+
+def _judge(exercise: Exercise, answer: Answer) -> Judged:
+    from tutorial.checks._verdict import Verdict
+    from tutorial.checks.exercise import NOT_YET
+
+    name = exercise.name
+    if answer.given is None:
+        outcome = Outcome.WRONG if answer.unreadable else Outcome.NOT_TRIED
+        return Judged(name, outcome, clean(answer.unreadable), clean(answer.unreadable))
+    try:
+        given = answer.define()
+    except BaseException as error:  # noqa: BLE001 - it is a learner's code, which may call sys.exit
+        text = clean(f"The answer cannot be defined: {type(error).__name__}: {error}".removesuffix(": "))
+        return Judged(name, Outcome.WRONG, UNDEFINED, f"{text}\n  {UNDEFINED}")
+    seen = asyncio.run(exercise.examine(given))
+    text = clean(str(seen))
+    if isinstance(seen, Verdict):
+        return Judged(name, Outcome.RIGHT if seen.right else Outcome.WRONG, clean(" ".join(seen.causes[:1])), text)
+    return (
+        Judged(name, Outcome.NOT_TRIED, "", text)
+        if text.startswith(NOT_YET)
+        else Judged(name, Outcome.WRONG, text, text)
+    )
+
+
+if __name__ == "__main__":
+    main()

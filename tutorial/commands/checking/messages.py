@@ -1,0 +1,71 @@
+"""What the process that judges a notebook tells the teacher's, a line of JSON each."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+import msgspec
+
+from tutorial.commands.checking.walls import Walls
+
+__all__ = ["LONGEST", "Done", "Judged", "Message", "Opened", "Outcome", "Trying", "Unreadable", "clean"]
+
+LONGEST = 4000  # characters of a text that is told
+
+
+class Outcome(StrEnum):
+    """What became of an answer."""
+
+    RIGHT = "right"
+    WRONG = "wrong"
+    NOT_TRIED = "not tried"
+    NOT_JUDGED = "not judged"
+
+
+class Opened(msgspec.Struct, frozen=True, tag=True):
+    """The notebook is read: which walls stand, and which exercises it has."""
+
+    walls: Walls
+    exercises: tuple[str, ...]
+
+
+class Unreadable(msgspec.Struct, frozen=True, tag=True):
+    """It is none that can be read, and why."""
+
+    walls: Walls
+    why: str
+
+
+class Trying(msgspec.Struct, frozen=True, tag=True):
+    """An answer is about to be run."""
+
+    exercise: str
+
+
+class Judged(msgspec.Struct, frozen=True, tag=True):
+    """An answer was judged.
+
+    Attributes:
+        exercise: the exercise's name.
+        outcome: what became of it.
+        cause: for one that is not right, the most likely cause, as a sentence.
+        text: what a learner sees.
+    """
+
+    exercise: str
+    outcome: Outcome
+    cause: str = ""
+    text: str = ""
+
+
+class Done(msgspec.Struct, frozen=True, tag=True):
+    """There is no more."""
+
+
+Message = Opened | Unreadable | Trying | Judged | Done
+
+
+def clean(text: str) -> str:
+    """Take from a text what is no character to be read: a terminal would obey it, and XML has no place for it."""
+    kept = "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+    return kept if len(kept) <= LONGEST else f"{kept[: LONGEST - 1]}…"

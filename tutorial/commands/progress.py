@@ -1,0 +1,28 @@
+"""The command ``tank progress``."""
+
+# ruff: noqa: PLC0415 - help is to come at once
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from tutorial.errors import TutorialError
+
+__all__ = ["progress"]
+
+
+@click.command(short_help="Show which exercises are solved.")
+@click.argument("folder", required=False, type=click.Path(file_okay=False, path_type=Path))
+def progress(folder: Path | None) -> None:
+    """Show which exercises are solved in the notebooks of FOLDER; without it, of the course folder one is in."""
+    from tutorial.checks.overview import Overview
+    from tutorial.checks.progress import FILE
+    from tutorial.paths import HOME
+
+    if folder is not None and not folder.is_dir():
+        raise TutorialError(f"there is no folder {str(folder)!r}")
+    places = [Path(), Path("notebooks")] if folder is None else [folder, folder / "notebooks"]
+    default = HOME / "notebooks" if folder is None else folder
+    click.echo(repr(Overview(next((place for place in places if (place / FILE).exists()), default))))
