@@ -727,6 +727,17 @@ class BodyOfTheClass(MyViewer):
         super().update(message)
 
 
+class SetsByAPartial(MyViewer):
+    def configure(self, config):
+        self.body, self.node = config.body, config.node
+        move = functools.partial(_move, config.body)
+        self.subscription = self.node.create_subscription(JointState, f"{self.body.name}/joint_state", move, 1)
+
+
+def _move(body, message):
+    body.set_joint_positions(match_joints(body.joint_names, message)[0])
+
+
 class PartInTheCallback(MyViewer):
     def on_joint_state(self, message):
         self.body.set_joint_positions(match_joints(self.body.joint_names, message)[0])
@@ -764,6 +775,7 @@ SHOW = [
     (OnlyNewerStamps, "started again"),
     (LockWhileDrawing, "a lock is held while the body is moved and drawn"),
     (BodyOfTheClass, "BodyOfTheClass.shown is shared by all objects"),
+    (SetsByAPartial, "the callback moves the body itself"),
     (PartInTheCallback, "posts only what comes after"),
     (ForgetsTheMessage, "gets too few arguments"),
     (ByATimer, "a timer posts"),
@@ -889,7 +901,16 @@ class FirstStamp(Calm):
             self.draw(message)
 
 
+class OnlyTheTank(Calm):
+    def configure(self, config):
+        super().configure(config)
+        self.node.destroy_subscription(self.subscription)
+        config.node.taps.clear()
+        self.subscription = self.node.create_subscription(JointState, "Tank/joint_state", self.on_joint_state, 1)
+
+
 KEEP_UP = [
+    (OnlyTheTank, "The body's name is written into the topic"),
     (ClearsInTheEnd, "cleared too late, or asked too early"),
     (AsksBeforeItKeeps, "cleared too late, or asked too early"),
     (SwapsWithoutALock, "cleared too late, or asked too early"),

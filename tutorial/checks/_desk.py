@@ -36,11 +36,13 @@ class _Witness(ThreadGuard):
 
     Attributes:
         lenient: whether it looks away.
-        touched: the learner's line that came by first while it did; None for none.
+        touched: whether somebody came by while it did.
+        place: the learner's line that came by first, where it was one.
     """
 
     lenient = False
-    touched: Place | None = None
+    touched = False
+    place: Place | None = None
 
     def check(self, action: str) -> None:
         """Pass on the owner's thread, and whoever comes by while it looks away."""
@@ -49,7 +51,7 @@ class _Witness(ThreadGuard):
         except WrongThreadError:
             if not self.lenient:
                 raise
-            self.touched = self.touched or watch.place(sys._getframe())
+            self.touched, self.place = True, self.place or watch.place(sys._getframe())
 
 
 class Desk(Stage):

@@ -191,13 +191,13 @@ def _judge_thread(desk: Desk, publish: Publish, message: JointState, post: str) 
     try:
         publish(message)
     except Failure as failure:
-        if desk.guard.touched is None:
+        if not desk.guard.touched:
             return failure.finding()
     finally:
         desk.guard.lenient = False
-    if desk.guard.touched is not None:
+    if desk.guard.touched:
         cause = AT_ONCE if desk.uncallable else PARTLY if desk.waiting else DIRECT
-        return wrong("the body is touched on the executor's thread", cause.format(post=post), desk.guard.touched)
+        return wrong("the body is touched on the executor's thread", cause.format(post=post), desk.guard.place)
     return _judge_posting(desk, publish, message, post)
 
 

@@ -51,9 +51,11 @@ PIECES = (
 def judge_keep_up(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `keep_up`."""
     shared = SharedState(answer)
-    all_right = yield from judged(judge_viewer(answer, "tank", "Tank", LATEST, full=True, in_order=False))
-    if not all_right:
-        return
+    for model, name in (("tank", "Tank"), ("crane", "Lift")):
+        full = model == "tank"
+        all_right = yield from judged(judge_viewer(answer, model, name, LATEST, full=full, in_order=False))
+        if not all_right:
+            return
     with Desk(answer, "tank", "Tank") as desk:
         subscription = endpoint(desk.ros.node, WatchedSubscription, "/Tank/joint_state", JointState)
         if subscription is None:
@@ -159,12 +161,16 @@ def _interrupted_callback(desk: Desk, subscription: WatchedSubscription, at: int
     return more, _judge_turn(desk, first, second) if more else None
 
 
+_stamps = count(1000, 2)  # [ms], after those of the bursts
+
+
 def _pair(desk: Desk) -> tuple[JointState, JointState]:
     """Make two messages, the second of which has to be shown in the end, and forget what was shown."""
     names = desk.body.joint_names
     desk.drain()
     desk.shown.clear()
-    return joint_state(names, [0.3] * len(names), 1000), joint_state(names, [0.4] * len(names), 1001)
+    stamp = next(_stamps)
+    return joint_state(names, [0.3] * len(names), stamp), joint_state(names, [0.4] * len(names), stamp + 1)
 
 
 def _judge_turn(desk: Desk, first: JointState, second: JointState) -> Finding | None:

@@ -38,6 +38,8 @@ class SharedState:
         name = self.changed()
         if not name:
             return otherwise
+        if not isinstance(self._answer, type):
+            return f"Most likely {name} is kept from call to call: make what the call needs anew, within it."
         return (
             f"Most likely {name} is shared by all objects of the class: keep in each what is its own, "
             f"self.{name.rpartition('.')[2]} = ..., and make it in __init__, configure or initialize."
@@ -58,8 +60,9 @@ def _values(answer: Any) -> Iterator[tuple[str, object]]:
     for function in filter(inspect.isfunction, (answer, *members)):
         if function.__code__.co_filename not in watch.files:
             continue
-        for value, name in zip(function.__defaults__ or (), function.__code__.co_varnames):
-            yield f"the default of {function.__name__}'s argument, {name}", _comparable(value)
+        code, defaults = function.__code__, function.__defaults__ or ()
+        for value, name in zip(defaults, code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount]):
+            yield f"the default of the argument {name}", _comparable(value)
         for name in function.__code__.co_names:
             value = function.__globals__.get(name)
             if not isinstance(value, type) and not inspect.isroutine(value) and not inspect.ismodule(value):
