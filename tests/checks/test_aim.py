@@ -153,7 +153,7 @@ WRONG = [
     (OneMillisecond, "taken to be 1 ms", "steps of 2 ms"),
     (BeginsAtZero, "begins at 0", "stick at rest"),
     (SetsPosition, "set as joint.position", "sets the joint's position"),
-    (SetsNothing, "computed but not set", "sets no torque"),
+    (SetsNothing, "only returned", "sets no torque"),
     (SomethingElse, "Compare with torque", "stick at rest"),
 ]
 

@@ -51,18 +51,53 @@ def test_the_solution_is_right_in_a_process_of_its_own(exercise, capfd):
 def test_it_is_asked_hinted_and_solved(exercise, capsys):
     name = exercise.right_answer.__name__
     assert name in exercise.__doc__
-    exercise.hint()
-    exercise.hint(2)
-    exercise.hint(3)
-    first, second, third = capsys.readouterr().out.splitlines()
-    assert first.startswith("Hint 1 of 2: ")
+    for number in (1, 2, 3, 4):
+        exercise.hint(number)
+    first, second, third, fourth = capsys.readouterr().out.splitlines()
+    assert first.startswith("Hint 1 of 3: Look at ")
     assert first.endswith(f" {exercise.name}.hint(2) says more.")
-    assert second.startswith("Hint 2 of 2: ")
-    assert third == f"There are 2 hints: {exercise.name}.hint() to {exercise.name}.hint(2)."
+    assert second.startswith("Hint 2 of 3: ")
+    assert third.startswith("Hint 3 of 3: ")
+    assert third.endswith(f" Then there is {exercise.name}.solution().")
+    assert fourth == f"There are 3 hints: {exercise.name}.hint() to {exercise.name}.hint(3)."
     exercise.solution()
     source = capsys.readouterr().out
     assert not any(sign in source for sign in ('"""', "->", ": Joy", "ControllerConfig"))
     assert len(source.splitlines()) <= 34
+
+
+@every_exercise
+def test_the_first_hints_give_nothing_away(exercise, capsys):
+    """No statement of the solution stands in the first hint, nor the call that it is all about in the second."""
+    for number in (1, 2):
+        exercise.hint(number)
+    first, second = capsys.readouterr().out.splitlines()
+    lines = [line.strip() for line in listing(exercise.right_answer).splitlines()]
+    assert not any(len(line) > 20 and line in first + second for line in lines)
+    assert " = " not in first
+    assert "call_latest(" not in second
+
+
+@pytest.mark.parametrize(
+    ("findings", "number"),
+    [
+        ((wrong("a", "One."),), 1),
+        ((right("a"), right("b"), wrong("c", "One.")), 2),
+        ((right("a"), right("b"), right("c"), wrong("d", "One.")), 3),
+        ((right("a"), right("b"), right("c"), wrong("d", "One."), wrong("e", "Two.")), 2),
+    ],
+)
+def test_a_wrong_answer_is_told_which_hint_fits(findings, number):
+    exercise = Exercise("mending", "", lambda _: iter(findings), (GentleTank,), object, (), ("a", "b", "c"), "")
+    says = {1: "what to look at", 2: "how it is done", 3: "nearly the code"}[number]
+    assert str(exercise.judge(GentleTank)).splitlines()[-1] == f"Stuck? mending.hint({number}) says {says}."
+
+
+def test_a_right_answer_is_told_no_hint():
+    exercise = Exercise(
+        "mending", "", lambda _: iter([right("a")]), (GentleTank,), object, (), ("a", "b", "c"), "Well."
+    )
+    assert str(exercise.judge(GentleTank)).splitlines()[-1] == "All right. Well."
 
 
 BEFORE = (ast.Import, ast.ImportFrom, ast.ClassDef)

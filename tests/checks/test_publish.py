@@ -106,7 +106,7 @@ class WallClock(Base):
         return message
 
 
-class SecondsOnly(Base):
+class OneStepLater(Base):
     def message(self):
         message = super().message()
         message.header.stamp.nanosec += 1_000_000
@@ -235,7 +235,7 @@ WRONG = [
     (Never, "control never comes to publish", "no message was sent"),
     (NoStamp, "the stamp is left out", "the stamps are 0"),
     (WallClock, "the wall clock's time", "not simulated time"),
-    (SecondsOnly, "at the time of sending", "not the simulated time of sending"),
+    (OneStepLater, "that of another step", "the stamps are of another time"),
     (Degrees, "converted to degrees", "position is not what the joints do"),
     (NamesTurnedRound, "keep the order", "the names are TURRET_P, TURRET_Y"),
     (Sorted, "sorted or turned round", "the names are TURRET_P, TURRET_Y"),
@@ -244,7 +244,7 @@ WRONG = [
     (Prefixed, "put before the joint's", "Rover/TURRET_Y"),
     (NoVelocity, "velocity is left out or cut", "velocity has 0 numbers for 2 names"),
     (ShortEffort, "effort is left out or cut", "effort has 1 number for 2 names"),
-    (VelocityForEffort, "effort is filled with something else", "effort is not what the joints do"),
+    (VelocityForEffort, "effort is filled with velocity", "effort is not what the joints do"),
     (Stale, "read once and kept", "position is not"),
 ]
 
@@ -468,7 +468,7 @@ WRONGLY_THRIFTY = [
     (FillsVelocity, "names and positions only", "velocity is not empty"),
     (Replaces, "self.sent.update(news) keeps", ""),
     (ReplacesAlways, "self.sent.update(news) keeps", ""),
-    (ThriftyWithoutUnconfigure, "does not call self.node.destroy_publisher(self.publisher)", "still has its publisher"),
+    (ThriftyWithoutUnconfigure, "call self.node.destroy_publisher(self.publisher)", "still has its publisher"),
     (LooksWithoutSelf, "self is missing: def look(self, positions, news):", "control raised TypeError"),
     (ComparesWithLastLook, "a slow motion is then never sent", "LUFF creeps: nothing is sent"),
     (RemembersAll, "remember only those that were", "LUFF creeps on while SLEW moves"),
@@ -479,7 +479,7 @@ WRONGLY_THRIFTY = [
     (ForgetsTheFirstAtControl, "the first message is forgotten", "the first message: nothing is sent"),
     (RemembersNothing, "what was sent is not remembered", "SLEW rests again"),
     (NoAbs, "compare abs(...)", "BRIDGE moves back: nothing is sent"),
-    (AnyChange, "any change counts", "LUFF creeps: 8 messages with LUFF"),
+    (AnyChange, "any change counts", "SLEW and LUFF creep, each by little: 1 message"),
     (EveryLookAStep, "looks at every step", "SLEW moves fast"),
     (HalfAsOften, "looks 25 times", ""),
     (PairsMixed, "from two different lists", "the position sent for"),

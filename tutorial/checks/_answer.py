@@ -6,12 +6,14 @@ import dis
 import inspect
 from collections.abc import Iterable
 from difflib import get_close_matches
+from functools import partial
 from typing import Any
 
+from tutorial.checks._diagnose import NO_ARGUMENTS
 from tutorial.checks._verdict import Finding, wrong
 from tutorial.controller import SimpleController
 
-__all__ = ["is_empty", "misfit", "missing", "unwritten"]
+__all__ = ["is_empty", "misfit", "missing", "name_of", "unwritten"]
 
 _EMPTY = {
     *("RESUME", "NOP", "CACHE", "LOAD_CONST", "POP_TOP", "RETURN_VALUE", "RETURN_CONST", "PUSH_NULL"),
@@ -35,7 +37,7 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
     if isinstance(answer, str):
         return f"A text was given, {answer[:40]!r}. {mend}"
     if base is None:
-        return "" if inspect.isfunction(answer) else f"{_called(answer)} was given. {mend}"
+        return f"{_called(answer)} was given. {mend}" if isinstance(answer, type) or not callable(answer) else ""
     if not isinstance(answer, type):
         return f"{_called(answer)} was given. {mend}"
     if not issubclass(answer, base):
@@ -65,10 +67,16 @@ def unwritten(answer: Any, parts: Iterable[str]) -> bool:
         parts: the methods that are to be written.
     """
     if not isinstance(answer, type):
-        return is_empty(answer)
+        return is_empty(answer if hasattr(answer, "__code__") else type(answer).__call__)
     own = [name for name in vars(answer) if not name.startswith("__")]
     found = (inspect.getattr_static(answer, name) for name in (*parts, *own) if _has(answer, name))
     return all(is_empty(each) for each in found if inspect.isfunction(each))
+
+
+def name_of(answer: Any) -> str:
+    """Return what a callable is called: a function's name, that of a partial's, or that of an object's class."""
+    inner = answer.func if isinstance(answer, partial) else answer
+    return str(getattr(inner, "__name__", type(inner).__name__))
 
 
 def missing(answer: type, *parts: str) -> Finding | None:
@@ -91,6 +99,9 @@ def _mend(answer: type, part: str) -> str:
     near = get_close_matches(part, others, n=1)
     if near:
         return f"Most likely its name is misspelled: {near[0]} should be {part}."
+    made = getattr(vars(answer).get("__init__"), "__code__", None)
+    if made is not None and made.co_argcount > 1 and issubclass(answer, SimpleController):
+        return f"Most likely __init__ does its work. {NO_ARGUMENTS}"
     return f"Write the method {part}; it is part of the answer."
 
 

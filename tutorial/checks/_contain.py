@@ -5,12 +5,15 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import inspect
+import io
 import os
 import re
 import signal
 import subprocess
 import sys
 import tempfile
+import threading
+from collections import ChainMap
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -19,6 +22,7 @@ import msgspec
 
 from tutorial.checks._verdict import Finding, Place, wrong
 from tutorial.checks._watch import files_of
+from tutorial.handoff import Latest
 from tutorial.paths import PACKAGE
 
 __all__ = ["Job", "contain"]
@@ -46,6 +50,19 @@ class Job(msgspec.Struct):
     files: list[str]
 
 
+class _Pickler(cloudpickle.Pickler):  # type: ignore[misc, unused-ignore]
+    """Takes what is made of locks along, too: at the other end they are new, and free."""
+
+    dispatch_table = ChainMap(
+        {
+            type(threading.Lock()): lambda _: (threading.Lock, ()),
+            type(threading.RLock()): lambda _: (threading.RLock, ()),
+            Latest: lambda latest: (Latest, (latest.get(),)),
+        },
+        cloudpickle.Pickler.dispatch_table,
+    )
+
+
 async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, ...], tuple[str, ...]]:
     """Have an answer judged in a process of its own, while the loop goes on with whatever else there is.
 
@@ -58,7 +75,7 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
         What was found, and the lines that the learner's code has printed.
     """
     try:
-        pickled = cloudpickle.dumps(answer)
+        pickled = _pickled(answer)
     except Exception as error:  # noqa: BLE001 - pickling runs code of all kinds of objects
         return (_clinging(answer, error),), ()
     job = Job(module, name, [os.path.abspath(entry) for entry in sys.path], pickled, sorted(files_of(answer)))  # noqa: PTH100
@@ -228,9 +245,15 @@ def _names(code: Any) -> list[str]:
     return [*code.co_names, *inner]
 
 
+def _pickled(value: Any) -> bytes:
+    with io.BytesIO() as file:
+        _Pickler(file).dump(value)
+        return file.getvalue()
+
+
 def _portable(value: Any) -> bool:
     try:
-        cloudpickle.dumps(value)
+        _pickled(value)
     except Exception:  # noqa: BLE001 - pickling runs code of all kinds of objects
         return False
     return True

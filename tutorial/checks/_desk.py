@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 from collections.abc import Callable, Hashable, Sequence
 from typing import Any
 
@@ -11,28 +12,46 @@ import numpy as np
 from sensor_msgs.msg import JointState
 
 from tutorial.body import Body
+from tutorial.checks._answer import name_of
+from tutorial.checks._diagnose import Misuse, blamed
+from tutorial.checks._verdict import Place
 from tutorial.checks._watch import Failure, watch
 from tutorial.checks._world import MODELS, Stage, Watched
 from tutorial.controller import ControllerConfig, SimpleController
+from tutorial.errors import WrongThreadError
 from tutorial.handoff import CallQueue, ThreadGuard
 from tutorial.world import Placement
 
 __all__ = ["Desk", "joint_state"]
 
 
+ARGUMENTS = (
+    "Most likely what is posted gets too few arguments, or too many: behind the function come those that it takes, "
+    "besides self, as in self.call_later(self.{name}, message)."
+)
+
+
 class _Witness(ThreadGuard):
-    """A guard that can look away, to see how code would go on that it has stopped.
+    """A guard that can look away, and notes what it has seen, to tell how code goes on that it would have stopped.
 
     Attributes:
-        lenient: whether it does.
+        lenient: whether it looks away.
+        touched: whether somebody came by while it did.
+        place: the learner's line that came by first, where it was one.
     """
 
     lenient = False
+    touched = False
+    place: Place | None = None
 
     def check(self, action: str) -> None:
         """Pass on the owner's thread, and whoever comes by while it looks away."""
-        if not self.lenient:
+        try:
             super().check(action)
+        except WrongThreadError:
+            if not self.lenient:
+                raise
+            self.touched, self.place = True, self.place or watch.place(sys._getframe())
 
 
 class Desk(Stage):
@@ -50,18 +69,18 @@ class Desk(Stage):
         uncallable: whether something else than a function was posted.
         keyless: whether `call_latest` was called without a key.
         shown: what observers of the body saw at each change: the positions, and whether the links were there.
-        last_call: the call that was posted last.
+        while_drawn: what is called, once, by an observer of the body, while it is being drawn; None for nothing.
     """
 
     def __init__(self, controller_class: type[SimpleController], model: str, name: str) -> None:
         self.guard = _Witness(f"the body {name!r}")
         self.body = Body.displayed(Placement(name, MODELS / f"{model}.xml"), self.guard)
-        self.body.on_change(lambda _: self.shown.append((self.positions(), self.links_follow())))
+        self.body.on_change(self._observe)
         self.learner = Watched(controller_class)
         self.keys: list[Hashable] = []
         self.uncallable = self.keyless = False
         self.shown: list[tuple[tuple[float, ...], bool]] = []
-        self.last_call: Callable[[], None] = lambda: None
+        self.while_drawn: Callable[[], object] | None = None
         self._failures: list[Failure] = []
         self._loop = asyncio.new_event_loop()
         self._calls = CallQueue(self._loop)
@@ -108,6 +127,12 @@ class Desk(Stage):
         mujoco.mj_kinematics(self.body.model, data)
         return bool(np.allclose(data.xquat, self.body.data.xquat) and np.allclose(data.xpos, self.body.data.xpos))
 
+    def _observe(self, _report: object) -> None:
+        self.shown.append((self.positions(), self.links_follow()))
+        meanwhile, self.while_drawn = self.while_drawn, None
+        if meanwhile is not None:
+            meanwhile()
+
     def _call_later(self, function: Callable[..., object], *args: object) -> None:
         self._post(self._scope.call_later, function, args)
 
@@ -125,13 +150,21 @@ class Desk(Stage):
 
         def run() -> None:
             try:
-                with watch.call(getattr(function, "__name__", "the posted call")):
+                with watch.call(name_of(function)):
                     function(*args)
             except Failure as failure:
-                self._failures.append(failure)
+                self._failures.append(_of_arguments(failure, len(args)))
 
-        self.last_call = run
         post(run)
+
+
+def _of_arguments(failure: Failure, given: int) -> Failure:
+    """Say of a posted call that could not even begin that its arguments are wrong; else return the failure itself."""
+    error = failure.error
+    if failure.place is not None or not isinstance(error, TypeError) or blamed(error, watch.answer) is not None:
+        return failure
+    text = f"posted with {given} argument{'s' * (given != 1)}, it cannot begin: {error}"
+    return Failure(failure.method, Misuse(text, ARGUMENTS.format(name=failure.method)), None)
 
 
 def joint_state(names: Sequence[str], positions: Sequence[float], milliseconds: int = 0) -> JointState:

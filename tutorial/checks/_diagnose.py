@@ -17,24 +17,68 @@ from types import FrameType, FunctionType, MemberDescriptorType, MethodType
 from typing import Any
 
 from tutorial.controller import SimpleController
+from tutorial.errors import WrongThreadError
 from tutorial.joints import JointReport
 
-__all__ = ["AT_ONCE", "Misuse", "blamed", "lacks_self", "likely_cause", "no_self", "owner_of", "sentence", "sets"]
+__all__ = [
+    "AT_ONCE",
+    "Misuse",
+    "blamed",
+    "lacks_self",
+    "likely_cause",
+    "no_self",
+    "owner_of",
+    "sentence",
+    "sets",
+    "slept",
+]
 
 PROVED = ((3, 11), (3, 12), (3, 13))
 """The versions of CPython whose sentences are known."""
 
 AT_ONCE = "Most likely the callback is called at once: give it without parentheses, self.{name}."
+_SLEPT = "time passes by itself; who has called it waits with it, and all that comes after."
+_SLEPT_BY = {
+    "control": "control is called once for every step, and the simulation waits with it: count steps, io.step.",
+    "aim": "aim is called once for every step, and the simulation waits with it: simulated time goes on by itself.",
+    "update": "it runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
+}
+_SLEPT_BACK = (
+    "it is a callback, and the executor's thread waits with it: put the message away, or post a call, and return."
+)
+NO_ARGUMENTS = "__init__ is given nothing: config comes to configure(self, config), and io to initialize(self, io)."
 _GENERAL = "Mend this line first; what comes after it has not been looked at."
 _UNSET = "Most likely it is read before anything has set it: "
+_KEEP = {
+    "io": ("initialize", "self.io = io"),
+    **{name: ("configure", f"self.{name} = config.{name}") for name in ("body", "node", "call_later", "call_latest")},
+}
 _LIFE = "configure comes first, then initialize, then control; a message may come at any time after configure."
 _NONE = "Most likely what stands before the dot is None: nothing was kept or returned there."
 _CLASS = "Most likely parentheses are missing: {name} alone is the class, {name}(...) makes an object of it."
+_LOOP = (
+    "Most likely it goes to the event loop by itself: config.call_later(self.update, message) is asked for; it drops "
+    "what still waits when the controller leaves its body."
+)
+_SPIN = "Leave it out: the program spins its node already, on a thread of its own, and spin never returns."
+_PROGRAMS = {
+    "spin": _SPIN,
+    "spin_once": _SPIN,
+    "spin_until_future_complete": _SPIN,
+    "init": "Leave it out: the program has called rclpy.init already; a controller uses config.node.",
+    "shutdown": "Leave it out: rclpy belongs to the whole program, which shuts it down at its end.",
+    "create_node": "Leave it out: the program has a node already, config.node.",
+}
 _CAUSES = {
     NameError: "Most likely its import or definition is missing: write it into the same cell as the class.",
     ImportError: "Most likely the name is spelled differently, or the module is not installed.",
     SystemExit: "Most likely an exit() was left over; a controller only returns.",
+    WrongThreadError: "The displayed body belongs to the main thread: post the call instead, self.call_later(...).",
     KeyboardInterrupt: "A controller only returns; to interrupt is the user's business.",
+}
+_TYPES = {
+    "'property' object": "Most likely parentheses are missing where an object is made: a class was used in its place.",
+    "unhashable": "Most likely a list is taken for a key: take what says what it is about, such as the body's name.",
 }
 _ATTRIBUTE = re.compile(r"'(\w+)' object has no attribute '(\w+)'")
 _GIVEN = re.compile(r"(\S+)\(\) takes .*positional arguments? but (\d+) (?:was|were) given")
@@ -69,11 +113,23 @@ def likely_cause(error: BaseException, answer: Any) -> str:
     """
     if isinstance(error, Misuse):
         return error.cause
+    ros = _of_rclpy(error)
+    if ros:
+        return ros
+    if isinstance(error, RuntimeError) and "event loop" in sentence(error):
+        return _LOOP
     if isinstance(error, AttributeError):
         return _attribute(error, answer)
     if isinstance(error, TypeError):
         return _call(error, answer)
     return next((cause for kind, cause in _CAUSES.items() if isinstance(error, kind)), _GENERAL)
+
+
+def slept(method: str) -> str:
+    """Say what is wrong about a method that sleeps."""
+    is_callback = method.startswith("on_") or "back" in method
+    reason = _SLEPT_BY.get(method, _SLEPT_BACK if is_callback else _SLEPT)
+    return f"Leave out what sleeps or waits: {reason}"
 
 
 def lacks_self(function: Any, given: int) -> bool:
@@ -132,6 +188,16 @@ def _attribute(error: AttributeError, answer: Any) -> str:
     return _taken_for_another(owner) or _what_there_is(owner, name)
 
 
+def _of_rclpy(error: BaseException) -> str:
+    """Say why what a program calls once, for the whole of it, is not called by a controller."""
+    names = [frame.f_code.co_name for frame in _frames(error) if _is_rclpy(frame)]
+    return next((cause for name, cause in _PROGRAMS.items() if name in names), "")
+
+
+def _is_rclpy(frame: FrameType) -> bool:
+    return str(frame.f_globals.get("__name__", "")).partition(".")[0] == "rclpy"
+
+
 def _taken_for_another(owner: Any) -> str:
     """Say what something is that was taken for an object with attributes; nothing if it is one."""
     if isinstance(owner, tuple):
@@ -151,6 +217,9 @@ def _unset(answer: type, name: str) -> str:
         code = getattr(inspect.getattr_static(answer, method, None), "__code__", None)
         if code is not None and name in code.co_varnames[code.co_argcount :]:
             return f"Most likely self is missing in {method}: self.{name} = ..."
+    keep = _KEEP.get(name)
+    if keep is not None and not any(sets(member, name) for member in vars(answer).values()):
+        return f"Most likely {keep[0]} does not keep it: {keep[1]}."
     return _UNSET + (_LIFE if issubclass(answer, SimpleController) else "let __init__ set it.")
 
 
@@ -169,12 +238,18 @@ def _call(error: TypeError, answer: Any) -> str:
     function = blamed(error, answer)
     if function is not None:
         return no_self(function)
-    if "'property' object" in text:
-        return "Most likely parentheses are missing where an object is made: a class was used in its place."
+    known = next((cause for words, cause in _TYPES.items() if words in text), "")
+    if known:
+        return known
     found = _LACKING.search(text)
-    if found is None:
-        return _GENERAL
+    return _GENERAL if found is None else _lacking(error, answer, found)
+
+
+def _lacking(error: TypeError, answer: Any, found: re.Match[str]) -> str:
+    """Say why something was called with too few arguments."""
     owner, _, name = found[1].rpartition(".")
+    if name == "__init__" and isinstance(answer, type) and issubclass(answer, SimpleController):
+        return NO_ARGUMENTS
     if found[2] == "'self'" and owner:
         return _CLASS.format(name=owner.rpartition(".")[2])
     frames = _frames(error)

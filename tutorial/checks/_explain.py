@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
@@ -39,15 +39,17 @@ class Probe:
         seen: the numbers that came of it.
         say: puts such numbers into words.
         want: puts those that were expected into words, in short; None for `say`.
+        otherwise: the cause to name when this is the first that is wrong, and no mistakes that are known explain it.
     """
 
     label: str
     seen: tuple[float, ...]
     say: Callable[[tuple[float, ...]], str]
     want: Callable[[tuple[float, ...]], str] | None = None
+    otherwise: str = ""
 
 
-Predict = Callable[..., Sequence[tuple[float, ...]]]
+Predict = Callable[..., Iterable[tuple[float, ...]]]
 
 
 def explain(
@@ -66,7 +68,7 @@ def explain(
     for count in range(MOST + 1):
         for chosen in combinations(mistakes, count):
             parts = {mistake.part: mistake.value for mistake in chosen}
-            if len(parts) == count and all(map(_same, predict(**parts), seen)):
+            if len(parts) == count and all(map(_same, predict(**parts), seen)):  # predicts as far as it agrees
                 return chosen
     return None
 
@@ -81,9 +83,11 @@ def judge_probes(
         predict, mistakes: as for `explain`.
         otherwise: the cause to name when no mistakes that are known explain what was seen.
     """
-    expected = predict()
+    expected = list(predict())
     found = explain([probe.seen for probe in probes], predict, mistakes)
     causes = {} if found is None else _first_shown(probes, expected, predict, found)
+    first = next((probe for probe, wanted in zip(probes, expected) if not _same(probe.seen, wanted)), None)
+    otherwise = (first and first.otherwise) or otherwise
     for i, (probe, wanted) in enumerate(zip(probes, expected)):
         if _same(probe.seen, wanted):
             yield right(f"{probe.label}: {probe.say(probe.seen)}")
@@ -100,7 +104,7 @@ def _first_shown(
     causes: dict[int, str] = {}
     wrong_ones = [i for i, probe in enumerate(probes) if not _same(probe.seen, expected[i])]
     for mistake in found:
-        alone = predict(**{mistake.part: mistake.value})
+        alone = list(predict(**{mistake.part: mistake.value}))
         shows = [i for i in wrong_ones if i not in causes]
         best = next((i for i in shows if not _same(alone[i], expected[i])), shows[0] if shows else None)
         if best is not None:

@@ -9,8 +9,9 @@ from sensor_msgs.msg import Joy
 
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._node import WatchedSubscription
+from tutorial.checks._shared import SharedState
 from tutorial.checks._topics import endpoint_on, judge_leaving
-from tutorial.checks._verdict import Finding, wrong
+from tutorial.checks._verdict import Finding, judged, right, wrong
 from tutorial.checks._watch import Failure
 from tutorial.checks._world import World
 from tutorial.controller import SimpleController
@@ -42,12 +43,14 @@ MISTAKES = (
 )
 OTHERWISE = "Compare with: whether there is a buttons[0], and it is 1."
 NO_LATEST = "Most likely self.fire is assigned anew: what it holds is replaced by self.fire.put(...)."
+SHARED = "Most likely fire belongs to the class, and so to all: self.fire is made in __init__, one for each."
 NO_TRUTH = "Put whether the button is pressed: True or False."
 NO_BUTTONS = "Most likely the code takes for granted that there are buttons: ask for len(message.buttons) first."
 
 
 def judge_fire(answer: type[SimpleController]) -> Iterator[Finding]:
     """Look at an answer to `fire`."""
+    shared = SharedState(answer)
     with World(answer) as world:
         call = "super().configure(config)"
         subscription = yield from endpoint_on(world.ros.node, WatchedSubscription, "/joy", Joy, call)
@@ -66,8 +69,22 @@ def judge_fire(answer: type[SimpleController]) -> Iterator[Finding]:
                 yield held
                 return
             seen.append((float(held),))
-        yield from judge_probes([Probe(*each, _say) for each in zip(STATES, seen)], predict, MISTAKES, OTHERWISE)
+        probes = [Probe(*each, _say) for each in zip(STATES, seen)]
+        all_right = yield from judged(judge_probes(probes, predict, MISTAKES, OTHERWISE))
+        if all_right:
+            yield _judge_two(answer, world, subscription, shared)
         yield judge_leaving(answer, world.leave, subscription)
+
+
+def _judge_two(
+    answer: type[SimpleController], world: World, subscription: WatchedSubscription, shared: SharedState
+) -> Finding:
+    """Look whether what one controller hears stays its own."""
+    with World(answer, name="Rover") as other:
+        subscription.call_back(Joy(buttons=[1]))
+        if (_held(world.learner.inner), _held(other.learner.inner)) == (True, False):
+            return right("two tanks at the same time: each hears its own button")
+    return wrong("two tanks at the same time: the button of one is heard by the other, too", shared.cause(SHARED))
 
 
 def _held(learner: Any) -> bool | Finding:

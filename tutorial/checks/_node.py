@@ -46,6 +46,11 @@ class WatchedEndpoint(Tap):
         return _is_valid(self.node.get_name) and not _is_valid(lambda: self.endpoint.topic_name)
 
     @property
+    def node_destroyed(self) -> bool:
+        """Whether the learner has destroyed the whole node."""
+        return not _is_valid(self.node.get_name)
+
+    @property
     def by_itself(self) -> bool:
         """Whether that was done without the node, which still counts it among its own."""
         return self.destroyed and self.endpoint in (*self.node.publishers, *self.node.subscriptions)
@@ -116,6 +121,7 @@ class WatchedNode(TappedNode):
 
     publisher_tap, subscription_tap = WatchedPublisher, WatchedSubscription
     timers_made = 0
+    _timers: tuple[Any, ...] = ()
     moment: Callable[[], Any] = staticmethod(lambda: None)
 
     def watched(self, kind: type[Endpoint]) -> list[Endpoint]:
@@ -131,7 +137,14 @@ class WatchedNode(TappedNode):
             with watch.call(getattr(callback, "__name__", "the timer's callback")):
                 callback(*arguments)
 
-        return super().create_timer(timer_period_sec, watched, *args, **kwargs)
+        timer = super().create_timer(timer_period_sec, watched, *args, **kwargs)
+        self._timers = (*self._timers, timer)
+        return timer
+
+    @property
+    def timers_left(self) -> int:
+        """How many of them still run."""
+        return sum(_is_valid(timer.is_canceled) and not timer.is_canceled() for timer in self._timers)
 
 
 class CheckThread(SpinThread[WatchedNode]):

@@ -68,11 +68,13 @@ class Verdict:
         findings: in the order of their looking, the root cause before what follows from it.
         notice: what to notice about an answer that is right.
         output: the lines that the learner's code has printed.
+        advice: what to do about an answer that is wrong; the last line.
     """
 
     findings: tuple[Finding, ...]
     notice: str = ""
     output: tuple[str, ...] = ()
+    advice: str = ""
 
     @property
     def right(self) -> bool:
@@ -96,6 +98,8 @@ class Verdict:
         elif sum(not finding.right for finding in shown) < len(self.causes):
             yield "More is not right yet; mend this first."
         yield from _quoted(self.output)
+        if self.advice and not self.right:
+            yield self.advice
 
 
 def cut(text: str, width: int = WIDTH) -> str:

@@ -6,10 +6,11 @@ import threading
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from types import FrameType
 from typing import Any
 
-from tutorial.checks._diagnose import Misuse, blamed, likely_cause
+from tutorial.checks._diagnose import Misuse, blamed, likely_cause, slept
 from tutorial.checks._verdict import Finding, Place, wrong
 
 __all__ = ["Failure", "Watch", "files_of", "watch"]
@@ -57,6 +58,8 @@ class Watch:
         answer: the learner's class or function.
         files: where the learner's code is.
         running: by thread, the method and a number that is different for every call.
+        noted: what the learner's code has done beside its work, and where: ``"sleep"``, ``"clock"``, ``"thread"``.
+        clocks: by name, what the clocks of `time` say to the learner's code while they stand still; else None.
         interleaved: whether methods are being held up on purpose, so that how long they take says nothing.
     """
 
@@ -64,6 +67,8 @@ class Watch:
         self.answer: Any = None
         self.files: set[str] = set()
         self.running: dict[int, tuple[str, int]] = {}
+        self.noted: dict[str, Place | None] = {}
+        self.clocks: dict[str, float] | None = None
         self.interleaved = False
         self._count = 0
 
@@ -72,7 +77,7 @@ class Watch:
         """Run one of the learner's methods. Any thread.
 
         Raises:
-            Failure: it raised, whatever it was.
+            Failure: it raised, whatever it was; or it has slept, which no method may.
         """
         ident = threading.get_ident()
         outer = self.running.get(ident)
@@ -80,6 +85,8 @@ class Watch:
         self.running[ident] = (method, self._count)
         try:
             yield
+            if "sleep" in self.noted:
+                raise Failure(method, Misuse("it sleeps", slept(method)), self.noted.pop("sleep"))
         except Failure:
             raise
         except BaseException as error:
@@ -89,6 +96,20 @@ class Watch:
                 del self.running[ident]
             else:
                 self.running[ident] = outer
+
+    def note(self, what: str, frame: FrameType) -> None:
+        """Note what the learner's code does; a sleep only on a thread that runs one of the methods."""
+        if what != "sleep" or threading.get_ident() in self.running:
+            self.noted.setdefault(what, self.place(frame))
+
+    @contextmanager
+    def clocks_stand(self) -> Iterator[None]:
+        """Have the clocks of `time` stand still for the learner's code."""
+        self.clocks = {}
+        try:
+            yield
+        finally:
+            self.clocks = None
 
     def place(self, frame: FrameType | None) -> Place | None:
         """Find the innermost line of the learner's code on a stack."""
@@ -103,13 +124,17 @@ class Watch:
         return Place(frames[-1].filename, frames[-1].lineno or 0, frames[-1].name) if frames else None
 
 
+_OURS = ("builtins", "tutorial.controller")
+
 watch = Watch()
 """The one of this process."""
 
 
 def files_of(answer: Any) -> set[str]:
     """Return the files, or notebook cells, that an answer's functions are written in."""
-    classes = answer.__mro__ if isinstance(answer, type) else ()
-    members = [member for each in classes if each.__module__ != "tutorial.controller" for member in vars(each).values()]
-    codes = (getattr(member, "__code__", None) for member in (answer, *members))
+    if isinstance(answer, partial):
+        return set[str]().union(*map(files_of, (answer.func, *answer.args, *answer.keywords.values())))
+    kind = answer if isinstance(answer, type) else type(answer)
+    members = [member for each in kind.__mro__ if each.__module__ not in _OURS for member in vars(each).values()]
+    codes = (getattr(getattr(member, "__func__", member), "__code__", None) for member in (answer, *members))
     return {code.co_filename for code in codes if code is not None}

@@ -132,6 +132,7 @@ class World(Stage):
     Attributes:
         simulation: the simulated world.
         body: the simulated body.
+        displayed: the displayed body.
     """
 
     def __init__(
@@ -143,14 +144,14 @@ class World(Stage):
         before: Sequence[SimpleController] = (),
     ) -> None:
         placement = Placement(name, MODELS / f"{model}.xml")
-        self._displayed = Body.displayed(placement)
+        self.displayed = Body.displayed(placement)
         self.learner = Watched(controller_class)
         self.simulation = Simulation([placement], [(name, each) for each in (*before, self.learner)], time_step)
         self.body = self.simulation.bodies[name]
 
     def config(self) -> ControllerConfig:
         """Return what the controller is given: posted calls are dropped, for nothing is displayed."""
-        return ControllerConfig(self._displayed, self.ros.node, _drop, _drop)
+        return ControllerConfig(self.displayed, self.ros.node, _drop, _drop)
 
     def leave(self) -> None:
         """Take the learner's controller off the body.
@@ -173,6 +174,10 @@ class World(Stage):
             if isinstance(error.__cause__, Failure):
                 raise error.__cause__ from None
             raise
+
+    def restart(self) -> None:
+        """Begin anew at time 0, with the same controllers."""
+        self.simulation.restart()
 
     def moment(self) -> Moment:
         """Return what is true now."""

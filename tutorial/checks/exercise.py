@@ -6,11 +6,12 @@ import inspect
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from tutorial.checks._answer import misfit, missing, unwritten
+from tutorial.checks._answer import misfit, missing, name_of, unwritten
 from tutorial.checks._contain import contain
 from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
 from tutorial.checks._watch import Failure, files_of, watch
+from tutorial.checks._witness import witnessed
 from tutorial.checks.progress import remember
 from tutorial.errors import TutorialError
 
@@ -18,6 +19,8 @@ __all__ = ["NOT_YET", "Exercise"]
 
 NOT_YET = "Not attempted yet"
 """What the text begins with that says that nothing is written yet."""
+
+SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hint does, the weakest first
 
 
 class Exercise:
@@ -32,7 +35,7 @@ class Exercise:
             notebooks' style.
         base: the class that the answer has to be made from, `object` for any; None where it is a function.
         parts: the methods that are to be written.
-        hints: the weakest first.
+        hints: the first says what to look at, the second how, the third nearly the code.
         notice: one sentence on what to notice about an answer that is right.
         requires: those of the parts without which there is nothing to look at.
         imports: what the solution needs and the notebook has not imported, each an import statement.
@@ -86,15 +89,17 @@ class Exercise:
 
     def judge(self, answer: Any) -> Verdict:
         """Judge an answer in this process, without containing it. It takes a ROS domain from the environment."""
-        return Verdict(tuple(self.findings(answer)), self._notice)
+        return self._verdict(tuple(self.findings(answer)))
 
     def findings(self, answer: Any) -> Iterator[Finding]:
         """Judge an answer in this process, and yield what is found as it is found."""
         watch.files = files_of(answer)
         watch.answer = answer
+        watch.noted.clear()
         try:
-            lacking = missing(answer, *self._requires)
-            yield from [lacking] if lacking else self._judge(answer)
+            with witnessed():
+                lacking = missing(answer, *self._requires)
+                yield from [lacking] if lacking else self._judge(answer)
         except Failure as failure:
             yield failure.finding()
         except TutorialError as error:
@@ -113,8 +118,10 @@ class Exercise:
         if number not in range(1, count + 1):
             _say(f"There are {count} hints: {self.name}.hint() to {self.name}.hint({count}).")
             return
-        more = f" {self.name}.hint({number + 1}) says more." if number < count else ""
-        _say(f"Hint {number} of {count}: {self._hints[number - 1]}{more}")
+        more = (
+            f"{self.name}.hint({number + 1}) says more." if number < count else f"Then there is {self.name}.solution()."
+        )
+        _say(f"Hint {number} of {count}: {self._hints[number - 1]} {more}")
 
     def solution(self) -> None:
         """Print the source of a right answer, ready to be pasted into the notebook's cell."""
@@ -123,7 +130,12 @@ class Exercise:
 
     async def _contained(self, answer: Any) -> Verdict:
         findings, output = await contain(self.module, self.name, answer)
-        return Verdict(findings, self._notice, output)
+        return self._verdict(findings, output)
+
+    def _verdict(self, findings: tuple[Finding, ...], output: tuple[str, ...] = ()) -> Verdict:
+        hint = _fitting(findings)
+        advice = f"Stuck? {self.name}.hint({hint}) says {SAYS[hint - 1]}."
+        return Verdict(findings, self._notice, output, advice)
 
     def _first_look(self, answer: Any) -> str:
         """Say what keeps an answer from being run; nothing if it can be."""
@@ -135,8 +147,15 @@ class Exercise:
             return mend
         if unwritten(answer, self._parts):
             what = ", ".join(self._parts)
-            return f"{NOT_YET}: {answer.__name__} is still to be written{': ' * bool(what)}{what}."
+            return f"{NOT_YET}: {name_of(answer)} is still to be written{': ' * bool(what)}{what}."
         return ""
+
+
+def _fitting(findings: tuple[Finding, ...]) -> int:
+    """Choose a hint: the more of an answer is right already, the closer to the code it may be."""
+    rights = sum(finding.right for finding in findings)
+    causes = len({finding.cause for finding in findings if not finding.right})
+    return 1 if rights == 0 else 2 if rights <= 2 * causes else 3
 
 
 def _say(text: str) -> None:

@@ -89,13 +89,17 @@ publish = Exercise(
     solution=(TurretPublisher,),
     base=SimpleController,
     parts=("configure", "initialize", "control", "unconfigure"),
-    requires=("configure", "initialize", "control"),
+    requires=("configure", "initialize"),
     hints=(
-        "Make the publisher in configure, with a topic made from config.body.name. In initialize keep io and "
-        "io.body.joints, and compute how many steps there are from one message to the next.",
-        "In control: if self.io.step % self.steps_per_message == 0, fill a JointState with one list for each field, "
-        "all over the same joints, stamp it with Time(nanoseconds=self.io.time_ns).to_msg(), and publish it. "
-        "In unconfigure: self.node.destroy_publisher(self.publisher).",
+        "Look at what comes from where: the topic from config.body.name, the joints from io.body.joints, the rate "
+        "from io.step and io.time_step, the stamp from io.time_ns. Nothing comes from the wall clock, and no name is "
+        "typed.",
+        "Make the publisher in configure. In initialize keep io, and compute how many steps there are from one "
+        "message to the next. In control, when it is time to, make a new message, fill one list for each field, all "
+        "over the same joints, stamp it and publish it. Take the publisher back in unconfigure.",
+        "self.steps_per_message = round(1 / (25 * io.time_step)); if self.io.step % self.steps_per_message == 0; "
+        "message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg(); message.position = [joint.position for "
+        "joint in self.joints], and so on; self.node.destroy_publisher(self.publisher).",
     ),
     notice="Notice that neither the rate nor the stamp asks for the wall clock: a slow simulation publishes the same.",
 )
@@ -117,12 +121,15 @@ thrift = Exercise(
     solution=(ThriftyPublisher,),
     base=SimpleController,
     parts=("configure", "initialize", "control", "unconfigure"),
-    requires=("configure", "initialize", "control"),
+    requires=("configure", "initialize"),
     hints=(
+        "Look at what is compared with what: each joint's position with the one that was last sent for this joint, "
+        "which may have been long ago. Not with that of the last look, and not all joints together.",
         "Keep a dict from each joint's name to the position that was last sent for it. It is empty in the beginning, "
-        "and changes only when something is sent.",
-        "Make a dict of what is news: those that are not in self.sent, or abs(position - self.sent[name]) > 0.001. If "
-        "it is not empty, its keys are message.name, its values message.position; publish, then "
+        "so all joints are news. Look every so many steps; collect what is news; only if there is any, send it, and "
+        "only then note down what was sent.",
+        "news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) > "
+        "0.001}. If it is not empty: message.name = list(news), message.position = list(news.values()), publish, then "
         "self.sent.update(news). In unconfigure: self.node.destroy_publisher(self.publisher).",
     ),
     notice="Notice that these messages are read by name: the viewer of step 3 shows them without a change.",

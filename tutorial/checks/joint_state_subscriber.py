@@ -98,9 +98,13 @@ by_name = Exercise(
     base=None,
     parts=(),
     hints=(
-        "Go through the message's names and positions together: zip ends with the shorter of the two.",
-        "One dict comprehension does it all: over zip(message.name, message.position), if the name is in joint_names "
-        "and not isnan(position). In a dict the last of two equal names wins by itself.",
+        "Look at the message's names and positions as pairs, in the message's order: each pair is either left out or "
+        "counts, and none says anything about another.",
+        "Go through both together with zip, which ends with the shorter. Leave out a pair whose name is not in "
+        "joint_names, or whose position is NaN. Put the others into a new dict, one after the other: of equal names "
+        "the last wins by itself.",
+        "One dict comprehension does it all: {name: position for name, position in zip(message.name, "
+        "message.position) if ...}, with name in joint_names and not isnan(position).",
     ),
     notice="Notice that a short array, an unknown name and a name that comes twice needed no line of their own.",
     imports=("from math import isnan",),
@@ -123,11 +127,14 @@ show = Exercise(
     parts=("configure", "unconfigure"),
     requires=("configure",),
     hints=(
+        "Look at the two threads: the callback runs on the executor's, and the displayed body belongs to the main "
+        "thread. What moves it may only run there.",
         "In configure keep config.body and config.call_later, and subscribe to a topic made from the body's name. The "
-        "callback has one line; all the rest happens in a method that it posts.",
-        "The callback: self.call_later(self.update, message), without parentheses after update. In update: "
-        "match_joints, then set_joint_positions, calc_forward_kinematics and notify_change. In unconfigure: "
-        "self.node.destroy_subscription(self.subscription).",
+        "callback has one line: it posts a method, with the message. That method matches, sets the positions, "
+        "computes the kinematics and notifies, in this order.",
+        "The callback: self.call_later(self.update, message), without parentheses after update. In update: positions, "
+        "report = match_joints(self.body.joint_names, message), then set_joint_positions, calc_forward_kinematics "
+        "and notify_change. In unconfigure: self.node.destroy_subscription(self.subscription).",
     ),
     notice="Notice that the body's name and its joints come from the body, so the crane needed no other line.",
 )
@@ -146,9 +153,12 @@ keep_up = Exercise(
     parts=("configure", "unconfigure"),
     requires=("configure",),
     hints=(
-        "config.call_latest(key, function, message) is call_later, but a waiting call of the same key is replaced.",
-        "self.call_latest(self.body.name, self.update, message): the key says what the call is about, and has to be "
-        "the same for every message.",
+        "Look at what waits while the main thread is busy: with MyViewer a call for every message, although only the "
+        "newest will be seen. What would have to happen to a call that still waits when the next message comes?",
+        "ControllerConfig has two ways to post. One of them replaces a call that still waits, if both were posted "
+        "under the same key: the key says what the call is about. All else stays as in MyViewer.",
+        "In configure keep config.call_latest in place of config.call_later. It takes a key first, which has to be "
+        "the same for every message and may be the body's name; then the function and the message, as before.",
     ),
     notice="Notice what is lost: a call that is replaced never runs, so every message has to name all joints.",
 )

@@ -105,7 +105,8 @@ fire = Exercise(
     base=SimpleController,
     parts=("on_joy",),
     hints=(
-        "Something has to be put at every message, also when the button is released, and when there are no buttons.",
+        "Look at what is put, and when: something at every message, also when the button is released, and when there "
+        "are no buttons.",
         "message.buttons is a list, which may be empty: ask for its len before its first entry.",
         "pressed = len(message.buttons) > 0 and ..., and then self.fire.put(pressed).",
     ),
@@ -132,11 +133,15 @@ drive = Exercise(
     parts=("configure", "initialize", "control", "unconfigure"),
     requires=("configure", "initialize"),
     hints=(
-        "The callback and control run on two threads. Let the callback put the message into a Latest, and let control "
-        "take it from there, once per step, before it does anything else.",
-        "In configure: self.joy = Latest(Joy()). In control: axes = [*self.joy.get().axes, 0.0, 0.0], which has at "
-        "least two entries; then the dead zone for each of the two; then set ctrl of both tracks, every time. In "
-        "unconfigure: self.node.destroy_subscription(self.subscription).",
+        "Look at the two threads: the callback runs on the executor's, control on the simulation's. And at what is "
+        "true before the first message, and when one is shorter than you expect.",
+        "Let the callback put the message into a Latest, which configure makes with an empty Joy(). Let control take "
+        "it from there once in every step, append zeros for axes that it may lack, apply the dead zone to each axis, "
+        "and set both tracks every time.",
+        "In configure: self.node = config.node and self.joy = Latest(Joy()). In control: axes = "
+        "[*self.joy.get().axes, 0.0, 0.0]; then left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in "
+        "axes[:2]); then self.track_l.ctrl and self.track_r.ctrl. In unconfigure: "
+        "self.node.destroy_subscription(self.subscription).",
     ),
     notice="Notice that control takes the message once and reads both axes from it, and that no lock is to be seen.",
 )
@@ -159,10 +164,13 @@ aim = Exercise(
     parts=("aim",),
     requires=("aim",),
     hints=(
-        "What has to outlive the call belongs to self: the reference, and where the joint was at the last call. A "
-        "speed is a difference divided by time_step.",
-        "First q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper), then dq_ref = (q_ref - self.q_ref) / "
-        "self.time_step, and in the end self.q_ref = q_ref. Do the same for q.",
+        "Look at what has to outlive the call, and so belongs to self: there are two such numbers, and both begin "
+        "where the joint stands. And at the ends of the range: joint.range has two.",
+        "Move the reference first, and limit it. A speed is how far something has moved since the last call, divided "
+        "by time_step: compute both speeds while the old values are still there. Keep the new ones at the very end.",
+        "q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper), then dq_ref = (q_ref - self.q_ref) / "
+        "self.time_step; the same for q = self.joint.position and self.q_prev; then self.joint.effort = ..., and in "
+        "the end self.q_ref, self.q_prev = q_ref, q.",
     ),
     notice="Notice that a reference which stays within the range answers at once when the stick is reversed.",
 )

@@ -1,0 +1,1051 @@
+"""Mistakes of every kind that learners make, each told from the others; and odd answers that are right."""
+
+from __future__ import annotations
+
+import functools
+import math
+import threading
+import time
+from collections import deque
+
+import pytest
+from rclpy.time import Time
+from sensor_msgs.msg import JointState, Joy
+
+from tutorial.checks.joint_state_publisher import ThriftyPublisher, TurretPublisher, publish, thrift
+from tutorial.checks.joint_state_subscriber import CalmViewer, MyViewer, by_name, keep_up, match_by_name, show
+from tutorial.checks.tank_controller import GentleTank, HeldJoint, aim, drive
+from tutorial.controllers.joint_state_publisher import JointStatePublisher
+from tutorial.handoff import Latest
+from tutorial.joints import match_joints
+
+# --- aim
+
+
+class LowerEndOnly(HeldJoint):
+    def aim(self, stick):
+        upper, self.joint = math.inf, self.joint
+        q_ref = min(max(self.q_ref + 0.002 * stick, self.joint.range[0]), upper)
+        self.move(q_ref)
+
+    def move(self, q_ref, step=None):
+        step = step or self.time_step
+        q = self.joint.position
+        dq_ref, dq = (q_ref - self.q_ref) / self.time_step, (q - self.q_prev) / step
+        self.joint.effort = 200 * (q_ref - q) + 50 * (dq_ref - dq)
+        self.q_ref, self.q_prev = q_ref, q
+
+    def limited(self, stick):
+        return min(max(self.q_ref + 0.002 * stick, self.joint.range[0]), self.joint.range[1])
+
+
+class TypedRange(LowerEndOnly):
+    def aim(self, stick):
+        self.move(min(max(self.q_ref + 0.002 * stick, -0.17), 0.78))
+
+
+class OneSpeedPerMillisecond(LowerEndOnly):
+    def aim(self, stick):
+        self.move(self.limited(stick), 0.001)
+
+
+class ByTheClock(LowerEndOnly):
+    before = 0.0
+
+    def aim(self, stick):
+        now = time.perf_counter()
+        self.move(self.limited(stick), now - self.before)
+        self.before = now
+
+
+class WaitsForAnEvent(HeldJoint):
+    def aim(self, stick):
+        threading.Event().wait(0.001)
+        super().aim(stick)
+
+
+class LimitsTheTorque(HeldJoint):
+    def aim(self, stick):
+        super().aim(stick)
+        self.joint.effort = min(max(self.joint.effort, -100.0), 100.0)
+
+
+class OverwritesPosition(LowerEndOnly):
+    def aim(self, stick):
+        self.q_prev = self.joint.position
+        self.move(self.limited(stick))
+
+
+class OverwritesReference(LowerEndOnly):
+    def aim(self, stick):
+        self.q_ref = self.limited(stick)
+        self.move(self.q_ref)
+
+
+class OnlyWhileItMoves(HeldJoint):
+    def aim(self, stick):
+        if stick != 0:
+            super().aim(stick)
+
+
+class ReferenceOfTheClass(LowerEndOnly):
+    reference = 0.0
+
+    def __init__(self, joint, time_step):
+        super().__init__(joint, time_step)
+        ReferenceOfTheClass.reference = joint.position
+
+    def aim(self, stick):
+        self.q_ref = ReferenceOfTheClass.reference
+        self.move(self.limited(stick))
+        ReferenceOfTheClass.reference = self.q_ref
+
+
+class NoSuchAttribute(HeldJoint):
+    def aim(self, stick):
+        self.joint.torque = 200 * stick
+
+
+AIM = [
+    (LowerEndOnly, "runs away at the upper end"),
+    (TypedRange, "written down as numbers"),
+    (OneSpeedPerMillisecond, "the time step is written down as a number"),
+    (ByTheClock, "the computer's clock says how long a call is"),
+    (WaitsForAnEvent, "Leave out what sleeps or waits: aim is called once for every step"),
+    (LimitsTheTorque, "the torque is limited"),
+    (OverwritesPosition, "before self.q_prev is overwritten"),
+    (OverwritesReference, "before self.q_ref is overwritten"),
+    (OnlyWhileItMoves, "nothing is set while the stick rests"),
+    (ReferenceOfTheClass, "ReferenceOfTheClass.reference is shared by all objects"),
+    (NoSuchAttribute, "A Joint has effort, name, position, range, velocity."),
+]
+
+# --- by_name
+
+
+def kept(joint_names, message, found={}):  # noqa: B006 - the mistake
+    found.update(match_by_name(joint_names, message))
+    return found
+
+
+_everything: dict[str, float] = {}
+
+
+def kept_and_copied(joint_names, message):
+    _everything.update(match_by_name(joint_names, message))
+    return dict(_everything)
+
+
+def smallest(joint_names, message):
+    pairs = sorted(zip(message.name, message.position), reverse=True)
+    return {n: q for n, q in pairs if n in joint_names and not math.isnan(q)}
+
+
+def mean(joint_names, message):
+    found = {}
+    for n, q in zip(message.name, message.position):
+        if n in joint_names and not math.isnan(q):
+            found.setdefault(n, []).append(q)
+    return {n: sum(each) / len(each) for n, each in found.items()}
+
+
+def falsy(joint_names, message):
+    return {n: q for n, q in match_by_name(joint_names, message).items() if q}
+
+
+def stripped(joint_names, message):
+    return {n.strip(): q for n, q in zip(message.name, message.position) if n.strip() in joint_names and q == q}
+
+
+def last_part(joint_names, message):
+    names = [n.split("/")[-1] for n in message.name]
+    return {n: q for n, q in zip(names, message.position) if n in joint_names and q == q}
+
+
+def strict(joint_names, message):
+    return {n: q for n, q in zip(message.name, message.position, strict=True) if n in joint_names and q == q}
+
+
+def by_length(joint_names, message):
+    count = len(message.name)
+    return {message.name[i]: message.position[i] for i in range(count) if message.name[i] in joint_names}
+
+
+def typed_names(joint_names, message):
+    return match_by_name(("TURRET_Y", "TURRET_P", "HATCH"), message)
+
+
+def pops(joint_names, message):
+    found = {}
+    while message.name:
+        name = message.name.pop(0)
+        if name in joint_names:
+            found[name] = 0.0
+    return found
+
+
+def renames(joint_names, message):
+    joint_names.sort()
+    return match_by_name(joint_names, message)
+
+
+def breaks(joint_names, message):
+    found = {}
+    for n, q in zip(message.name, message.position):
+        if math.isnan(q):
+            break
+        if n in joint_names:
+            found[n] = q
+    return found
+
+
+def numbers_first(joint_names, message):
+    names = [n for n in message.name if n in joint_names]
+    numbers = [q for q in message.position if not math.isnan(q)]
+    return dict(zip(names, numbers))
+
+
+def pairs(joint_names, message):
+    return list(match_by_name(joint_names, message).items())
+
+
+def in_degrees(joint_names, message):
+    return {n: math.degrees(q) for n, q in match_by_name(joint_names, message).items()}
+
+
+def fills_nan(joint_names, message):
+    return {n: 0.0 if math.isnan(q) else q for n, q in zip(message.name, message.position) if n in joint_names}
+
+
+BY_NAME = [
+    (kept, "make a new one in every call"),
+    (kept_and_copied, "kept from call to call"),
+    (smallest, "the smallest position wins"),
+    (mean, "are averaged"),
+    (falsy, "0.0 is taken for nothing"),
+    (stripped, "blanks around a name are cut off"),
+    (last_part, "only the end of a name is compared"),
+    (strict, "strict=True"),
+    (by_length, "an index beyond the end"),
+    (typed_names, "the joints' names are typed"),
+    (pops, "changes the message itself"),
+    (renames, "joint_names is changed"),
+    (breaks, "the loop ends at NaN"),
+    (numbers_first, "unknown names and NaN are left out before"),
+    (pairs, "dict(pairs) makes one"),
+    (in_degrees, "converted to degrees"),
+    (fills_nan, "NaN becomes 0"),
+]
+
+# --- drive
+
+
+class Queued(GentleTank):
+    def configure(self, config):
+        super().configure(config)
+        self.waiting, self.last = deque(), Joy()
+
+    def on_joy(self, message):
+        self.waiting.append(message)
+
+    def control(self):
+        if self.waiting:
+            self.last = self.waiting.popleft()
+        self.joy.put(self.last)
+        super().control()
+
+
+class TakesItOut(GentleTank):
+    def control(self):
+        super().control()
+        self.joy.put(Joy())
+
+
+class Smoothed(GentleTank):
+    def control(self):
+        before = self.track_l.ctrl, self.track_r.ctrl
+        super().control()
+        self.track_l.ctrl = 0.5 * (before[0] + self.track_l.ctrl)
+        self.track_r.ctrl = 0.5 * (before[1] + self.track_r.ctrl)
+
+
+class OnlyAhead(GentleTank):
+    def control(self):
+        x, y = (axis if axis > 0.3 else 0.0 for axis in [*self.joy.get().axes, 0.0, 0.0][:2])
+        self.track_l.ctrl, self.track_r.ctrl = y - 0.5 * x, y + 0.5 * x
+
+
+class FourAxes(GentleTank):
+    def on_joy(self, message):
+        if len(message.axes) == 4:
+            self.joy.put(message)
+
+
+class AllOrNothing(GentleTank):
+    def control(self):
+        axes = self.joy.get().axes
+        x, y = axes[:2] if len(axes) > 1 else (0.0, 0.0)
+        x, y = (axis if abs(axis) > 0.3 else 0.0 for axis in (x, y))
+        self.track_l.ctrl, self.track_r.ctrl = y - 0.5 * x, y + 0.5 * x
+
+
+class ForgetsAtTheStart(GentleTank):
+    def initialize(self, io):
+        super().initialize(io)
+        self.joy.put(Joy())
+
+
+class KnowsTheBodyTooLate(GentleTank):
+    def on_joy(self, message):
+        self.tracks = (self.track_l, self.track_r)
+        self.joy.put(message)
+
+
+_newest = Latest(Joy())
+
+
+class GlobalLatest(GentleTank):
+    def configure(self, config):
+        super().configure(config)
+        self.joy = _newest
+
+
+class ExpectsSix(GentleTank):
+    def control(self):
+        if len(self.joy.get().axes) > 4:
+            raise IndexError("too many")
+        super().control()
+
+
+class TwoSubscriptions(GentleTank):
+    def configure(self, config):
+        super().configure(config)
+        super().configure(config)
+
+
+class DestroysTheNode(GentleTank):
+    def unconfigure(self):
+        self.node.destroy_node()
+
+
+class NumberForATrack(GentleTank):
+    def control(self):
+        self.track_l = self.track_r = 1.0
+
+
+DRIVE = [
+    (Queued, "messages wait in a queue"),
+    (TakesItOut, "a message counts for one step only"),
+    (Smoothed, "the speeds are smoothed"),
+    (OnlyAhead, "abs is missing"),
+    (FourAxes, "a message with few axes is dropped"),
+    (AllOrNothing, "a message with few axes counts as rest"),
+    (ForgetsAtTheStart, "initialize throws away what has come before"),
+    (KnowsTheBodyTooLate, "read before anything has set it"),
+    (GlobalLatest, "_newest is shared by all objects"),
+    (ExpectsSix, "there may be more"),
+    (TwoSubscriptions, "configure makes two"),
+    (DestroysTheNode, "config.node belongs to the whole program"),
+    (NumberForATrack, "puts a number in the place of the actuator"),
+]
+
+# --- publish
+
+
+class Publishes(TurretPublisher):
+    """Right; each wrong answer changes one of its parts."""
+
+    def control(self):
+        if self.io.step % self.steps_per_message == 0:
+            self.publisher.publish(self.message())
+
+    def message(self):
+        message = JointState(name=[joint.name for joint in self.joints])
+        message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
+        message.position = [joint.position for joint in self.joints]
+        message.velocity = [joint.velocity for joint in self.joints]
+        message.effort = [joint.effort for joint in self.joints]
+        return message
+
+
+class OneStepLess(Publishes):
+    def initialize(self, io):
+        super().initialize(io)
+        self.steps_per_message -= 1
+
+
+class OneStepMore(Publishes):
+    def initialize(self, io):
+        super().initialize(io)
+        self.left = 0
+
+    def control(self):
+        if self.left == 0:
+            self.publisher.publish(self.message())
+            self.left = self.steps_per_message
+        else:
+            self.left -= 1
+
+
+class DueForEver(Publishes):
+    def configure(self, config):
+        super().configure(config)
+        self.due = 0
+
+    def control(self):
+        if self.io.time_ns >= self.due:
+            self.due += 40_000_000
+            self.publisher.publish(self.message())
+
+
+class NanosecondsOnly(Publishes):
+    def message(self):
+        message = super().message()
+        message.header.stamp.sec = 0
+        return message
+
+
+class Milliseconds(Publishes):
+    def message(self):
+        message = super().message()
+        message.header.stamp = Time(nanoseconds=self.io.time_ns // 1_000_000).to_msg()
+        return message
+
+
+class GrowingLists(Publishes):
+    def initialize(self, io):
+        super().initialize(io)
+        self.names, self.positions = [], []
+
+    def message(self):
+        message = super().message()
+        self.names += message.name
+        self.positions += message.position
+        message.name, message.position = self.names, self.positions
+        return message
+
+
+class OneMessageBehind(Publishes):
+    before = None
+
+    def message(self):
+        message = super().message()
+        positions, self.before = list(message.position), message.position
+        message.position = getattr(self, "last", positions)
+        self.last = positions
+        return message
+
+
+class RoundedPositions(Publishes):
+    def message(self):
+        message = super().message()
+        message.position = [round(position, 3) for position in message.position]
+        return message
+
+
+class FirstTwo(Publishes):
+    def initialize(self, io):
+        super().initialize(io)
+        self.joints = self.joints[:2]
+
+
+class PublisherOfTheClass(Publishes):
+    made = None
+
+    def configure(self, config):
+        super().configure(config)
+        PublisherOfTheClass.made = self.publisher
+
+    def control(self):
+        if self.io.step % self.steps_per_message == 0:
+            PublisherOfTheClass.made.publish(self.message())
+
+
+class WaitsInATimerThread(Publishes):
+    def initialize(self, io):
+        super().initialize(io)
+        self.ready = threading.Thread(target=self.message)
+        self.ready.start()
+
+
+class BesideTheCoursesOwn(JointStatePublisher):
+    def configure(self, config):
+        super().configure(config)
+        self.publisher = config.node.create_publisher(JointState, f"{config.body.name}/turret", 1)
+
+    def initialize(self, io):
+        super().initialize(io)
+        self.steps_per_message *= 2
+
+
+class NothingKept(Publishes):
+    def configure(self, config):
+        config.node.create_publisher(JointState, f"{config.body.name}/turret", 1)
+
+
+class ArgumentsForInit(Publishes):
+    def __init__(self, config):
+        self.config = config
+
+
+PUBLISH = [
+    (OneStepLess, "the count is off by one"),
+    (OneStepMore, "the count is off by one"),
+    (DueForEver, "kept from the run before"),
+    (NanosecondsOnly, "only nanosec is set"),
+    (Milliseconds, "milliseconds for nanoseconds"),
+    (GrowingLists, "the lists grow from message to message"),
+    (OneMessageBehind, "the numbers of the message before"),
+    (RoundedPositions, "the numbers are rounded"),
+    (FirstTwo, "or how many there are"),
+    (PublisherOfTheClass, "PublisherOfTheClass.made is shared by all objects"),
+    (WaitsInATimerThread, "a thread of its own"),
+    (BesideTheCoursesOwn, "configure makes two"),
+    (NothingKept, "read before anything has set it"),
+    (ArgumentsForInit, "__init__ is given nothing"),
+]
+
+# --- thrift
+
+
+class Thrifty(ThriftyPublisher):
+    """Right; each wrong answer changes one of its parts."""
+
+    def control(self):
+        if self.io.step % self.steps_per_look == 0:
+            self.look({joint.name: joint.position for joint in self.io.body.joints})
+
+    def look(self, positions):
+        news = {n: q for n, q in positions.items() if n not in self.sent or self.differs(q, self.sent[n])}
+        if news:
+            self.send(news)
+            self.sent.update(news)
+
+    def differs(self, a, b):
+        return abs(a - b) > 0.001
+
+    def send(self, news):
+        message = JointState(name=list(news), position=list(news.values()))
+        message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
+        self.publisher.publish(message)
+
+
+class AfterTheLastMessage(Thrifty):
+    left = 0
+
+    def control(self):
+        self.left -= 1
+        if self.left < 0:
+            before = dict(self.sent)
+            self.look({joint.name: joint.position for joint in self.io.body.joints})
+            self.left = self.steps_per_look - 1 if self.sent != before else 0
+
+
+class TwentySteps(Thrifty):
+    def initialize(self, io):
+        super().initialize(io)
+        self.steps_per_look = 20
+
+
+class CutOff(Thrifty):
+    def differs(self, a, b):
+        return int(a * 1000) != int(b * 1000)
+
+
+class LastOnly(Thrifty):
+    def look(self, positions):
+        name = None
+        for n, q in positions.items():
+            if n not in self.sent or self.differs(q, self.sent[n]):
+                name = n
+        if name is not None:
+            self.send({name: positions[name]})
+            self.sent[name] = positions[name]
+
+
+class LatestLookForAll(Thrifty):
+    def look(self, positions):
+        known = dict(self.sent)
+        self.sent = positions
+        news = {n: q for n, q in positions.items() if n not in known or self.differs(q, self.sent[n])}
+        if news:
+            self.send(news)
+
+
+class SentOfTheClass(Thrifty):
+    noted: dict[str, float] = {}  # the mistake
+
+    def initialize(self, io):
+        super().initialize(io)
+        SentOfTheClass.noted.clear()
+        self.sent = SentOfTheClass.noted
+
+    def look(self, positions):
+        self.sent = SentOfTheClass.noted
+        super().look(positions)
+        if "TURRET_Y" in positions:
+            self.sent.clear()
+
+
+class SendsTheOldOnes(Thrifty):
+    def send(self, news):
+        super().send({n: self.sent.get(n, q) for n, q in news.items()})
+
+
+class InDegrees(Thrifty):
+    def send(self, news):
+        super().send({n: math.degrees(q) for n, q in news.items()})
+
+
+class TypedJoints(Thrifty):
+    def control(self):
+        if self.io.step % self.steps_per_look == 0:
+            self.look({n: self.io.body.joint(n).position for n in ("BRIDGE", "SLEW", "LUFF")})
+
+
+class DueSinceConfigure(Thrifty):
+    def configure(self, config):
+        super().configure(config)
+        self.due = 0
+
+    def control(self):
+        if self.io.time_ns >= self.due:
+            self.due += 20_000_000
+            self.look({joint.name: joint.position for joint in self.io.body.joints})
+
+
+THRIFT = [
+    (AfterTheLastMessage, "counted from the last message"),
+    (TwentySteps, "written down for 1 ms"),
+    (CutOff, "truncated positions are compared"),
+    (LastOnly, "only the last joint that has moved is named"),
+    (LatestLookForAll, "what was sent is never different"),
+    (SentOfTheClass, "SentOfTheClass.noted is shared by all objects"),
+    (SendsTheOldOnes, "the position that was sent before"),
+    (InDegrees, "converted to degrees"),
+    (TypedJoints, "the joints' names are typed"),
+    (DueSinceConfigure, "kept from the run before"),
+]
+
+# --- show
+
+
+class ReadsTheNewest(MyViewer):
+    def on_joint_state(self, message):
+        self.message = message
+        self.call_later(self.draw)
+
+    def draw(self):
+        self.update(self.message)
+
+
+class NewestFirst(MyViewer):
+    def configure(self, config):
+        super().configure(config)
+        self.waiting = []
+
+    def on_joint_state(self, message):
+        self.waiting.append(message)
+        self.call_later(self.draw)
+
+    def draw(self):
+        self.update(self.waiting.pop())
+
+
+class Matches(MyViewer):
+    def update(self, message):
+        self.body.set_joint_positions(self.matched(message))
+        self.body.calc_forward_kinematics()
+        self.body.notify_change()
+
+
+class ByIndexAndName(Matches):
+    def matched(self, message):
+        return {j: q for j, n, q in zip(self.body.joint_names, message.name, message.position) if j == n}
+
+
+class NoZeros(Matches):
+    def matched(self, message):
+        return {n: q for n, q in match_joints(self.body.joint_names, message)[0].items() if q}
+
+
+class PassesNaN(Matches):
+    def matched(self, message):
+        return {n: q for n, q in zip(message.name, message.position) if n in self.body.joint_names}
+
+
+class NaNDropsAll(Matches):
+    def matched(self, message):
+        return {} if any(map(math.isnan, message.position)) else match_joints(self.body.joint_names, message)[0]
+
+
+class GoesByIndices(Matches):
+    def matched(self, message):
+        count = range(len(message.name))
+        known = {message.name[i]: message.position[i] for i in count if message.name[i] in self.body.joint_names}
+        return {n: q for n, q in known.items() if not math.isnan(q)}
+
+
+class Negative(Matches):
+    def matched(self, message):
+        return {n: -q for n, q in match_joints(self.body.joint_names, message)[0].items()}
+
+
+class OnlyNewerStamps(MyViewer):
+    newest = -1.0
+
+    def update(self, message):
+        stamp = message.header.stamp.sec + message.header.stamp.nanosec * 1e-9
+        if stamp > self.newest:
+            self.newest = stamp
+            super().update(message)
+
+
+class LockWhileDrawing(MyViewer):
+    def configure(self, config):
+        self.lock = threading.Lock()
+        super().configure(config)
+
+    def on_joint_state(self, message):
+        with self.lock:
+            super().on_joint_state(message)
+
+    def update(self, message):
+        with self.lock:
+            super().update(message)
+
+
+class BodyOfTheClass(MyViewer):
+    shown = None
+
+    def configure(self, config):
+        super().configure(config)
+        BodyOfTheClass.shown = config.body
+
+    def update(self, message):
+        self.body = BodyOfTheClass.shown
+        super().update(message)
+
+
+class SetsByAPartial(MyViewer):
+    def configure(self, config):
+        self.body, self.node = config.body, config.node
+        move = functools.partial(_move, config.body)
+        self.subscription = self.node.create_subscription(JointState, f"{self.body.name}/joint_state", move, 1)
+
+
+def _move(body, message):
+    body.set_joint_positions(match_joints(body.joint_names, message)[0])
+
+
+class PartInTheCallback(MyViewer):
+    def on_joint_state(self, message):
+        self.body.set_joint_positions(match_joints(self.body.joint_names, message)[0])
+        self.call_later(self.body.notify_change)
+
+
+class ForgetsTheMessage(MyViewer):
+    def on_joint_state(self, message):
+        self.call_later(self.update)
+
+
+class ByATimer(MyViewer):
+    def configure(self, config):
+        self.message = None
+        super().configure(config)
+        self.timer = self.node.create_timer(0.01, self.tick)
+
+    def on_joint_state(self, message):
+        self.message = message
+
+    def tick(self):
+        if self.message is not None:
+            self.call_later(self.update, self.message)
+
+
+SHOW = [
+    (ReadsTheNewest, "takes the message from self"),
+    (NewestFirst, "is taken first"),
+    (ByIndexAndName, "the i-th joint of the body is compared"),
+    (NoZeros, "0.0 is taken for nothing"),
+    (PassesNaN, "NaN is set as a position"),
+    (NaNDropsAll, "one NaN makes the whole message invalid"),
+    (GoesByIndices, "an index goes beyond the end"),
+    (Negative, "the sign is turned round"),
+    (OnlyNewerStamps, "started again"),
+    (LockWhileDrawing, "a lock is held while the body is moved and drawn"),
+    (BodyOfTheClass, "BodyOfTheClass.shown is shared by all objects"),
+    (SetsByAPartial, "the callback moves the body itself"),
+    (PartInTheCallback, "posts only what comes after"),
+    (ForgetsTheMessage, "gets too few arguments"),
+    (ByATimer, "a timer posts"),
+]
+
+# --- keep_up
+
+
+class Calm(CalmViewer):
+    def configure(self, config):
+        super().configure(config)
+        self.call_later, self.newest, self.waits = config.call_later, None, False
+
+    def draw(self, message):
+        CalmViewer.update(self, message)
+
+
+class ClearsInTheEnd(Calm):
+    def on_joint_state(self, message):
+        self.newest = message
+        if not self.waits:
+            self.waits = True
+            self.call_later(self.update)
+
+    def update(self):
+        self.draw(self.newest)
+        self.waits = False
+
+
+class AsksBeforeItKeeps(Calm):
+    def on_joint_state(self, message):
+        if self.waits:
+            self.newest = message
+        else:
+            self.newest, self.waits = message, True
+            self.call_later(self.update)
+
+    def update(self):
+        message, self.waits = self.newest, False
+        self.draw(message)
+
+
+class SwapsWithoutALock(Calm):
+    def on_joint_state(self, message):
+        first = self.newest is None
+        self.newest = message
+        if first:
+            self.call_later(self.update)
+
+    def update(self):
+        message = self.newest
+        self.newest = None
+        self.draw(message)
+
+
+class LockedWhileDrawing(Calm):
+    lock = threading.Lock()
+
+    def on_joint_state(self, message):
+        with self.lock:
+            self.call_latest(0, self.update, message)
+
+    def update(self, message):
+        with self.lock:
+            self.draw(message)
+
+
+class NoneAsKey(Calm):
+    def on_joint_state(self, message):
+        self.call_latest(None, self.draw, message)
+
+
+class NewKeys(Calm):
+    def on_joint_state(self, message):
+        self.call_latest(id(message), self.draw, message)
+
+
+class RateLimit(Calm):
+    last = float("-inf")
+
+    def on_joint_state(self, message):
+        now = time.monotonic()
+        if now - self.last > 1e-6:
+            self.last = now
+            super().on_joint_state(message)
+
+
+class DrawsAll(Calm):
+    def configure(self, config):
+        super().configure(config)
+        self.inbox = deque()
+
+    def on_joint_state(self, message):
+        self.inbox.append(message)
+        self.call_latest(0, self.update)
+
+    def update(self):
+        while self.inbox:
+            self.draw(self.inbox.popleft())
+
+
+class WaitingOnTheClass(Calm):
+    posted = False
+
+    def on_joint_state(self, message):
+        self.newest = message
+        if not WaitingOnTheClass.posted:
+            WaitingOnTheClass.posted = True
+            self.call_later(self.update)
+
+    def update(self):
+        WaitingOnTheClass.posted = False
+        self.draw(self.newest)
+
+
+class FirstStamp(Calm):
+    begin = None
+
+    def update(self, message):
+        stamp = message.header.stamp.sec
+        self.begin = stamp if self.begin is None else self.begin
+        if stamp >= self.begin:
+            self.draw(message)
+
+
+class OnlyTheTank(Calm):
+    def configure(self, config):
+        super().configure(config)
+        self.node.destroy_subscription(self.subscription)
+        config.node.taps.clear()
+        self.subscription = self.node.create_subscription(JointState, "Tank/joint_state", self.on_joint_state, 1)
+
+
+KEEP_UP = [
+    (OnlyTheTank, "The body's name is written into the topic"),
+    (ClearsInTheEnd, "cleared too late, or asked too early"),
+    (AsksBeforeItKeeps, "cleared too late, or asked too early"),
+    (SwapsWithoutALock, "cleared too late, or asked too early"),
+    (LockedWhileDrawing, "a lock is held while the body is moved and drawn"),
+    (NoneAsKey, "the key is None"),
+    (NewKeys, "the key differs from message to message"),
+    (RateLimit, "dropped by time or by count"),
+    (DrawsAll, "all messages that wait are drawn"),
+    (WaitingOnTheClass, "WaitingOnTheClass.posted is shared by all objects"),
+    (FirstStamp, "started again"),
+]
+
+ALL = {aim: AIM, by_name: BY_NAME, drive: DRIVE, publish: PUBLISH, thrift: THRIFT, show: SHOW, keep_up: KEEP_UP}
+
+
+@pytest.mark.parametrize(
+    ("exercise", "answer", "cause"),
+    [(exercise, answer, cause) for exercise, wrongs in ALL.items() for answer, cause in wrongs],
+    ids=lambda value: getattr(value, "__name__", getattr(value, "name", "")),
+)
+def test_each_kind_of_mistake_gets_its_cause(domain, exercise, answer, cause):
+    verdict = exercise.judge(answer)
+    assert not verdict.right, str(verdict)
+    assert cause in verdict.causes[0], str(verdict)
+
+
+class Matcher:
+    """An object that can be called."""
+
+    def __call__(self, joint_names, message):
+        return match_by_name(joint_names, message)
+
+
+def _usable(usable, joint_names, message):
+    return {n: q for n, q in zip(message.name, message.position) if n in joint_names and usable(q)}
+
+
+class ClearsFirst(Calm):
+    """A flag without a lock, which is cleared before the newest is taken."""
+
+    def on_joint_state(self, message):
+        self.newest = message
+        if not self.waits:
+            self.waits = True
+            self.call_later(self.update)
+
+    def update(self):
+        self.waits = False
+        self.draw(self.newest)
+
+
+class TakesUnderALock(Calm):
+    """A lock and what waits, which is taken out by the posted call: it may run only once."""
+
+    def configure(self, config):
+        self.lock = threading.Lock()
+        super().configure(config)
+
+    def on_joint_state(self, message):
+        with self.lock:
+            first, self.newest = self.newest is None, message
+        if first:
+            self.call_later(self.update)
+
+    def update(self):
+        with self.lock:
+            message, self.newest = self.newest, None
+        self.draw(message)
+
+
+class OnePerMessage(MyViewer):
+    """A queue, of which each posted call takes one."""
+
+    def configure(self, config):
+        self.inbox = deque()
+        super().configure(config)
+
+    def on_joint_state(self, message):
+        self.inbox.append(message)
+        self.call_later(self.draw)
+
+    def draw(self):
+        self.update(self.inbox.popleft())
+
+
+class FloatDeadline(Publishes):
+    """Simulated time as a float, with its rounding."""
+
+    def initialize(self, io):
+        super().initialize(io)
+        self.due = io.time
+
+    def control(self):
+        if self.io.time >= self.due:
+            self.due += 0.04
+            self.publisher.publish(self.message())
+
+    def message(self):
+        message = super().message()
+        message.header.stamp = Time(nanoseconds=int(self.io.time * 1e9)).to_msg()
+        return message
+
+
+class StopsAtTheEnd(HeldJoint):
+    """Leaves a move out that would go beyond the end."""
+
+    def aim(self, stick):
+        lower, upper = self.joint.range
+        super().aim(stick if lower <= self.q_ref + 0.002 * stick <= upper else 0.0)
+
+
+class LookLater(Thrifty):
+    """Looks 50 times a second, but not at step 0."""
+
+    def control(self):
+        if self.io.step % self.steps_per_look == self.steps_per_look // 2:
+            self.look({joint.name: joint.position for joint in self.io.body.joints})
+
+
+RIGHT = [
+    (aim, StopsAtTheEnd),
+    (by_name, Matcher()),
+    (by_name, functools.partial(_usable, math.isfinite)),
+    (by_name, lambda names, message: match_joints(names, message)[0]),
+    (publish, Publishes),
+    (publish, FloatDeadline),
+    (thrift, Thrifty),
+    (thrift, LookLater),
+    (show, OnePerMessage),
+    (keep_up, ClearsFirst),
+    (keep_up, TakesUnderALock),
+]
+
+
+@pytest.mark.parametrize(("exercise", "answer"), RIGHT, ids=lambda value: getattr(value, "name", ""))
+def test_odd_answers_that_are_right_are_right(domain, exercise, answer):
+    verdict = exercise.judge(answer)
+    assert verdict.right, str(verdict)
