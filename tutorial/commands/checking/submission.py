@@ -21,6 +21,7 @@ import psutil  # type: ignore[import-untyped]
 
 from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable, clean
 from tutorial.commands.checking.namespaces import DOMAINS
+from tutorial.commands.checking.system_calls import PR_SET_CHILD_SUBREAPER, prctl
 from tutorial.commands.checking.walls import Walls
 from tutorial.paths import PACKAGE
 from tutorial.ros.domains import shared_folder
@@ -38,6 +39,9 @@ KEPT = (
     *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_"),
 )
 """What variables begin with that a learner's code may see; others may hold keys and passwords."""
+
+_processes: set[int] = set()
+"""Those that judge at the moment."""
 
 
 @dataclass
@@ -58,7 +62,7 @@ class Submission:
 
 
 async def judge(path: Path, limit: float) -> Submission:
-    """Have a notebook's answers judged.
+    """Have a notebook's answers judged. On Linux, this process may have no children but those that it has of here.
 
     An answer that takes too long, or ends the process, is charged with that, and the others are judged in another one.
 
@@ -67,6 +71,8 @@ async def judge(path: Path, limit: float) -> Submission:
         limit: how long an answer may take [s].
     """
     submission = Submission(path)
+    if sys.platform == "linux":
+        prctl(PR_SET_CHILD_SUBREAPER, 1)  # for `_end_orphans`
     try:
         notebook = _opened(path)
     except OSError as error:
@@ -201,11 +207,14 @@ def _running(notebook: int, report: int, done: Sequence[str], limit: float) -> I
             cwd=folder,
             env=_environment(folder),
         )
+        _processes.add(process.pid)
         with process:
             try:
                 yield
             finally:
                 _end(process)
+        _processes.remove(process.pid)
+        _end_orphans()
 
 
 def _environment(folder: str) -> dict[str, str]:
@@ -222,9 +231,23 @@ def _environment(folder: str) -> dict[str, str]:
 
 def _end(process: subprocess.Popen[bytes]) -> None:
     """Kill the process, and all that has come from it."""
-    with suppress(psutil.NoSuchProcess):
-        for each in psutil.Process(process.pid).children(recursive=True):
-            with suppress(psutil.NoSuchProcess, psutil.AccessDenied):
-                each.kill()
+    _kill_below(process.pid)
     with suppress(ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
         os.killpg(process.pid, signal.SIGKILL)
+
+
+def _end_orphans() -> None:
+    """Kill what an answer has started and has outlived its judge: on Linux it is a child of this process now."""
+    for each in psutil.Process().children():
+        if each.pid not in _processes:
+            _kill_below(each.pid)
+            with suppress(psutil.NoSuchProcess, psutil.AccessDenied):
+                each.kill()
+                each.wait()
+
+
+def _kill_below(pid: int) -> None:
+    with suppress(psutil.NoSuchProcess):
+        for each in psutil.Process(pid).children(recursive=True):
+            with suppress(psutil.NoSuchProcess, psutil.AccessDenied):
+                each.kill()

@@ -71,8 +71,8 @@ class Walls(msgspec.Struct, frozen=True):
             yield "Network: it could make no TCP connection, but it COULD SEND UDP."
         else:
             yield "Network: it COULD REACH it."
-        if not self.namespaces:
-            yield "Processes: what it has started MAY STILL RUN, if it took pains to hide it."
+        if not self.namespaces and self.landlock < 6:
+            yield "Processes: it COULD END yours, and what it has started MAY STILL RUN, if it took pains to hide it."
 
 
 def raise_walls(folder: Path, seconds: int) -> Walls:
