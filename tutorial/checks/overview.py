@@ -17,10 +17,13 @@ class Overview:
 
     Args:
         folder: where the notebooks are; None for the one that this process works in.
+        step: the number of the only step to show; None for all.
     """
 
-    def __init__(self, folder: Path | None = None) -> None:
+    def __init__(self, folder: Path | None = None, step: int | None = None) -> None:
         self.solved, self.problem = read_progress(folder)
+        shown = "" if step is None else f"{step}_"
+        self._exercises = {notebook: own for notebook, own in exercises().items() if notebook.startswith(shown)}
 
     def __repr__(self) -> str:
         rows = list(self._rows())
@@ -39,12 +42,12 @@ class Overview:
 
     def _rows(self) -> Iterator[tuple[str, str, str]]:
         """Yield the notebook, where a new one begins, the exercise, and how it stands."""
-        for notebook, own in exercises().items():
+        for notebook, own in self._exercises.items():
             for i, exercise in enumerate(own):
                 day = self.solved.get(exercise.name)
                 yield "" if i else notebook, exercise.name, f"solved on {day}" if day else "not yet"
 
     def _last_lines(self) -> list[str]:
-        names = [exercise.name for own in exercises().values() for exercise in own]
+        names = [exercise.name for own in self._exercises.values() for exercise in own]
         solved = sum(name in self.solved for name in names)
         return [f"{solved} of {len(names)} exercises are solved.", *filter(None, [self.problem])]

@@ -7,6 +7,10 @@ from tutorial.checks.overview import Overview
 __all__ = ["progress"]
 
 
-def progress() -> Overview:
-    """Show which exercises are solved; that is remembered beside the notebook, in ``.tank_progress.json``."""
-    return Overview()
+def progress(step: int | None = None) -> Overview:
+    """Show which exercises are solved; that is remembered beside the notebook, in ``.tank_progress.json``.
+
+    Args:
+        step: the number of the only step to show; None for all.
+    """
+    return Overview(step=step)
