@@ -224,7 +224,7 @@ FIRST_LOOK = [
         {},
         "An object of the class dict was given. Give the function itself: await by_name.check(match_by_name).",
     ),
-    (publish, 1, "An object of the class int was given. Give the class itself: await publish.check(TurretPublisher)."),
+    (publish, 1, "An object of the class int was given. Give the class itself: await publish.check(SlowPublisher)."),
 ]
 
 

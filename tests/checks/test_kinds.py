@@ -12,7 +12,7 @@ import pytest
 from rclpy.time import Time
 from sensor_msgs.msg import JointState, Joy
 
-from tutorial.checks.joint_state_publisher import ThriftyPublisher, TurretPublisher, publish, thrift
+from tutorial.checks.joint_state_publisher import SlowPublisher, ThriftyPublisher, publish, thrift
 from tutorial.checks.joint_state_subscriber import CalmViewer, MyViewer, by_name, keep_up, match_by_name, show
 from tutorial.checks.tank_controller import GentleTank, HeldJoint, aim, drive
 from tutorial.controllers.joint_state_publisher import JointStatePublisher
@@ -352,7 +352,7 @@ DRIVE = [
 # --- publish
 
 
-class Publishes(TurretPublisher):
+class Publishes(SlowPublisher):
     """Right; each wrong answer changes one of its parts."""
 
     def control(self):

@@ -7,7 +7,7 @@ import contextlib
 import io
 import threading
 
-from tutorial.checks.joint_state_publisher import TurretPublisher, publish
+from tutorial.checks.joint_state_publisher import SlowPublisher, publish
 from tutorial.checks.tank_controller import GentleTank, drive
 
 
@@ -25,7 +25,7 @@ class LocksAllOfControl(GentleTank):
             super().control()
 
 
-class LoopsInATimer(TurretPublisher):
+class LoopsInATimer(SlowPublisher):
     def configure(self, config):
         self.node = config.node
         super().configure(config)
@@ -36,7 +36,7 @@ class LoopsInATimer(TurretPublisher):
             pass
 
 
-class RaisesInATimer(TurretPublisher):
+class RaisesInATimer(SlowPublisher):
     def configure(self, config):
         self.node = config.node
         super().configure(config)

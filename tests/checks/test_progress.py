@@ -99,7 +99,8 @@ def test_the_overview_has_every_exercise_once_under_its_notebook(folder):
     assert len(names) == len(set(names)), "they are known by their names"
     *rows, last = repr(Overview()).splitlines()
     assert [row.split()[-3 if "solved" not in row else -4] for row in rows] == names
-    assert rows[0].split() == ["1_tank_controller", "aim", "solved", "on", "2026-01-02"]
+    assert rows[0].startswith("1_tank_controller ")
+    assert [row.split()[-4:] for row in rows if "solved" in row] == [["aim", "solved", "on", "2026-01-02"]]
     assert last == f"1 of {len(names)} exercises are solved."
     page = Overview()._repr_html_()
     assert page.count("<tr>") == len(names)
@@ -112,7 +113,7 @@ def test_tank_progress_shows_the_folder_one_is_in_or_names(program, folder):
     for words in ((), (folder,), (folder / "notebooks",)):
         running = program("progress", *words)
         assert running.ends() == 0
-        assert "1_tank_controller         aim      solved on 2026-01-02\n" in running.output
+        assert re.search(r" aim +solved on 2026-01-02\n", running.output)
     running = program("progress", folder / "nothing")
     assert running.ends() == 1
     assert f"Error: there is no folder '{folder / 'nothing'}'" in running.output

@@ -8,10 +8,10 @@ import pytest
 from rclpy.time import Time
 from sensor_msgs.msg import JointState, Joy
 
-from tutorial.checks.joint_state_publisher import ThriftyPublisher, TurretPublisher, publish, thrift
+from tutorial.checks.joint_state_publisher import SlowPublisher, ThriftyPublisher, publish, thrift
 
 
-class Base(TurretPublisher):
+class Base(SlowPublisher):
     """Right; each wrong answer changes one of its parts."""
 
     topic = "{}/turret"
@@ -297,7 +297,7 @@ class ByTime(Base):
             self.publisher.publish(self.message())
 
 
-@pytest.mark.parametrize("answer", [TurretPublisher, Base, OneMessage, ByTime])
+@pytest.mark.parametrize("answer", [SlowPublisher, Base, OneMessage, ByTime])
 def test_right_publishers_are_right(domain, answer):
     verdict = publish.judge(answer)
     assert verdict.right, str(verdict)

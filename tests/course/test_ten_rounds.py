@@ -90,7 +90,7 @@ async def go_round():
 
 @pytest.mark.timeout(300)
 def test_commands_beside_a_kernel(domain):
-    assert len(LINES) == 3, "those of the notebooks were found"
+    assert len(LINES) == 2, "those of the notebooks were found"
     mark = uuid.uuid4().hex  # of what the kernel starts, not of itself: psutil sees what a process was started with
     with kernel() as running:
         assert running.run(f"import os\nos.environ['TANK_TEST_MARK'] = {mark!r}\nLINES = {LINES!r}\n{COMMANDS}") == ""

@@ -18,7 +18,7 @@ from tutorial.paths import PACKAGE
 
 CHECKOUT = PACKAGE.parent
 COURSE = ("launch_py", "notebooks", "project")
-GLOSSARY = "book/glossary.md"
+PAGES = ("book/glossary.md", "book/teaching.md")
 JUNK = {"__pycache__", ".ipynb_checkpoints", "MUJOCO_LOG.TXT"}
 LINK = re.compile(r"\]\((\.\.?/[^)#]+)")
 NO_OTHER = """
@@ -87,7 +87,7 @@ def run(code, environment, folder=None):
 
 def test_it_holds_the_package_and_the_course_and_nothing_else(wheel):
     expected = {path.relative_to(CHECKOUT).as_posix(): path.read_bytes() for path in files_of("tutorial")}
-    for path in [*(path for part in COURSE for path in files_of(part)), CHECKOUT / GLOSSARY]:
+    for path in [*(path for part in COURSE for path in files_of(part)), *(CHECKOUT / page for page in PAGES)]:
         expected[f"tutorial/_files/{path.relative_to(CHECKOUT).as_posix()}"] = path.read_bytes()
     found = {name: data for name, data in contents(wheel).items() if ".dist-info/" not in name}
     assert found.keys() == expected.keys()

@@ -28,8 +28,14 @@ def exercises() -> dict[str, tuple[Exercise, ...]]:
         text = _text(notebooks[name]) if name in notebooks else ""
         own = {each for each in values if isinstance(each, Exercise)}
         title = notebooks[name].stem if name in notebooks else name
-        found[title] = tuple(sorted(own, key=lambda each: (text.find(f"{each.name}.check("), each.name)))
+        found[title] = tuple(sorted(own, key=lambda each: (_place(each, text), each.name)))
     return {title: own for title, own in found.items() if own}
+
+
+def _place(exercise: Exercise, text: str) -> int:
+    """Say where in a notebook an exercise is checked; the end for one that is not."""
+    place = text.find(f"{exercise.name}.check(")
+    return place if place >= 0 else len(text)
 
 
 def _text(path: Path) -> str:

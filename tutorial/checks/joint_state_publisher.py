@@ -13,7 +13,7 @@ from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 __all__ = ["publish", "thrift"]
 
 
-class TurretPublisher(SimpleController):
+class SlowPublisher(SimpleController):
     """Publish position, velocity and effort of every joint at 25 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
@@ -77,8 +77,8 @@ class ThriftyPublisher(SimpleController):
 publish = Exercise(
     name="publish",
     statement="""
-    Write the controller `TurretPublisher`. It publishes a `JointState` on the topic `turret` of its body, which for
-    the body `Tank` is `/Tank/turret`, 25 times per simulated second.
+    Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body, which for
+    the body `Tank` is `/Tank/turret`, 25 times per simulated second, as nearly as whole steps allow.
 
     - Each message names all joints of the body, in the body's order, with position, velocity and effort.
     - Its stamp is the simulated time at which it is sent.
@@ -86,7 +86,7 @@ publish = Exercise(
     - When it leaves the body it destroys its publisher, in `unconfigure`.
     """,
     judge=judge_publish,
-    solution=(TurretPublisher,),
+    solution=(SlowPublisher,),
     base=SimpleController,
     parts=("configure", "initialize", "control", "unconfigure"),
     requires=("configure", "initialize"),

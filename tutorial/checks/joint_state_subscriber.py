@@ -142,10 +142,9 @@ show = Exercise(
 keep_up = Exercise(
     name="keep_up",
     statement="""
-    Write the controller `CalmViewer`. It does what `MyViewer` does, but keeps up with any publisher: while the main
-    thread is busy, at most one call waits for it, and what it shows then is the newest message.
-
-    No message may be dropped because of when it comes: the last one before the publisher falls silent has to be shown.
+    Write the controller `CalmViewer`, for messages that are whole states. It does what `MyViewer` does, but keeps up
+    with any publisher: while the main thread is busy, at most one call waits for it, and what it shows then is the
+    newest message. The last one before the publisher falls silent is always shown.
     """,
     judge=judge_keep_up,
     solution=(CalmViewer,),

@@ -10,7 +10,8 @@ import sys
 
 import pytest
 
-from tutorial.commands.checking.walls import PROCESSES, Walls
+from tutorial.commands.checking.namespaces import PROCESSES
+from tutorial.commands.checking.walls import Walls
 
 PRELUDE = """
 import ctypes, json, os, signal, socket, sys
@@ -20,7 +21,7 @@ import tutorial.commands.checking.walls as walls
 
 folder, mine, how = Path(sys.argv[1]), Path(sys.argv[2]), sys.argv[3]
 if how == "without namespaces":
-    walls._succeeds = lambda folder: False
+    walls.may_enter_namespaces = lambda folder: False
 stands = walls.raise_walls(folder, 60)
 
 def outcome(attempt):
@@ -163,6 +164,27 @@ say(
     if walls.namespaces:
         assert found["many"] == "OSError"
         assert found["processes"] in {"BlockingIOError", *["None"] * (os.getuid() == 0)}  # root before Linux 6.14
+
+
+def test_they_cannot_be_taken_down(behind):
+    walls, found = behind("""
+from tutorial.commands.checking.namespaces import _NEW, _SYS_MOUNT_SETATTR, enter_namespaces
+from tutorial.commands.checking.system_calls import mount, syscall, unshare
+import resource, struct, subprocess
+
+clear = ctypes.create_string_buffer(struct.pack("QQQQ", 0, 1, 0, 0))
+status = "import re; print(re.search('CapEff:.*', open('/proc/self/status').read())[0])"
+say(
+    writable=lambda: syscall(_SYS_MOUNT_SETATTR, -100, b"/", 0x8000, clear, ctypes.c_size_t(32)),
+    mount=lambda: mount("tmpfs", str(folder), "tmpfs", 0),
+    again=lambda: unshare(_NEW),
+    capable=lambda: subprocess.run([sys.executable, "-c", status], capture_output=True, text=True).stdout.split(),
+)
+""")
+    if walls.namespaces:
+        assert found.pop("again") in REFUSED
+        assert found.pop("capable") == "['CapEff:', '0000000000000000']"
+        assert set(found.values()) == {"PermissionError"}
 
 
 def test_what_stands_and_what_does_not_is_said():

@@ -56,11 +56,12 @@ class Answer:
         failed: Exception | None = None
         for statement in self.statements:
             try:
-                exec(compile(ast.Module([statement.node], []), statement.file, "exec"), space)
+                module = ast.Module([statement.node], [])
+                exec(compile(module, statement.file, "exec", dont_inherit=True), space)
             except Exception as error:  # noqa: BLE001 - it is a learner's code
                 failed = error
         try:
-            return eval(compile(ast.Expression(self.given), "check", "eval"), space)
+            return eval(compile(ast.Expression(self.given), "check", "eval", dont_inherit=True), space)
         except NameError as error:
             raise failed or error from None
 

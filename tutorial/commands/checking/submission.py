@@ -20,7 +20,8 @@ import msgspec
 import psutil  # type: ignore[import-untyped]
 
 from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable, clean
-from tutorial.commands.checking.walls import DOMAINS, Walls
+from tutorial.commands.checking.namespaces import DOMAINS
+from tutorial.commands.checking.walls import Walls
 from tutorial.paths import PACKAGE
 from tutorial.ros.domains import shared_folder
 
