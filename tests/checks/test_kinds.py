@@ -333,7 +333,29 @@ class NumberForATrack(GentleTank):
         self.track_l = self.track_r = 1.0
 
 
+class DropsWhatComesSoon(GentleTank):
+    last = float("-inf")
+
+    def on_joy(self, message):
+        if time.monotonic() - self.last > 1e-6:
+            self.last = time.monotonic()
+            super().on_joy(message)
+
+
+class StopsAfterAWhile(GentleTank):
+    def on_joy(self, message):
+        self.heard = time.time_ns()
+        super().on_joy(message)
+
+    def control(self):
+        if time.time_ns() - getattr(self, "heard", 0) > 5_000_000_000:
+            self.joy.put(Joy())
+        super().control()
+
+
 DRIVE = [
+    (DropsWhatComesSoon, "dropped by time"),
+    (StopsAfterAWhile, "or for a while, and then for nothing"),
     (Queued, "messages wait in a queue"),
     (TakesItOut, "a message counts for one step only"),
     (Smoothed, "the speeds are smoothed"),
@@ -763,7 +785,18 @@ class ByATimer(MyViewer):
             self.call_later(self.update, self.message)
 
 
+class AtMostAMillionPerSecond(MyViewer):
+    last = float("-inf")
+
+    def on_joint_state(self, message):
+        now = time.perf_counter()
+        if now - self.last > 1e-6:
+            self.last = now
+            super().on_joint_state(message)
+
+
 SHOW = [
+    (AtMostAMillionPerSecond, "dropped by time or by count"),
     (ReadsTheNewest, "takes the message from self"),
     (NewestFirst, "is taken first"),
     (ByIndexAndName, "the i-th joint of the body is compared"),
