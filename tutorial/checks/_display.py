@@ -155,12 +155,11 @@ def _judge_motion(
     all_right = yield from judged(_judge_news(desk))
     if not all_right:
         return
-    for judge in (_judge_part, _judge_unknown):
+    for judge in (_judge_part, _judge_unknown, _judge_odd):
         finding = judge(desk, publish)
         yield finding
         if not finding.right:
             return
-    yield _judge_odd(desk, publish)
     if in_order:
         yield _judge_all_shown(desk, publish, post)
     yield judge_held_up(desk, subscription)
