@@ -106,7 +106,15 @@ class NoSuchAttribute(HeldJoint):
         self.joint.torque = 200 * stick
 
 
+class SetBackAtRest(HeldJoint):
+    def aim(self, stick):
+        if stick == 0:
+            self.q_ref = self.joint.position
+        super().aim(stick)
+
+
 AIM = [
+    (SetBackAtRest, "the reference is set back to the joint"),
     (LowerEndOnly, "runs away at the upper end"),
     (TypedRange, "written down as numbers"),
     (OneSpeedPerMillisecond, "the time step is written down as a number"),
@@ -333,7 +341,29 @@ class NumberForATrack(GentleTank):
         self.track_l = self.track_r = 1.0
 
 
+class DropsWhatComesSoon(GentleTank):
+    last = float("-inf")
+
+    def on_joy(self, message):
+        if time.monotonic() - self.last > 1e-6:
+            self.last = time.monotonic()
+            super().on_joy(message)
+
+
+class StopsAfterAWhile(GentleTank):
+    def on_joy(self, message):
+        self.heard = time.time_ns()
+        super().on_joy(message)
+
+    def control(self):
+        if time.time_ns() - getattr(self, "heard", 0) > 5_000_000_000:
+            self.joy.put(Joy())
+        super().control()
+
+
 DRIVE = [
+    (DropsWhatComesSoon, "dropped by time"),
+    (StopsAfterAWhile, "or for a while, and then for nothing"),
     (Queued, "messages wait in a queue"),
     (TakesItOut, "a message counts for one step only"),
     (Smoothed, "the speeds are smoothed"),
@@ -488,7 +518,24 @@ class ArgumentsForInit(Publishes):
         self.config = config
 
 
+class NoEffort(Publishes):
+    def message(self):
+        message = super().message()
+        message.effort = [0.0] * len(message.name)
+        return message
+
+
+class OneMessageForEach(Publishes):
+    def control(self):
+        every, joints = self.joints, [[joint] for joint in self.joints]
+        for self.joints in joints:
+            super().control()
+        self.joints = every
+
+
 PUBLISH = [
+    (NoEffort, "effort is filled with zeros"),
+    (OneMessageForEach, "there is a message for each joint"),
     (OneStepLess, "the count is off by one"),
     (OneStepMore, "the count is off by one"),
     (DueForEver, "kept from the run before"),
@@ -763,7 +810,18 @@ class ByATimer(MyViewer):
             self.call_later(self.update, self.message)
 
 
+class AtMostAMillionPerSecond(MyViewer):
+    last = float("-inf")
+
+    def on_joint_state(self, message):
+        now = time.perf_counter()
+        if now - self.last > 1e-6:
+            self.last = now
+            super().on_joint_state(message)
+
+
 SHOW = [
+    (AtMostAMillionPerSecond, "dropped by time or by count"),
     (ReadsTheNewest, "takes the message from self"),
     (NewestFirst, "is taken first"),
     (ByIndexAndName, "the i-th joint of the body is compared"),
@@ -853,6 +911,11 @@ class NewKeys(Calm):
         self.call_latest(id(message), self.draw, message)
 
 
+class KeyOfTheSecond(Calm):
+    def on_joint_state(self, message):
+        self.call_latest(message.header.stamp.sec, self.draw, message)
+
+
 class RateLimit(Calm):
     last = float("-inf")
 
@@ -917,6 +980,7 @@ KEEP_UP = [
     (LockedWhileDrawing, "a lock is held while the body is moved and drawn"),
     (NoneAsKey, "the key is None"),
     (NewKeys, "the key differs from message to message"),
+    (KeyOfTheSecond, "the key differs from message to message"),
     (RateLimit, "dropped by time or by count"),
     (DrawsAll, "all messages that wait are drawn"),
     (WaitingOnTheClass, "WaitingOnTheClass.posted is shared by all objects"),

@@ -79,6 +79,9 @@ MISTAKES = (
     ),
     Mistake("prev", "zero", "self.q_prev begins at 0, so the first speed is wrong: it begins at joint.position."),
     Mistake("ref", "fixed", "self.q_ref is never renewed: keep q_ref for the next call."),
+    Mistake(
+        "ref", "at rest", "the reference is set back to the joint when the stick rests: it stays where it was put."
+    ),
     Mistake("order", "late", "the torque is set for the old reference: move the reference first."),
     Mistake("set", "added", "the torque is added to the last one, +=: it is set anew at every call, =."),
     Mistake("set", "moved", "nothing is set while the stick rests: the joint has to be held then, too."),
@@ -318,7 +321,8 @@ class _Model:
             q += speed * dt
             seen = min(max(q, scene.limits[0]), scene.limits[1]) if self.clamp == "of position" else q
             stick = self._stick(given, scene)
-            old = stored if self.kept else seen
+            back = not self.kept or (self.ref == "at rest" and given == 0.0)
+            old = seen if back else stored
             stored = given if self.stick == "is angle" else old + step * stick
             limited = self._limited(stored, scene)
             if self.clamp != "late":
@@ -329,7 +333,7 @@ class _Model:
             effort = self.gains[0] * self.spring * ((before if self.order == "late" else limited) - seen)
             effort += self.gains[1] * self._damping(dq_ref, dq)
             q_prev = {"fixed": q_prev, "reference": limited}.get(self.prev, seen)
-            stored = stored if self.ref == "renewed" else begin
+            stored = begin if self.ref == "fixed" else stored
             total = self._total(total, effort, given)
         return total
 

@@ -16,7 +16,7 @@ from tutorial.checks._node import WatchedSubscription
 from tutorial.checks._shared import SharedState
 from tutorial.checks._topics import endpoint, endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, judged, right, wrong
-from tutorial.checks._watch import Failure
+from tutorial.checks._watch import Failure, watch
 from tutorial.checks._world import World
 from tutorial.controller import SimpleController
 
@@ -92,13 +92,14 @@ FEW_STOP = (
 )
 MANY_AXES = "Most likely a certain number of axes is expected: there may be more, and axes[0] and axes[1] count."
 CONSUMED = (
-    "Most likely a message counts for one step only, and then for nothing: the stick is where it was last seen, until "
-    "the next message says otherwise. Latest keeps it."
+    "Most likely a message counts for one step only, or for a while, and then for nothing: the stick is where it was "
+    "last seen, until the next message says otherwise. Latest keeps it."
 )
 QUEUED = (
     "Most likely messages wait in a queue, and are taken one after the other: only the newest counts, as in a Latest."
 )
 SMOOTHED = "Most likely the speeds are smoothed, or approach what the stick says step by step: set them at once."
+DROPPED = "Most likely messages are dropped by time: the newest counts, whenever it comes."
 READ_ONCE = "Most likely the stick is read once, in initialize: control has to look at every step, self.joy.get()."
 OVERWRITTEN = (
     "Most likely self.{name} = ... puts a number in the place of the actuator: it is self.{name}.ctrl = ..., the "
@@ -202,13 +203,16 @@ def _unmoved(answer: type[SimpleController], world: World, at_once: bool) -> str
 
 def _judge_crowd(world: World, subscription: WatchedSubscription) -> Finding:
     """Look whether the newest of several messages counts, and goes on counting."""
-    for left_y in (0.4, -0.5, 0.6, 0.9):
-        subscription.call_back(Joy(axes=[0.0, left_y, 0.0, 0.0]))
-    world.advance()
+    with watch.clocks_stand():
+        for left_y in (0.4, -0.5, 0.6, 0.9):
+            subscription.call_back(Joy(axes=[0.0, left_y, 0.0, 0.0]))
+        world.advance()
     seen, wanted = _speeds(world), (0.9, 0.9)
     if not _same(seen, wanted):
-        return wrong(f"four messages between two steps: {_say(seen)}; expected: {_want(wanted)}", QUEUED)
-    world.advance(300)
+        cause = DROPPED if "clock" in watch.noted else QUEUED
+        return wrong(f"four messages between two steps: {_say(seen)}; expected: {_want(wanted)}", cause)
+    with watch.clocks_stand(ahead=60.0):
+        world.advance(300)
     if not _same(_speeds(world), wanted):
         return wrong(f"300 steps without a message: {_say(_speeds(world))}; expected: {_want(wanted)}", CONSUMED)
     return right("several messages between two steps: the newest counts, until there is another one")

@@ -83,9 +83,10 @@ def _judge_burst(desk: Desk, publish: Callable[[JointState], None], begin: float
     """Let many messages come while the main thread is busy."""
     names = desk.body.joint_names
     poses = [tuple(begin + 0.001 * (i + k) for k in range(len(names))) for i in range(1, BURST + 1)]
+    stamp = 100 + round(100_000 * begin)  # [ms]; the messages are from different seconds
     desk.keys.clear()
     for i, pose in enumerate(poses):
-        publish(joint_state(names, pose, 100 + round(1000 * begin) + i))
+        publish(joint_state(names, pose, stamp + 401 * i))
     waiting = desk.waiting
     desk.shown.clear()
     desk.drain()
@@ -98,7 +99,7 @@ def _judge_burst(desk: Desk, publish: Callable[[JointState], None], begin: float
         yield right(f"{when}: {waiting} call{'s' * (waiting != 1)} wait{'s' * (waiting == 1)} for it")
     if desk.positions() != rounded(poses[-1]):
         first = desk.positions() == rounded(poses[0])
-        publish(joint_state(names, poses[-1], 200 + round(1000 * begin)))
+        publish(joint_state(names, poses[-1], stamp + 401 * BURST))
         desk.drain()
         again_right = desk.positions() == rounded(poses[-1])
         yield wrong(f"{when}: the last one is not shown", FIRST if first and again_right else LOST)
@@ -161,7 +162,7 @@ def _interrupted_callback(desk: Desk, subscription: WatchedSubscription, at: int
     return more, _judge_turn(desk, first, second) if more else None
 
 
-_stamps = count(1000, 2)  # [ms], after those of the bursts
+_stamps = count(100_000, 2)  # [ms], after those of the bursts
 
 
 def _pair(desk: Desk) -> tuple[JointState, JointState]:

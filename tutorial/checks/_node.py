@@ -116,12 +116,13 @@ class WatchedNode(TappedNode):
 
     Attributes:
         timers_made: how many timers were created.
+        timers_seen: the timers themselves.
         moment: called whenever something is published; what it returns is kept with the message.
     """
 
     publisher_tap, subscription_tap = WatchedPublisher, WatchedSubscription
     timers_made = 0
-    _timers: tuple[Any, ...] = ()
+    timers_seen: tuple[Any, ...] = ()
     moment: Callable[[], Any] = staticmethod(lambda: None)
 
     def watched(self, kind: type[Endpoint]) -> list[Endpoint]:
@@ -138,13 +139,13 @@ class WatchedNode(TappedNode):
                 callback(*arguments)
 
         timer = super().create_timer(timer_period_sec, watched, *args, **kwargs)
-        self._timers = (*self._timers, timer)
+        self.timers_seen = (*self.timers_seen, timer)
         return timer
 
     @property
     def timers_left(self) -> int:
         """How many of them still run."""
-        return sum(_is_valid(timer.is_canceled) and not timer.is_canceled() for timer in self._timers)
+        return sum(_is_valid(timer.is_canceled) and not timer.is_canceled() for timer in self.timers_seen)
 
 
 class CheckThread(SpinThread[WatchedNode]):

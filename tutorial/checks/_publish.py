@@ -50,6 +50,7 @@ RATE_FOR_STEPS = (
 ONE_OFF = (
     "Most likely the count is off by one: from one message to the next there are round(1 / (25 * io.time_step)) steps."
 )
+SEVERAL = "Most likely there is a message for each joint: one message names all joints, with one list for each field."
 UNEVEN = "Most likely something else than the number of steps says when to publish: io.step % steps_per_message == 0."
 PERIOD = "Most likely the period is another: it is round(1 / (25 * io.time_step)) steps."
 FIXED_STEPS = "Most likely the number of steps is written down for 1 ms: compute it from io.time_step."
@@ -82,6 +83,7 @@ ONCE = (
 )
 SHORT = "Most likely {field} is left out or cut: it has one number for each name."
 OTHER_FIELD = "Most likely {field} is filled with {other}: [joint.{field} for joint in self.joints]."
+ZEROS = "Most likely {field} is filled with zeros: [joint.{field} for joint in self.joints]."
 MIXED = "Most likely {field} is filled with something else: [joint.{field} for joint in self.joints]."
 TYPED = (
     "Most likely the joints' names are typed, or how many there are: take all of them from the body, io.body.joints."
@@ -156,6 +158,8 @@ def _why_this_rate(periods: Sequence[int], wanted: int) -> str:
     """Name the likeliest cause of the numbers of steps between messages."""
     if "clock" in watch.noted:
         return CLOCK
+    if 0 in periods:
+        return SEVERAL
     known = {1: EVERY_STEP, wanted // 2: OLD_RATE, RATE: RATE_FOR_STEPS, wanted - 1: ONE_OFF, wanted + 1: ONE_OFF}
     if len(set(periods)) == 1:
         return known.get(periods[0], PERIOD)
@@ -320,7 +324,8 @@ def _why_these(field: str, names: tuple[str, ...], sent: Sequence[tuple[Any, Mom
     others = [other for other in UNITS if other != field]
     shown = [getattr(displayed.joint(name), field) for name in names]
     guesses = (
-        (shown, DISPLAYED),
+        (shown if any(shown) else (), DISPLAYED),
+        ([0.0] * len(names) if field != "position" else (), ZEROS.format(field=field)),
         (truth[::-1], EXCHANGED),
         ([degrees(value) for value in truth], DEGREES),
         ([sent[0][1].joints[name][field] for name in names], STALE),

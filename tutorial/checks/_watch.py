@@ -60,6 +60,7 @@ class Watch:
         running: by thread, the method and a number that is different for every call.
         noted: what the learner's code has done beside its work, and where: ``"sleep"``, ``"clock"``, ``"thread"``.
         clocks: by name, what the clocks of `time` say to the learner's code while they stand still; else None.
+        ahead: by how much they have been put ahead [s].
         interleaved: whether methods are being held up on purpose, so that how long they take says nothing.
     """
 
@@ -69,6 +70,7 @@ class Watch:
         self.running: dict[int, tuple[str, int]] = {}
         self.noted: dict[str, Place | None] = {}
         self.clocks: dict[str, float] | None = None
+        self.ahead = 0.0
         self.interleaved = False
         self._count = 0
 
@@ -103,9 +105,13 @@ class Watch:
             self.noted.setdefault(what, self.place(frame))
 
     @contextmanager
-    def clocks_stand(self) -> Iterator[None]:
-        """Have the clocks of `time` stand still for the learner's code."""
-        self.clocks = {}
+    def clocks_stand(self, ahead: float = 0.0) -> Iterator[None]:
+        """Have the clocks of `time` stand still for the learner's code.
+
+        Args:
+            ahead: by how much they are put ahead before [s].
+        """
+        self.clocks, self.ahead = {}, ahead
         try:
             yield
         finally:

@@ -67,13 +67,15 @@ def _noting(what: str) -> Callable[..., Any]:
 
 
 def _asking(name: str) -> Callable[..., Any]:
+    unit = 1_000_000_000 if name.endswith("_ns") else 1  # in a second
+
     def wrap(clock: Callable[[], float]) -> Callable[..., Any]:
         @functools.wraps(clock)
         def asking() -> float:
             if sys._getframe(1).f_code.co_filename in watch.files:
                 watch.note("clock", sys._getframe(1))
                 if watch.clocks is not None:
-                    return watch.clocks.setdefault(name, clock())
+                    return watch.clocks.setdefault(name, clock() + round(watch.ahead * unit))
             return clock()
 
         return asking
