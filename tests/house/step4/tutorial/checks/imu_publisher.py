@@ -58,7 +58,8 @@ lean = Exercise(
     base=None,
     parts=(),
     hints=(
-        "At rest the acceleration points up. Look for the angle between it and the z axis of the tank.",
+        "Look at the direction of the acceleration: at rest it points up, whichever way the tank leans.",
+        "What is asked for is the angle between it and the z axis of the tank.",
         "The cosine of that angle is z, divided by the length of the acceleration: math.hypot gives the length, "
         "math.acos the angle.",
     ),
