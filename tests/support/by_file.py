@@ -20,6 +20,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: (item.path.name not in LONG, item.get_closest_marker("browser") is None))
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_xdist_auto_num_workers() -> int:
     """One more than there are cores: tests often wait, for a discovery, or for a process to end."""
     return (os.cpu_count() or 1) + 1
@@ -33,6 +34,7 @@ class _ByFile(LoadScopeScheduling):
         return nodeid if file.endswith(LONG) else file
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> LoadScopeScheduling:
     """Share the tests out by files."""
     return _ByFile(config, log)
