@@ -72,12 +72,14 @@ def show(outcomes: dict[str, Outcome], console: Console) -> int:
             refused += rejected and is_listed
             if rejected == is_listed:
                 what = "is listed as equivalent, and rejected" if rejected else "survived"
-                console.print(f"{name}: {what}: {mutant.change}", style="red", highlight=False, markup=False)
+                console.print(
+                    f"{name}: {what}: {mutant.change}", style="red", highlight=False, markup=False, soft_wrap=True
+                )
     for name in outcomes:
         for why, changes in EQUIVALENT.get(name, {}).items():
-            console.print(f"{name}: equivalent, for {why}:", highlight=False, markup=False)
+            console.print(f"{name}: equivalent, for {why}:", highlight=False, markup=False, soft_wrap=True)
             for change in changes:
-                console.print(f"    {change}", highlight=False, markup=False)
+                console.print(f"    {change}", highlight=False, markup=False, soft_wrap=True)
     return 1 if refused or min(scores) < REQUIRED else 0
 
 

@@ -135,12 +135,11 @@ def _parts_edits(node: ast.AST) -> Iterator[Edit]:
     match node:
         case ast.BinOp(left, op, right):
             yield from (("op", other()) for other in ARITHMETIC if not isinstance(op, other))
-            yield from (("left", ast.UnaryOp(ast.USub(), left)), ("right", ast.UnaryOp(ast.USub(), right)))
+            yield from (("left", _negative(left)), ("right", _negative(right)))
         case ast.Compare(left, [op], [right]):
             yield from (("ops", [other]) for other in _other_comparisons(op))
             if isinstance(op, COMPARISONS):
-                yield "left", ast.UnaryOp(ast.USub(), left)
-                yield "comparators", [ast.UnaryOp(ast.USub(), right)]
+                yield from (("left", _negative(left)), ("comparators", [_negative(right)]))
         case ast.BoolOp(op, values):
             yield "op", ast.And() if isinstance(op, ast.Or) else ast.Or()
             yield from (("values", [*values[:i], _negated(each), *values[i + 1 :]]) for i, each in enumerate(values))
@@ -197,6 +196,11 @@ def _negated(test: ast.expr) -> ast.expr:
     return (
         test.operand if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not) else ast.UnaryOp(ast.Not(), test)
     )
+
+
+def _negative(value: ast.expr) -> ast.expr:
+    """Turn the sign round; of a number that is done by `_other_constants`."""
+    return value if isinstance(value, ast.Constant) else ast.UnaryOp(ast.USub(), value)
 
 
 def _one_left_out(items: list[Any]) -> list[list[Any]]:
