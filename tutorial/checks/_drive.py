@@ -33,7 +33,8 @@ STICKS = {
     "0.25 to the left": (0.25, 0.0, 0.7, -0.9),
     "ahead and to the left, in the corner": (1.0, 1.0, 0.7, -0.9),
     "0.33 to the right": (-0.33, 0.0, 0.7, -0.9),
-    "0.28 back, and half to the left": (0.5, -0.28, 0.7, -0.9),
+    "0.31 back": (0.0, -0.31, 0.7, -0.9),
+    "0.29 back, and half to the left": (0.5, -0.29, 0.7, -0.9),
 }
 """What is tried, as (left x, left y, right x, right y)."""
 
