@@ -107,9 +107,8 @@ def _edits(tree: ast.Module) -> Iterator[tuple[ast.AST, str, Any]]:
     yield from _exchanged_names([node for node in ast.walk(tree) if isinstance(node, ast.Attribute)], tree)
     for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
         names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
-        own = {argument.arg for argument in function.args.args} | {
-            name.id for name in names if isinstance(name.ctx, ast.Store)
-        }
+        own = {argument.arg for argument in function.args.args}
+        own |= {name.id for name in names if isinstance(name.ctx, ast.Store)}
         yield from _exchanged_names([name for name in names if name.id in own - {"self"}], tree)
         yield from ((name, "id", OPPOSITES[name.id]) for name in names if name.id in OPPOSITES)
 
@@ -117,9 +116,8 @@ def _edits(tree: ast.Module) -> Iterator[tuple[ast.AST, str, Any]]:
 def _exchanged_names(nodes: Sequence[ast.Name | ast.Attribute], tree: ast.Module) -> Iterator[tuple[ast.AST, str, str]]:
     """Have each name stand for each other that is used alike, of the same object: read, set, called, or looked into."""
     uses = {id(node.func): "called" for node in ast.walk(tree) if isinstance(node, ast.Call)}
-    uses |= {
-        id(node.value): "looked into" for node in ast.walk(tree) if isinstance(node, (ast.Attribute, ast.Subscript))
-    }
+    looks = (node for node in ast.walk(tree) if isinstance(node, (ast.Attribute, ast.Subscript)))
+    uses |= {id(node.value): "looked into" for node in looks}
     groups = defaultdict(list)
     for node in nodes:
         of = ast.unparse(node.value) if isinstance(node, ast.Attribute) else ""
@@ -132,6 +130,9 @@ def _exchanged_names(nodes: Sequence[ast.Name | ast.Attribute], tree: ast.Module
 
 
 def _parts_edits(node: ast.AST) -> Iterator[Edit]:
+    if isinstance(node, (ast.If, ast.IfExp, ast.While)):
+        conditions = (_negated(node.test), ast.Constant(True), ast.Constant(False))
+        yield from (("test", other) for other in conditions)
     match node:
         case ast.BinOp(left, op, right):
             yield from (("op", other()) for other in ARITHMETIC if not isinstance(op, other))
@@ -147,8 +148,6 @@ def _parts_edits(node: ast.AST) -> Iterator[Edit]:
             yield from (("values", [each, each]) for each in values if len(values) == 2)
         case ast.Constant(value):
             yield from (("value", other) for other in _other_constants(value))
-        case ast.If(test) | ast.IfExp(test):
-            yield from (("test", _negated(test)), ("test", ast.Constant(True)), ("test", ast.Constant(False)))
         case ast.comprehension(ifs=[test]):
             yield from (("ifs", [_negated(test)]), ("ifs", []))
         case ast.Tuple(elements) | ast.List(elements):
@@ -163,13 +162,10 @@ def _parts_edits(node: ast.AST) -> Iterator[Edit]:
             yield from (("targets", rest) for rest in _one_left_out(targets))
         case ast.Return(ast.expr()):
             yield "value", None
-        case ast.FunctionDef(body=body) | ast.ClassDef(body=body):
+        case ast.stmt(body=[*body]):
             yield from (("body", rest or [ast.Pass()]) for rest in _one_left_out(body))
-    if isinstance(node, ast.FunctionDef):
-        yield from (("body", others) for others in _exchanged(node.body))
-    if isinstance(node, ast.If):
-        yield from (("body", rest or [ast.Pass()]) for rest in _one_left_out(node.body))
-        yield from (("body", others) for others in _exchanged(node.body))
+            if not isinstance(node, ast.ClassDef):
+                yield from (("body", others) for others in _exchanged(body))
 
 
 def _other_comparisons(op: ast.cmpop) -> list[ast.cmpop]:
@@ -193,9 +189,10 @@ def _other_constants(value: object) -> list[object]:
 
 
 def _negated(test: ast.expr) -> ast.expr:
-    return (
-        test.operand if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not) else ast.UnaryOp(ast.Not(), test)
-    )
+    match test:
+        case ast.UnaryOp(ast.Not(), operand):
+            return operand
+    return ast.UnaryOp(ast.Not(), test)
 
 
 def _negative(value: ast.expr) -> ast.expr:
