@@ -34,23 +34,27 @@ EXERCISES = {each.name: each for those in exercises().values() for each in those
 Outcome = dict[Mutant, bool]  # whether it is rejected
 
 
-async def judge_all(asked: Sequence[Exercise]) -> dict[str, Outcome]:
-    """Judge every mutant of some exercises, some at a time, with a progress bar."""
+async def judge_all(asked: Sequence[Exercise], outcomes: dict[str, Outcome]) -> None:
+    """Judge every mutant of some exercises, some at a time, with a progress bar.
+
+    Args:
+        asked: the exercises.
+        outcomes: by exercise, what has come of it; filled as it comes.
+    """
     mutants = [(exercise, mutant) for exercise in asked for mutant in mutants_of(exercise)]
-    outcomes: dict[str, Outcome] = {exercise.name: {} for exercise in asked}
     turn = asyncio.Semaphore(JOBS)
     terminal = sys.stderr.isatty()
     with tqdm(total=len(mutants), unit="mutant", mininterval=0.1 if terminal else 30.0, ascii=" =") as bar:
 
         async def judge_one(exercise: Exercise, mutant: Mutant) -> None:
             async with turn:
-                outcomes[exercise.name][mutant] = await rejects(exercise, mutant, LIMIT)
+                rejected = await rejects(exercise, mutant, LIMIT)
+                outcomes.setdefault(exercise.name, {})[mutant] = rejected
             bar.update()
 
         async with asyncio.TaskGroup() as group:
             for exercise, mutant in mutants:
                 group.create_task(judge_one(exercise, mutant))
-    return outcomes
 
 
 def show(outcomes: dict[str, Outcome], console: Console) -> int:
@@ -80,7 +84,7 @@ def show(outcomes: dict[str, Outcome], console: Console) -> int:
             console.print(f"{name}: equivalent, for {why}:", highlight=False, markup=False, soft_wrap=True)
             for change in changes:
                 console.print(f"    {change}", highlight=False, markup=False, soft_wrap=True)
-    return 1 if refused or min(scores) < REQUIRED else 0
+    return 1 if refused or min(scores, default=1.0) < REQUIRED else 0
 
 
 def _if_not_rejected(name: str, mutant: Mutant) -> str:
@@ -93,10 +97,12 @@ def _if_not_rejected(name: str, mutant: Mutant) -> str:
 def main(names: tuple[str, ...]) -> None:
     """Do what the command line asks for, and exit with its status."""
     console = Console(width=None if sys.stdout.isatty() else 120)
+    outcomes: dict[str, Outcome] = {}
     try:
-        outcomes = asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES]))
+        asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES], outcomes))
     except KeyboardInterrupt:
-        console.print("stopped")
+        console.print("stopped; so far:")
+        show(outcomes, console)
         sys.exit(INTERRUPTED)
     sys.exit(show(outcomes, console))
 

@@ -26,6 +26,7 @@ AXES = "left_x, left_y = (axis if abs(axis) {} 0.3 else 0.0 for axis in axes[:2]
 TURRET = "self.publisher = self.node.create_publisher(JointState, f'{{config.body.name}}/turret', {})"
 STATE = "self.publisher = self.node.create_publisher(JointState, f'{{config.body.name}}/joint_state', {})"
 HEARD = "self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, {})"
+LATEST = "self.call_latest(self.body.name, self.update, message)"
 TOPIC = "topic = f'{self.body.name}/joint_state'"
 PER_MESSAGE = "self.steps_per_message = round(1 / (25 * io.time_step))"
 PER_LOOK = "self.steps_per_look = round(1 / (50 * io.time_step))"
@@ -121,6 +122,9 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
     "keep_up": {
         UNRELATED: exchanged(
             "self.body = config.body", "self.node = config.node", "self.call_latest = config.call_latest", TOPIC
+        ),
+        "any key does that is the same for every message: a controller's keys are its own": becomes(
+            LATEST, LATEST.replace("name", "joint_names")
         ),
         DEPTH: becomes(HEARD.format(1), HEARD.format(2), HEARD.format(0)),
     },
