@@ -8,6 +8,7 @@
 #   make install              .venv with everything that these need; quick when nothing has changed
 #   make screenshots          the README's picture, which moves; it takes some minutes
 #   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency and memory
+#   make mutants              every small fault in the exercises' solutions: does the check find it; some ten minutes
 #   make book                 the pages of book/ and the notebooks, as a site in book/_build/html
 #   make bench | lint | clean
 
@@ -16,10 +17,11 @@ PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3 python; do \
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 DURATION ?=
+EXERCISES ?=
 PYTEST_ARGS ?=
 export PYTHONDONTWRITEBYTECODE :=  # modules are compiled once, not by each of hundreds of processes
 
-.PHONY: book demo test nbval notebooks screenshots lab install bench soak lint clean
+.PHONY: book demo test nbval notebooks screenshots lab install bench soak mutants lint clean
 
 demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
@@ -44,6 +46,9 @@ bench: install
 
 soak: install
 	@PYTHONPATH=tests/support $(BIN)/python tests/soak $(DURATION)
+
+mutants: install
+	@PYTHONPATH=tests/support $(BIN)/python tests/mutants $(EXERCISES)
 
 book: install
 	$(BIN)/python -m sphinx -W --keep-going -b html -d book/_build/trees book book/_build/html

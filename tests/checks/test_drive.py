@@ -57,6 +57,18 @@ class NarrowDeadZone(Formula):
         return y - 0.5 * x, y + 0.5 * x
 
 
+class DeadZoneALittleWide(Formula):
+    def speeds(self, axes):
+        x, y = dead(axes[0], 0.33), dead(axes[1], 0.33)
+        return y - 0.5 * x, y + 0.5 * x
+
+
+class DeadZoneALittleNarrow(Formula):
+    def speeds(self, axes):
+        x, y = dead(axes[0], 0.28), dead(axes[1], 0.28)
+        return y - 0.5 * x, y + 0.5 * x
+
+
 class DeadZoneOfOneAxis(Formula):
     def speeds(self, axes):
         x, y = axes[0], dead(axes[1])
@@ -350,6 +362,8 @@ WRONG = [
     (TurnInFull, "left_x counts in full", "a turn to the left"),
     (NoDeadZone, "dead zone is missing", "stick at rest"),
     (NarrowDeadZone, "0.2; here it is 0.3", "0.25 to the left"),
+    (DeadZoneALittleWide, "a little wide: it is 0.3", "0.31 back: both tracks stand still"),
+    (DeadZoneALittleNarrow, "a little narrow: it is 0.3", "0.29 back, and half to the left"),
     (DeadZoneOfOneAxis, "left_x has no dead zone", "stick at rest"),
     (AxesExchanged, "the two axes are exchanged", "ahead: the tracks"),
     (RightStick, "reads the right stick", "ahead:"),

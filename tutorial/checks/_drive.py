@@ -33,7 +33,8 @@ STICKS = {
     "0.25 to the left": (0.25, 0.0, 0.7, -0.9),
     "ahead and to the left, in the corner": (1.0, 1.0, 0.7, -0.9),
     "0.33 to the right": (-0.33, 0.0, 0.7, -0.9),
-    "0.28 back, and half to the left": (0.5, -0.28, 0.7, -0.9),
+    "0.31 back": (0.0, -0.31, 0.7, -0.9),
+    "0.29 back, and half to the left": (0.5, -0.29, 0.7, -0.9),
 }
 """What is tried, as (left x, left y, right x, right y)."""
 
@@ -60,6 +61,8 @@ MISTAKES = (
     Mistake("dead", "none", "the dead zone is missing: an axis within 0.3 of the middle counts as 0."),
     Mistake("dead", 0.2, "the dead zone is that of TankController, 0.2; here it is 0.3."),
     *(Mistake("dead", width, f"the dead zone is {width} wide: it is 0.3.") for width in (0.03, 0.1, 0.15, 0.35, 0.5)),
+    Mistake("dead", 0.28, "the dead zone is a little narrow: it is 0.3."),
+    Mistake("dead", 0.32, "the dead zone is a little wide: it is 0.3."),
     Mistake("dead", "one side", "abs is missing, so a stick to the right or back counts as 0: abs(axis) > 0.3."),
     Mistake("dead", "other side", "abs is missing, so the dead zone holds on one side only: abs(axis) > 0.3."),
     Mistake(

@@ -1,0 +1,111 @@
+"""What the checks of the exercises are worth: every small fault in a right answer is rejected, or shown to be none.
+
+``make mutants`` runs it; it takes some ten minutes. Each mutant of each right answer is judged as a learner's answer
+is, in a process and a ROS domain of its own, two at a time. Its exit status is 1 if of any exercise more than 2 %
+survive, or one is rejected that is listed as equivalent.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from collections import Counter
+from collections.abc import Sequence
+
+import tutorial  # noqa: F401 - promises an rclpy
+
+# isort: split
+import click
+from equivalent_mutants import EQUIVALENT
+from mutation import Mutant, mutants_of, rejects
+from rich.console import Console
+from rich.table import Table
+from tqdm import tqdm
+
+from tutorial.checks.catalogue import exercises
+from tutorial.checks.exercise import Exercise
+from tutorial.commands.terminal import INTERRUPTED
+
+REQUIRED = 0.98  # of an exercise's mutants are rejected or equivalent
+LIMIT = 60.0  # [s] that one may take; whoever gives no verdict by then has not rejected it
+JOBS = 2
+EXERCISES = {each.name: each for those in exercises().values() for each in those}
+
+Outcome = dict[Mutant, bool]  # whether it is rejected
+
+
+async def judge_all(asked: Sequence[Exercise], outcomes: dict[str, Outcome]) -> None:
+    """Judge every mutant of some exercises, some at a time, with a progress bar.
+
+    Args:
+        asked: the exercises.
+        outcomes: by exercise, what has come of it; filled as it comes.
+    """
+    mutants = [(exercise, mutant) for exercise in asked for mutant in mutants_of(exercise)]
+    turn = asyncio.Semaphore(JOBS)
+    terminal = sys.stderr.isatty()
+    with tqdm(total=len(mutants), unit="mutant", mininterval=0.1 if terminal else 30.0, ascii=" =") as bar:
+
+        async def judge_one(exercise: Exercise, mutant: Mutant) -> None:
+            async with turn:
+                rejected = await rejects(exercise, mutant, LIMIT)
+                outcomes.setdefault(exercise.name, {})[mutant] = rejected
+            bar.update()
+
+        async with asyncio.TaskGroup() as group:
+            for exercise, mutant in mutants:
+                group.create_task(judge_one(exercise, mutant))
+
+
+def show(outcomes: dict[str, Outcome], console: Console) -> int:
+    """Print the table and what survived; return the exit status."""
+    table = Table("exercise", "mutants", "rejected", "equivalent", "survived", "score")
+    for column in table.columns[1:]:
+        column.justify = "right"
+    scores = []
+    for name, outcome in outcomes.items():
+        found = Counter("rejected" if rejected else _if_not_rejected(name, each) for each, rejected in outcome.items())
+        scores.append(1 - found["survived"] / len(outcome))
+        counts = (str(found[each]) for each in ("rejected", "equivalent", "survived"))
+        table.add_row(name, str(len(outcome)), *counts, f"{scores[-1]:.1%}")
+    console.print(table)
+    refused = 0
+    for name, outcome in outcomes.items():
+        for mutant, rejected in outcome.items():
+            is_listed = _if_not_rejected(name, mutant) == "equivalent"
+            refused += rejected and is_listed
+            if rejected == is_listed:
+                what = "is listed as equivalent, and rejected" if rejected else "survived"
+                console.print(
+                    f"{name}: {what}: {mutant.change}", style="red", highlight=False, markup=False, soft_wrap=True
+                )
+    for name in outcomes:
+        for why, changes in EQUIVALENT.get(name, {}).items():
+            console.print(f"{name}: equivalent, for {why}:", highlight=False, markup=False, soft_wrap=True)
+            for change in changes:
+                console.print(f"    {change}", highlight=False, markup=False, soft_wrap=True)
+    return 1 if refused or min(scores, default=1.0) < REQUIRED else 0
+
+
+def _if_not_rejected(name: str, mutant: Mutant) -> str:
+    listed = any(mutant.change in changes for changes in EQUIVALENT.get(name, {}).values())
+    return "equivalent" if listed else "survived"
+
+
+@click.command(help=__doc__)
+@click.argument("names", metavar="[EXERCISE]...", nargs=-1, type=click.Choice(list(EXERCISES)))
+def main(names: tuple[str, ...]) -> None:
+    """Do what the command line asks for, and exit with its status."""
+    console = Console(width=None if sys.stdout.isatty() else 120)
+    outcomes: dict[str, Outcome] = {}
+    try:
+        asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES], outcomes))
+    except KeyboardInterrupt:
+        console.print("stopped; so far:")
+        show(outcomes, console)
+        sys.exit(INTERRUPTED)
+    sys.exit(show(outcomes, console))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,132 @@
+"""The mutants that are right answers, too: a check has to take them."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+
+def becomes(line: str, *others: str) -> tuple[str, ...]:
+    """The changes of one line."""
+    return tuple(f"{line} → {other}" for other in others)
+
+
+def exchanged(*lines: str) -> tuple[str, ...]:
+    """The changes of some lines that follow each other: of each two neighbours, the second comes first."""
+    return tuple(f"{a}; {b} → {b}; {a}" for a, b in pairwise(lines))
+
+
+UNRELATED = "neither statement uses what the other sets"
+EVEN = "the remainder is never negative, and a multiple of n is one of -n"
+DEPTH = "how many messages may wait is left to the answer; 0 stands for the middleware's own number"
+
+PRESSED = "pressed = len(message.buttons) > 0 and message.buttons[0] == 1"
+Q_REF = "q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper)"
+JOY = "self.subscription = self.node.create_subscription(Joy, 'joy', self.on_joy, {})"
+AXES = "left_x, left_y = (axis if abs(axis) {} 0.3 else 0.0 for axis in axes[:2])"
+TURRET = "self.publisher = self.node.create_publisher(JointState, f'{{config.body.name}}/turret', {})"
+STATE = "self.publisher = self.node.create_publisher(JointState, f'{{config.body.name}}/joint_state', {})"
+HEARD = "self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, {})"
+LATEST = "self.call_latest(self.body.name, self.update, message)"
+TOPIC = "topic = f'{self.body.name}/joint_state'"
+PER_MESSAGE = "self.steps_per_message = round(1 / (25 * io.time_step))"
+PER_LOOK = "self.steps_per_look = round(1 / (50 * io.time_step))"
+DUE = "if self.io.step % self.steps_per_message == 0:"
+NOT_DUE = "if self.io.step % self.steps_per_look:"
+
+EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
+    "fire": {
+        "a length is never negative": becomes(PRESSED, PRESSED.replace(">", "!=")),
+        "a button is 0 or 1": becomes(PRESSED, PRESSED.replace("==", ">=")),
+    },
+    "drive": {
+        UNRELATED: (
+            *exchanged("self.node = config.node", "self.joy = Latest(Joy())"),
+            *exchanged("self.track_l = io.body.actuator('TRACK_L')", "self.track_r = io.body.actuator('TRACK_R')"),
+            *exchanged(
+                "self.track_l.ctrl = 1.0 * left_y - 0.5 * left_x", "self.track_r.ctrl = 1.0 * left_y + 0.5 * left_x"
+            ),
+        ),
+        DEPTH: becomes(JOY.format(1), JOY.format(2), JOY.format(0)),
+        "an axis is a float32, and 0.3 is none": becomes(AXES.format(">"), AXES.format(">=")),
+    },
+    "aim": {
+        UNRELATED: (
+            *exchanged("self.joint = joint", "self.time_step = time_step", "self.q_ref = self.q_prev = joint.position"),
+            *exchanged("dq_ref = (q_ref - self.q_ref) / self.time_step", "q = self.joint.position"),
+            *exchanged(
+                "self.joint.effort = 200 * (q_ref - q) + 50 * (dq_ref - dq)", "self.q_ref, self.q_prev = (q_ref, q)"
+            ),
+        ),
+        "the larger or smaller of two is the same in either order": becomes(
+            Q_REF,
+            "q_ref = min(upper, max(self.q_ref + 0.002 * stick, lower))",
+            "q_ref = min(max(lower, self.q_ref + 0.002 * stick), upper)",
+        ),
+    },
+    "publish": {
+        UNRELATED: (
+            *exchanged("self.io = io", "self.joints = io.body.joints", PER_MESSAGE),
+            *exchanged(
+                "message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()",
+                "message.name = [joint.name for joint in self.joints]",
+                "message.position = [joint.position for joint in self.joints]",
+                "message.velocity = [joint.velocity for joint in self.joints]",
+                "message.effort = [joint.effort for joint in self.joints]",
+            ),
+        ),
+        EVEN: (
+            *becomes(
+                DUE,
+                "if self.io.step % self.steps_per_message <= 0:",
+                "if -(self.io.step % self.steps_per_message) == 0:",
+                "if -self.io.step % self.steps_per_message == 0:",
+                "if self.io.step % -self.steps_per_message == 0:",
+            ),
+            *becomes(
+                PER_MESSAGE,
+                "self.steps_per_message = round(1 / -(25 * io.time_step))",
+                "self.steps_per_message = round(1 / (25 * -io.time_step))",
+                "self.steps_per_message = round(-1 / (25 * io.time_step))",
+                "self.steps_per_message = round(1 / (-25 * io.time_step))",
+            ),
+        ),
+        "at which step the first message is sent is left to the answer": becomes(DUE, DUE.replace("0", "1")),
+        DEPTH: becomes(TURRET.format(1), TURRET.format(2), TURRET.format(0)),
+    },
+    "thrift": {
+        UNRELATED: (
+            *exchanged("self.io = io", "self.sent = {}", PER_LOOK),
+            *exchanged(
+                f"{NOT_DUE}; return", "positions = {joint.name: joint.position for joint in self.io.body.joints}"
+            ),
+            *exchanged("self.publisher.publish(message)", "self.sent.update(news)"),
+        ),
+        EVEN: (
+            *becomes(NOT_DUE, "if -self.io.step % self.steps_per_look:", "if self.io.step % -self.steps_per_look:"),
+            *becomes(
+                PER_LOOK,
+                "self.steps_per_look = round(1 / -(50 * io.time_step))",
+                "self.steps_per_look = round(1 / (50 * -io.time_step))",
+                "self.steps_per_look = round(-1 / (50 * io.time_step))",
+                "self.steps_per_look = round(1 / (-50 * io.time_step))",
+            ),
+        ),
+        DEPTH: becomes(STATE.format(10), STATE.format(11), STATE.format(9)),
+    },
+    "show": {
+        UNRELATED: exchanged(
+            "self.body = config.body", "self.node = config.node", "self.call_later = config.call_later", TOPIC
+        ),
+        DEPTH: becomes(HEARD.format(1), HEARD.format(2), HEARD.format(0)),
+    },
+    "keep_up": {
+        UNRELATED: exchanged(
+            "self.body = config.body", "self.node = config.node", "self.call_latest = config.call_latest", TOPIC
+        ),
+        "any key does that is the same for every message: a controller's keys are its own": becomes(
+            LATEST, LATEST.replace("name", "joint_names")
+        ),
+        DEPTH: becomes(HEARD.format(1), HEARD.format(2), HEARD.format(0)),
+    },
+}
+"""By exercise, and by the reason, the changes: `mutation.Mutant.change`."""
