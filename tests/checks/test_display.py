@@ -27,6 +27,11 @@ class NeverPosted(MyViewer):
         self.message = message
 
 
+class PostsItself(MyViewer):
+    def on_joint_state(self, message):
+        self.call_later(self.on_joint_state, message)
+
+
 class HardCoded(MyViewer):
     def configure(self, config):
         self.node = config.node
@@ -152,6 +157,7 @@ SHOW = [
     (FromTheCallback, "the callback moves the body itself", "touched on the executor's thread"),
     (CalledAtOnce, "the parentheses call it at once", "touched on the executor's thread"),
     (NeverPosted, "the callback posts nothing", "nothing is posted"),
+    (PostsItself, "the callback posts itself", "it posts another call, without end"),
     (HardCoded, "written into the topic", "on a body called Lift, it listens to /Tank/joint_state"),
     (WrongTopic, "the topic's name is another", "/Tank/joint_states, not /Tank/joint_state"),
     (NoKinematics, "calc_forward_kinematics() is missing", "the links are where they were"),

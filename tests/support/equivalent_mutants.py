@@ -17,6 +17,7 @@ def exchanged(*lines: str) -> tuple[str, ...]:
 
 UNRELATED = "neither statement uses what the other sets"
 EVEN = "the remainder is never negative, and a multiple of n is one of -n"
+WHAT_IS_TOLD = "that observers are told is asked for, not what"
 DEPTH = "how many messages may wait is left to the answer; 0 stands for the middleware's own number"
 
 PRESSED = "pressed = len(message.buttons) > 0 and message.buttons[0] == 1"
@@ -27,6 +28,7 @@ TURRET = "self.publisher = self.node.create_publisher(JointState, f'{{config.bod
 STATE = "self.publisher = self.node.create_publisher(JointState, f'{{config.body.name}}/joint_state', {})"
 HEARD = "self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, {})"
 LATEST = "self.call_latest(self.body.name, self.update, message)"
+TOLD = "self.body.notify_change({})"
 TOPIC = "topic = f'{self.body.name}/joint_state'"
 PER_MESSAGE = "self.steps_per_message = round(1 / (25 * io.time_step))"
 PER_LOOK = "self.steps_per_look = round(1 / (50 * io.time_step))"
@@ -117,6 +119,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         UNRELATED: exchanged(
             "self.body = config.body", "self.node = config.node", "self.call_later = config.call_later", TOPIC
         ),
+        WHAT_IS_TOLD: becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions")),
         DEPTH: becomes(HEARD.format(1), HEARD.format(2), HEARD.format(0)),
     },
     "keep_up": {
@@ -126,6 +129,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         "any key does that is the same for every message: a controller's keys are its own": becomes(
             LATEST, LATEST.replace("name", "joint_names")
         ),
+        WHAT_IS_TOLD: becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions")),
         DEPTH: becomes(HEARD.format(1), HEARD.format(2), HEARD.format(0)),
     },
 }

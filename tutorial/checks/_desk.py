@@ -25,6 +25,9 @@ from tutorial.world import Placement
 __all__ = ["Desk", "joint_state"]
 
 
+TURNS = 1000  # of the loop; many more than there are calls in any check
+
+ENDLESS = "Most likely the callback posts itself: post the method that shows the message, such as self.update."
 ARGUMENTS = (
     "Most likely what is posted gets too few arguments, or too many: behind the function come those that it takes, "
     "besides self, as in self.call_later(self.{name}, message)."
@@ -81,6 +84,7 @@ class Desk(Stage):
         self.uncallable = self.keyless = False
         self.shown: list[tuple[tuple[float, ...], bool]] = []
         self.while_drawn: Callable[[], object] | None = None
+        self._posted = ""
         self._failures: list[Failure] = []
         self._loop = asyncio.new_event_loop()
         self._calls = CallQueue(self._loop)
@@ -109,8 +113,11 @@ class Desk(Stage):
         """
 
         async def turns() -> None:
-            while len(self._calls):
+            for _ in range(TURNS):
+                if not len(self._calls):
+                    return
                 await asyncio.sleep(0)
+            raise Failure(self._posted, Misuse("whenever it runs, it posts another call, without end", ENDLESS), None)
 
         self._loop.run_until_complete(turns())
         if self._failures:
@@ -149,8 +156,9 @@ class Desk(Stage):
             return
 
         def run() -> None:
+            self._posted = name_of(function)
             try:
-                with watch.call(name_of(function)):
+                with watch.call(self._posted):
                     function(*args)
             except Failure as failure:
                 self._failures.append(_of_arguments(failure, len(args)))
