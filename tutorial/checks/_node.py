@@ -8,6 +8,7 @@ import inspect
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from itertools import count
 from typing import Any, TypeVar
 
 from rclpy.exceptions import InvalidHandle
@@ -24,6 +25,9 @@ __all__ = ["CheckThread", "WatchedEndpoint", "WatchedNode", "WatchedPublisher", 
 PATIENCE = 10.0  # [s]; only what never comes takes so long
 
 Endpoint = TypeVar("Endpoint")
+
+_numbers: set[int] = set()
+"""Those of the check's threads that there are."""
 
 
 class WatchedEndpoint(Tap):
@@ -160,8 +164,11 @@ class CheckThread(SpinThread[WatchedNode]):
     patience = None  # a callback that does not return is the watchdog's
 
     def __init__(self) -> None:
-        super().__init__(WatchedNode, "tank")
-        self.other = Node("check", context=self.node.context)
+        self._number = next(number for number in count(1) if number not in _numbers)
+        _numbers.add(self._number)
+        behind = f"_{self._number}" if self._number > 1 else ""  # rcl warns of nodes of one name in one process
+        super().__init__(WatchedNode, f"tank{behind}")
+        self.other = Node(f"check{behind}", context=self.node.context)
 
     def close(self) -> None:
         """End the thread and both nodes.
@@ -171,6 +178,7 @@ class CheckThread(SpinThread[WatchedNode]):
         """
         self.other.destroy_node()
         super().close()
+        _numbers.discard(self._number)
         if self.failure is not None:
             raise self.failure
 

@@ -252,15 +252,16 @@ for _ in range(3):
         once()
     measured.append(resources())
 (objects, counts, memory), (objects_later, counts_later, memory_later) = measured[1:]
-print(objects_later - objects < 50, counts_later == counts, memory_later - memory < 100 * 2000)
+print(objects_later - objects < 50, counts_later == counts, memory_later - memory < 100 * int(sys.argv[2]))
 """
 
 
 @pytest.mark.parametrize("node", ["destroyed", "forgotten"])
-def test_rounds_of_everything_leave_nothing_behind(start: Start, node: str) -> None:
+def test_rounds_of_everything_leave_nothing_behind(start: Start, node: str, backend: str) -> None:
+    kept = 2000 if backend == "underlay" else 4000  # bytes a round; rclpy 7.1 keeps 2,100 to 2,300 itself
     if not Path("/proc/self/task").is_dir():
         pytest.skip("counts what Linux lists in /proc")
-    output, errors = start(ROUNDS, node).communicate(timeout=110)
+    output, errors = start(ROUNDS, node, str(kept)).communicate(timeout=110)
     assert (output, errors) == ("True True True\n", "")
 
 
