@@ -50,6 +50,7 @@ class _Case:
         return JointState(name=list(self.names), position=list(self.positions))
 
 
+LIKELY = "Most likely "
 BY_PLACE = (
     "Most likely positions are matched by their place: the i-th position belongs to the i-th name of the message."
 )
@@ -63,7 +64,7 @@ SHORT_CRASH = (
 SHORT = "Most likely fewer positions than names are not expected: those that are there count."
 LONG = "Most likely more positions than names are not expected: those without a name say nothing, the others count."
 EMPTY = "Most likely an empty array is not expected: it says nothing about the pose, so return {}."
-NAN = "Most likely NaN is not left out as it should be: only that joint, and math.isnan tells."
+NAN = "Most likely NaN is not left out as it should be: only that joint, and math.isfinite tells."
 INFINITE = "Most likely infinity is not expected: whatever is made of it, the other joints count."
 TWINS_CAUSE = "Most likely a name that comes twice is not expected: the last one counts, as in dict(pairs)."
 EXACT = "Most likely names are compared in part, or changed first: a joint's name is the whole of it, as it is written."
@@ -141,7 +142,7 @@ MISTAKES = (
         "pairs", "sorted names", "the names are sorted, and the positions are not: they belong together as they come."
     ),
     Mistake("pairs", "from the end", "names and positions are paired from the end: the first belongs to the first."),
-    Mistake("unknown", "kept", UNKNOWN[len("Most likely ") :]),
+    Mistake("unknown", "kept", UNKNOWN.removeprefix(LIKELY)),
     Mistake("unknown", "stop", "the loop ends at an unknown name: leave out only that one and go on, continue."),
     Mistake("unknown", "all", "an unknown name makes the whole message invalid: leave out only that one."),
     Mistake("unknown", "case", "upper and lower case are taken for the same: turret_y is another name than TURRET_Y."),
@@ -150,7 +151,11 @@ MISTAKES = (
     Mistake(
         "unknown", "part", "a part of a name is enough, as in `in` between two texts: it has to be the whole name."
     ),
-    Mistake("nan", "kept", "NaN is passed on: leave out what is not a number, math.isnan tells (NaN == NaN is False)."),
+    Mistake(
+        "nan",
+        "kept",
+        "NaN is passed on: leave out what is not finite, math.isfinite tells (NaN == NaN is False).",
+    ),
     Mistake("nan", "stop", "the loop ends at NaN: leave out only that joint and go on, continue."),
     Mistake("nan", "all", "one NaN makes the whole message invalid: leave out only that joint."),
     Mistake("nan", "zero", "NaN becomes 0: leave the joint out, then it stays where it is."),
@@ -178,14 +183,14 @@ MISTAKES = (
     Mistake("long", "none", "a message with more positions than names is dropped as a whole: use the pairs there are."),
     Mistake("absent", "zero", "a joint without a position is set to 0: leave it out, then it stays where it is."),
     Mistake("absent", "nan", "a joint without a position gets NaN: leave it out of the dict."),
-    Mistake("absent", "no dict", NO_SUBSET[len("Most likely ") :]),
-    Mistake("value", "no zero", ZERO[len("Most likely ") :]),
+    Mistake("absent", "no dict", NO_SUBSET.removeprefix(LIKELY)),
+    Mistake("value", "no zero", ZERO.removeprefix(LIKELY)),
     Mistake("value", "positive", "positions below 0 are left out: a joint turns both ways."),
     Mistake("value", "absolute", "the sign is lost: a joint turns both ways."),
     Mistake("value", "degrees", "positions are converted to degrees: they are rad on both sides."),
     Mistake("value", "radians", "positions are converted to rad: they are rad already."),
     Mistake("value", "rounded", "positions are rounded: pass them on as they are."),
-    Mistake("body", BODY, TYPED[len("Most likely ") :]),
+    Mistake("body", BODY, TYPED.removeprefix(LIKELY)),
 )
 
 
@@ -342,7 +347,7 @@ def _judge_values(seen: Sequence[dict[str, Any] | Failure], shared: SharedState)
         elif fine[i]:
             yield right(f"{case.label}: {_say(given)}")
         else:
-            causes = [f"Most likely {each.cause}" for each in found if not _is_right(case, _by(each).answer(case))]
+            causes = [f"{LIKELY}{each.cause}" for each in found if not _is_right(case, _by(each).answer(case))]
             cause = next((each for each in causes if each not in told), "")
             if cause or not causes:
                 told.append(cause)

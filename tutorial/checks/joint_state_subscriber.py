@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isnan
+from math import isfinite
 
 from sensor_msgs.msg import JointState
 
@@ -22,7 +22,7 @@ def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, 
     return {
         name: position
         for name, position in zip(message.name, message.position)
-        if name in joint_names and not isnan(position)
+        if name in joint_names and isfinite(position)
     }
 
 
@@ -89,7 +89,7 @@ by_name = Exercise(
     - The i-th position belongs to the i-th name of the message, in whatever order, and however many there are.
     - Names that the body does not have are left out.
     - If there are fewer positions than names, those that are there count; with none, the dict is empty.
-    - A position that is NaN is left out. If a name comes twice, the last one counts.
+    - A position that is not finite, above all NaN, is left out. If a name comes twice, the last such one counts.
 
     It never raises, never invents a number, and leaves the message as it is.
     """,
@@ -101,13 +101,13 @@ by_name = Exercise(
         "Look at the message's names and positions as pairs, in the message's order: each pair is either left out or "
         "counts, and none says anything about another.",
         "Go through both together with zip, which ends with the shorter. Leave out a pair whose name is not in "
-        "joint_names, or whose position is NaN. Put the others into a new dict, one after the other: of equal names "
-        "the last wins by itself.",
+        "joint_names, or whose position is not finite. Put the others into a new dict, one after the other: of equal "
+        "names the last wins by itself.",
         "One dict comprehension does it all: {name: position for name, position in zip(message.name, "
-        "message.position) if ...}, with name in joint_names and not isnan(position).",
+        "message.position) if ...}, with name in joint_names and isfinite(position).",
     ),
     notice="Notice that a short array, an unknown name and a name that comes twice needed no line of their own.",
-    imports=("from math import isnan",),
+    imports=("from math import isfinite",),
 )
 
 show = Exercise(
