@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 
-__all__ = ["TutorialError", "WrongThreadError", "did_you_mean", "file_of", "tell", "where"]
+__all__ = ["TutorialError", "WrongThreadError", "did_you_mean", "file_of", "printable", "tell", "where"]
 
 
 class TutorialError(Exception):
@@ -43,6 +43,20 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
     near = get_close_matches(given, names, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
     return f"{hint} Known are {', '.join(map(repr, names))}."
+
+
+def printable(text: str) -> str:
+    """Make a text from outside fit for a terminal: what is no visible character becomes its escape.
+
+    That are control characters, which a terminal obeys, those that turn the direction of writing around, line ends and
+    half characters.
+
+    Returns:
+        For instance ``'a\\x1b[2Jb'`` or ``'\\u202egpj'``; a text of visible characters as it is.
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
 def file_of(written: type) -> str:
