@@ -62,6 +62,9 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         ),
         DEPTH: becomes(JOY.format(1), JOY.format(2), JOY.format(0)),
         "an axis is a float32, and 0.3 is none": becomes(AXES.format(">"), AXES.format(">=")),
+        "of four, those before the last two are the first two": becomes(
+            AXES.format(">"), AXES.format(">").replace("[:2]", "[:-2]")
+        ),
     },
     "aim": {
         UNRELATED: (
