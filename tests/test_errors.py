@@ -36,7 +36,7 @@ def test_warnings_of_mujoco_are_counted_and_said_now_and_then(caplog, monkeypatc
     monkeypatch.setattr(mujoco_warns, "_due", 0.0)
     mujoco_warns("Nan, Inf or huge value in QPOS at DOF 0.")
     assert caplog.messages == [
-        "MuJoCo: Nan, Inf or huge value in CTRL at ACTUATOR 0.",
+        "MuJoCo: Nan, Inf or huge value in CTRL at ACTUATOR 0. All controls count as 0 until each is a number again.",
         "MuJoCo: Nan, Inf or huge value in QPOS at DOF 0. The simulated world is back where it began. "
         "(7 more since the last one)",
     ]

@@ -24,6 +24,11 @@ __all__ = [
 ]
 
 WARN_EVERY = 5.0  # [s] between two log lines about MuJoCo's warnings
+AFTER_WARNING = {
+    " in CTRL at ": "All controls count as 0 until each is a number again.",
+    " in Q": "The simulated world is back where it began.",  # in QPOS, QVEL or QACC
+}
+"""What MuJoCo does and does not say."""
 
 _log = logging.getLogger(__name__)
 
@@ -138,12 +143,10 @@ class _MujocoWarns:
             if now < self._due:
                 self._unsaid += 1
                 return
-            # a state that is no number has made MuJoCo begin anew, which its text does not say
-            restarted = any(f" in {state} " in text for state in ("QPOS", "QVEL", "QACC"))
-            began_anew = " The simulated world is back where it began." if restarted else ""
+            follows = next((f" {what}" for where, what in AFTER_WARNING.items() if where in text), "")
             others = f" ({self._unsaid} more since the last one)" if self._unsaid else ""
             self._unsaid, self._due = 0, now + WARN_EVERY
-            _log.warning("MuJoCo: %s%s%s", text.strip(), began_anew, others)
+            _log.warning("MuJoCo: %s%s%s", text.strip(), follows, others)
 
 
 mujoco_warns = _MujocoWarns()
