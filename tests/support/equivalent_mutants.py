@@ -21,6 +21,8 @@ WHAT_IS_TOLD = "that observers are told is asked for, not what"
 DEPTH = "how many messages may wait is left to the answer; 0 stands for the middleware's own number"
 
 PRESSED = "pressed = len(message.buttons) > 0 and message.buttons[0] == 1"
+FOUR_AXES = "axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]"
+LIMITED = "return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]"
 Q_REF = "q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper)"
 JOY = "self.subscription = self.node.create_subscription(Joy, 'joy', self.on_joy, {})"
 AXES = "left_x, left_y = (axis if abs(axis) {} 0.3 else 0.0 for axis in axes[:2])"
@@ -40,6 +42,16 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         "a length is never negative": becomes(PRESSED, PRESSED.replace(">", "!=")),
         "a button is 0 or 1": becomes(PRESSED, PRESSED.replace("==", ">=")),
     },
+    "bound": {
+        "the larger or smaller of two is the same in either order": becomes(
+            LIMITED,
+            LIMITED.replace("max(axis, -1.0), 1.0", "1.0, max(axis, -1.0)"),
+            LIMITED.replace("axis, -1.0", "-1.0, axis"),
+        ),
+        "of however many are taken at first, four are left in the end": becomes(
+            FOUR_AXES, FOUR_AXES.replace("axes[:4]", "axes[:5]")
+        ),
+    },
     "drive": {
         UNRELATED: (
             *exchanged("self.node = config.node", "self.joy = Latest(Joy())"),
@@ -50,6 +62,9 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         ),
         DEPTH: becomes(JOY.format(1), JOY.format(2), JOY.format(0)),
         "an axis is a float32, and 0.3 is none": becomes(AXES.format(">"), AXES.format(">=")),
+        "of four, those before the last two are the first two": becomes(
+            AXES.format(">"), AXES.format(">").replace("[:2]", "[:-2]")
+        ),
     },
     "aim": {
         UNRELATED: (
