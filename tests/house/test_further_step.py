@@ -1,6 +1,6 @@
 """A further step needs its own files and a row in each table of steps, nothing else: one is added to a copy.
 
-The files are in ``step4/``, each where it belongs in the course.
+The files are in ``step9/``, each where it belongs in the course.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ import pytest
 
 from tutorial.paths import HOME
 
-STEP = Path(__file__).parent / "step4"
-NOTEBOOK = "[`4_imu_publisher`](notebooks/4_imu_publisher.ipynb)"
-CONTROLLER = "[`imu_publisher.py`](tutorial/controllers/imu_publisher.py)"
-CHECK = "[`imu_publisher.py`](tutorial/checks/imu_publisher.py)"
-FILES = "[`step4.yaml`](project/step4.yaml) | [`step4.launch.py`](launch_py/step4.launch.py)"
+STEP = Path(__file__).parent / "step9"
+NOTEBOOK = "[`9_raw_imu_publisher`](notebooks/9_raw_imu_publisher.ipynb)"
+CONTROLLER = "[`raw_imu_publisher.py`](tutorial/controllers/raw_imu_publisher.py)"
+CHECK = "[`raw_imu_publisher.py`](tutorial/checks/raw_imu_publisher.py)"
+FILES = "[`step9.yaml`](project/step9.yaml) | [`step9.launch.py`](launch_py/step9.launch.py)"
 ROWS = {
-    "README.md": f"| 4 | {NOTEBOOK} | a publisher of the sensors | {CONTROLLER} | {FILES} | `/Tank/imu` |",
-    "CONTRIBUTING.md": f"| 4 | {NOTEBOOK} | {CONTROLLER} | {CHECK} | {FILES} |",
-    "book/index.md": "| [Step 4](notebooks/4_imu_publisher.ipynb) | a publisher of the sensors | `/Tank/imu` |",
+    "README.md": f"| 9 | {NOTEBOOK} | a publisher of the sensors | {CONTROLLER} | {FILES} | `/Tank/raw_imu` |",
+    "CONTRIBUTING.md": f"| 9 | {NOTEBOOK} | {CONTROLLER} | {CHECK} | {FILES} |",
+    "book/index.md": "| [Step 9](notebooks/9_raw_imu_publisher.ipynb) | a publisher of the sensors | `/Tank/raw_imu` |",
 }
 TESTS = [
-    *("notebooks/4_imu_publisher.ipynb", "tests/checks/test_lean.py", "tests/checks/test_exercise.py"),
+    *("notebooks/9_raw_imu_publisher.ipynb", "tests/checks/test_lean.py", "tests/checks/test_exercise.py"),
     *("tests/course/test_notebooks.py", "tests/house/test_layout.py", "tests/house/test_readme.py"),
     *("-k", "not test_exercise or lean or controller"),  # of what all exercises are asked, only what is about this one
 ]
@@ -68,11 +68,11 @@ def environment(course, monkeypatch):
 @pytest.mark.parametrize(("command", "node", "seconds"), [("run", "tank", 1), ("launch", "simulation", 2)])
 def test_it_runs_and_publishes(program, environment, tmp_path, command, node, seconds):
     running = program(
-        command, "step4", "--headless", "--duration", seconds, "--report", tmp_path, environment=environment
+        command, "step9", "--headless", "--duration", seconds, "--report", tmp_path, environment=environment
     )
     assert running.ends() == 0, running.output
     topics = json.loads((tmp_path / f"{node}.json").read_text())["topics"]
-    assert topics["/Tank/imu"]["published"] == 50 * seconds
+    assert topics["/Tank/raw_imu"]["published"] == 50 * seconds
 
 
 def test_the_tests_of_steps_pass_with_it(environment):
