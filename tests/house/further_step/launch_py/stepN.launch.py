@@ -1,4 +1,4 @@
-"""Step 9: a joystick, and a simulation that publishes its joint states and what its inertial sensors measure."""
+"""Step N: a joystick, and a simulation that publishes its joint states and what its inertial sensors measure."""
 
 from pathlib import Path
 
@@ -18,7 +18,7 @@ def generate_launch_description():
             ),
             ExecuteProcess(
                 name="simulation",
-                cmd=["tank", "run", str(PROJECT / "step9.yaml"), "--ros-args", "-r", "__node:=simulation"],
+                cmd=["tank", "run", str(PROJECT / "stepN.yaml"), "--ros-args", "-r", "__node:=simulation"],
                 output="screen",
             ),
         ]

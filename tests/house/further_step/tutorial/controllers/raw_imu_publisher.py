@@ -1,4 +1,4 @@
-"""Step 9: publish what the simulated robot's inertial sensors measure."""
+"""Step N: publish what the simulated robot's inertial sensors measure."""
 
 from __future__ import annotations
 
