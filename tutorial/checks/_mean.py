@@ -35,7 +35,7 @@ RATE = Rate(
 )
 MADE = "config.node.create_publisher(Imu, topic, 1)"
 
-CLEAR = "begin anew after each message, self.samples = []"
+CLEAR = "begin anew after each message, self.samples.clear()"
 MISTAKES = (
     Mistake("sent", "nothing", "message.angular_velocity is left out."),
     Mistake("method", "last", "the newest measurement alone is sent: note one in every step, and take their mean."),

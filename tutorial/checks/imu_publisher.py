@@ -41,7 +41,7 @@ class GyroPublisher(SimpleController):
             message.orientation_covariance[0] = -1.0
             message.linear_acceleration_covariance[0] = -1.0
             self.publisher.publish(message)
-            self.samples = []
+            self.samples.clear()
 
     def unconfigure(self) -> None:
         """Take the topic back."""
@@ -70,11 +70,10 @@ gyro = Exercise(
         "Look at what happens how often: measuring in every step, sending in every hundredth. What is measured has to "
         "be kept from the one to the other.",
         "In initialize look up the sensor, and begin with an empty list. In control append the sensor's value, in "
-        "every step; when it is time to, send the mean of the list, and begin a new one. Mark what is not measured.",
+        "every step; when it is time to, send the mean of the list, and empty it. Mark what is not measured.",
         "self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, x, y, z = "
         "np.mean(self.samples, axis=0).tolist() go into message.angular_velocity, -1.0 into "
-        "message.orientation_covariance[0] and message.linear_acceleration_covariance[0]; publish; self.samples = [].",
+        "message.orientation_covariance[0] and message.linear_acceleration_covariance[0]; publish; self.samples.clear().",
     ),
     notice="Notice that the mean of many measurements shakes less than any of them, and nothing between them is lost.",
-    imports=("import numpy as np",),
 )

@@ -37,7 +37,7 @@ class ImuPublisher(SimpleController):
             message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
             message.header.frame_id = f"{self.io.body.name}/base_link"
             self.publisher.publish(message)
-            self.samples = []
+            self.samples.clear()
 
     def unconfigure(self) -> None:  # main thread
         """Take the topic back."""
