@@ -73,7 +73,7 @@ gyro = Exercise(
         "every step; when it is time to, send the mean of the list, and empty it. Mark what is not measured.",
         "self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, x, y, z = "
         "np.mean(self.samples, axis=0).tolist() go into message.angular_velocity, -1.0 into "
-        "message.orientation_covariance[0] and message.linear_acceleration_covariance[0]; publish; self.samples.clear().",
+        "message.orientation_covariance[0] and message.linear_acceleration_covariance[0]. Publish; self.samples.clear().",
     ),
     notice="Notice that the mean of many measurements shakes less than any of them, and nothing between them is lost.",
 )
