@@ -238,8 +238,8 @@ def _judge_crane(
         yield failure.finding(shared.cause(TYPED) if typed else None, when)
         return
     odd = [wrong(f"{when}, {each.text}", shared.cause(TYPED)) for each in findings if not each.right]
-    messages, steps = [message for message, _ in publisher.sent[-2:]], steps_of(publisher)[-3:]
-    expected = list(means(recorder.samples, steps))[-len(messages) :] if len(steps) > len(messages) else []
+    messages, sent_at = [message for message, _ in publisher.sent[-2:]], steps_of(publisher)[-3:]
+    expected = list(means(recorder.samples, sent_at))[-len(messages) :] if len(sent_at) > len(messages) else []
     if odd:
         yield odd[0]
     elif any(not np.allclose(_numbers(message), wanted) for message, wanted in zip(messages, expected)):
