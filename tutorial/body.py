@@ -141,6 +141,7 @@ class Body:
 
     A displayed body has a model and a state of its own and belongs to the thread that made it, the main thread. A
     simulated body is a part of the world that the simulation has composed, and belongs to whoever steps that.
+    What moves a displayed body raises WrongThreadError on any other thread.
 
     Args:
         name: the body's name. Its elements are called ``name/element`` in the model.
@@ -169,6 +170,7 @@ class Body:
         self.joint_ranges: Mapping[str, tuple[float, float]] = {joint.name: joint.range for joint in self.joints}
         self.qpos_slice = self._find_qpos()
         self.qpos: NDArray[np.float64] = data.qpos[self.qpos_slice]
+        self._root_position = self._find_root_position()
         self._all_qpos = data.qpos
         self._qpos_adr = {joint.name: joint.qpos_adr for joint in self.joints}
         self._by_name = {joint.name: joint for joint in self.joints}
@@ -199,11 +201,9 @@ class Body:
         Raises:
             TutorialError: the body has no such joint; the text names the nearest.
         """
-        try:
-            return self._by_name[name]
-        except KeyError:
-            hint = did_you_mean(name, self.joint_names)
-            raise TutorialError(f"the body {self.name!r} has no joint {name!r}.{hint}") from None
+        if name not in self._by_name:
+            raise TutorialError(f"the body {self.name!r} has no joint {name!r}.{did_you_mean(name, self.joint_names)}")
+        return self._by_name[name]
 
     def actuator(self, name: str) -> Actuator:
         """Find an actuator by name.
@@ -222,6 +222,16 @@ class Body:
         number = self._find("sensor", self.model.sensor, self.model.nsensor, name)
         return Sensor(name, self.data.sensor(number).data, self._guard)
 
+    @property
+    def position(self) -> NDArray[np.float64]:
+        """Where its root, the first of its links, stands [m], a copy, shape (3,). Setting it moves a displayed body."""
+        return self._root_position.copy()
+
+    @position.setter
+    def position(self, value: ArrayLike) -> None:
+        self._check("Body.position")
+        self._root_position[:] = value
+
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body; the others stay where they are.
 
@@ -229,7 +239,6 @@ class Body:
             positions: by joint name [rad or m].
 
         Raises:
-            WrongThreadError: called on another thread than the main thread.
             TutorialError: there is no such joint.
         """
         self._check("set_joint_positions")
@@ -241,11 +250,7 @@ class Body:
             self.joint(name)  # says that there is none, and which is nearest
 
     def calc_forward_kinematics(self) -> None:
-        """Compute where the links are, from the joints' positions.
-
-        Raises:
-            WrongThreadError: called on another thread than the main thread.
-        """
+        """Compute where the links are, from the root's position and the joints'."""
         self._check("calc_forward_kinematics")
         mujoco.mj_kinematics(self.model, self.data)
 
@@ -254,9 +259,6 @@ class Body:
 
         Args:
             report: what they should know of it, such as what joint matching made of the message that changed it.
-
-        Raises:
-            WrongThreadError: called on another thread than the main thread.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):
@@ -273,11 +275,10 @@ class Body:
     def _find(self, kind: str, element: Callable[[int], Any], count: int, name: str) -> int:
         """Return the number of the body's element of a kind, or say that there is none and which there are."""
         numbers = {element(i).name: i for i in range(count)}
-        try:
-            return numbers[self._prefix + name]
-        except KeyError:
+        if self._prefix + name not in numbers:
             mine = [each.removeprefix(self._prefix) for each in numbers if each.startswith(self._prefix)]
-            raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, mine)}") from None
+            raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, mine)}")
+        return numbers[self._prefix + name]
 
     def _joint_ids(self) -> list[int]:
         return [i for i in range(self.model.njnt) if self.model.joint(i).name.startswith(self._prefix)]
@@ -293,8 +294,13 @@ class Body:
     def _find_qpos(self) -> slice:
         """MuJoCo numbers an attached body's joints in one run, so its part of ``qpos`` is one slice."""
         ids = self._joint_ids()
-        if not ids:
-            return slice(0, 0)
-        adr = self.model.jnt_qposadr
-        end = adr[ids[-1] + 1] if ids[-1] + 1 < self.model.njnt else self.model.nq
-        return slice(int(adr[ids[0]]), int(end))
+        bounds = [*self.model.jnt_qposadr.tolist(), self.model.nq]
+        return slice(bounds[ids[0]], bounds[ids[-1] + 1]) if ids else slice(0, 0)
+
+    def _find_root_position(self) -> NDArray[np.float64]:
+        """A view on where MuJoCo keeps it: with a free joint in ``qpos``, else in the model."""
+        model, ids = self.model, self._joint_ids()
+        if ids and model.jnt_type[ids[0]] == mujoco.mjtJoint.mjJNT_FREE:
+            return self.qpos[:3]
+        root = next((i for i in range(model.nbody) if model.body(i).name.startswith(self._prefix)), 0)
+        return model.body_pos[root]
