@@ -28,7 +28,7 @@ class ImuSubscriber(SimpleController):
         self.node = config.node
         self.call_later = config.call_later
         self.shaker = Shaker(self.body)
-        self.subscription = self.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 1)
+        self.subscription = self.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10)
 
     def on_imu(self, message: Imu) -> None:  # executor's thread: post and return
         """Hand the message to the main thread. Every one: a blow is an event, and may not be replaced."""
