@@ -68,7 +68,7 @@ class Shaker:
         loop = asyncio.get_running_loop()
         if loop.time() < self.ends_at:
             self.timer = loop.call_later(PERIOD, self.shake)
-            self.move(self.place + [uniform(-AMPLITUDE, AMPLITUDE) for _ in "xyz"])
+            stand_at(self.body, self.place + [uniform(-AMPLITUDE, AMPLITUDE) for _ in "xyz"])
         else:
             self.stop()
 
@@ -77,10 +77,11 @@ class Shaker:
         if self.timer is not None:
             self.timer.cancel()
             self.timer = None
-            self.move(self.place)
+            stand_at(self.body, self.place)
 
-    def move(self, position: NDArray[np.float64]) -> None:
-        """Stand the body there [m], and have it drawn."""
-        self.body.position = position
-        self.body.calc_forward_kinematics()
-        self.body.notify_change()
+
+def stand_at(body: Body, position: NDArray[np.float64]) -> None:
+    """Stand a displayed body there [m], and have it drawn."""
+    body.position = position
+    body.calc_forward_kinematics()
+    body.notify_change()
