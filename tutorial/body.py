@@ -303,4 +303,5 @@ class Body:
         if ids and model.jnt_type[ids[0]] == mujoco.mjtJoint.mjJNT_FREE:
             return self.qpos[:3]
         root = next((i for i in range(model.nbody) if model.body(i).name.startswith(self._prefix)), 0)
-        return model.body_pos[root]
+        position: NDArray[np.float64] = model.body_pos[root]
+        return position

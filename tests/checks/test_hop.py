@@ -261,6 +261,11 @@ class OtherLimit(Base):
         return hypot(x, y) > 16
 
 
+class NotMore(Base):
+    def is_blow(self, x, y, z):
+        return hypot(x, y) >= 20
+
+
 class Higher(Base):
     def blow(self):
         if self.timer is not None:
@@ -390,6 +395,7 @@ def test_right_answers_are_right(answer, domain):
         (Either, "the larger component alone counts"),
         (Everything, "every message counts as a blow"),
         (OtherLimit, "Compare with hypot(a.x, a.y) > 20"),
+        (NotMore, "is not more than 20"),
         (Higher, "noted anew by a blow"),
         (NotCancelled, "the first blow's timer goes on"),
         (Ignored, "while the body is up is ignored"),

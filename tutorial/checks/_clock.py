@@ -5,9 +5,11 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from contextvars import Context
-from typing import Any
+from typing import TypeVarTuple
 
 __all__ = ["ClockedLoop"]
+
+Ts = TypeVarTuple("Ts")
 
 BEGAN = 1024.0  # [s] on the clock; with times of powers of two every sum is exact
 TURNS = 10  # of the loop after a timer: what it calls, and what that calls
@@ -32,10 +34,11 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         return self._now
 
     def call_at(
-        self, when: float, callback: Callable[..., object], *args: Any, context: Context | None = None
+        self, when: float, callback: Callable[[*Ts], object], *args: *Ts, context: Context | None = None
     ) -> asyncio.TimerHandle:
         """Keep a timer, as asyncio does; `call_later` comes this way, too."""
-        timer = super().call_at(when, self.wrap(callback), *args, context=context)
+        wrapped = self.wrap(callback)
+        timer = super().call_at(when, lambda: wrapped(*args), context=context)
         self._timers.append(timer)
         return timer
 

@@ -31,22 +31,20 @@ class HopViewer(SimpleController):
         self.call_later(self.update, message)
 
     def update(self, message: Imu) -> None:
-        """Hop, if it was a blow; one that is up stays up for longer."""
+        """Hop, if it was a blow; from the ground, even if it is up."""
         a = message.linear_acceleration
         if hypot(a.x, a.y) > 20:
-            if self.timer is None:
-                self.place = self.body.position
-                x, y, z = self.place
-                self.move((x, y, z + 0.1))
-            else:
-                self.timer.cancel()
+            self.land()
+            self.place = self.body.position
+            x, y, z = self.place
+            self.move((x, y, z + 0.1))
             self.timer = asyncio.get_running_loop().call_later(0.5, self.land)
 
     def land(self) -> None:
         """Stand where it stood, if it is up."""
-        if self.timer is not None:
-            self.timer.cancel()
-            self.timer = None
+        timer, self.timer = self.timer, None
+        if timer is not None:
+            timer.cancel()
             self.move(self.place)
 
     def move(self, position: ArrayLike) -> None:
@@ -81,13 +79,13 @@ hop = Exercise(
     hints=(
         "Look at what has to be remembered between two calls: where the body stood, and the timer. Whether there is a "
         "timer also says whether the body is up.",
-        "Begin with self.timer = None. A blow with no timer notes the position and moves the body up; a blow with a "
-        "timer cancels that. Both make a new timer. Landing cancels the timer, sets it to None and puts the body "
-        "back, if there is one; unconfigure lands, too.",
+        "Begin with self.timer = None. Landing, if there is a timer, cancels it, sets it to None and puts the body "
+        "back. A blow lands first; then it notes the position, moves the body up, and makes a new timer. unconfigure "
+        "lands, too.",
         "self.place = self.body.position, whose x, y, z become x, y, z + 0.1; then calc_forward_kinematics and "
         "notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses "
         "after land. Put back self.place itself: what is added and taken off again is not exactly the same.",
     ),
-    notice="Notice that one method lands, for the timer and for unconfigure: whoever comes first ends it.",
+    notice="Notice that one method lands, for the timer, the next blow and unconfigure: whoever comes first ends it.",
     imports=("import asyncio", "from math import hypot"),
 )
