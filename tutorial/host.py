@@ -264,7 +264,8 @@ class Host:
         for name, item in self._items.items():
             if item.take_dirty():
                 self._view.update(name, item.body.data)
-        self._view.line("  |  ".join(filter(None, (self._trouble(), *(item.line() for item in self._items.values())))))
+        said = (text for name, item in self._items.items() for text in (item.line(), self._view.readings(name)))
+        self._view.line("  |  ".join(filter(None, (self._trouble(), *said))))
         self._view.flush()
 
     def _trouble(self) -> str:

@@ -189,6 +189,10 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
                 "self.timer = None",
             ),
             *exchanged("self.node.destroy_subscription(self.subscription)", "self.land()"),
+            *exchanged("timer.cancel()", "self.move(self.place)"),
+            *exchanged(
+                "self.move((x, y, z + 0.1))", "self.timer = asyncio.get_running_loop().call_later(0.5, self.land)"
+            ),
         ),
         "what is posted runs on the main thread, and so not before configure has ended": exchanged(
             "self.timer = None", BLOWS.format(10)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import ThreadGuard
 from tutorial.view import shapes
+from tutorial.view.arrows import Arrow, arrows_of
 from tutorial.view.scene import MESHCATS_LIGHTS, Scene, Vector, pack_command
 
 __all__ = ["View"]
@@ -56,6 +57,7 @@ class View:
         self._guard = ThreadGuard("the 3D view")
         self._scene = scene
         self._bodies: dict[str, _Poses] = {}
+        self._arrows: dict[str, tuple[Arrow, ...]] = {}
         self._furnish()
 
     @property
@@ -83,6 +85,7 @@ class View:
             self.remove(name)
         paths = self._draw(f"{ROOT}/{name}", model)
         self._bodies[name] = _Poses(paths, model)
+        self._arrows[name] = tuple(arrows_of(f"{ROOT}/{name}", model))
         self._show_grid_without_floor()
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
@@ -90,6 +93,8 @@ class View:
 
     def update(self, name: str, data: mujoco.MjData) -> None:
         """Move the bodies that have moved since the last time. What stands still costs next to nothing.
+
+        What the data's inertial sensors have measured is shown by arrows, a little smoothed from `flush` to `flush`.
 
         Args:
             name: as given to `add`.
@@ -102,6 +107,19 @@ class View:
         self._guard.check("View.update")
         for key, command in self._find(name).moved(name, data):
             self._scene.send_packed(key, command)
+        for arrow in self._arrows[name]:
+            arrow.aim(data)
+
+    def readings(self, name: str) -> str:
+        """Say in numbers, with units, what the arrows of something show; nothing where nothing was measured.
+
+        Raises:
+            TutorialError: there is nothing of this name.
+            WrongThreadError: called on another thread than the view's.
+        """
+        self._guard.check("View.readings")
+        self._find(name)
+        return ", ".join(filter(None, (arrow.reading() for arrow in self._arrows[name])))
 
     def remove(self, name: str) -> None:
         """Take something out of the view.
@@ -112,7 +130,7 @@ class View:
         """
         self._guard.check("View.remove")
         self._find(name)
-        del self._bodies[name]
+        del self._bodies[name], self._arrows[name]
         self._scene.send_message({"type": "delete", "path": f"{ROOT}/{name}"})
         self._show_grid_without_floor()
 
@@ -167,7 +185,20 @@ class View:
             WrongThreadError: called on another thread than the view's.
         """
         self._guard.check("View.flush")
+        for arrows in self._arrows.values():
+            for arrow in arrows:
+                self._move(arrow)
         self._scene.flush()
+
+    def _move(self, arrow: Arrow) -> None:
+        """Have an arrow go on by a frame. It is drawn when there is something to see for the first time."""
+        matrix = arrow.step()
+        if matrix is None:
+            return
+        if not arrow.drawn:
+            self._set_object(arrow.path, shapes.draw_arrow(arrow.path, arrow.style.colour))
+            arrow.drawn = True
+        self._scene.send_message({"type": "set_transform", "path": arrow.path, "matrix": matrix})
 
     def _show_grid_without_floor(self) -> None:
         self.show_grid(not any(poses.has_floor for poses in self._bodies.values()))
