@@ -18,6 +18,8 @@ from tutorial.host import Host
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
+from tutorial.view.bodies import View
+from tutorial.view.scene import Record, Scene, unpack_records
 from tutorial.world import Placement
 
 PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # numbers that + and - do not bring back
@@ -132,7 +134,8 @@ def test_deleted_while_it_shakes_it_leaves_no_timer_and_no_error(domain, caplog)
     """In a program, with messages from another node; joint states go on being shown meanwhile."""
 
     async def scenario():
-        async with Host(Project.load(find_project("step5"))) as host:
+        scene = Scene()
+        async with Host(Project.load(find_project("step5")), view=View(scene)) as host:
             body, loop = host.bodies["Tank"], asyncio.get_running_loop()
             place, handled = body.position, []
             loop.set_exception_handler(lambda _, context: handled.append(context))
@@ -145,6 +148,10 @@ def test_deleted_while_it_shakes_it_leaves_no_timer_and_no_error(domain, caplog)
                 await until(lambda: shaker.timer)
                 joints.publish(JointState(name=["TURRET_Y"], position=[0.5]))
                 await until(lambda: body.joint("TURRET_Y").position == 0.5)
+                host.refresh()
+                line = next(text.decode() for kind, text in unpack_records(scene.snapshot()) if kind is Record.LINE)
+                assert "1 joint shown" in line
+                assert "acceleration -30.00 0.00 9.80 m/s²" in line
                 await until(lambda: shaker.timer is None)
                 assert body.position.tolist() == place.tolist()
                 blows.publish(imu(-30.0))
