@@ -70,9 +70,9 @@ def test_arrows_point_as_the_body_is_turned_from_above_the_sensor(stage):
     stage.measure((4.0, 0.0, 9.80665), (0.0, 0.0, -2.0))
     red, blue = stage.arrows(RED)[-1], stage.arrows(BLUE)[-1]
     assert red[:3, 3] == pytest.approx([1.0, 2.0, 0.1 + 0.35])
-    assert blue[:3, 3] == pytest.approx([1.0, 2.0, 0.1 + 0.4])
+    assert blue[:3, 3] == pytest.approx([1.0, 2.0, 0.1 + 0.45])
     assert red[:3, 2] == pytest.approx([0.0, 0.2, 0.0], abs=1e-9)  # ahead is y, 0.05 m for each m/s^2
-    assert blue[:3, 2] == pytest.approx([0.0, 0.0, -0.4], abs=1e-9)
+    assert blue[:3, 2] == pytest.approx([0.0, 0.0, -0.2], abs=1e-9)
     assert "angular velocity 0.00 0.00 -2.00 rad/s (blue arrow)" in stage.view.readings("Tank")
 
 

@@ -358,7 +358,7 @@ class RedBox:
                 return not velocity and not len(rows)
             scale = height / 2 / HALF_ANGLE / DISTANCE
             x, z = self.data.qpos[[0, 2]] - self.middle
-            ends = height / 2 - scale * (z + 0.4 + 0.2 * velocity), height / 2 - scale * (z + 0.4)
+            ends = height / 2 - scale * (z + 0.45 + 0.1 * velocity), height / 2 - scale * (z + 0.45)
             found = rows.min(), rows.max()
             off = *(a - b for a, b in zip(found, ends, strict=True)), columns.mean() - width / 2 - scale * x
             return max(map(abs, off)) < 0.05 * height
@@ -395,7 +395,7 @@ def test_a_browser_shows_the_scene_as_it_is_and_after_a_restart():
                 for place in [(0.8, 0), (0, 0.7), (-0.8, -0.5)]:  # to the right, up, to the left and down
                     box.move(*place)
                     await box.is_seen(page)
-                for velocity in (4.0, 2.0, 0.0):
+                for velocity in (8.0, 4.0, 0.0):
                     await box.turn(page, velocity)
                 box.scene.line("<b>5 %</b>")
                 box.scene.flush()

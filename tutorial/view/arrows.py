@@ -51,7 +51,7 @@ STYLES = {
         "acceleration", "m/s²", "red arrow, without gravity", 0xD0342C, scale=0.05, threshold=0.5, offset=0.35
     ),
     int(mujoco.mjtSensor.mjSENS_GYRO): Style(
-        "angular velocity", "rad/s", "blue arrow", 0x2C5FD0, scale=0.2, threshold=0.05, offset=0.4
+        "angular velocity", "rad/s", "blue arrow", 0x2C5FD0, scale=0.1, threshold=0.05, offset=0.45
     ),
 }
 
