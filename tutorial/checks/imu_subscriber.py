@@ -87,5 +87,4 @@ hop = Exercise(
         "after land. Put back self.place itself: what is added and taken off again is not exactly the same.",
     ),
     notice="Notice that one method lands, for the timer, the next blow and unconfigure: whoever comes first ends it.",
-    imports=("import asyncio", "from math import hypot"),
 )
