@@ -89,9 +89,11 @@ def test_it_grows_and_shrinks_smoothly_and_follows_the_body(stage):
     sent = len(stage.messages)
     stage.view.flush()
     assert len(stage.messages) == sent  # and costs nothing
-
+    arrows = len(stage.arrows(RED))
     stage.body.position = (0.0, 0.0, 0.5)
     stage.body.calc_forward_kinematics()
+    stage.measure()
+    assert len(stage.arrows(RED)) == arrows
     stage.measure((10.0, 0.0, 9.80665))
     assert stage.arrows(RED)[-1][:3, 3] == pytest.approx([0.0, 0.0, 0.85])
 

@@ -82,7 +82,8 @@ class Arrow:
         self._target: NDArray[np.float64] = np.zeros(3)  # in the world, in the unit
         self._shown: NDArray[np.float64] = np.zeros(3)
         self._origin: NDArray[np.float64] = np.zeros(3)
-        self._sent: NDArray[np.float64] | None = None
+        self._sent: NDArray[np.float64] = np.zeros(16)
+        self._was_seen = False
 
     def aim(self, data: mujoco.MjData) -> None:
         """Take over what was measured, and where the sensor is.
@@ -102,23 +103,20 @@ class Arrow:
         """Go on by a frame, towards what was measured.
 
         Returns:
-            Where the arrow is now, as a 4 x 4 matrix, column by column; None if that has not changed.
+            Where the arrow is now, as a 4 x 4 matrix, column by column; None if nothing has changed that is seen.
         """
         difference = self._target - self._shown
         still = np.abs(difference).max() < 0.01 * self.style.threshold
         self._shown = self._target.copy() if still else self._target - SMOOTHNESS * difference
+        is_seen = self._is_seen
+        if not (is_seen or self._was_seen):
+            return None
+        self._was_seen = is_seen
         matrix = self._matrix()
-        if self._sent is None:
-            self._sent = np.zeros(16) if self.is_seen else None
-        if self._sent is None or (matrix == self._sent).all():
+        if (matrix == self._sent).all():
             return None
         self._sent = matrix
         return matrix
-
-    @property
-    def is_seen(self) -> bool:
-        """Whether it is long enough to be seen."""
-        return float(np.linalg.norm(self._shown)) >= self.style.threshold
 
     def reading(self) -> str:
         """Say what was measured, in numbers; nothing where nothing was."""
@@ -127,11 +125,16 @@ class Arrow:
         numbers = " ".join(f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))
         return f"{self.style.name} {numbers} {self.style.unit} ({self.style.legend})"
 
+    @property
+    def _is_seen(self) -> bool:
+        """Whether it is long enough to be seen."""
+        return float(np.linalg.norm(self._shown)) >= self.style.threshold
+
     def _matrix(self) -> NDArray[np.float64]:
         """The arrow is drawn 1 m long, along z."""
         turn, quaternion, scale = np.empty(9), np.empty(4), np.full(3, UNSEEN)
         direction = np.array([0.0, 0.0, 1.0])
-        if self.is_seen:
+        if self._is_seen:
             length = float(np.linalg.norm(self._shown))
             direction = self._shown / length
             scale = np.array([1.0, 1.0, min(self.style.scale * length, LONGEST)])
