@@ -5,19 +5,24 @@ from __future__ import annotations
 import asyncio
 import math
 import threading
+from itertools import groupby
 
 import numpy as np
 import pytest
-from sensor_msgs.msg import Imu, JointState
+from sensor_msgs.msg import Imu, JointState, Joy
 
 from tutorial.body import Body
 from tutorial.checks._clock import ClockedLoop
 from tutorial.controller import ControllerConfig
+from tutorial.controllers.imu_publisher import ImuPublisher
 from tutorial.controllers.imu_subscriber import ImuSubscriber, stand_at
+from tutorial.controllers.tank_controller import TankController
+from tutorial.handoff import Latest
 from tutorial.host import Host
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
+from tutorial.simulation import Simulation
 from tutorial.view.bodies import View
 from tutorial.view.scene import Record, Scene, unpack_records
 from tutorial.world import Placement
@@ -128,6 +133,44 @@ def test_when_it_leaves_there_is_no_timer_and_the_body_stands(viewer, blows):
     assert not viewer.loop.timers
     assert viewer.body.position.tolist() == list(PLACE)
     assert not viewer.places or viewer.stands
+
+
+class Collector:
+    """A node whose publishers put away what they are given."""
+
+    def __init__(self):
+        self.messages = []
+
+    def create_publisher(self, message_type, topic, depth):
+        return self
+
+    def publish(self, message):
+        self.messages.append(message)
+
+
+class FullSpeed(TankController):
+    """The stick is held ahead, and there is no node."""
+
+    def __init__(self):
+        self.joy = Latest(Joy(axes=[0.0, 1.0, 0.0, 0.0]))
+
+
+def test_full_speed_into_the_wall_shakes_once_for_half_a_second():
+    node, publisher = Collector(), ImuPublisher()
+    project = Project.load(find_project("step1"))
+    placements = [item.placement for item in project.bodies]
+    simulation = Simulation(placements, [("Tank", FullSpeed()), ("Tank", publisher)])
+    publisher.configure(ControllerConfig(simulation.bodies["Tank"], node, None, None))
+    simulation.advance(4.0)
+    viewer, still = Viewer("tank"), []
+    for message in node.messages:
+        viewer.hear(message)
+        viewer.loop.advance(0.05)
+        still.append(viewer.stands)
+    viewer.loop.close()
+    runs = [(stands, len(list(run))) for stands, run in groupby(still)]
+    assert [stands for stands, _ in runs] == [True, False, True]
+    assert runs[1][1] in (9, 10)  # 50 ms each; the first message of the next run is that after which it stands
 
 
 def test_deleted_while_it_shakes_it_leaves_no_timer_and_no_error(domain, caplog):
