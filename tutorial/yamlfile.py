@@ -62,7 +62,7 @@ class _Loader(yaml.SafeLoader):
         if self._depth == DEEPEST:
             raise _Refused(
                 problem=f"nested deeper than {DEEPEST} levels, which nothing here needs",
-                problem_mark=self.peek_event().start_mark,
+                problem_mark=self.peek_event().start_mark,  # type: ignore[no-untyped-call]
             )
         self._depth += 1
         try:

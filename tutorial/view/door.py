@@ -11,7 +11,7 @@ import asyncio
 import logging
 import re
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable
 from http import HTTPStatus
 from typing import Any
 
@@ -20,8 +20,8 @@ from tornado.httputil import (
     HTTPConnection,
     HTTPHeaders,
     HTTPMessageDelegate,
-    HTTPServerConnectionDelegate,
     RequestStartLine,
+    ResponseStartLine,
 )
 from tornado.iostream import IOStream
 from tornado.log import gen_log
@@ -98,11 +98,9 @@ class GuardedServer(HTTPServer):
         refusals: counts what is refused.
     """
 
-    def initialize(self, application: Application, refusals: Refusals) -> None:
+    def initialize(self, application: Application, refusals: Refusals) -> None:  # type: ignore[override]
         """Take the place of ``__init__``, as in all of Tornado's configurable classes."""
-        super().initialize(
-            _Door(application, refusals, self._be_patient), max_header_size=LONGEST_HEAD, max_buffer_size=1 << 20
-        )
+        super().initialize(application, max_header_size=LONGEST_HEAD, max_buffer_size=1 << 20)
         self._refusals = refusals
         self._deadlines: dict[IOStream, asyncio.TimerHandle] = {}
 
@@ -113,6 +111,24 @@ class GuardedServer(HTTPServer):
             self._hang_up(next(iter(self._deadlines)))
         self._be_patient(stream)
         super().handle_stream(stream, address)
+
+    def start_request(self, server_conn: Any, request_conn: HTTPConnection) -> HTTPMessageDelegate:
+        """Wait for one more request of a connection."""
+        self._be_patient(server_conn.stream)
+        return _Request(self, super().start_request(server_conn, request_conn), request_conn)
+
+    def lets_in(self, connection: Any, line: RequestStartLine, headers: HTTPHeaders) -> bool:
+        """Whether a request may pass; if not, it is answered, and its connection closed."""
+        status, why = _judge(line, headers)
+        if status == HTTPStatus.OK:
+            self._be_patient(connection.stream)
+            return True
+        self._refusals.add(f"{line.method} {line.path}: {why}")
+        stream = connection.detach()
+        head = f"HTTP/1.1 {status.value} {status.phrase}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
+        stream.write(head.encode())
+        stream.close()
+        return False
 
     def on_close(self, server_conn: Any) -> None:
         """Forget a connection: it was closed, or became a page's socket."""
@@ -132,49 +148,19 @@ class GuardedServer(HTTPServer):
             self._deadlines.pop(stream).cancel()
 
 
-class _Door(HTTPServerConnectionDelegate):
-    """Lets requests in to an application, or refuses them.
-
-    Args:
-        application: what is served.
-        refusals: counts what is refused.
-        be_patient: gives a connection some more time.
-    """
-
-    def __init__(self, application: Application, refusals: Refusals, be_patient: Callable[[IOStream], None]) -> None:
-        self._application = application
-        self._refusals = refusals
-        self._be_patient = be_patient
-
-    def start_request(self, server_conn: Any, request_conn: HTTPConnection) -> HTTPMessageDelegate:
-        """Wait for one more request."""
-        self._be_patient(server_conn.stream)
-        return _Request(self, self._application.start_request(server_conn, request_conn), request_conn)
-
-    def lets_in(self, connection: Any, line: RequestStartLine, headers: HTTPHeaders) -> bool:
-        """Whether a request may pass; if not, it is answered, and its connection closed."""
-        status, why = _judge(line, headers)
-        if status == HTTPStatus.OK:
-            self._be_patient(connection.stream)
-            return True
-        self._refusals.add(f"{line.method} {line.path}: {why}")
-        stream = connection.detach()
-        head = f"HTTP/1.1 {status.value} {status.phrase}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
-        stream.write(head.encode())
-        stream.close()
-        return False
-
-
 class _Request(HTTPMessageDelegate):
-    """One request, as far as it has come."""
+    """A request, as it comes: its head goes to the door first."""
 
-    def __init__(self, door: _Door, inner: HTTPMessageDelegate, connection: HTTPConnection) -> None:
-        self._door = door
+    def __init__(self, server: GuardedServer, inner: HTTPMessageDelegate, connection: HTTPConnection) -> None:
+        self._server = server
         self._inner = inner
         self._connection = connection
 
-    def headers_received(self, start_line: RequestStartLine, headers: HTTPHeaders) -> Awaitable[None] | None:
-        if not self._door.lets_in(self._connection, start_line, headers):
+    def headers_received(
+        self, start_line: RequestStartLine | ResponseStartLine, headers: HTTPHeaders
+    ) -> Awaitable[None] | None:
+        assert isinstance(start_line, RequestStartLine)
+        if not self._server.lets_in(self._connection, start_line, headers):
             return None
         return self._inner.headers_received(start_line, headers)
 

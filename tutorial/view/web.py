@@ -192,12 +192,18 @@ class _Browser(WebSocketHandler):
         self._send(self.scene.snapshot())
         self.scene.attach(self.show)
 
-    def on_message(self, _message: str | bytes) -> None:
+    def on_message(self, message: str | bytes) -> None:  # noqa: ARG002
         """Hang up: the page has nothing to say, so this is another."""
         self.refusals.add("a page that says something; it is hung up")
         self._stream.close()
 
-    on_ping = on_pong = on_message
+    def on_ping(self, data: bytes) -> None:
+        """Hang up, too: no browser asks."""
+        self.on_message(data)
+
+    def on_pong(self, data: bytes) -> None:
+        """Hang up, too: nobody was asked."""
+        self.on_message(data)
 
     def on_close(self) -> None:
         self.browsers.discard(self)
