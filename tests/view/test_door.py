@@ -13,6 +13,7 @@ from tornado.httpclient import AsyncHTTPClient
 from tornado.websocket import websocket_connect
 
 from tutorial.view import door, web
+from tutorial.view.assets import meshcats_viewer
 from tutorial.view.door import Refusals
 from tutorial.view.scene import Scene
 from tutorial.view.web import SceneServer
@@ -110,18 +111,24 @@ def test_many_refusals_are_one_line_and_a_count(caplog, monkeypatch):
     assert last == "the page of the 3D view has refused 1002 requests in all"
 
 
-def test_of_too_many_connections_the_oldest_make_room_and_a_page_still_gets_in(monkeypatch):
+def test_of_too_many_connections_the_oldest_that_ask_nothing_make_room(monkeypatch):
     monkeypatch.setattr(door, "CONNECTIONS", 4)
 
     async def main():
         async with serving() as (server, port):
+            reader, writer = await asyncio.open_connection("127.0.0.1", port, limit=1000)
+            head = f"GET /meshcat/main.js HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: close\r\n\r\n"
+            writer.write(head.encode())
+            await reader.readuntil(b"200 OK\r\n")
             idle = [await asyncio.open_connection("127.0.0.1", port) for _ in range(10)]
             page = await AsyncHTTPClient().fetch(server.url)
             assert page.code == 200
             assert len(server._http._deadlines) <= 4
             assert await idle[0][0].read() == b""
-            for _, writer in idle:
-                writer.close()
+            assert len(await reader.read()) > (meshcats_viewer() / "main.js").stat().st_size  # answered to the end
+            writer.close()
+            for _, other in idle:
+                other.close()
 
     asyncio.run(main())
 

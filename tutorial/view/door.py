@@ -33,8 +33,9 @@ __all__ = ["GuardedServer", "Refusals"]
 
 _log = logging.getLogger(__name__)
 
-CONNECTIONS = 64
-"""How many there may be beside those of the pages that are connected. A browser opens six."""
+CONNECTIONS = 24
+"""How many there may be beside those of the pages that are connected. A browser opens six; each takes the main loop
+about a millisecond in a turn."""
 LONGEST_HEAD = 16 * 1024
 """Of a request [bytes]; a browser's has about one thousand."""
 PATIENCE = 30.0
@@ -91,7 +92,7 @@ class Refusals:
 class GuardedServer(HTTPServer):
     """Serves an application to whoever comes through the door.
 
-    Where there are too many connections, the one that has waited longest makes room.
+    Where there are too many connections, the one that has been silent for longest makes room.
 
     Args:
         application: what is served.
@@ -103,12 +104,13 @@ class GuardedServer(HTTPServer):
         super().initialize(application, max_header_size=LONGEST_HEAD, max_buffer_size=1 << 20)
         self._refusals = refusals
         self._deadlines: dict[IOStream, asyncio.TimerHandle] = {}
+        self._answering: set[IOStream] = set()
 
     def handle_stream(self, stream: IOStream, address: tuple[Any, ...]) -> None:
         """Serve a connection."""
         if len(self._deadlines) >= CONNECTIONS:
             self._refusals.add(f"there are {CONNECTIONS} connections already; the oldest is closed")
-            self._hang_up(next(iter(self._deadlines)))
+            self._hang_up(min(self._deadlines, key=self._answering.__contains__))  # the first of those that ask nothing
         self._be_patient(stream)
         super().handle_stream(stream, address)
 
@@ -122,6 +124,7 @@ class GuardedServer(HTTPServer):
         status, why = _judge(line, headers)
         if status == HTTPStatus.OK:
             self._be_patient(connection.stream)
+            self._answering.add(connection.stream)
             return True
         self._refusals.add(f"{line.method} {line.path}: {why}")
         stream = connection.detach()
@@ -144,6 +147,7 @@ class GuardedServer(HTTPServer):
         stream.close()
 
     def _forget(self, stream: IOStream) -> None:
+        self._answering.discard(stream)
         if stream in self._deadlines:
             self._deadlines.pop(stream).cancel()
 
