@@ -168,6 +168,9 @@ def test_a_page_may_look_as_long_as_it_likes(monkeypatch):
     asyncio.run(main())
 
 
+UPGRADE = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: a\r\nSec-WebSocket-Version: 13\r\n"
+
+
 def test_who_says_something_is_no_page_and_hung_up():
     async def main():
         async with serving() as (server, _port):
@@ -185,14 +188,26 @@ def test_who_says_something_is_no_page_and_hung_up():
     asyncio.run(main())
 
 
+def test_who_says_much_at_once_is_heard_once():
+    pings = "\x89\x80abcd" * 1000
+
+    async def main():
+        async with serving() as (server, port):
+            await ask(port, f"GET /socket HTTP/1.1\r\nHost: HERE\r\n{UPGRADE}\r\n{pings}")
+            while server.browsers or not server._refusals.count:
+                await asyncio.sleep(0)
+            assert server._refusals.count == 1
+
+    asyncio.run(main())
+
+
 def test_there_is_room_for_a_number_of_pages(monkeypatch):
     monkeypatch.setattr(web, "PAGES", 2)
-    upgrade = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: a\r\nSec-WebSocket-Version: 13\r\n"
 
     async def main():
         async with serving() as (server, port):
             pages = [await websocket_connect(server.url.replace("http", "ws") + "socket") for _ in range(2)]
-            line = await ask(port, f"GET /socket HTTP/1.1\r\nHost: HERE\r\n{upgrade}\r\n")
+            line = await ask(port, f"GET /socket HTTP/1.1\r\nHost: HERE\r\n{UPGRADE}\r\n")
             assert line == "HTTP/1.1 503 Service Unavailable"
             assert server.browsers == 2
             for page in pages:

@@ -195,6 +195,8 @@ class _Browser(WebSocketHandler):
     def on_message(self, message: str | bytes) -> None:  # noqa: ARG002
         """Hang up: the page has nothing to say, so this is another."""
         self.refusals.add("a page that says something; it is hung up")
+        assert self.ws_connection is not None
+        self.ws_connection.client_terminated = True  # or what has come with it would be read, too
         self._stream.close()
 
     def on_ping(self, data: bytes) -> None:
