@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Self
@@ -53,7 +52,7 @@ class SingleThreadedExecutor:
         self._timers: list[Timer] = []
         self._subscriptions: list[Subscription] = []
         self._publishers: list[Publisher] = []
-        self._ready: deque[Subscription | Timer] = deque()
+        self._ready: Iterator[Subscription | Timer] = iter(())
         self._outdated = True
         self._is_shutdown = False
         self._spinning = threading.Lock()
@@ -184,11 +183,7 @@ class SingleThreadedExecutor:
 
     def _run_ready(self) -> bool:
         """Run the first callback of this round that has something to do; False if none has."""
-        while self._ready:
-            entity = self._ready.popleft()
-            if entity._node in self._nodes and entity.execute():
-                return True
-        return False
+        return any(entity._node in self._nodes and entity.execute() for entity in self._ready)
 
     def _look_around(self) -> None:
         """Begin a round, in which everything has one turn, so that a busy topic does not keep the others waiting."""
@@ -198,14 +193,11 @@ class SingleThreadedExecutor:
             self._subscriptions = [subscription for node in self._nodes for subscription in node.subscriptions]
             self._publishers = [publisher for node in self._nodes for publisher in node.publishers]
             self._renew_wait_set()
-        self._ready.extend((*self._timers, *self._subscriptions))
+        self._ready = iter((*self._timers, *self._subscriptions))
 
     def _wait(self, timeout: float) -> bool:
         """Wait for a message, an event, a timer or :meth:`wake`; True unless time ran out."""
-        for timer in self._timers:
-            wait_time = timer.wait_time()
-            if wait_time is not None:
-                timeout = min(timeout, wait_time / 1e9)
+        timeout = min([timeout, *(timer.wait_time() for timer in self._timers)])
         if timeout <= 0 or self._wait_set is None:
             return False
         try:
@@ -248,7 +240,7 @@ class SingleThreadedExecutor:
         """Let go of everything, once nobody spins any more: whoever comes last does it."""
         if not self._is_shutdown or not self._spinning.acquire(blocking=False):
             return
-        self._ready.clear()
+        self._ready = iter(())
         self._timers, self._subscriptions, self._publishers = [], [], []
         self._close_wait_set()
         close(self._guard)
