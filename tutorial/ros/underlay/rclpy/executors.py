@@ -6,7 +6,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from typing import TYPE_CHECKING, Self
 
 from cyclonedds.core import DDSException, GuardCondition, WaitSet
@@ -97,9 +97,7 @@ class SingleThreadedExecutor:
         Raises:
             ExternalShutdownException: the context was shut down instead.
         """
-        with self._spin():
-            while self._context.ok() and not self._is_shutdown:
-                self._run_one()
+        self._spin()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait for one callback to run, and run it.
@@ -111,10 +109,7 @@ class SingleThreadedExecutor:
             ExternalShutdownException: the context was shut down meanwhile.
             RCLError: it had been before.
         """
-        with self._spin():
-            if not self._context.ok() and not self._is_shutdown:
-                raise RCLError(f"failed to initialize wait set: {NOT_VALID}")
-            self._run_one(_deadline(timeout_sec))
+        self._spin(_deadline(timeout_sec), once=True)
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is done or cancelled, or time runs out.
@@ -127,12 +122,8 @@ class SingleThreadedExecutor:
         def finished() -> bool:
             return future.done() or future.cancelled()
 
-        deadline = _deadline(timeout_sec)
-        with self._spin(), future._telling(lambda _: self.wake()):
-            while self._context.ok() and not self._is_shutdown and not finished():
-                self._run_one(deadline, until=finished)
-                if time.monotonic() >= deadline:
-                    return
+        with future._telling(lambda _: self.wake()):
+            self._spin(_deadline(timeout_sec), until=finished)
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002  (rclpy does not wait, either)
         """Stop spinning and give the nodes up; may be called again.
@@ -150,20 +141,24 @@ class SingleThreadedExecutor:
         if self._spinner != threading.get_ident() and self._spinning.acquire(timeout=timeout_sec):
             self._spinning.release()
 
-    @contextmanager
-    def _spin(self) -> Iterator[None]:
-        """Hold the right to spin, which only one caller at a time can have."""
+    def _spin(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False, once: bool = False) -> None:
+        """Run callbacks, or one, to a time [s of the monotonic clock]. Only one caller at a time can."""
         if not self._spinning.acquire(blocking=False):
             raise RuntimeError("Executor is already spinning")
         self._spinner = threading.get_ident()
         try:
-            yield
+            if once and not self._context.ok() and not self._is_shutdown:
+                raise RCLError(f"failed to initialize wait set: {NOT_VALID}")
+            while self._context.ok() and not self._is_shutdown and not until():
+                self._run_one(deadline, until)
+                if once or time.monotonic() >= deadline:
+                    return
         finally:
             self._spinner = None
             self._spinning.release()
             self._close_if_shut_down()
 
-    def _run_one(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False) -> None:
+    def _run_one(self, deadline: float, until: Callable[[], bool]) -> None:
         """Run one callback, waiting for it if necessary, but only to a time [s of the monotonic clock]."""
         woken = False
         while not self._is_shutdown and not until():
@@ -183,7 +178,10 @@ class SingleThreadedExecutor:
 
     def _run_ready(self) -> bool:
         """Run the first callback of this round that has something to do; False if none has."""
-        return any(entity._node in self._nodes and entity.execute() for entity in self._ready)
+        for entity in self._ready:  # noqa: SIM110  (a generator for each round would cost more than the round)
+            if entity._node in self._nodes and entity.execute():
+                return True
+        return False
 
     def _look_around(self) -> None:
         """Begin a round, in which everything has one turn, so that a busy topic does not keep the others waiting."""
