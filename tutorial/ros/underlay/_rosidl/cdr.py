@@ -1,7 +1,7 @@
 """From bytes to messages.
 
-For each message type a decoder is compiled from text, a statement or two for each field, which puts the values straight
-into the message's slots. What the bytes say there is is held against what there is, before anything is made of it.
+For each message type a decoder is compiled at its first use, from a line of text for each field, which puts the value
+straight into the message's slot. A length is held against the bytes that are there before anything is made of it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ ORDERS = {b"\0\0": ">", b"\0\1": "<"}
 CODES = {name: primitive.code for name, primitive in PRIMITIVES.items()} | {"bool": "?", "byte": "c"}
 """What `struct` calls the primitives; strings have no code."""
 
-# What reads a field of each kind from the bytes `data`, at the place `at` or after the padding that is there.
+# What reads a field of each kind from the bytes `data`, at the place `at` or behind the padding there: a number of N
+# bytes begins at a multiple of N.
 COUNT = "at = at + 3 & -4; count, = unpack_uint32(data, at); at += 4; "
 ALIGN = "at = at + {pad} & ~{pad}; "
 NUMBER = ALIGN + "{target}, = unpack_{base}(data, at); at += {width}"

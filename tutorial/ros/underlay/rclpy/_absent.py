@@ -34,7 +34,7 @@ def install() -> None:
 class AbsentAttribute:
     """Stands in a class for what rclpy's has and ours has not.
 
-    A ``__getattr__`` of the class would do, too, but make everything slow that objects have, for Python to look it up.
+    A ``__getattr__`` of the class would do, too, but with one Python looks up whatever objects have the slow way.
     """
 
     def __init__(self, name: str) -> None:
