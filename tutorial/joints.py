@@ -167,7 +167,7 @@ class JointMatcher:
         self._shown: Mapping[str, float] = {}  # its positions
         self._publishers = publishers
         self._others = 0  # publishers besides the one that is followed
-        self._alone_for = LOOK_EVERY  # messages until it is looked again whether there are any
+        self._alone_for = 0  # messages until it is looked whether there are any
         self._dropped = 0  # messages in a row that were another's
 
     def match(self, message: JointState) -> tuple[dict[str, float], JointReport]:
