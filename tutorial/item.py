@@ -18,6 +18,7 @@ __all__ = ["Item"]
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages
 STALE_AFTER = 1.0  # [s] without a word of a joint, after which it is shown as stale
 CONTESTED_FOR = 2.0  # [s] after the last message of another publisher, in which that is said below the view
+ASK_EVERY = 1.0  # [s] between two looks at who publishes, while there is another
 NAMED = 3  # of joints, or nodes; the others are counted
 LONGEST_NAME = 60  # characters of a node's name
 
@@ -50,9 +51,9 @@ class Item:
         self._report: JointReport | None = None  # the last one of the publisher that is followed
         self._shown_at = 0.0
         self._heard: dict[str, float] = {}  # when there was a position last, by joint
-        self._complained_at = self._asked_at = -COMPLAIN_EVERY
+        self._complained_at = self._asked_at = self._named_at = -COMPLAIN_EVERY
         self._contested_at = -CONTESTED_FOR
-        self._publishers = ""  # who else publishes
+        self._publishers = self._named = ""  # who publishes, now and when it was logged last
         self._node: MeteredNode | None = None
         body.on_change(self._changed)
 
@@ -162,17 +163,18 @@ class Item:
 
     def _name_publishers(self, now: float) -> None:
         """Ask now and then who publishes what reached this body; log it when it isn't what it was."""
-        if now - self._asked_at < COMPLAIN_EVERY:
+        if now - self._asked_at < ASK_EVERY:
             return
-        self._asked_at, before = now, self._publishers
+        self._asked_at = now
         self._publishers = "another publisher is not followed"
         for topic in self.joint_topics if self._node is not None else ():
             nodes = self._node.get_publishers_info_by_topic(topic)
             if len(nodes) > 1:
                 names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})
                 self._publishers = f"{len(nodes)} publish on {topic}, one is followed: {printable(_some(names))}"
-        if self._publishers != before:
-            _log.warning("%s: %s", self.body.name, self._publishers)
+                if self._publishers != self._named and now - self._named_at >= COMPLAIN_EVERY:
+                    self._named, self._named_at = self._publishers, now
+                    _log.warning("%s: %s", self.body.name, self._named)
 
 
 def _some(names: list[str]) -> str:
