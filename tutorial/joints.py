@@ -60,7 +60,7 @@ class JointReport(NamedTuple):
         joints: those that got a position.
         late, another: the message was dropped, as it was older than the last one, or not of the followed publisher.
         restarted: the stamp stepped far back, so the publisher was started again.
-        switched: the publisher that was followed has fallen silent, and from now on this one is followed.
+        switched: of several, the publisher that was followed has fallen silent; from now on this one is followed.
         unknown: names that are no joints of the body, or come after ten thousand others.
         duplicate: joints that were named more than once; the last entry won.
         short, long: how many names came without a position, or positions without a name.
@@ -107,7 +107,7 @@ class JointReport(NamedTuple):
         hint = did_you_mean(self.unknown.names[0], self.known) if self.unknown else ""
         complaints = (
             (self.restarted, "the publisher was started again"),
-            (self.switched, "another publisher is followed, as the one before is silent"),
+            (self.switched, "the publisher was started again, or fell silent and another one is followed"),
             (self.unknown, f"unknown {self.unknown}.{hint}"),
             (self.duplicate, f"named twice, the last wins: {self.duplicate}"),
             (self.short, f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}"),
