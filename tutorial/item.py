@@ -167,8 +167,8 @@ class Item:
             return
         self._asked_at = now
         self._publishers = "another publisher is not followed"
-        for topic in self.joint_topics if self._node is not None else ():
-            nodes = self._node.get_publishers_info_by_topic(topic)
+        for topic in self.joint_topics:
+            nodes = self._node.get_publishers_info_by_topic(topic) if self._node is not None else []
             if len(nodes) > 1:
                 names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})
                 self._publishers = f"{len(nodes)} publish on {topic}, one is followed: {printable(_some(names))}"

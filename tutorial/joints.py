@@ -96,7 +96,7 @@ class JointReport(NamedTuple):
 
     def counts(self) -> dict[str, int]:
         """How many joints or names there are of each kind: numbers that may be summed up over many messages."""
-        kinds = zip(self._fields[1:-1], self[1:-1])
+        kinds = ((kind, getattr(self, kind)) for kind in self._fields[1:-1])
         found = {kind: each.total if isinstance(each, Finding) else int(each) for kind, each in kinds}
         return {"matched": self.matched, **found}
 
