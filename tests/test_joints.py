@@ -288,7 +288,14 @@ class TestTwoPublishers:
         other = Publisher("other", 2, 4, 50, 50, 0.0)
         found = follow([before, other, again], Random(0), 0.0)
         first = next(report for _, name, report in found if name == "again")
-        assert str(first) == "2 joints shown; the publisher was started again"
+        assert str(first).startswith("2 joints shown; the publisher was started again")
+
+    def test_when_the_followed_one_has_gone_the_other_is_shown_at_once_and_it_is_said(self):
+        one, other = Publisher("one", 0, 4, 100, 50, 1.0), Publisher("other", 2, 6, 0, 50, -1.0)
+        found = follow([one, other], Random(0), 0.0)
+        ((when, name, report),) = [each for each in found if each[2].switched]
+        assert (when, name) == (pytest.approx(4.0), "other")
+        assert str(report).endswith("the publisher was started again, or fell silent and another one is followed")
 
     def test_beside_a_silent_one_a_new_start_is_taken_within_half_a_second(self):
         matcher, count = JointMatcher(TANK, lambda: 2), 0

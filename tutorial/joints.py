@@ -144,10 +144,9 @@ class JointMatcher:
     It remembers the newest stamp, by which a late message is told from a publisher that was started again; and what
     the last list of names meant, so that the usual message costs no search. No thread, no clock.
 
-    Where several publish, it follows one: what doesn't go on from the last message shown is another's, and dropped,
-    until only such messages have come for a while. A message goes on if its stamp is not before, nor over 10 s later,
-    and no joint with limits has gone further than it can. So two whose stamps and positions are alike are both shown,
-    as are those with different joints.
+    Where several publish, it follows one: what doesn't go on from the last message shown is another's, and is dropped
+    until only such messages have come for a while. A message goes on if its stamp is at most 10 s later, not before,
+    and no joint with limits has gone further than it can. Two alike in both, or that share no joint, are both shown.
 
     Args:
         joints: the names of the body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m]. They
@@ -206,7 +205,7 @@ class JointMatcher:
     def _look(self) -> int:
         """Ask how many publish. Returns for how many messages one alone is believed to, so 0 if there are more."""
         self._others = max(self._publishers() - 1, 0)
-        self._alone_for, self._dropped = (0, self._dropped) if self._others else (LOOK_EVERY, 0)
+        self._alone_for = 0 if self._others else LOOK_EVERY
         return self._alone_for
 
     def _judge(self, stamp_ns: int, values: dict[str, float], plan: _Plan) -> tuple[dict[str, float], JointReport]:
@@ -217,9 +216,10 @@ class JointMatcher:
         if not goes_on:
             self._look()
         another = self._others > 0 and not goes_on
-        self._dropped = self._dropped + 1 if another else 0
-        switched = another and self._dropped >= SILENT_AFTER * self._others
+        dropped = self._dropped + 1
+        switched = not goes_on and dropped > 1 and dropped >= SILENT_AFTER * self._others
         if another and not switched:
+            self._dropped = dropped
             return {}, JointReport(another=True)
         if stamp_ns > 0 > ahead >= -SECOND_NS and not switched:
             return {}, JointReport(late=True)
