@@ -60,9 +60,7 @@ class JointReport(NamedTuple):
     short: int = 0  #: how many names came without a position
     long: int = 0  #: how many positions came without a name
     non_finite: Finding = Finding()  #: joints whose position was NaN or infinite; they keep their last good value
-    huge: Finding = (
-        Finding()
-    )  #: joints whose position was beyond 1e9 rad or m, which cannot be shown; they keep theirs, too
+    huge: Finding = Finding()  #: joints whose position was too large to be shown, beyond 1e9 rad or m; they keep theirs
     outside: Finding = Finding()  #: joints whose position is outside their range; they are shown as received
     known: tuple[str, ...] = ()  #: where names are unknown, the first few that are not
 
