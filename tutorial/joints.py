@@ -84,6 +84,9 @@ class JointReport(NamedTuple):
         """One line for the log and for below the 3D view."""
         if self.late or self.another:
             return f"a {'late message' if self.late else 'message of another publisher'} was dropped"
+        shown = f"{self.matched} joint{'s' * (self.matched != 1)} shown"
+        if self.clean:
+            return shown
         hint = did_you_mean(self.unknown.names[0], self.known) if self.unknown.total else ""
         complaints = (
             (self.restarted, "the publisher was started again"),
@@ -96,8 +99,7 @@ class JointReport(NamedTuple):
             (self.huge.total, f"too far to be shown: {self.huge}"),
             (self.outside.total, f"outside its range: {self.outside}"),
         )
-        said = [text for found, text in complaints if found]
-        return "; ".join([f"{self.matched} joint{'s' * (self.matched != 1)} shown", *said])
+        return "; ".join([shown, *(text for found, text in complaints if found)])
 
     def __repr__(self) -> str:
         return f"JointReport({str(self)!r})"
