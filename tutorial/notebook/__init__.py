@@ -7,6 +7,7 @@ rest. Everything here belongs to the kernel's main thread.
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, log, until
 from tutorial.notebook.opening import (
+    chaos_panel,
     joint_plot,
     joystick,
     node_graph,
@@ -24,6 +25,7 @@ from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topi
 __all__ = [
     "Command",
     "Program",
+    "chaos_panel",
     "close_all",
     "joint_plot",
     "joystick",
