@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from copy import deepcopy
+from itertools import pairwise
 
 import pytest
 from hypothesis import given, settings
@@ -140,18 +141,30 @@ def test_arrays_are_shorter_or_longer_than_the_names():
     assert list(long.position)[:5] == list(good.position)
 
 
-def test_stamps_go_back_and_forth():
-    good, late = hit_by("late")
-    newest = stamp_ns(swing(99))
-    assert newest - LATE_NS[1] <= stamp_ns(late) <= newest - LATE_NS[0]
+def test_a_late_message_comes_after_newer_ones_as_it_was():
+    chaos = Chaos({"late": 0.1})
+    messages = [action.message for action in stream(chaos, 500)]
+    stamps = [stamp_ns(message) for message in messages]
+    back = [before - stamp for before, stamp in pairwise(stamps) if stamp < before]
+    assert len(back) == chaos.made["late"] > 20
+    assert LATE_NS[0] <= min(back) < max(back) <= LATE_NS[1] + stamp_ns(swing(1))
+    assert all(message == swing(round(stamp_ns(message) / stamp_ns(swing(1)))) for message in messages)
+
+
+def test_a_clock_that_is_wrong_is_ahead():
     good, ahead = hit_by("ahead")
     assert stamp_ns(good) + AHEAD_NS[0] <= stamp_ns(ahead) <= stamp_ns(good) + AHEAD_NS[1]
 
 
-def test_no_stamp_is_before_the_beginning():
-    chaos = Chaos({"late": 1, "restart": 0.2})
-    assert all(stamp_ns(action.message) >= 0 for action in stream(chaos, 200) if action.message)
-    assert 0 < chaos.made["late"] < 200 - chaos.made["restart"]
+def test_no_stamp_is_before_the_beginning_and_a_restart_takes_what_is_held_back():
+    chaos = Chaos({"late": 0.5, "restart": 0.05})
+    began = 0
+    for number in range(500):
+        for action in chaos.apply(swing(number)):
+            if action.kind == "restart":
+                began = number
+            else:
+                assert 0 <= stamp_ns(action.message) <= stamp_ns(swing(number - began))
 
 
 def test_a_restarted_publishers_stamps_begin_at_zero():
@@ -201,7 +214,7 @@ def test_a_matcher_counts_what_was_made(name):
             assert all(map(math.isfinite, positions.values()))
             for key, count in report.counts().items():
                 counts[key] = counts.get(key, 0) + count
-    assert chaos.made[name] > 80
+    assert chaos.made[name] > 30
     for key in set(REPORTED.values()):
         assert counts[key] == (chaos.made[name] if REPORTED.get(name) == key else 0), key
     assert (counts["short"] > 0) == (name == "short")

@@ -17,7 +17,7 @@ __all__ = ["FAULTS", "Action", "Chaos", "parse_fault", "share_of"]
 
 BURST = 20  # messages in a burst
 SECOND_NS = 1_000_000_000
-LATE_NS = (SECOND_NS // 1000, 9 * SECOND_NS // 10)  # how far the stamp of a late message steps back
+LATE_NS = (SECOND_NS // 1000, 3 * SECOND_NS // 10)  # how late a message comes
 AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far a clock that is wrong may be ahead
 
 MARKUP = (
@@ -47,7 +47,7 @@ FAULTS = {
     "control": "one more name, with control or direction characters in it",
     "short": "fewer positions than names",
     "long": "more positions than names",
-    "late": "the stamp is up to 0.9 s older than the newest",
+    "late": "a message is held back for up to 0.3 s, and comes after newer ones",
     "ahead": "the stamp is up to an hour ahead",
     "restart": "the publisher is started again, and its stamps begin at 0",
     "drop": "the message is lost",
@@ -89,7 +89,8 @@ class Chaos:
         self.faults = faults or {}
         self.made = dict.fromkeys(FAULTS, 0)  # complete from the start: another thread may be reading
         self._random = {name: Random(f"{seed} {name}") for name in FAULTS}
-        self._newest_ns = 0  # the stamp of the last message that was not late
+        self._newest_ns = 0  # the stamp of the last message that was in time
+        self._held: tuple[Any, int] | None = None  # the message that comes late, and by how much [ns]
         self._began_ns = 0  # which stamp of the good stream is 0 since the last restart
 
     @property
@@ -110,46 +111,47 @@ class Chaos:
             message: a good `sensor_msgs/JointState`; it stays as it is.
 
         Returns:
-            What is to be done, in order; nothing for a message that is lost.
+            What is to be done, in order; nothing for a message that is lost or held back.
         """
         hits = [name for name, share in self._faults.items() if self._random[name].random() < share]
         faulty = _copy(message)
         for name, change in CHANGES.items():
             if name in hits and change(self._random[name], faulty):
                 self.made[name] += 1
-        actions = [Action("publish", faulty)]
-        if self._set_stamp(faulty, "late" in hits, "ahead" in hits, "restart" in hits):
-            actions.insert(0, Action("restart"))
-        if "drop" in hits:
-            actions.remove(Action("publish", faulty))
-        elif "burst" in hits:
-            actions += [Action("publish", faulty)] * (BURST - 1)
+        for name in ("restart", "ahead", "drop", "second", "type"):
+            self.made[name] += name in hits
+        actions = []
+        if "restart" in hits:
+            self._began_ns = stamp_ns(message)
+            self._held = None  # what the publisher held back is gone with it
+            actions.append(Action("restart"))
+        ahead_ns = self._random["ahead"].randint(*AHEAD_NS) if "ahead" in hits else 0
+        set_stamp_ns(faulty, stamp_ns(message) - self._began_ns + ahead_ns)
+        actions += self._in_time(faulty, hits)
         if "second" in hits:
             actions.append(Action("second", _at_zero(message)))
         if "type" in hits:
             actions.append(Action("type"))
-        for name in ("drop", "burst", "second", "type"):
-            self.made[name] += name in hits
         return actions
 
-    def _set_stamp(self, message: Any, late: bool, ahead: bool, restart: bool) -> bool:
-        """Give a message its stamp; return whether the publisher is to be started again."""
-        ns = stamp_ns(message)
-        if restart:
-            self._began_ns = ns
-            self.made["restart"] += 1
-        ns -= self._began_ns
-        late_ns = self._newest_ns - self._random["late"].randint(*LATE_NS)
-        if late and not restart and late_ns > 0:
-            ns = late_ns
-            self.made["late"] += 1
-        else:
-            if ahead:
-                ns += self._random["ahead"].randint(*AHEAD_NS)
-                self.made["ahead"] += 1
-            self._newest_ns = ns
-        set_stamp_ns(message, ns)
-        return restart
+    def _in_time(self, message: Any, hits: list[str]) -> list[Action]:
+        """Publish a message now, or later, or never, or many times; and what is due of those before."""
+        actions = []
+        if "late" in hits and self._held is None:
+            self._held = message, self._random["late"].randint(*LATE_NS)
+        elif "drop" not in hits:
+            self._newest_ns = stamp_ns(message)
+            self.made["burst"] += "burst" in hits
+            actions += [Action("publish", message)] * (BURST if "burst" in hits else 1)
+        if self._held is not None:
+            held, delay_ns = self._held
+            age_ns = self._newest_ns - stamp_ns(held)
+            if age_ns >= delay_ns:
+                self._held = None
+            if delay_ns <= age_ns <= SECOND_NS:  # else the stamps have jumped meanwhile, and it is lost
+                self.made["late"] += 1
+                actions.append(Action("publish", held))
+        return actions
 
 
 def parse_fault(text: str) -> tuple[str, float]:
