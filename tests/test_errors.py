@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tutorial.errors import printable
+from tutorial import errors
+from tutorial.errors import mujoco_warns, printable
 
 
 @pytest.mark.parametrize(
@@ -24,3 +25,18 @@ def test_what_a_terminal_would_obey_is_shown_as_an_escape(text: str, shown: str)
     assert printable(text) == shown
     assert printable(text).isprintable()
     printable(text).encode()  # can be written anywhere
+
+
+def test_warnings_of_mujoco_are_counted_and_said_now_and_then(caplog, monkeypatch):
+    monkeypatch.setattr(errors, "WARN_EVERY", 1000.0)
+    monkeypatch.setattr(mujoco_warns, "_due", 0.0)
+    mujoco_warns("Nan, Inf or huge value in CTRL at ACTUATOR 0.")
+    for _ in range(7):
+        mujoco_warns("Nan, Inf or huge value in QACC at DOF 0.")
+    monkeypatch.setattr(mujoco_warns, "_due", 0.0)
+    mujoco_warns("Nan, Inf or huge value in QPOS at DOF 0.")
+    assert caplog.messages == [
+        "MuJoCo: Nan, Inf or huge value in CTRL at ACTUATOR 0. All controls count as 0 until each is a number again.",
+        "MuJoCo: Nan, Inf or huge value in QPOS at DOF 0. The simulated world is back where it began. "
+        "(7 more since the last one)",
+    ]

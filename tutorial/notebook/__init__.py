@@ -21,6 +21,7 @@ from tutorial.notebook.process import prepare_process
 from tutorial.notebook.program import Program
 from tutorial.notebook.progress import progress
 from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list
+from tutorial.notebook.widgets.line_plot import line_plot
 
 __all__ = [
     "Command",
@@ -29,6 +30,7 @@ __all__ = [
     "close_all",
     "joint_plot",
     "joystick",
+    "line_plot",
     "log",
     "node_graph",
     "open_node",

@@ -18,8 +18,8 @@ from tornado.httpserver import HTTPServer
 from tornado.web import Application, HTTPError, RequestHandler, StaticFileHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-from tutorial.errors import TutorialError
-from tutorial.handoff import ThreadGuard, running_loop
+from tutorial.errors import TutorialError, running_loop
+from tutorial.handoff import ThreadGuard
 from tutorial.view.assets import STATIC, meshcats_viewer
 from tutorial.view.scene import Scene
 
