@@ -306,7 +306,7 @@ CHANGES: dict[str, Callable[[Random, Any], bool]] = {
     "duplicate": _duplicate,
     "nan": _put(lambda _: nan),
     "infinite": _put(lambda random: random.choice((-inf, inf))),
-    "huge": _put(lambda random: random.choice((-1, 1)) * 10.0 ** random.randint(6, 300)),
+    "huge": _put(lambda random: random.choice((-1, 1)) * 10.0 ** random.randint(12, 300)),
     "markup": _add(MARKUP),
     "control": _add(CONTROL),
     "short": _short,

@@ -28,7 +28,7 @@ FaultsAt = Callable[[float], Mapping[str, float]]
 
 
 def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> JointState:
-    """Make a good message: all joints swing steadily between 0.05 and 0.55 rad, each more slowly than the one before.
+    """Make a good message: all joints swing steadily between 0.15 and 0.65 rad, each more slowly than the one before.
 
     Args:
         number: of the message, from 0; it decides everything.
@@ -39,7 +39,7 @@ def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> Jo
     set_stamp_ns(message, round(number * 1e9 / rate))
     omegas = [2 * math.pi / (4 + 2 * i) for i in range(len(joints))]  # [rad/s]
     seconds = number / rate
-    message.position = [0.3 + 0.25 * math.sin(omega * seconds) for omega in omegas]
+    message.position = [0.4 + 0.25 * math.sin(omega * seconds) for omega in omegas]
     message.velocity = [0.25 * omega * math.cos(omega * seconds) for omega in omegas]
     message.effort = [0.0] * len(joints)
     return message
