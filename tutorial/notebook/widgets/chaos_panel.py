@@ -7,7 +7,7 @@ from typing import Any
 
 from ipywidgets import Button, FloatSlider, GridBox, Label, Layout, VBox
 
-from tutorial.handoff import running_loop
+from tutorial.errors import running_loop
 from tutorial.ros.chaos import FAULTS, Chaos
 from tutorial.ros.chaos.stream import TOPIC, ChaosStream
 from tutorial.ros.node_thread import NodeThread
