@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ipywidgets import Button, FloatSlider, GridBox, Label, Layout, VBox
+from ipywidgets import HTML, Button, FloatSlider, GridBox, Layout, VBox
 
 from tutorial.errors import running_loop
 from tutorial.ros.chaos import FAULTS, Chaos
@@ -14,6 +14,7 @@ from tutorial.ros.node_thread import NodeThread
 
 __all__ = ["ChaosPanel"]
 
+WIDTH = "22em"
 LOOK = 0.5  # [s] between two looks at what has been hit
 NO_LOOP = "a panel is kept up to date by an event loop, and none runs here. Make it in a cell."
 
@@ -53,8 +54,9 @@ class ChaosPanel(VBox):  # type: ignore[misc]
             slider.observe(self._on_share, "value")
         self._reset = Button(description="no faults", tooltip="Set all sliders to 0")
         self._reset.on_click(self._on_reset)
-        self._hits = Label()
-        grid = GridBox([*self.sliders.values()], layout=Layout(grid_template_columns="repeat(auto-fill, 20em)"))
+        self._hits = HTML(layout=Layout(width=WIDTH))  # unlike a Label it breaks its line
+        columns = f"repeat(auto-fill, {WIDTH})"
+        grid = GridBox([*self.sliders.values()], layout=Layout(grid_template_columns=columns))
         super().__init__([grid, self._reset, self._hits])
         self._loop = loop
         self._next = loop.call_soon(self._tell)
@@ -102,7 +104,9 @@ class ChaosPanel(VBox):  # type: ignore[misc]
 
 
 def _slider(name: str, what: str) -> Any:
-    return FloatSlider(max=1.0, step=0.05, description=name, tooltip=what, readout_format=".0%")
+    return FloatSlider(
+        max=1.0, step=0.05, description=name, tooltip=what, readout_format=".0%", layout=Layout(width=WIDTH)
+    )
 
 
 def _words(made: dict[str, int]) -> str:
