@@ -42,7 +42,7 @@ def judge(kind: type[Viewer], fault: str) -> str:
         good = swing(number, tuple(RANGES), RATE)
         for action in chaos.apply(good):
             if action.message is not None and not viewer.ended:
-                said |= viewer.take(action.message)
+                said |= viewer.take(action.message, action.kind)
         chaos.faults = {fault: SHARE}  # the first message was good, so every joint has a position
         true = dict(zip(good.name, good.position))
         for joint, position in true.items():

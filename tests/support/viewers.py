@@ -33,8 +33,13 @@ class Viewer:
     def __init__(self, ranges: Mapping[str, tuple[float, float]]) -> None:
         self.pose = dict.fromkeys(ranges, 0.0)
 
-    def take(self, message: Any) -> bool:
-        """Show a message; return whether anything was said about it."""
+    def take(self, message: Any, publisher: str = "publish") -> bool:
+        """Show a message; return whether anything was said about it.
+
+        Args:
+            message: the `sensor_msgs/JointState`.
+            publisher: which one has sent it, ``"publish"`` or ``"second"``.
+        """
         raise NotImplementedError
 
 
@@ -46,9 +51,11 @@ class TankTutorial(Viewer):
 
     def __init__(self, ranges: Mapping[str, tuple[float, float]]) -> None:
         super().__init__(ranges)
-        self._matcher = JointMatcher(ranges)
+        self._publishers = {"publish"}  # those that there are, as the graph of nodes tells
+        self._matcher = JointMatcher(ranges, lambda: len(self._publishers))
 
-    def take(self, message: Any) -> bool:
+    def take(self, message: Any, publisher: str = "publish") -> bool:
+        self._publishers.add(publisher)
         positions, report = self._matcher.match(message)
         self.pose.update(positions)
         return not report.clean
@@ -60,7 +67,7 @@ class ChoreonoidTutorial(Viewer):
     name = "the original"
     source = "choreonoid/choreonoid_ros_tank_tutorial, `src/RttJointStateSubscriber.cpp`"
 
-    def take(self, message: Any) -> bool:
+    def take(self, message: Any, publisher: str = "publish") -> bool:
         for joint, name, position in zip(tuple(self.pose), message.name, message.position):
             if joint == name:
                 self.pose[joint] = position
@@ -84,7 +91,7 @@ class RobotStatePublisher(Viewer):
         self._published_ns: dict[str, int] = {}
         self._shown_ns: dict[str, int] = {}
 
-    def take(self, message: Any) -> bool:
+    def take(self, message: Any, publisher: str = "publish") -> bool:
         if len(message.name) != len(message.position):
             return True
         ns = stamp_ns(message)
@@ -115,7 +122,7 @@ class JointStatePublisher(Viewer):
     name = "joint_state_publisher"
     source = "ros/joint_state_publisher, `joint_state_publisher/joint_state_publisher/joint_state_publisher.py`"
 
-    def take(self, message: Any) -> bool:
+    def take(self, message: Any, publisher: str = "publish") -> bool:
         for i, name in enumerate(message.name):
             if name in self.pose and len(message.position):
                 if i >= len(message.position):
@@ -131,7 +138,7 @@ class Foxglove(Viewer):
     name = "Foxglove Studio"
     source = "foxglove/studio, `packages/studio-base/src/panels/ThreeDeeRender/renderables/Urdfs.ts`"
 
-    def take(self, message: Any) -> bool:
+    def take(self, message: Any, publisher: str = "publish") -> bool:
         for i, name in enumerate(message.name):
             if name in self.pose:
                 self.pose[name] = message.position[i] if i < len(message.position) else 0.0
@@ -150,7 +157,7 @@ class PlotJuggler(Viewer):
         "`plotjuggler_base/include/PlotJuggler/plotdatabase.h`"
     )
 
-    def take(self, message: Any) -> bool:
+    def take(self, message: Any, publisher: str = "publish") -> bool:
         for name, position in zip(message.name, message.position):
             if name in self.pose and isfinite(position):
                 self.pose[name] = position
