@@ -40,49 +40,29 @@ class Finding(NamedTuple):
     @classmethod
     def of(cls, names: Sequence[str]) -> Finding:
         """Count the names and keep a few, each cut to a bearable length."""
-        return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else _NOTHING
-
-    def __bool__(self) -> bool:
-        return self.total > 0
+        return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else cls()
 
     def __str__(self) -> str:
         more = f" and {self.total - len(self.names)} more" if self.total > len(self.names) else ""
         return ", ".join(map(repr, self.names)) + more
 
 
-_NOTHING = Finding()
-
-
 class JointReport(NamedTuple):
-    """What was made of one message.
+    """What was made of one message."""
 
-    Attributes:
-        joints: those that got a position.
-        late, another: the message was dropped, as it was older than the last one, or not of the followed publisher.
-        restarted: the stamp stepped far back, so the publisher was started again.
-        switched: of several, the publisher that was followed has fallen silent; from now on this one is followed.
-        unknown: names that are no joints of the body, or come after ten thousand others.
-        duplicate: joints that were named more than once; the last entry won.
-        short, long: how many names came without a position, or positions without a name.
-        non_finite: joints whose position was NaN or infinite; they keep their last good value.
-        huge: joints whose position was beyond 1e9 rad or m, which cannot be shown; they keep theirs, too.
-        outside: joints whose position is outside their range; they are shown as received.
-        known: where names are unknown, the first few that are not.
-    """
-
-    joints: tuple[str, ...] = ()
-    late: bool = False
-    another: bool = False
-    restarted: bool = False
-    switched: bool = False
-    unknown: Finding = _NOTHING
-    duplicate: Finding = _NOTHING
-    short: int = 0
-    long: int = 0
-    non_finite: Finding = _NOTHING
-    huge: Finding = _NOTHING
-    outside: Finding = _NOTHING
-    known: tuple[str, ...] = ()
+    joints: tuple[str, ...] = ()  #: those that got a position
+    late: bool = False  #: the message was older than the last one, and was dropped
+    another: bool = False  #: the message was not of the publisher that is followed, and was dropped
+    restarted: bool = False  #: the stamp stepped far back, so the publisher was started again
+    switched: bool = False  #: of several, the one that was followed has fallen silent; from now on this one is followed
+    unknown: Finding = Finding()  #: names that are no joints of the body, or come after ten thousand others
+    duplicate: Finding = Finding()  #: joints that were named more than once; the last entry won
+    short: int = 0  #: how many names came without a position
+    long: int = 0  #: how many positions came without a name
+    non_finite: Finding = Finding()  #: joints whose position was NaN or infinite; they keep their last good value
+    huge: Finding = Finding()  #: joints whose position was too large to be shown, beyond 1e9 rad or m; they keep theirs
+    outside: Finding = Finding()  #: joints whose position is outside their range; they are shown as received
+    known: tuple[str, ...] = ()  #: where names are unknown, the first few that are not
 
     @property
     def matched(self) -> int:
@@ -92,7 +72,7 @@ class JointReport(NamedTuple):
     @property
     def clean(self) -> bool:
         """Whether there is nothing to complain about."""
-        return not any(self[1:-1])
+        return self[1:-1] == JointReport()[1:-1]
 
     def counts(self) -> dict[str, int]:
         """How many joints or names there are of each kind: numbers that may be summed up over many messages."""
@@ -104,17 +84,17 @@ class JointReport(NamedTuple):
         """One line for the log and for below the 3D view."""
         if self.late or self.another:
             return f"a {'late message' if self.late else 'message of another publisher'} was dropped"
-        hint = did_you_mean(self.unknown.names[0], self.known) if self.unknown else ""
+        hint = did_you_mean(self.unknown.names[0], self.known) if self.unknown.total else ""
         complaints = (
             (self.restarted, "the publisher was started again"),
             (self.switched, "the publisher was started again, or fell silent and another one is followed"),
-            (self.unknown, f"unknown {self.unknown}.{hint}"),
-            (self.duplicate, f"named twice, the last wins: {self.duplicate}"),
+            (self.unknown.total, f"unknown {self.unknown}.{hint}"),
+            (self.duplicate.total, f"named twice, the last wins: {self.duplicate}"),
             (self.short, f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}"),
             (self.long, f"more positions than names, by {self.long}"),
-            (self.non_finite, f"not a finite number: {self.non_finite}"),
-            (self.huge, f"too far to be shown: {self.huge}"),
-            (self.outside, f"outside its range: {self.outside}"),
+            (self.non_finite.total, f"not a finite number: {self.non_finite}"),
+            (self.huge.total, f"too far to be shown: {self.huge}"),
+            (self.outside.total, f"outside its range: {self.outside}"),
         )
         said = [text for found, text in complaints if found]
         return "; ".join([f"{self.matched} joint{'s' * (self.matched != 1)} shown", *said])
@@ -133,9 +113,6 @@ class _Plan(NamedTuple):
     highs: tuple[float, ...]
     indices: tuple[int, ...]  # where their positions are in the message; empty when they are the first ones, in order
     usual: JointReport  # where every position is within the limits
-
-
-_NO_NAMES = _Plan([], 0, (), (), (), (), JointReport())
 
 
 class JointMatcher:
@@ -161,7 +138,7 @@ class JointMatcher:
         self._limits = {  # finite, so that what is not finite is not within them
             name: (max(low - SLACK, -SHOWABLE), min(high + SLACK, SHOWABLE)) for name, (low, high) in ranges.items()
         }
-        self._plan = _NO_NAMES
+        self._plan = self._make_plan([], 0)
         self._stamp_ns = -inf  # of the last message that was shown, in its publisher's time
         self._shown: Mapping[str, float] = {}  # its positions
         self._publishers = publishers
@@ -224,18 +201,15 @@ class JointMatcher:
         if stamp_ns > 0 > ahead >= -SECOND_NS and not switched:
             return {}, JointReport(late=True)
         self._stamp_ns, self._shown, self._dropped = stamp_ns, shown, 0
+        limits = zip(plan.joints, plan.lows, plan.highs)
         return shown, plan.usual._replace(
             joints=tuple(shown),
             restarted=ahead < 0 and not switched,
             switched=switched,
             non_finite=Finding.of([joint for joint in values if not isfinite(values[joint])]),
             huge=Finding.of([joint for joint in values if joint not in shown and isfinite(values[joint])]),
-            outside=Finding.of([joint for joint, value in shown.items() if not self._within(joint, value)]),
+            outside=Finding.of([joint for joint, low, high in limits if not low <= shown.get(joint, low) <= high]),
         )
-
-    def _within(self, joint: str, value: float) -> bool:
-        low, high = self._limits[joint]
-        return low <= value <= high
 
     def _goes_on(self, ahead: float, positions: dict[str, float]) -> bool:
         """Whether a message may be the next one of the publisher that is followed, so many nanoseconds later."""
@@ -267,10 +241,5 @@ class JointMatcher:
 def match_joints(
     joints: Mapping[str, tuple[float, float]] | Iterable[str], message: JointState
 ) -> tuple[dict[str, float], JointReport]:
-    """Find out which joint one message moves where. A pure function: it knows of no message before.
-
-    Args:
-        joints: as for `JointMatcher`.
-        message: as for `JointMatcher.match`, as is what is returned.
-    """
+    """Find out which joint one message moves where, as `JointMatcher` does, but knowing of no message before."""
     return JointMatcher(joints).match(message)
