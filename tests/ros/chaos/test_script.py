@@ -34,6 +34,7 @@ def test_each_time_has_its_faults(path):
         ("nan:0.5", "nan:5", "line 3: '5' is no share of the messages for 'nan': give a number from 0 to 1."),
         ("for: 3", "four: 3", "line 3: 'four' is not known here. Did you mean 'for'?"),
         ("at: 1", "at: -1", "line 2: chaos[0].at: expected a number >= 0"),
+        ("for: 3", "for: 1e300", "line 3: chaos[1].for: expected a number <= 1000000"),
         ("at: 1, ", "", "line 2: 'at' is missing here."),
     ],
 )

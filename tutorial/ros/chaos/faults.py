@@ -20,6 +20,8 @@ SECOND_NS = 1_000_000_000
 LATE_NS = (SECOND_NS // 1000, 3 * SECOND_NS // 10)  # how late a message comes
 AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far a clock that is wrong may be ahead
 
+LONGEST = 60  # of what is repeated in an error [characters]
+
 MARKUP = (
     "<b>TURRET_Y</b>",
     "<script>alert(1)</script>",
@@ -183,13 +185,13 @@ def set_stamp_ns(message: Any, ns: int) -> None:
 def _check(name: str, share: float | str) -> float:
     """Return a fault's share as a number between 0 and 1."""
     if name not in FAULTS:
-        raise TutorialError(f"there is no fault {printable(name)!r}.{did_you_mean(name, FAULTS)}")
+        raise TutorialError(f"there is no fault {printable(name[:LONGEST])!r}.{did_you_mean(name, FAULTS)}")
     try:
         number = float(share)
     except ValueError:
         number = nan
     if not 0 <= number <= 1:
-        given = printable(str(share))
+        given = printable(str(share)[:LONGEST])
         raise TutorialError(f"{given!r} is no share of the messages for {name!r}: give a number from 0 to 1.")
     return number
 

@@ -13,7 +13,7 @@ from tutorial.yamlfile import YamlFile
 
 __all__ = ["ChaosScript"]
 
-_Seconds = Annotated[float, msgspec.Meta(ge=0)]
+_Seconds = Annotated[float, msgspec.Meta(ge=0, le=1_000_000)]  # eleven days, as for --duration
 
 
 class _Scene(msgspec.Struct, forbid_unknown_fields=True, rename={"duration": "for"}):
