@@ -75,8 +75,8 @@ class NodeGraph(NodeNames):
         """Return what is known about each subscription on a topic, as for publishers."""
         return self._infos(SUBSCRIPTIONS, topic_name, no_mangle)
 
-    def _endpoints(self, kind: Any, wire_topic: str | None = None) -> list[DiscoveredEndpoint]:
-        return self._ask(lambda graph: graph.endpoints(kind, wire_topic))
+    def _endpoints(self, kind: Any, wire_topic: str | None = None, *, full: bool = False) -> list[DiscoveredEndpoint]:
+        return self._ask(lambda graph: graph.endpoints(kind, wire_topic, full=full))
 
     def _ask(self, question: Callable[[Graph], Answer]) -> Answer:
         self._require_handle()
@@ -90,13 +90,13 @@ class NodeGraph(NodeNames):
             raise NodeNameNonExistentError(f"cannot get names and types: there is no node {who[0]!r} in {who[1]!r}")
         owners = self._ask(Graph.owners)
         own = {gid for gid, node in owners.items() if (node.node_name, node.node_namespace) == who}
-        return _by_topic([endpoint for endpoint in self._endpoints(kind) if endpoint.key.bytes in own], no_demangle)
+        return _by_topic([endpoint for endpoint in self._endpoints(kind) if endpoint.guid in own], no_demangle)
 
     def _infos(self, kind: Any, topic_name: str, no_mangle: bool) -> list[TopicEndpointInfo]:
         wire_topic = topic_name if no_mangle else f"rt{self._remapped(self._expanded(topic_name))}"
-        endpoints = self._endpoints(kind, wire_topic)
+        endpoints = self._endpoints(kind, wire_topic, full=True)
         owners = self._ask(Graph.owners) if endpoints else {}
-        return [_info(endpoint, kind, owners.get(endpoint.key.bytes)) for endpoint in endpoints]
+        return [_info(endpoint, kind, owners.get(endpoint.guid)) for endpoint in endpoints]
 
 
 def _info(endpoint: DiscoveredEndpoint, kind: Any, owner: Any) -> TopicEndpointInfo:
@@ -108,7 +108,7 @@ def _info(endpoint: DiscoveredEndpoint, kind: Any, owner: Any) -> TopicEndpointI
         topic_type=_type_name(endpoint),
         topic_type_hash=TypeHash(int(found[1]), bytes.fromhex(found[2].decode())) if found else TypeHash(),
         endpoint_type=TopicEndpointTypeEnum.PUBLISHER if kind is PUBLISHERS else TopicEndpointTypeEnum.SUBSCRIPTION,
-        endpoint_gid=list(endpoint.key.bytes),
+        endpoint_gid=list(endpoint.guid),
         qos_profile=from_dds(endpoint.qos),
     )
 
