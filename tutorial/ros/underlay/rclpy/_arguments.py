@@ -1,7 +1,5 @@
 """What stands between ``--ros-args`` and ``--`` on a command line: remappings, parameters, log levels."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field

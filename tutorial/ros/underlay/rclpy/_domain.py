@@ -3,8 +3,6 @@
 By default nobody outside this machine hears it, so that a room full of students don't drive each other's tanks.
 """
 
-from __future__ import annotations
-
 import os
 import threading
 from collections import Counter

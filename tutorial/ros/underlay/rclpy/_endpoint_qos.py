@@ -1,7 +1,5 @@
 """From rclpy's QoS profiles to Cyclone DDS's policies, and back."""
 
-from __future__ import annotations
-
 from _rosidl.definitions import type_hash
 from _rosidl.message import Message
 from cyclonedds.qos import Policy, Qos

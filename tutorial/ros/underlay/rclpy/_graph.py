@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 from cyclonedds import builtin
 from cyclonedds.core import DDSException, InstanceState, ReadCondition, SampleState, ViewState
@@ -32,22 +33,14 @@ if TYPE_CHECKING:
 PUBLISHERS, SUBSCRIPTIONS = builtin.BuiltinTopicDcpsPublication, builtin.BuiltinTopicDcpsSubscription
 MANY = 4096
 """More endpoints than are ever read at once."""
+AT_ONCE = 256
+"""How many announcements are taken at once, so that taking them has an end where they keep coming."""
 LONGEST = 65_536
-"""The longest announcement that is read [bytes]: some 200 nodes in one process, with all that they publish. Reading it
-takes some 30 ms, and the nodes that are asked for wait for no more than this at a time."""
-AT_ONCE = 512
-"""How many announcements are taken at a time, so that whoever takes them comes to an end where they keep coming."""
+"""The longest announcement that is read [bytes]: some 200 nodes in one process, with all that they publish. That takes
+some 30 ms, and nobody who asks for nodes waits for more than about two of them."""
 
-Listed = TypeVar("Listed")
-
-
-class DiscoveredEndpoint(NamedTuple):
-    """A discovered writer or reader; its policies only where they were asked for."""
-
-    guid: bytes
-    topic_name: str
-    type_name: str
-    qos: Any
+DiscoveredEndpoint = Any
+"""A discovered writer or reader: its ``guid``, ``topic_name``, ``type_name``, and ``qos`` where that was asked for."""
 
 
 class _Entry(ctypes.Structure):
@@ -55,17 +48,14 @@ class _Entry(ctypes.Structure):
 
     _fields_ = (
         ("guid", ctypes.c_ubyte * 16),
-        ("participant_guid", ctypes.c_ubyte * 16),
-        ("participant_handle", ctypes.c_uint64),
+        ("participant", ctypes.c_ubyte * 24),  # guid and handle
         ("topic_name", ctypes.c_char_p),
         ("type_name", ctypes.c_char_p),
         ("qos", dds_c_t.qos_p),
     )
 
 
-_infos = (dds_c_t.sample_info * MANY)()
-"""Where Cyclone DDS writes what nobody reads here."""
-
+_infos = (dds_c_t.sample_info * MANY)()  # where Cyclone DDS writes what nobody reads here
 _RELIABLE, _KEPT = Policy.Reliability.Reliable(FOREVER), Policy.Durability.TransientLocal
 _BOTH_SIDES = (type_hash_policy(ParticipantEntitiesInfo), _RELIABLE, _KEPT)
 _WRITER_QOS = Qos(
@@ -140,18 +130,13 @@ class Graph:
         """Take what the others have announced, and forget those that are gone: a killed process says no goodbye.
 
         The executor calls it now and then, or announcements would pile up in a program that never asks. They are read
-        by whoever asks, and then only the newest of each participant.
+        when somebody asks, and then only the newest of each participant.
         """
         with lock:
-            taken = 0
-            while taken < AT_ONCE and (samples := self._reader.take(8)):
-                taken += len(samples)
-                for sample in samples:
-                    if sample.sample_info.valid_data and len(sample.data) > LONGEST:
-                        self._ignore(f"it has {len(sample.data):,} bytes, at most {LONGEST:,} are read")
-                    elif sample.sample_info.valid_data:
-                        self._unread[sample.data[4:20]] = sample.data  # its first field, behind the header, is the gid
-            alive = set(self._listed(builtin.BuiltinTopicDcpsParticipant, lambda entry: bytes(entry.guid)))
+            for sample in self._reader.take(AT_ONCE):
+                if sample.sample_info.valid_data:
+                    self._unread[sample.data[4:20]] = sample.data  # its first field, behind the header, is the gid
+            alive = {bytes(entry.guid) for entry in self._listed(builtin.BuiltinTopicDcpsParticipant)}
             self._remote = {gid: nodes for gid, nodes in self._remote.items() if gid in alive}
             self._unread = {gid: data for gid, data in self._unread.items() if gid in alive}
 
@@ -164,15 +149,7 @@ class Graph:
             full: with their policies, which takes a tenth of a millisecond for each.
         """
         wanted = wire_topic and wire_topic.encode()
-
-        def endpoint(entry: Any) -> DiscoveredEndpoint | None:
-            if wanted not in (None, entry.topic_name):
-                return None
-            topic_name, type_name = (name.decode(errors="replace") for name in (entry.topic_name, entry.type_name))
-            qos = _CQos.cqos_to_qos(entry.qos) if full else None
-            return DiscoveredEndpoint(bytes(entry.guid), topic_name, type_name, qos)
-
-        return [found for found in self._listed(kind, endpoint) if found]
+        return [_endpoint(entry, full) for entry in self._listed(kind) if wanted in (None, entry.topic_name)]
 
     def _announce(self) -> None:
         with suppress(DDSException):  # shut down at this moment: there is nobody to tell
@@ -192,39 +169,40 @@ class Graph:
                 left -= len(data)
                 nodes = self._remote.get(gid, [])
                 try:
+                    if len(data) > LONGEST:
+                        raise RCLError(f"it has {len(data):,} bytes, at most {LONGEST:,} are read")
                     info: Any = decode(data, ParticipantEntitiesInfo)
                     nodes = list(info.node_entities_info_seq)
                 except RCLError as error:
-                    self._ignore(str(error))
+                    self._ignored += 1
+                    text = f"{self._ignored} announcements of nodes have been ignored. The last: {error}"
+                    self._logger.warning(text, throttle_duration_sec=10.0)
                 with lock:
                     self._remote[gid] = nodes
                     if (newest := self._unread.pop(gid, data)) is not data:
                         self._unread[gid] = newest  # behind the others, which may have waited longer
 
-    def _ignore(self, reason: str) -> None:
-        self._ignored += 1
-        text = f"An announcement of nodes is ignored: {reason}. It is no. {self._ignored}."
-        self._logger.warning(text, throttle_duration_sec=10.0)
-
-    def _listed(self, topic: Any, pick: Callable[[Any], Listed]) -> list[Listed]:
-        """Return something of each that Cyclone DDS lists on one of its built-in topics.
+    def _listed(self, topic: Any) -> Iterator[Any]:
+        """Go through what Cyclone DDS lists on one of its built-in topics; what it lends is gone when this has ended.
 
         The reader lives only as long as the call, because what is gone would pile up in it. One call at a time in the
         whole process, also because cyclonedds keeps the policies that it is converting in variables of a class. Its
         own ``read`` converts the policies of all, whoever wants them, and makes of a Ctrl-C an error of its own.
         """
+        entries = (ctypes.POINTER(_Entry) * MANY)()
+        dds, count = DDS._dll_handle, 0
         with lock:
             reader = builtin.BuiltinDataReader(self.participant, topic)
             try:
                 alive = ReadCondition(reader, ViewState.Any | SampleState.Any | InstanceState.Alive)
-                entries = (ctypes.POINTER(_Entry) * MANY)()
-                many = ctypes.c_size_t(MANY)
-                count = DDS._dll_handle.dds_read(alive._ref, entries, _infos, many, ctypes.c_uint32(MANY))
-                if count < 0:
-                    raise DDSException(count, "Occurred when listing what is there")
-                try:
-                    return [pick(entry.contents) for entry in entries[:count]]
-                finally:
-                    DDS._dll_handle.dds_return_loan(alive._ref, entries, count)
+                count = dds.dds_read(alive._ref, entries, _infos, ctypes.c_size_t(MANY), ctypes.c_uint32(MANY))
+                yield from (entry.contents for entry in entries[: max(count, 0)])
             finally:
+                dds.dds_return_loan(reader._ref, entries, count)
                 close(reader)
+
+
+def _endpoint(entry: Any, full: bool) -> DiscoveredEndpoint:
+    topic_name, type_name = (name.decode(errors="replace") for name in (entry.topic_name, entry.type_name))
+    qos = _CQos.cqos_to_qos(entry.qos) if full else None
+    return SimpleNamespace(guid=bytes(entry.guid), topic_name=topic_name, type_name=type_name, qos=qos)

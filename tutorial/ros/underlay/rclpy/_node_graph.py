@@ -75,8 +75,8 @@ class NodeGraph(NodeNames):
         """Return what is known about each subscription on a topic, as for publishers."""
         return self._infos(SUBSCRIPTIONS, topic_name, no_mangle)
 
-    def _endpoints(self, kind: Any, wire_topic: str | None = None, *, full: bool = False) -> list[DiscoveredEndpoint]:
-        return self._ask(lambda graph: graph.endpoints(kind, wire_topic, full=full))
+    def _endpoints(self, kind: Any, wire_topic: str | None = None) -> list[DiscoveredEndpoint]:
+        return self._ask(lambda graph: graph.endpoints(kind, wire_topic))
 
     def _ask(self, question: Callable[[Graph], Answer]) -> Answer:
         self._require_handle()
@@ -94,7 +94,7 @@ class NodeGraph(NodeNames):
 
     def _infos(self, kind: Any, topic_name: str, no_mangle: bool) -> list[TopicEndpointInfo]:
         wire_topic = topic_name if no_mangle else f"rt{self._remapped(self._expanded(topic_name))}"
-        endpoints = self._endpoints(kind, wire_topic, full=True)
+        endpoints = self._ask(lambda graph: graph.endpoints(kind, wire_topic, full=True))
         owners = self._ask(Graph.owners) if endpoints else {}
         return [_info(endpoint, kind, owners.get(endpoint.guid)) for endpoint in endpoints]
 

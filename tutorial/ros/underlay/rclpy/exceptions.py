@@ -1,7 +1,5 @@
 """rclpy's exceptions, and the one that the underlay adds."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 from rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle  # noqa: PLC0414  (programs find it here)

@@ -1,7 +1,5 @@
 """Quality of service: how hard the middleware tries to deliver messages."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import MISSING, dataclass, field, fields
 from enum import Enum, IntEnum
