@@ -4,6 +4,7 @@ By default nobody outside this machine hears it, so that a room full of students
 """
 
 import os
+import socket
 import threading
 from collections import Counter
 from xml.sax.saxutils import quoteattr
@@ -49,10 +50,10 @@ def configuration() -> str:
     says comes on top, as with ROS 2's own use of Cyclone DDS.
 
     Raises:
-        RCLError: the range is none of these.
+        RCLError: the range is none of these, or a peer cannot be found.
     """
     reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") or "LOCALHOST"
-    peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer]
+    peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer.strip()]
     if reach not in REACHES:
         raise RCLError(
             f"failed to initialize rcl: ROS_AUTOMATIC_DISCOVERY_RANGE is {reach!r}, must be {', '.join(REACHES)}"
@@ -70,11 +71,27 @@ def configuration() -> str:
     return ",".join(filter(None, (own, os.environ.get("CYCLONEDDS_URI"))))
 
 
+def _address(peer: str) -> str:
+    """Return a peer's address, looked up here: where Cyclone DDS cannot find one it ends the process."""
+    host, colon, port = peer.strip().partition(":")
+    try:
+        if colon and not 0 < int(port) < 65_536:
+            raise ValueError("there is no such port")
+        return socket.gethostbyname(host) + colon + port
+    except (OSError, ValueError) as error:
+        raise RCLError(
+            f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which is not found ({error}). Give names or "
+            "addresses of machines, such as 192.168.1.20, separated by semicolons."
+        ) from None
+
+
 def _discovery(reach: str, peers: list[str]) -> str:
     """Return how to look for others."""
     if reach == "OFF":
         return f"<ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{os.getpid()}</Tag>"
-    listed = "".join(f'<Peer address={quoteattr(peer)} PruneDelay="inf"/>' for peer in ("127.0.0.1", *peers))
+    listed = "".join(
+        f'<Peer address={quoteattr(peer)} PruneDelay="inf"/>' for peer in ("127.0.0.1", *map(_address, peers))
+    )
     return (
         f"<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>{MAX_PARTICIPANTS}</MaxAutoParticipantIndex>"
         f"<SPDPInterval>1s</SPDPInterval><Peers>{listed}</Peers>"
