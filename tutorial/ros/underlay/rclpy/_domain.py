@@ -11,12 +11,16 @@ from xml.sax.saxutils import quoteattr
 
 from cyclonedds.core import DDSException, Entity
 from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.internal import DDS
 from cyclonedds.qos import Policy, Qos
 from rclpy._rclpy_pybind11 import RCLError
 
 REACHES = ("OFF", "LOCALHOST", "SUBNET", "SYSTEM_DEFAULT")
 MAX_PARTICIPANTS = 32
 MAX_DOMAIN_ID = 232
+FATAL_AND_ERROR = 3
+"""What Cyclone DDS may print. Whoever sends it rubbish causes a warning for each packet, and there is nothing against
+that in its configuration; those about the configuration itself come before."""
 
 _domains: dict[int, Domain] = {}
 _users: Counter[int] = Counter()
@@ -114,6 +118,7 @@ def join(domain_id: int) -> DomainParticipant:
         try:
             if domain_id not in _domains:
                 _domains[domain_id] = Domain(domain_id, configuration())
+                DDS._dll_handle.dds_set_log_mask(FATAL_AND_ERROR)
             participant = DomainParticipant(domain_id, Qos(Policy.Userdata(b"enclave=/;")))
         except DDSException as error:
             _close_if_unused(domain_id)
