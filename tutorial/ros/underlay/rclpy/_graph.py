@@ -4,31 +4,27 @@ DDS knows participants, writers and readers, not nodes. In ROS 2 every participa
 ``ros_discovery_info`` which nodes it holds and which endpoints are whose; the whole list again at each change.
 """
 
-from __future__ import annotations
-
 import ctypes
-import threading
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from cyclonedds import builtin
 from cyclonedds.core import DDSException, InstanceState, ReadCondition, SampleState, ViewState
+from cyclonedds.domain import DomainParticipant
 from cyclonedds.internal import DDS, dds_c_t
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos, _CQos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from rclpy._domain import close, lock
-from rclpy._endpoint_qos import FOREVER, type_hash_policy
+from rclpy._endpoint_qos import to_dds
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy._wire import decode, encode, payload_type
 from rclpy.logging import get_logger
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
-
-if TYPE_CHECKING:
-    from cyclonedds.domain import DomainParticipant
 
 PUBLISHERS, SUBSCRIPTIONS = builtin.BuiltinTopicDcpsPublication, builtin.BuiltinTopicDcpsSubscription
 MANY = 4096
@@ -43,28 +39,13 @@ DiscoveredEndpoint = Any
 """A discovered writer or reader: its ``guid``, ``topic_name``, ``type_name``, and ``qos`` where that was asked for."""
 
 
-class _Entry(ctypes.Structure):
-    """Cyclone DDS's ``dds_builtintopic_endpoint_t``. What it lists of a participant begins with its guid, too."""
+TOPIC_NAME, TYPE_NAME, QOS = 5, 6, 7
+"""Where Cyclone DDS's ``dds_builtintopic_endpoint_t`` has these pointers [words of 8 bytes], behind two guids and a
+handle. What it lists of a participant begins with a guid, too."""
 
-    _fields_ = (
-        ("guid", ctypes.c_ubyte * 16),
-        ("participant", ctypes.c_ubyte * 24),  # guid and handle
-        ("topic_name", ctypes.c_char_p),
-        ("type_name", ctypes.c_char_p),
-        ("qos", dds_c_t.qos_p),
-    )
-
-
-_infos = (dds_c_t.sample_info * MANY)()  # where Cyclone DDS writes what nobody reads here
-_RELIABLE, _KEPT = Policy.Reliability.Reliable(FOREVER), Policy.Durability.TransientLocal
-_BOTH_SIDES = (type_hash_policy(ParticipantEntitiesInfo), _RELIABLE, _KEPT)
-_WRITER_QOS = Qos(
-    *_BOTH_SIDES,
-    Policy.History.KeepLast(1),
-    Policy.DurabilityService(0, Policy.History.KeepLast(1), -1, -1, -1),
-    Policy.WriterDataLifecycle(autodispose=False),
-)
-_READER_QOS = Qos(*_BOTH_SIDES, Policy.History.KeepAll, Policy.IgnoreLocal.Participant)
+_announced = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+_WRITER_QOS, _base = (to_dds(_announced, ParticipantEntitiesInfo, writer=writer) for writer in (True, False))
+_READER_QOS = Qos(Policy.History.KeepAll, Policy.IgnoreLocal.Participant, base=_base)
 
 
 class Graph:
@@ -83,7 +64,6 @@ class Graph:
         self._local: list[NodeEntitiesInfo] = []
         self._remote: dict[bytes, list[NodeEntitiesInfo]] = {}
         self._unread: dict[bytes, bytes] = {}
-        self._reading = threading.Lock()
         self._ignored = 0
         self._logger = get_logger("rclpy")
         self._payload = payload_type(ParticipantEntitiesInfo._definition.type_name)
@@ -114,10 +94,18 @@ class Graph:
             self._announce()
 
     def nodes(self) -> list[NodeEntitiesInfo]:
-        """Return all nodes there are, those of this process first."""
-        self.listen()
-        self._read()
+        """Return all nodes there are, those of this process first.
+
+        Of what was announced no more than about :data:`LONGEST` is read at a time, in turn; the rest the next time.
+        """
         with lock:
+            self.listen()
+            left = LONGEST
+            while left > 0 and self._unread:
+                gid, data = next(iter(self._unread.items()))
+                left -= len(data)
+                self._learn(gid, data)
+                del self._unread[gid]
             return [*self._local, *(node for nodes in self._remote.values() for node in nodes)]
 
     def owners(self) -> dict[bytes, NodeEntitiesInfo]:
@@ -136,7 +124,7 @@ class Graph:
             for sample in self._reader.take(AT_ONCE):
                 if sample.sample_info.valid_data:
                     self._unread[sample.data[4:20]] = sample.data  # its first field, behind the header, is the gid
-            alive = {bytes(entry.guid) for entry in self._listed(builtin.BuiltinTopicDcpsParticipant)}
+            alive = {ctypes.string_at(entry, 16) for entry in self._listed(builtin.BuiltinTopicDcpsParticipant)}
             self._remote = {gid: nodes for gid, nodes in self._remote.items() if gid in alive}
             self._unread = {gid: data for gid, data in self._unread.items() if gid in alive}
 
@@ -148,8 +136,16 @@ class Graph:
             wire_topic: its name in DDS.
             full: with their policies, which takes a tenth of a millisecond for each.
         """
-        wanted = wire_topic and wire_topic.encode()
-        return [_endpoint(entry, full) for entry in self._listed(kind) if wanted in (None, entry.topic_name)]
+        found = []
+        for entry in self._listed(kind):
+            topic_name, type_name = (
+                ctypes.string_at(entry[i]).decode(errors="replace") for i in (TOPIC_NAME, TYPE_NAME)
+            )
+            if wire_topic in (None, topic_name):
+                qos = _CQos.cqos_to_qos(entry[QOS]) if full else None
+                guid = ctypes.string_at(entry, 16)
+                found.append(SimpleNamespace(guid=guid, topic_name=topic_name, type_name=type_name, qos=qos))
+        return found
 
     def _announce(self) -> None:
         with suppress(DDSException):  # shut down at this moment: there is nobody to tell
@@ -157,30 +153,16 @@ class Graph:
             info = encode(ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=self._local))
             self._writer.write(self._payload(info))
 
-    def _read(self) -> None:
-        """Read what was taken, in turn; beyond :data:`LONGEST` it waits for the next time."""
-        left = LONGEST
-        with self._reading:  # an older announcement must not come after a newer one
-            while left > 0:
-                with lock:
-                    if not self._unread:
-                        return
-                    gid, data = next(iter(self._unread.items()))
-                left -= len(data)
-                nodes = self._remote.get(gid, [])
-                try:
-                    if len(data) > LONGEST:
-                        raise RCLError(f"it has {len(data):,} bytes, at most {LONGEST:,} are read")
-                    info: Any = decode(data, ParticipantEntitiesInfo)
-                    nodes = list(info.node_entities_info_seq)
-                except RCLError as error:
-                    self._ignored += 1
-                    text = f"{self._ignored} announcements of nodes have been ignored. The last: {error}"
-                    self._logger.warning(text, throttle_duration_sec=10.0)
-                with lock:
-                    self._remote[gid] = nodes
-                    if (newest := self._unread.pop(gid, data)) is not data:
-                        self._unread[gid] = newest  # behind the others, which may have waited longer
+    def _learn(self, gid: bytes, data: bytes) -> None:
+        try:
+            if len(data) > LONGEST:
+                raise RCLError(f"it has {len(data):,} bytes, at most {LONGEST:,} are read")
+            info: Any = decode(data, ParticipantEntitiesInfo)
+            self._remote[gid] = list(info.node_entities_info_seq)
+        except RCLError as error:
+            self._ignored += 1
+            text = f"{self._ignored} announcements of nodes have been ignored. The last: {error}"
+            self._logger.warning(text, throttle_duration_sec=10.0)
 
     def _listed(self, topic: Any) -> Iterator[Any]:
         """Go through what Cyclone DDS lists on one of its built-in topics; what it lends is gone when this has ended.
@@ -189,20 +171,14 @@ class Graph:
         whole process, also because cyclonedds keeps the policies that it is converting in variables of a class. Its
         own ``read`` converts the policies of all, whoever wants them, and makes of a Ctrl-C an error of its own.
         """
-        entries = (ctypes.POINTER(_Entry) * MANY)()
-        dds, count = DDS._dll_handle, 0
+        entries = (ctypes.POINTER(ctypes.c_void_p) * MANY)()
+        dds, count, infos = DDS._dll_handle, 0, (dds_c_t.sample_info * MANY)()
         with lock:
             reader = builtin.BuiltinDataReader(self.participant, topic)
             try:
                 alive = ReadCondition(reader, ViewState.Any | SampleState.Any | InstanceState.Alive)
-                count = dds.dds_read(alive._ref, entries, _infos, ctypes.c_size_t(MANY), ctypes.c_uint32(MANY))
-                yield from (entry.contents for entry in entries[: max(count, 0)])
+                count = dds.dds_read(alive._ref, entries, infos, ctypes.c_size_t(MANY), ctypes.c_uint32(MANY))
+                yield from entries[: max(count, 0)]
             finally:
                 dds.dds_return_loan(reader._ref, entries, count)
                 close(reader)
-
-
-def _endpoint(entry: Any, full: bool) -> DiscoveredEndpoint:
-    topic_name, type_name = (name.decode(errors="replace") for name in (entry.topic_name, entry.type_name))
-    qos = _CQos.cqos_to_qos(entry.qos) if full else None
-    return SimpleNamespace(guid=bytes(entry.guid), topic_name=topic_name, type_name=type_name, qos=qos)

@@ -141,9 +141,7 @@ class QoSProfile:
         return f"{type(self).__name__}({', '.join(f'{name}={getattr(self, name)}' for name in DEFAULTS)})"
 
 
-DEFAULTS: dict[str, Any] = {
-    policy.name: Duration() if policy.default is MISSING else policy.default for policy in fields(QoSProfile)
-}
+DEFAULTS: dict[str, Any] = {p.name: Duration() if p.default is MISSING else p.default for p in fields(QoSProfile)}
 
 
 def _every_policy(name: str, **others: Any) -> QoSProfile:
