@@ -39,7 +39,7 @@ def test_a_flood_is_borne_and_summed_up(soak, backend):
     assert sent > 100
     assert hold > 0
     assert growth < 50
-    assert lines == 0 or backend == "rclpy", output  # a real ROS 2 on Cyclone DDS prints one for each
+    assert lines == 0 or backend == "rclpy", output  # which may print that the attacker tells no type hash
     assert end < 20  # what is allowed on an idle machine is for whoever runs it
 
 
