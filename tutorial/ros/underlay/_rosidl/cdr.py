@@ -3,6 +3,8 @@
 They are twice as fast as going through the fields one by one.
 """
 
+from __future__ import annotations
+
 from functools import cache, cached_property
 from typing import Any, cast
 

@@ -138,13 +138,10 @@ class Graph:
         """
         found = []
         for entry in self._listed(kind):
-            topic_name, type_name = (
-                ctypes.string_at(entry[i]).decode(errors="replace") for i in (TOPIC_NAME, TYPE_NAME)
-            )
-            if wire_topic in (None, topic_name):
-                qos = _CQos.cqos_to_qos(entry[QOS]) if full else None
-                guid = ctypes.string_at(entry, 16)
-                found.append(SimpleNamespace(guid=guid, topic_name=topic_name, type_name=type_name, qos=qos))
+            topic, type_name = (ctypes.string_at(entry[i]).decode(errors="replace") for i in (TOPIC_NAME, TYPE_NAME))
+            if wire_topic in (None, topic):
+                guid, qos = ctypes.string_at(entry, 16), _CQos.cqos_to_qos(entry[QOS]) if full else None
+                found.append(SimpleNamespace(guid=guid, topic_name=topic, type_name=type_name, qos=qos))
         return found
 
     def _announce(self) -> None:

@@ -1,10 +1,8 @@
 """What a node tells about itself and asks about the others."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from cyclonedds.core import DDSException
 from cyclonedds.qos import Policy
@@ -12,11 +10,9 @@ from rclpy._endpoint_qos import from_dds
 from rclpy._graph import PUBLISHERS, SUBSCRIPTIONS, DiscoveredEndpoint, Graph
 from rclpy._node_names import NodeNames
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
+from rclpy.context import Context
 from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 from rclpy.type_hash import TypeHash
-
-if TYPE_CHECKING:
-    from rclpy.context import Context
 
 Answer = TypeVar("Answer")
 

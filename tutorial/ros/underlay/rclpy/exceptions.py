@@ -106,9 +106,8 @@ class InvalidParameterTypeException(ParameterException):
 
     def __init__(self, desired_parameter: Parameter, expected_type: str) -> None:
         name, value, given = desired_parameter.name, desired_parameter.value, desired_parameter.type_.name
-        super().__init__(
-            f"Trying to set parameter '{name}' to '{value}' of type '{given}', expecting type '{expected_type}'", name
-        )
+        text = f"Trying to set parameter '{name}' to '{value}' of type '{given}', expecting type '{expected_type}'"
+        super().__init__(text, name)
 
 
 class InvalidParameterValueException(ParameterException):
