@@ -126,8 +126,7 @@ class Arguments:
 
 def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
     """Separate a command line into (ROS arguments, the others)."""
-    ros_args: list[str] = []
-    others: list[str] = []
+    ros_args, others = list[str](), list[str]()
     target = others
     for arg in args:
         if arg == "--ros-args":

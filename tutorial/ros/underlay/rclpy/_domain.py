@@ -66,13 +66,10 @@ def configuration() -> str:
         return os.environ.get("CYCLONEDDS_URI") or "<CycloneDDS/>"
     outside = reach == "SUBNET" or (reach == "LOCALHOST" and peers)
     interface = 'autodetermine="true"' if outside else 'address="127.0.0.1"'
-    own = (
-        '<CycloneDDS><Domain Id="any"><General>'
-        f"<AllowMulticast>{str(reach == 'SUBNET').lower()}</AllowMulticast>"
-        f"<Interfaces><NetworkInterface {interface}/></Interfaces></General>"
-        f"<Discovery>{_discovery(reach, peers)}</Discovery></Domain></CycloneDDS>"
-    )
-    return ",".join(filter(None, (own, os.environ.get("CYCLONEDDS_URI"))))
+    multicast = f"<AllowMulticast>{str(reach == 'SUBNET').lower()}</AllowMulticast>"
+    general = f"<General>{multicast}<Interfaces><NetworkInterface {interface}/></Interfaces></General>"
+    own = f'<Domain Id="any">{general}<Discovery>{_discovery(reach, peers)}</Discovery></Domain>'
+    return ",".join(filter(None, (f"<CycloneDDS>{own}</CycloneDDS>", os.environ.get("CYCLONEDDS_URI"))))
 
 
 def _address(peer: str) -> str:
@@ -83,23 +80,18 @@ def _address(peer: str) -> str:
             raise ValueError("there is no such port")
         return socket.gethostbyname(host) + colon + port
     except (OSError, ValueError) as error:
-        raise RCLError(
-            f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which is not found ({error}). Give names or "
-            "addresses of machines, such as 192.168.1.20, separated by semicolons."
-        ) from None
+        text = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which is not found ({error})."
+        raise RCLError(f"{text} Give addresses such as 192.168.1.20, separated by semicolons.") from None
 
 
 def _discovery(reach: str, peers: list[str]) -> str:
     """Return how to look for others."""
     if reach == "OFF":
         return f"<ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{os.getpid()}</Tag>"
-    listed = "".join(
-        f'<Peer address={quoteattr(peer)} PruneDelay="inf"/>' for peer in ("127.0.0.1", *map(_address, peers))
-    )
-    return (
-        f"<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>{MAX_PARTICIPANTS}</MaxAutoParticipantIndex>"
-        f"<SPDPInterval>1s</SPDPInterval><Peers>{listed}</Peers>"
-    )
+    everyone = ("127.0.0.1", *map(_address, peers))
+    listed = "".join(f'<Peer address={quoteattr(peer)} PruneDelay="inf"/>' for peer in everyone)
+    limit = f"<MaxAutoParticipantIndex>{MAX_PARTICIPANTS}</MaxAutoParticipantIndex>"
+    return f"<ParticipantIndex>auto</ParticipantIndex>{limit}<SPDPInterval>1s</SPDPInterval><Peers>{listed}</Peers>"
 
 
 def join(domain_id: int) -> DomainParticipant:
