@@ -111,7 +111,7 @@ def test_reading_waits_its_turn(
 @pytest.mark.parametrize(
     ("names", "said"),
     [
-        (["x" * 200] * 400, "it has .* bytes, at most 65,536 are read"),
+        (["x" * 200] * 400, "it has .* bytes, at most 32,768 are read"),
         (["no_utf"], ".* bytes are no ParticipantEntitiesInfo: .*"),
     ],
     ids=["long", "broken"],

@@ -31,9 +31,9 @@ MANY = 4096
 """More endpoints than are ever read at once."""
 AT_ONCE = 256
 """How many announcements are taken at once, so that taking them has an end where they keep coming."""
-LONGEST = 65_536
-"""The longest announcement that is read [bytes]: some 200 nodes in one process, with all that they publish. That takes
-some 30 ms, and nobody who asks for nodes waits for more than about two of them."""
+LONGEST = 32_768
+"""The longest announcement that is read [bytes]: some 100 nodes in one process, with all that they publish. That takes
+some 10 ms, or 40 where Python collects garbage meanwhile; whoever asks for nodes waits for two of them at most."""
 
 DiscoveredEndpoint = Any
 """A discovered writer or reader: its ``guid``, ``topic_name``, ``type_name``, and ``qos`` where that was asked for."""
