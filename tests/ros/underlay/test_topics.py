@@ -410,7 +410,7 @@ def test_announcements_of_others_are_taken_in_while_spinning(
     other = Context()
     other.init(args=[])
     Node("other", context=other)
-    spin_until(lambda: node.context.graph._remote)
+    spin_until(lambda: node.context.graph._unread)
     other.shutdown()
 
 

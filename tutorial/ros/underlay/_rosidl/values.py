@@ -1,7 +1,5 @@
 """What a field may hold: its type, its container and its default."""
 
-from __future__ import annotations
-
 import math
 import sys
 from array import array

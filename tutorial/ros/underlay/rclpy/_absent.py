@@ -1,7 +1,5 @@
 """What rclpy has and the embedded ROS 2 has not: whoever asks for it learns what needs a real ROS 2."""
 
-from __future__ import annotations
-
 import inspect
 import json
 import sys
