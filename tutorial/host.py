@@ -26,7 +26,9 @@ __all__ = ["Host"]
 
 FRAME = 1 / 30  # [s] between two frames of the view
 QUIET = 0.3  # [s] without a message, after which nothing more is taken to be on its way
+FEW = 3  # bodies that have a line each below the view
 HUNG = 5.0  # [s] without a step, after which a run that has a duration is not waited for any more
+CLOSED = "this program is closed. Open it again."
 NAMESAKES = (
     "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name, "
     "--ros-args -r __node:=%s_2, or a ROS_DOMAIN_ID of its own"
@@ -81,8 +83,9 @@ class Host:
         try:
             for item in project.bodies:
                 self._add(item, project.time_step is not None)
-            if view is not None and len(project.bodies) == 1:
-                view.look_at_body(project.bodies[0].placement.name)
+            if view is not None and (project.time_step is None or len(self._items) == 1):
+                robots = [name for name, item in self._items.items() if item.controllers]
+                view.look_at_bodies(*(robots or self._items))
             if project.time_step is not None:
                 controllers = [(name, each) for name, item in self._items.items() for each in item.controllers]
                 placements = [item.placement for item in project.bodies]
@@ -143,7 +146,7 @@ class Host:
             TutorialError: it was closed.
         """
         if self._closed:
-            raise TutorialError("this program is closed. Open it again.")
+            raise TutorialError(CLOSED)
         self._still = 0
         began = due = time.monotonic()
         self.forget_errors()
@@ -176,6 +179,27 @@ class Host:
     def joint_positions(self) -> dict[str, float]:
         """Where the displayed joints are [rad], or [m] for those that slide, by ``"body joint"``."""
         return {f"{name} {joint.name}": joint.position for name, body in self.bodies.items() for joint in body.joints}
+
+    def add(self, item: BodyItem) -> None:
+        """Show one more body, with its controllers, in a program that only displays.
+
+        Raises:
+            TutorialError: the program simulates, or was closed; there is a body of this name; or a controller does not
+                fit its body, which then is not there.
+        """
+        name = item.placement.name
+        if self._closed:
+            raise TutorialError(CLOSED)
+        if self.simulation is not None:
+            raise TutorialError(f"{name!r} comes too late: a simulated world is made of the bodies in its project.")
+        if name in self._items:
+            raise TutorialError(f"there is a body {name!r} already. Remove it first, or give this one another name.")
+        try:
+            self._add(item, simulates=False)
+        except BaseException:
+            if name in self._items:
+                self.remove(name)
+            raise
 
     def remove(self, name: str) -> None:
         """Delete a displayed body: its controllers leave it, and what they have posted does not run any more.
@@ -264,8 +288,17 @@ class Host:
         for name, item in self._items.items():
             if item.take_dirty():
                 self._view.update(name, item.body.data)
-        self._view.line("  |  ".join(filter(None, (self._trouble(), *(item.line() for item in self._items.values())))))
+        self._view.line("  |  ".join(filter(None, (self._trouble(), *self._lines()))))
         self._view.flush()
+
+    def _lines(self) -> list[str]:
+        """What is known of each body's messages; of a fleet how many are well, and of a few what is wrong with them."""
+        items = [item for item in self._items.values() if item.joint_topics or item.in_order]
+        if len(items) <= FEW:
+            return [item.line() for item in self._items.values()]
+        others = [item for item in items if not item.in_order]
+        count = f"{len(items) - len(others)} of {len(items)} bodies follow their messages"
+        return [count, *(item.line() for item in others[:FEW])]
 
     def _trouble(self) -> str:
         """What stands first below the view when something of the learner's has failed."""

@@ -16,6 +16,7 @@ from tutorial.ros.node_thread import MeteredNode
 __all__ = ["Item"]
 
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages
+SILENT = 1.0  # [s] without a message, after which something is wrong
 
 _log = logging.getLogger(__name__)
 
@@ -82,6 +83,11 @@ class Item:
         """Whether the body has changed since this was last asked."""
         dirty, self._dirty = self._dirty, False
         return dirty
+
+    @property
+    def in_order(self) -> bool:
+        """Whether its messages go on coming, and there was nothing to complain about in the last one."""
+        return self._report is not None and self._report.clean and time.monotonic() - self._shown_at < SILENT
 
     def line(self) -> str:
         """What stands below the view: the last report, and the age of the data."""
