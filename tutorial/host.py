@@ -82,7 +82,9 @@ class Host:
         self._closed = False
         try:
             for item in project.bodies:
-                self._add(item, project.time_step is not None)
+                self._show(item)
+            for item in project.bodies:  # last, as messages come from now on, and wait until the loop runs
+                self._attach(item, project.time_step is not None)
             if view is not None and (project.time_step is None or len(self._items) == 1):
                 robots = [name for name, item in self._items.items() if item.controllers]
                 view.look_at_bodies(*(robots or self._items))
@@ -195,7 +197,8 @@ class Host:
         if name in self._items:
             raise TutorialError(f"there is a body {name!r} already. Remove it first, or give this one another name.")
         try:
-            self._add(item, simulates=False)
+            self._show(item)
+            self._attach(item, simulates=False)
         except BaseException:
             if name in self._items:
                 self.remove(name)
@@ -237,13 +240,15 @@ class Host:
             self._calls.close()
             self._ros.close()
 
-    def _add(self, item: BodyItem, simulates: bool) -> None:
+    def _show(self, item: BodyItem) -> None:
         body = Body.displayed(item.placement)
-        added = self._items[body.name] = Item(body)
+        self._items[body.name] = Item(body)
         if self._view is not None:
             self._view.add(body.name, body.model)
+
+    def _attach(self, item: BodyItem, simulates: bool) -> None:
         for controller_class in item.controllers:
-            added.attach(controller_class, self.node, self._calls)
+            self._items[item.placement.name].attach(controller_class, self.node, self._calls)
             if not simulates and controller_class.control is not SimpleController.control:
                 name = controller_class.__name__
                 _log.warning("%s is never asked for control: this project has no 'simulator'", name)
