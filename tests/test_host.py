@@ -149,6 +149,8 @@ def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog):
                     host.add(step3.bodies[0])
                     assert view.names == ("Tank",)
             assert host.node.count_subscribers("/Tank/joint_state") == 1
+            record = host.record()
+            assert record["topics"]["/Tank/joint_state"]["applied"] == record["report"]["matched"] >= 3
             run.cancel()
             with pytest.raises(asyncio.CancelledError):
                 await run

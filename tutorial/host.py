@@ -69,7 +69,7 @@ class Host:
         self._calls = CallQueue(asyncio.get_running_loop(), trace)
         self._view = view
         self._items: dict[str, Item] = {}
-        self._removed: list[Item] = []
+        self._removed: dict[str, Item] = {}  # the last of each name, for the record
         self.simulation: Simulation | None = None
         self._ros = NodeThread("tank", ros_args)
         self.node = self._ros.node
@@ -219,13 +219,14 @@ class Host:
         finally:
             item = self._items.pop(name)
             item.close()
-            self._removed.append(item)
+            item.count_in(self._removed.get(name))
+            self._removed[name] = item
             if self._view is not None:
                 self._view.remove(name)
 
     def record(self) -> dict[str, Any]:
         """Sum the run up, bodies that were removed included. See `tutorial.record`."""
-        items = (*self._removed, *self._items.values())
+        items = (*self._removed.values(), *self._items.values())
         return make_record(self.node.get_name(), self.seconds, self.node.meters, items)
 
     def close(self) -> None:

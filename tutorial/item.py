@@ -79,6 +79,12 @@ class Item:
         for scope in self._scopes:
             scope.error = None
 
+    def count_in(self, earlier: Item | None) -> None:
+        """Add the counts of a body of this name that was there before; None adds nothing."""
+        if earlier is not None:
+            self.applied += earlier.applied
+            self.tally.update(earlier.tally)
+
     def take_dirty(self) -> bool:
         """Whether the body has changed since this was last asked."""
         dirty, self._dirty = self._dirty, False
