@@ -43,6 +43,10 @@ def test_a_short_run_says_what_arrived_and_what_does_not_hold(soak):
         assert sent == "2,000"
         assert 0 < int(received.replace(",", "")) == 2000 - int(lost.replace(",", ""))
     assert "calls that waited for the viewer's main thread" in output
+    assert "33,333 hostile messages to match:" in output
+    assert "3,333 hostile messages to view:" in output
+    assert "were counted, but" not in output
+    assert "displayed where no number is" not in output
 
 
 @pytest.mark.parametrize("kind", ["reliable", "hand-off"])

@@ -89,11 +89,6 @@ def definition(type_name: str) -> Definition:
     )
 
 
-def wire_description(type_name: str) -> Any:
-    """Return the fields as rosbags describes them: a list of names with their types."""
-    return _store().fielddefs[type_name][1]
-
-
 @cache
 def type_hash(type_name: str) -> str:
     """Return the type's hash (REP 2016), such as ``"RIHS01_a13e..."``; endpoints announce it."""

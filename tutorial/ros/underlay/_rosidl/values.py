@@ -95,20 +95,6 @@ def container(field: Field) -> Container | None:
     return Container(np.ndarray, lambda value: np.array(value, code), lambda: np.zeros(field.size, code))
 
 
-def from_wire(field: Field) -> Callable[[Any], Any] | None:
-    """Return what turns a decoded value into what the field keeps, None if it is that; rosbags has rows in numpy."""
-    is_row = field.cardinality is not Cardinality.SCALAR
-    if field.base == "byte":
-        return (lambda row: [bytes([n]) for n in row.tobytes()]) if is_row else lambda number: bytes([number & 255])
-    if field.base == "bool" and is_row:
-        return lambda row: row.tolist()
-    if not is_row or not (number := number_type(field)):
-        return None
-    if field.cardinality is Cardinality.SEQUENCE:
-        return lambda row: array(number.code, row.tobytes())
-    return lambda row: np.array(row, number.code)
-
-
 def default_factory(field: Field, element: type) -> Callable[[], Any]:
     """Return what makes the field's default value.
 
