@@ -186,7 +186,7 @@ def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog):
                     host.remove("Tank")
                     host.add(step3.bodies[0])
                     assert view.names == ("Tank",)
-            assert host.node.count_subscribers("/Tank/joint_state") == 1
+            await until(lambda: host.node.count_subscribers("/Tank/joint_state") == 1, "the end of the others")
             record = host.record()
             assert record["topics"]["/Tank/joint_state"]["applied"] == record["report"]["matched"] >= 3
             run.cancel()
@@ -208,7 +208,7 @@ def test_a_body_is_added_only_where_it_can_be(step3, domain):
             with pytest.raises(TutorialError, match="Unfit could not join Other"):
                 host.add(unfit)
             assert list(host.bodies) == ["Tank"]
-            assert not host.node.count_subscribers("/Other/joint_state")
+            await until(lambda: not host.node.count_subscribers("/Other/joint_state"), "the end of its subscription")
         with pytest.raises(TutorialError, match=r"this program is closed\."):
             host.add(item)
         async with Host(Project.load(find_project("step2"))) as host:
