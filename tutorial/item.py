@@ -89,6 +89,12 @@ class Item:
         for scope in self._scopes:
             scope.error = None
 
+    def count_in(self, earlier: Item | None) -> None:
+        """Add the counts of a body of this name that was there before; None adds nothing."""
+        if earlier is not None:
+            self.applied += earlier.applied
+            self.tally.update(earlier.tally)
+
     def take_dirty(self) -> bool:
         """Whether the body has changed since this was last asked."""
         dirty, self._dirty = self._dirty, False
@@ -104,6 +110,12 @@ class Item:
         """The joints that nothing was heard of for a while: for how long [s]. None before the body's first message."""
         now = time.monotonic()
         return {joint: int(now - at) for joint, at in self._heard.items() if now - at >= STALE_AFTER}
+
+    @property
+    def in_order(self) -> bool:
+        """Whether messages of one publisher go on coming, for all joints, and nothing was wrong with the last."""
+        contested = time.monotonic() - self._contested_at < CONTESTED_FOR
+        return self._report is not None and self._report.clean and not contested and not self.stale()
 
     def line(self) -> str:
         """What stands below the view: the last report, who else publishes, stale joints, and the age of the data."""

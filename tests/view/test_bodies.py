@@ -365,7 +365,7 @@ def test_a_close_up_is_as_far_away_as_the_body_is_large(size):
     view = View(scene := Scene())
     eye = Eye(scene)
     view.add("Ball", model)
-    view.look_at_body("Ball")
+    view.look_at_bodies("Ball")
     view.flush()
     camera = [payload for kind, payload in unpack_records(scene.snapshot()) if kind is Record.CAMERA]
     numbers = np.frombuffer(camera[-1], dtype="<f8")
@@ -376,4 +376,4 @@ def test_a_close_up_is_as_far_away_as_the_body_is_large(size):
 
 def test_a_close_up_of_what_is_not_there_is_a_clear_error():
     with pytest.raises(TutorialError, match="there is no 'Tnak' in the 3D view"):
-        View(Scene()).look_at_body("Tnak")
+        View(Scene()).look_at_bodies("Tnak")

@@ -22,7 +22,7 @@ CAMERA: tuple[Vector, Vector] = ((-4.4, -3.4, 2.6), (-0.6, -0.1, 0.0))
 """Where the camera stands at first, and what it looks at [m]."""
 
 CLOSE_UP = np.array([-1.0, -0.8, 0.6])
-"""Where the camera stands to look at one body, seen from its middle and in terms of its extent."""
+"""Where the camera stands to look at some bodies, seen from their middle and in terms of their extent."""
 
 GRID = 10.0
 """Half the side of meshcat's grid [m]."""
@@ -150,18 +150,21 @@ class View:
         self._guard.check("View.look_at")
         self._scene.look_at(position, target)
 
-    def look_at_body(self, name: str) -> None:
-        """Place the camera so that one body fills the picture, and make the grid a little larger than the body.
+    def look_at_bodies(self, *names: str) -> None:
+        """Place the camera so that these bodies fill the picture, and make the grid a little larger than they are.
 
         Raises:
-            TutorialError: there is nothing of this name.
+            TutorialError: there is nothing of one of these names.
             WrongThreadError: called on another thread than the view's.
         """
-        self._guard.check("View.look_at_body")
-        body = self._find(name)
-        x, y, z = (body.center + CLOSE_UP * body.extent).tolist()
-        self._scene.look_at((x, y, z), tuple(body.center.tolist()))
-        self._set("/Grid", "scale", [body.extent / GRID] * 3)
+        self._guard.check("View.look_at_bodies")
+        bodies = [self._find(name) for name in names]
+        low = np.min([body.center - body.extent / 2 for body in bodies], axis=0)
+        high = np.max([body.center + body.extent / 2 for body in bodies], axis=0)
+        center, extent = (low + high) / 2, float(np.max(high - low))
+        x, y, z = (center + CLOSE_UP * extent).tolist()
+        self._scene.look_at((x, y, z), tuple(center.tolist()))
+        self._set("/Grid", "scale", [extent / GRID] * 3)
 
     def show_grid(self, visible: bool = True) -> None:
         """Show or hide the grid at height 0. By itself it is there as long as no floor is drawn.
