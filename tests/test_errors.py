@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tutorial import errors
-from tutorial.errors import mujoco_warns, printable
+from tutorial.errors import did_you_mean, mujoco_warns, printable
 
 
 @pytest.mark.parametrize(
@@ -25,6 +25,13 @@ def test_what_a_terminal_would_obey_is_shown_as_an_escape(text: str, shown: str)
     assert printable(text) == shown
     assert printable(text).isprintable()
     printable(text).encode()  # can be written anywhere
+
+
+def test_of_very_many_valid_names_some_are_said() -> None:
+    assert did_you_mean("b", "ac") == " Known are 'a', 'c'."
+    said = did_you_mean("n1234", (f"n{i}" for i in range(2000)))
+    assert said.startswith(" Did you mean 'n1234'? Known are 'n0', 'n1', ")
+    assert said.endswith(" and 1,970 more.")
 
 
 def test_warnings_of_mujoco_are_counted_and_said_now_and_then(caplog, monkeypatch):

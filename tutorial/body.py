@@ -46,9 +46,8 @@ class Joint:
         self._qvel: NDArray[np.float64] = data.qvel
         self._effort: NDArray[np.float64] = data.qfrc_actuator
         self._ctrl: NDArray[np.float64] = data.ctrl
-        motors = np.flatnonzero(
-            (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (model.actuator_trnid[:, 0] == joint_id)
-        )
+        moves_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
+        motors = np.flatnonzero(moves_joint & (model.actuator_trnid[:, 0] == joint_id))
         self._ctrl_adr = int(motors[0]) if len(motors) else None
 
     @property
@@ -165,6 +164,7 @@ class Body:
         self.data = data
         self._guard = guard
         self._prefix = f"{name}/"
+        self._joint_ids = [i for i in range(model.njnt) if model.joint(i).name.startswith(self._prefix)]
         self.joints = tuple(self._find_joints())
         self.joint_names = tuple(joint.name for joint in self.joints)
         self.joint_ranges: Mapping[str, tuple[float, float]] = {joint.name: joint.range for joint in self.joints}
@@ -172,7 +172,6 @@ class Body:
         self.qpos: NDArray[np.float64] = data.qpos[self.qpos_slice]
         self._root_position = self._find_root_position()
         self._all_qpos = data.qpos
-        self._qpos_adr = {joint.name: joint.qpos_adr for joint in self.joints}
         self._by_name = {joint.name: joint for joint in self.joints}
         self._observers: list[Callable[[Any], object]] = []
 
@@ -242,10 +241,10 @@ class Body:
             TutorialError: there is no such joint.
         """
         self._check("set_joint_positions")
-        qpos, adr = self._all_qpos, self._qpos_adr
+        qpos, joints = self._all_qpos, self._by_name
         try:
             for name, position in positions.items():
-                qpos[adr[name]] = position
+                qpos[joints[name].qpos_adr] = position
         except KeyError:
             self.joint(name)  # says that there is none, and which is nearest
 
@@ -280,28 +279,24 @@ class Body:
             raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, mine)}")
         return numbers[self._prefix + name]
 
-    def _joint_ids(self) -> list[int]:
-        return [i for i in range(self.model.njnt) if self.model.joint(i).name.startswith(self._prefix)]
-
     def _find_joints(self) -> list[Joint]:
         model = self.model
         return [
             Joint(model.joint(i).name.removeprefix(self._prefix), model, self.data, i, self._guard)
-            for i in self._joint_ids()
+            for i in self._joint_ids
             if int(model.jnt_type[i]) in ONE_DOF and model.jnt_group[i] < SHOWN_GROUPS
         ]
 
     def _find_qpos(self) -> slice:
         """MuJoCo numbers an attached body's joints in one run, so its part of ``qpos`` is one slice."""
-        ids = self._joint_ids()
+        ids = self._joint_ids
         bounds = [*self.model.jnt_qposadr.tolist(), self.model.nq]
         return slice(bounds[ids[0]], bounds[ids[-1] + 1]) if ids else slice(0, 0)
 
     def _find_root_position(self) -> NDArray[np.float64]:
         """A view on where MuJoCo keeps it: with a free joint in ``qpos``, else in the model."""
-        model, ids = self.model, self._joint_ids()
+        model, ids = self.model, self._joint_ids
         if ids and model.jnt_type[ids[0]] == mujoco.mjtJoint.mjJNT_FREE:
             return self.qpos[:3]
         root = next((i for i in range(model.nbody) if model.body(i).name.startswith(self._prefix)), 0)
-        position: NDArray[np.float64] = model.body_pos[root]
-        return position
+        return np.asarray(model.body_pos[root])

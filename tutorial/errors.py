@@ -51,7 +51,7 @@ class WrongThreadError(TutorialError):
 
 
 def did_you_mean(given: str, valid: Iterable[str]) -> str:
-    """End a message about an unknown name: the nearest valid name, and all of them.
+    """End a message about an unknown name: the nearest valid name, and all of them, or the first thirty.
 
     Args:
         given: the name that is not known.
@@ -65,7 +65,8 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
         return " There are none."
     near = get_close_matches(given, names, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
-    return f"{hint} Known are {', '.join(map(repr, names))}."
+    more = f" and {len(names) - 30:,} more" if len(names) > 30 else ""
+    return f"{hint} Known are {', '.join(map(repr, names[:30]))}{more}."
 
 
 def printable(text: str) -> str:

@@ -2,44 +2,66 @@
 
 from __future__ import annotations
 
+import math
 import pkgutil
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
+from itertools import chain, groupby, islice
 from pathlib import Path
 from types import ModuleType
 from typing import Annotated
 
 import msgspec
+import mujoco
+import numpy as np
 
 from tutorial import controllers
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean, tell
-from tutorial.world import Placement
+from tutorial.paths import is_file
+from tutorial.world import Placement, compose
 from tutorial.yamlfile import YamlFile
 
 __all__ = ["BodyItem", "Project", "controller_names", "find_controller", "load_controllers"]
 
-Point = tuple[float, float, float]
+Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
+Point = tuple[Coordinate, Coordinate, Coordinate]
+
+LONGEST_NAME = 60
+"""Of a body [characters]: it becomes part of the names of topics."""
+MOST_BODIES = 1000
+"""Of a project: so many tanks take a processor half a minute to load."""
+LARGEST_MODEL = 10_000_000
+"""Of an MJCF file, without its meshes and textures [bytes]."""
+MAGNITUDES = ("qpos0", "body_pos", "body_quat", "body_mass", "body_inertia", "geom_pos", "geom_size", "jnt_range")
+"""What has to be a number that MuJoCo can compute with, in a model."""
 
 
 class _Simulator(msgspec.Struct, forbid_unknown_fields=True):
-    time_step: Annotated[float, msgspec.Meta(gt=0, le=0.01)] = 0.001
+    time_step: Annotated[float, msgspec.Meta(ge=0.0001, le=0.01)] = 0.001  # [s]
 
 
 class _Body(msgspec.Struct, forbid_unknown_fields=True):
     name: str
     model: str
     position: Point = (0.0, 0.0, 0.0)
-    controllers: list[str] = []
+    controllers: Annotated[list[str], msgspec.Meta(max_length=20)] = []
+    count: Annotated[int, msgspec.Meta(ge=1, le=MOST_BODIES)] | msgspec.UnsetType = msgspec.UNSET
+    spacing: Annotated[float, msgspec.Meta(gt=0, le=100)] = 1.5  # [m]
+
+    @property
+    def names(self) -> list[str]:
+        """Its name, or those of a whole fleet: ``Tank_1``, ``Tank_2`` and so on."""
+        return [self.name] if self.count is msgspec.UNSET else [f"{self.name}_{i + 1}" for i in range(self.count)]
 
 
 class _ProjectFile(msgspec.Struct, forbid_unknown_fields=True):
     """What a project file looks like."""
 
-    bodies: Annotated[list[_Body], msgspec.Meta(min_length=1)]
+    bodies: Annotated[list[_Body], msgspec.Meta(min_length=1, max_length=MOST_BODIES)]
     simulator: _Simulator | msgspec.UnsetType = msgspec.UNSET
 
 
@@ -83,7 +105,8 @@ class Project:
         """
         file = YamlFile(Path(path), _ProjectFile, "project")
         _check_names(file)
-        items = tuple(_body_item(file, i, body) for i, body in enumerate(file.data.bodies))
+        items = tuple(item for i, body in enumerate(file.data.bodies) for item in _body_items(file, i, body))
+        _check_models(file)
         simulator = file.data.simulator
         return cls(file.path, items, None if simulator is msgspec.UNSET else simulator.time_step)
 
@@ -94,14 +117,19 @@ class Project:
             model: its MJCF file; the body gets the file's name, capitalised.
 
         Raises:
-            TutorialError: no body, or more than one, has controllers.
+            TutorialError: no body, or more than one, has controllers; or the model does not load, or its name cannot be
+                a body's.
         """
         robots = [item for item in self.bodies if item.controllers]
         if len(robots) != 1:
             raise TutorialError(
                 f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
             )
-        placement = replace(robots[0].placement, name=model.stem.capitalize(), model=model)
+        name = model.stem.capitalize()
+        _check_model(model)
+        if unfit := _unfit(name):
+            raise TutorialError(f"{model}: the body is called after the file, and {unfit}")
+        placement = replace(robots[0].placement, name=name, model=model)
         swapped = replace(robots[0], placement=placement)
         return self._with(lambda item: swapped if item is robots[0] else item)
 
@@ -143,12 +171,14 @@ class Project:
         )
 
     def tree(self) -> str:
-        """Draw the items, as the original's item tree shows them."""
+        """Draw the items, as the original's item tree shows them; a fleet is one item."""
         indent = "" if self.time_step is None else "  "
         lines = []
-        for item in self.bodies:
-            lines.append(f"{indent}+ {item.placement.name}")
-            lines += [f"{indent}  - {controller.__name__}{_origin(controller)}" for controller in item.controllers]
+        for _, alike in groupby(self.bodies, key=_fleet):
+            first, *others = alike
+            last = f" to {others[-1].placement.name}" if others else ""
+            lines.append(f"{indent}+ {first.placement.name}{last}")
+            lines += [f"{indent}  - {controller.__name__}{_origin(controller)}" for controller in first.controllers]
         if self.time_step is not None:
             lines = ["+ World", *lines, f"{indent}+ Simulator ({self.time_step * 1000:g} ms)"]
         return "\n".join(lines)
@@ -171,7 +201,8 @@ def find_controller(name: str) -> type[SimpleController]:
     """
     known = controller_names()
     if name not in known:
-        raise TutorialError(f"there is no controller {name!r}.{did_you_mean(name, known)}")
+        given = name[:LONGEST_NAME]
+        raise TutorialError(f"there is no controller {given!r}.{did_you_mean(given, known)}")
     file = str(Path(controllers.__path__[0]) / f"{known[name].rpartition('.')[2]}.py")
     try:
         module = import_module(known[name])
@@ -196,7 +227,7 @@ def load_controllers(path: Path) -> dict[str, type[SimpleController]]:
     Raises:
         TutorialError: the file is missing, fails, or defines no controller; the text names the line.
     """
-    if not path.is_file():
+    if not is_file(path):
         others = [str(other) for other in path.parent.glob("*.py")]
         raise TutorialError(f"there is no file {str(path)!r}.{did_you_mean(str(path), others)}")
     spec = spec_from_file_location(f"own_controllers_{path.stem}", path)
@@ -224,28 +255,92 @@ def _origin(controller: type[SimpleController]) -> str:
     return "" if file is None or Path(file).is_relative_to(Path(__file__).parent) else f" ({Path(file).name})"
 
 
+def _fleet(item: BodyItem) -> tuple[object, ...]:
+    """What the bodies of a fleet have in common: the name but for its number, the model, the controllers."""
+    stem, _, number = item.placement.name.rpartition("_")
+    return (stem or number, number.isdecimal(), item.placement.model, item.controllers)
+
+
 def _check_names(file: YamlFile[_ProjectFile]) -> None:
     """See to it that the bodies' names can be told apart, and can be part of a topic's name."""
-    names = [body.name for body in file.data.bodies]
-    for i, name in enumerate(names):
+    taken: set[str] = set()
+    for i, body in enumerate(file.data.bodies):
         where = ("bodies", i, "name")
-        if not (name.isascii() and name.isidentifier() and name[0] != "_"):
-            raise file.error(where, f"{name!r} cannot be part of a topic. Use letters, digits and _, a letter first.")
-        if name in names[:i]:
-            raise file.error(where, f"there is a body {name!r} already. Give this one another name.")
+        if unfit := _unfit(body.name):
+            raise file.error(where, unfit)
+        for name in body.names:
+            if name in taken:
+                raise file.error(where, f"there is a body {name!r} already. Give this one another name.")
+            taken.add(name)
+        if len(taken) > MOST_BODIES:
+            raise file.error(where, f"with this one there are {len(taken)} bodies; {MOST_BODIES} are the most.")
 
 
-def _body_item(file: YamlFile[_ProjectFile], index: int, body: _Body) -> BodyItem:
+def _unfit(name: str) -> str:
+    """Say why a body cannot have a name; empty if it can."""
+    if len(name) > LONGEST_NAME:
+        return f"{name[:LONGEST_NAME]!r}... has {len(name)} letters. Take a name of {LONGEST_NAME} at most."
+    if not (name.isascii() and name.isidentifier() and name[0] != "_"):
+        return f"{name!r} cannot be part of a topic. Use letters, digits and _, a letter first."
+    return ""
+
+
+def _check_models(file: YamlFile[_ProjectFile]) -> None:
+    """Load every model once, so that an error in one has the line that names it."""
+    checked: set[str] = set()
+    for i, body in enumerate(file.data.bodies):
+        if body.model not in checked:
+            checked.add(body.model)
+            try:
+                _check_model(file.path.parent / body.model)
+            except TutorialError as error:
+                raise file.error(("bodies", i, "model"), str(error)) from None
+
+
+def _check_model(path: Path) -> None:
+    """See to it that a model can be simulated.
+
+    Raises:
+        TutorialError: it does not load, is larger than one writes, or has values that are no numbers or far too large.
+    """
+    if not is_file(path):
+        raise TutorialError(f"there is no model {str(path)[:200]!r}. Give the path of an MJCF file (.xml).")
+    if path.stat().st_size > LARGEST_MODEL:
+        raise TutorialError(f"the model {path.name!r} has more than {LARGEST_MODEL:,} bytes. Make it smaller.")
+    model = compose([Placement("Model", path)])
+    for name in MAGNITUDES:
+        if not (np.abs(getattr(model, name)) < mujoco.mjMAXVAL).all():  # which NaN is not, either
+            raise TutorialError(f"the model {path.name!r} has a {name} that is no number, or far too large.")
+
+
+def _models_near(folder: Path) -> list[Path]:
+    """Some models in a folder, and in those in it: enough to find the one that was meant."""
+    return list(islice(chain(folder.glob("*.xml"), folder.glob("*/*.xml")), 100))
+
+
+def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body) -> list[BodyItem]:
     folder = file.path.parent
     model = folder / body.model
-    if not model.is_file():
-        others = [str(path.relative_to(folder)) for path in folder.glob("**/*.xml")]
-        hint = did_you_mean(body.model, others)
-        raise file.error(("bodies", index, "model"), f"there is no model {body.model!r}.{hint}")
+    if not is_file(model):
+        others = [str(path.relative_to(folder)) for path in _models_near(folder)]
+        hint = did_you_mean(body.model[:LONGEST_NAME], others)
+        raise file.error(("bodies", index, "model"), f"there is no model {body.model[:LONGEST_NAME]!r}.{hint}")
     classes = []
     for i, name in enumerate(body.controllers):
         try:
             classes.append(find_controller(name))
         except TutorialError as error:
             raise file.error(("bodies", index, "controllers", i), str(error)) from None
-    return BodyItem(Placement(body.name, model, body.position), tuple(classes))
+    places = _grid(len(body.names), body.position, body.spacing)
+    return [BodyItem(Placement(name, model, place), tuple(classes)) for name, place in zip(body.names, places)]
+
+
+def _grid(count: int, middle: Point, spacing: float) -> list[Point]:
+    """Places side by side in rows, from left to right and then on to the front, as seen along x."""
+    columns = math.ceil(math.sqrt(count))
+    rows = math.ceil(count / columns)
+    x, y, z = middle
+    places = [divmod(i, columns) for i in range(count)]
+    return [
+        (x + (row - (rows - 1) / 2) * spacing, y + ((columns - 1) / 2 - column) * spacing, z) for row, column in places
+    ]
