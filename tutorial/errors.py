@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import threading
 import traceback
@@ -9,7 +10,16 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 
-__all__ = ["TutorialError", "WrongThreadError", "did_you_mean", "file_of", "printable", "tell", "where"]
+__all__ = [
+    "TutorialError",
+    "WrongThreadError",
+    "did_you_mean",
+    "file_of",
+    "printable",
+    "printable_lines",
+    "tell",
+    "where",
+]
 
 
 class TutorialError(Exception):
@@ -57,6 +67,14 @@ def printable(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def printable_lines(text: str) -> str:
+    """As `printable`, for a text that has line ends and tabs of its own: they stay.
+
+    What comes from outside is made `printable` before it is put into such a text, or it could add lines to it.
+    """
+    return re.sub(r"[^\n\t]+", lambda part: printable(part[0]), text)
 
 
 def file_of(written: type) -> str:

@@ -22,7 +22,7 @@ from honcho.printer import Message, Printer
 
 from tutorial.commands import lifeline
 from tutorial.commands.terminal import heed
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, printable_lines
 from tutorial.paths import with_own_commands
 from tutorial.ros.backend import UNDERLAY
 
@@ -147,7 +147,7 @@ class Launcher:
         """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
         assert process.stdout is not None
         while line := await _read_line(process.stdout):
-            self._say(name, line, self._colours[name])
+            self._say(name, printable_lines(line), self._colours[name])
         status = await process.wait()
         self._running.pop(name, None)
         if status and not self._stop.is_set():
