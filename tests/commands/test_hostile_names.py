@@ -102,13 +102,13 @@ COMMANDS = [
     (
         ("topic", "list", "-t"),
         0,
-        [rf"/\x1b[31mb [{STRING}]", r"/type1 [a\n/forged [\u202egpj/exe]]", f"//x [{STRING}]"],
+        [rf"/\x1b[31mb [{STRING}]", r"/type1 [a\n/forged [\u202egpj", f"//x [{STRING}]"],
     ),
     (("topic", "list", "-v"), 0, [rf" * /a\r\nforge [{STRING}] 1 publisher", f" * / [{STRING}] 1 publisher"]),
     (("topic", "info", "-v", "/1abc"), 0, ["Publisher count: 1", f"Node name: {shown(ESCAPES)}"]),
     (("topic", "info", "/type0"), 0, [r"Type: \x1b[2J\x1b]0;mine\x07/msg/X"]),
     (("topic", "info", ESCAPES), 1, [f"Unknown topic '{shown(ESCAPES)}'"]),
-    (("topic", "find", STRING), 0, [r"/\u202egpj", f"/{'a' * 254}... and 46 more characters"]),
+    (("topic", "find", STRING), 0, [r"/\u202egpj", "/1abc\n"]),
     (("topic", "echo", "--timeout", "1", SAID), 0, [r'data: "\e[2J\e]0;mine\a"', r'data: "\u202egpj.exe"']),
     (("topic", "echo", "--timeout", "1", "--csv", SAID), 0, [shown(ESCAPES), shown(FORGED), shown(BACKWARDS)]),
     (("topic", "echo", "--timeout", "1", "--field", "data", SAID), 0, [shown(ESCAPES), r"/forged\u2028\x85b"]),
@@ -151,18 +151,20 @@ def test_a_command_that_goes_on(hostile):
 
 
 def test_a_node_without_a_name():
-    """With which a real ROS 2 lists no nodes at all: that is an error, with its words."""
-    with hostile_domain("nameless") as domain:
-        terminal = Terminal(domain, "node", "list")
-        status = terminal.ends()
+    """With which a real ROS 2 lists no nodes at all: that is an error, with its words. Others go on."""
+    is_real = ros_backend() == "rclpy"
+    with hostile_domain("nameless", *["no_text"] * is_real) as domain:
+        nodes = Terminal(domain, "node", "list")
+        topics = Terminal(domain, "topic", "list")
         viewer = Terminal(domain, "run", "step3", "--headless", "--duration", "2")
-        assert viewer.ends() == 0
-    harmless(terminal.text)
+        statuses = [terminal.ends() for terminal in (nodes, topics, viewer)]
+    harmless(nodes.text)
+    harmless(topics.text)
     harmless(viewer.text, WITH_A_BAR)
-    if ros_backend() == "underlay":
-        assert (status, "/" in terminal.text.splitlines()) == (0, True)
+    if is_real:
+        assert (statuses, "empty node name" in nodes.text, "can't decode" in topics.text) == ([1, 1, 0], True, True)
     else:
-        assert (status, "empty node name" in terminal.text) == (1, True)
+        assert (statuses, "/" in nodes.text.splitlines(), "//x" in topics.text.splitlines()) == ([0, 0, 0], True, True)
 
 
 def test_the_list_of_commands_is_complete():

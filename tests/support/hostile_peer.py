@@ -1,4 +1,4 @@
-"""A program that brings hostile names and texts into a ROS domain: ``hostile_peer.py [nameless]``.
+"""A program that brings hostile names and texts into a ROS domain: ``hostile_peer.py [nameless] [no_text]``.
 
 It is Cyclone DDS alone, nothing of ROS 2: what a node, a topic or a type is called is for it to choose. It ends when
 nobody holds its stdin any more.
@@ -36,6 +36,8 @@ NODES = (*((text, "/") for text in TEXTS), ("plain", "no_slash"), ("a/b", "//x/"
 """Names and namespaces; the first has all publishers."""
 NAMELESS = ("", "")
 """One with which a real ROS 2 lists no nodes at all."""
+NO_TEXT = b"/\xff\xfe"
+"""A topic with which it lists no topics at all."""
 TOPICS = ("/1abc", "/a/", "//x", "/", "/<b>x</b>", "/_/", "/{", f"/{'a' * 300}", "/plain")
 UNSAYABLE = ("/\x1b[31mb", "/a\r\nforge", "/\u202egpj")
 """Topics that Cyclone DDS does not make; other DDS does."""
@@ -142,23 +144,24 @@ def rename(old: bytes, new: bytes) -> None:
 
 
 def speak(said: Any, joints: Any) -> None:
-    """Say each text, and name joints by them, ten times a second."""
+    """Say each text, and name joints by them, again and again."""
     for tick in range(10**9):
         stamp = TIME(*divmod(tick * 100_000_000, 1_000_000_000))
         with suppress(DDSException):
+            joints.write(JOINT_STATE(HEADER(stamp, MARKUP), [*TEXTS], [0.1] * len(TEXTS), [], []))
             for text in TEXTS:
                 said.write(STRING(text))
-            joints.write(JOINT_STATE(HEADER(stamp, MARKUP), [*TEXTS], [0.1] * len(TEXTS), [], []))
-        time.sleep(0.1)
+                time.sleep(0.02)
 
 
 def main() -> None:
     """Bring all of it, say so, and speak until the end."""
     peer = Peer(int(os.environ["ROS_DOMAIN_ID"]))
-    for name in UNSAYABLE:
-        stand_in = f"rt/{'Z' * (len(name.encode()) - 1)}"
+    unsayable = [name.encode() for name in UNSAYABLE] + [NO_TEXT] * ("no_text" in sys.argv)
+    for name in unsayable:
+        stand_in = f"rt/{'Z' * (len(name) - 1)}"
         peer.write(stand_in, STRING)
-        rename(stand_in.encode(), f"rt{name}".encode())
+        rename(stand_in.encode(), b"rt" + name)
     for topic in TOPICS:
         peer.write(f"rt{topic}", STRING)
     for i, name in enumerate(TYPES):

@@ -39,8 +39,10 @@ def message_to_yaml(message: Any, truncate_length: int | None = TRUNCATE_LENGTH,
         Lines, of which the last ends in a line break too.
     """
     plain = _plain(message, truncate_length, no_arr)
-    how = {"sort_keys": False, "allow_unicode": True, "default_flow_style": False, "width": sys.maxsize}
-    return "\n".join(map(printable, yaml.dump(plain, Dumper=_Dumper, **how).split("\n")))
+    text = yaml.dump(
+        plain, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=False, width=sys.maxsize
+    )
+    return "\n".join(map(printable, text.split("\n")))
 
 
 def array_summary(value: Sized, kind: str) -> str:

@@ -48,18 +48,18 @@ def node_info(node: Node, name: str, include_hidden: bool = False) -> str:
     if not named:
         raise TutorialError(f"Unable to find node '{shown(name)}'")
     try:
-        sections = _sections(node, *named[0])
+        sections = _sections(node, named[0])
     except (RuntimeError, ValueError) as error:  # it has gone, or its name breaks the rules
         raise TutorialError(f"nothing can be said of node '{shown(name)}': {printable(str(error))}") from error
     return f"{shown(name)}\n" + "".join(_section(title, has, include_hidden) for title, has in sections.items())
 
 
-def _sections(node: Node, *who: str) -> dict[str, NamesAndTypes]:
+def _sections(node: Node, who: tuple[str, str]) -> dict[str, NamesAndTypes]:
     """What a node has, by the title that it stands below.
 
     Args:
         node: that asks.
-        who: the name of the node in question, and its namespace.
+        who: the node in question: its name, and its namespace.
     """
     actions = _actions()
     return {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from itertools import islice
 
 from rclpy.node import Node
@@ -68,9 +69,13 @@ async def met(node: Node, wanted: Callable[[], object]) -> bool:
 
 def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     """All nodes, and all topics with those who publish and subscribe, where that is of interest."""
-    nodes = sorted(full_name(name, space) for name, space in node.get_node_names_and_namespaces())
-    topics = node.get_topic_names_and_types()
-    snapshot = [tuple(nodes), *((topic, *types) for topic, types in topics)]
+    snapshot: list[tuple[str, ...]] = []
+    topics: list[tuple[str, list[str]]] = []
+    with suppress(RuntimeError, UnicodeDecodeError):  # a real one names no node while any has an empty name
+        snapshot.append(tuple(sorted(full_name(*names) for names in node.get_node_names_and_namespaces())))
+    with suppress(UnicodeDecodeError):  # nor any topic while one of the names is no text
+        topics = node.get_topic_names_and_types()
+    snapshot += [(topic, *types) for topic, types in topics]
     for topic in islice((topic for topic, _ in topics if topic not in EVERY_NODE_HAS), LOOKED_INTO):
         infos = (*publishers_on(node, topic), *subscriptions_on(node, topic))
         snapshot.append(tuple(sorted(info.node_name for info in infos)))
