@@ -106,3 +106,33 @@ def test_a_joint_without_a_motor_says_so(tmp_path):
     with pytest.raises(TutorialError, match="the joint 'HINGE' has no motor"):
         door.joint("HINGE").effort = 1.0
     assert door.joint("HINGE").range == (-math.inf, math.inf)
+
+
+def test_a_sensor_is_found_by_name_and_holds_what_was_set(tank):
+    sensor = tank.sensor("GYRO")
+    assert sensor.value.tolist() == [0.0, 0.0, 0.0]
+    sensor.value = (1.0, 2.0, 3.0)
+    value = tank.sensor("GYRO").value
+    assert value.tolist() == [1.0, 2.0, 3.0]
+    value[0] = 9.0
+    assert sensor.value[0] == 1.0
+
+
+def test_an_unknown_sensor_is_named_with_the_nearest(tank):
+    with pytest.raises(TutorialError, match=r"no sensor 'GYRO_'\. Did you mean 'GYRO'\?"):
+        tank.sensor("GYRO_")
+
+
+def test_a_displayed_sensor_belongs_to_the_main_thread(tank):
+    errors = []
+
+    def touch():
+        try:
+            tank.sensor("GYRO").value = (1.0, 0.0, 0.0)
+        except WrongThreadError as error:
+            errors.append(str(error))
+
+    thread = threading.Thread(target=touch, name="executor")
+    thread.start()
+    thread.join()
+    assert errors[0].startswith("Sensor.value was called on the thread 'executor'")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from tutorial.errors import printable, printable_lines
+from tutorial import errors
+from tutorial.errors import did_you_mean, mujoco_warns, printable, printable_lines
 
 
 @pytest.mark.parametrize(
@@ -28,3 +29,25 @@ def test_what_a_terminal_would_obey_is_shown_as_an_escape(text: str, shown: str)
 
 def test_a_text_keeps_the_line_ends_and_tabs_that_it_has_of_its_own() -> None:
     assert printable_lines("a\x1bb\n\tc\r\n\u202e") == "a\\x1bb\n\tc\\r\n\\u202e"
+
+
+def test_of_very_many_valid_names_some_are_said() -> None:
+    assert did_you_mean("b", "ac") == " Known are 'a', 'c'."
+    said = did_you_mean("n1234", (f"n{i}" for i in range(2000)))
+    assert said.startswith(" Did you mean 'n1234'? Known are 'n0', 'n1', ")
+    assert said.endswith(" and 1,970 more.")
+
+
+def test_warnings_of_mujoco_are_counted_and_said_now_and_then(caplog, monkeypatch):
+    monkeypatch.setattr(errors, "WARN_EVERY", 1000.0)
+    monkeypatch.setattr(mujoco_warns, "_due", 0.0)
+    mujoco_warns("Nan, Inf or huge value in CTRL at ACTUATOR 0.")
+    for _ in range(7):
+        mujoco_warns("Nan, Inf or huge value in QACC at DOF 0.")
+    monkeypatch.setattr(mujoco_warns, "_due", 0.0)
+    mujoco_warns("Nan, Inf or huge value in QPOS at DOF 0.")
+    assert caplog.messages == [
+        "MuJoCo: Nan, Inf or huge value in CTRL at ACTUATOR 0. All controls count as 0 until each is a number again.",
+        "MuJoCo: Nan, Inf or huge value in QPOS at DOF 0. The simulated world is back where it began. "
+        "(7 more since the last one)",
+    ]

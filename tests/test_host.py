@@ -27,7 +27,7 @@ from tutorial.project import BodyItem, Project
 from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import ControllerError, State
 from tutorial.view.bodies import View
-from tutorial.view.scene import Scene
+from tutorial.view.scene import Record, Scene, unpack_records
 from tutorial.world import Placement
 
 
@@ -95,6 +95,44 @@ def test_a_message_moves_the_displayed_body_on_the_main_thread(step3):
     before = threads()
     asyncio.run(scenario())
     assert threads() == before, "no thread is left"
+
+
+def test_of_two_publishers_one_is_followed_until_it_goes_and_both_are_named(step3, caplog):
+    topic = "/Tank/joint_state"
+
+    async def scenario():
+        view = View(scene := Scene())
+        async with Host(step3, view=view) as host:
+            joint = host.bodies["Tank"].joint("TURRET_Y")
+            subscription = host.controllers["JointStateSubscriber"].subscription
+
+            async def say(publisher, position, milliseconds):
+                before = host.record()["report"]
+                publisher.publish(message(position, milliseconds * 1_000_000))
+                await until(lambda: host.record()["report"] != before, "the update")
+                return joint.position
+
+            with NodeThread("one") as one, NodeThread("other") as other:
+                first, second = (each.node.create_publisher(JointState, topic, 1) for each in (one, other))
+                await until(lambda: subscription.get_publisher_count() == 2, "both publishers")
+                await until(lambda: host.node.count_publishers(topic) == 2, "the graph")
+                await until(lambda: first.get_subscription_count() and second.get_subscription_count(), "the match")
+                for i in range(1, 30):  # like stamps, 3 ms apart
+                    assert await say(first, 0.5, 20 * i) == 0.5
+                    assert await say(second, -0.5, 20 * i + 3) == 0.5
+                host.refresh()
+                *_, line = (payload for kind, payload in unpack_records(scene.snapshot()) if kind is Record.LINE)
+                said = f"2 publish on {topic}, one is followed: /one, /other"
+                assert line.decode().startswith(f"Tank: 1 joint shown; {said}")
+                one.close()
+                await until(lambda: subscription.get_publisher_count() == 1, "one alone")
+                assert await say(second, -0.5, 600) == -0.5
+                assert host.record()["report"]["another"] == 29
+                return said
+
+    with caplog.at_level(logging.WARNING):
+        said = asyncio.run(scenario())
+    assert [text for text in caplog.messages if "publish on" in text] == [f"Tank: {said}"]
 
 
 def test_a_body_may_be_deleted_while_messages_arrive(step3, caplog):

@@ -84,6 +84,10 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers():
     assert swapped.bodies[0].controllers == (JointStateSubscriber,)
 
 
+MERGES = "\n".join(["a0: &a0 {x: 1}", *(f"a{i + 1}: &a{i + 1} {{<<: [{f'*a{i},' * 9}]}}" for i in range(9))])
+"""Of one key, some four hundred millions, by merges of merges."""
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -95,7 +99,15 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers():
         ("bodies:\n  - !!bool x", "line 2: this is not YAML: 'x' is no bool."),
         ("bodies:\n  - !!timestamp x", "line 2: this is not YAML: 'x' is no timestamp."),
         ('bodies: "\\UFFFFFFFF"', "line 1: this is not YAML:"),
-        ("[" * 2000, "line 1: this is not YAML: maximum recursion depth exceeded"),
+        ("\n" + "[" * 20_000, "line 2: nested deeper than 20 levels, which nothing here needs."),
+        ("- " * 20_000 + "1", "line 1: nested deeper than 20 levels, which nothing here needs."),
+        ("a: {x: 1, x: 2}", "line 1: 'x' is there twice. Keep one."),
+        ("bodies:\n  - name: A\n    model: m\n    name: B", "line 4: 'name' is there twice. Keep one."),
+        ("bodies: &a {<<: *a}", "line 1: bodies: expected a list, got a mapping."),
+        (MERGES, "line 4: a mapping of more than 100 keys, which nothing here needs."),
+        ("bodies:\n  - \0", "line 2: this is not YAML: there is no character 0x0 in a text."),
+        (f"bodies:\n  - {'9' * 50_000}", f"line 2: this is not YAML: '{'9' * 60}...' is no int."),
+        (f"'{'k' * 900}': 1", f"line 1: '{'k' * 60}...' is not known here."),
         ("bodies: []\n`a`: 1", "line 2: this is not YAML: while scanning for the next token"),
         ('simulator: {}\n"`a`": 1', "line 2: '`a`' is not known here. Known are 'bodies', 'simulator'."),
         ('bodies:\n  - "na`me": T', "line 2: 'na`me' is not known here. Did you mean 'name'?"),
@@ -108,7 +120,9 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers():
         ("bodies:\n  - {model: m, name: 1}", "line 2: bodies[0].name: expected a text, got a whole number."),
         ("simulator: {time_step: 0}", "line 1: 'bodies' is missing here."),
         ("simulator: {time_step: true}\nbodies: [{}]", "line 1: simulator.time_step: expected a number, got true or"),
-        ("simulator: {time_step: 0}\nbodies: [{}]", "line 1: simulator.time_step: expected a number > 0."),
+        ("simulator: {time_step: 0}\nbodies: [{}]", "line 1: simulator.time_step: expected a number >= 0.0001."),
+        ("simulator: {time_step: -1}\nbodies: [{}]", "line 1: simulator.time_step: expected a number >= 0.0001."),
+        ("simulator: {time_step: 1e-300}\nbodies: [{}]", "line 1: simulator.time_step: expected a number >= 0.0001."),
         (
             "simulator: {time_step: .nan}\nbodies: [{}]",
             "line 1: simulator.time_step: expected a number that is finite.",
@@ -157,6 +171,36 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers():
             "line 3: there is a body 'T' already. Give this one another name.",
         ),
         (
+            f"bodies:\n  - {{name: {'n' * 300}, model: models/tank.xml}}",
+            f"line 2: '{'n' * 60}'... has 300 letters. Take a name of 60 at most.",
+        ),
+        (
+            'bodies:\n  - {name: "A\\e[2J", model: models/tank.xml}',
+            r"line 2: 'A\x1b[2J' cannot be part of a topic. Use letters, digits and _",
+        ),
+        ("bodies:\n  - {name: a/b, model: models/tank.xml}", "line 2: 'a/b' cannot be part of a topic. Use letters,"),
+        (
+            f"bodies:\n  - {{name: T, model: {'m' * 300}.xml}}",
+            f"line 2: there is no model '{'m' * 60}'. Known are 'models/tank.xml'.",
+        ),
+        (
+            'bodies:\n  - {name: T, model: "\\0.xml"}',
+            r"line 2: there is no model '\x00.xml'. Known are 'models/tank.xml'",
+        ),
+        ("bodies:\n  - {name: T, model: models}", "line 2: there is no model 'models'. Known are 'models/tank.xml'"),
+        (
+            f"bodies:\n  - {{name: T, model: models/tank.xml, controllers: [{'C' * 300}]}}",
+            f"line 2: there is no controller '{'C' * 60}'. Known are",
+        ),
+        (
+            f"bodies:\n  - {{name: T, model: models/tank.xml, controllers: [{'C,' * 21}]}}",
+            "line 2: bodies[0].controllers: expected a list of length <= 20.",
+        ),
+        (
+            "bodies:\n  - {name: T, model: models/tank.xml, position: [1.0e+300, 0, 0]}",
+            "line 2: bodies[0].position[0]: expected a number <= 10000.",
+        ),
+        (
             "simulator:\n  time_step: 1\nbodies:\n  - {name: T, model: models/tank.xml}",
             "line 2: simulator.time_step: expected a number <= 0.01.",
         ),
@@ -181,9 +225,58 @@ def test_a_missing_file_is_named_with_the_nearest(tmp_path):
 
 def test_a_file_that_is_no_text_is_said(tmp_path):
     path = tmp_path / "project.yaml"
-    path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(TutorialError, match="not a text file in UTF-8"):
+    path.write_bytes(b"\n\xff\xfe\x00")
+    with pytest.raises(TutorialError, match=r"project\.yaml, line 2: this is not a text file in UTF-8"):
         Project.load(path)
+
+
+def test_a_file_that_no_person_writes_is_not_read(tmp_path):
+    path = tmp_path / "project.yaml"
+    with path.open("wb") as file:
+        file.truncate(10_000_000_000)  # takes no room on the disk
+    with pytest.raises(TutorialError, match="has more than 100,000 bytes, which is no project that a person writes"):
+        Project.load(path)
+
+
+@pytest.mark.parametrize("given", ["x" * 300, "x\0y", "x/" * 3000, ".", "\x1b[2J"])
+def test_what_is_no_path_leads_to_no_project(given):
+    with pytest.raises(TutorialError, match=r"^there is no project '"):
+        find_project(given)
+
+
+BODY = "<mujoco><worldbody><body {}><freejoint/><geom size='{}'/></body></worldbody></mujoco>"
+
+
+@pytest.mark.parametrize(
+    ("model", "said"),
+    [
+        ("<mujoco><include file='tank.xml'/></mujoco>", "does not load. MuJoCo says:"),
+        (BODY.format("quat='0 0 0 0'", "1"), "MuJoCo says:"),
+        (BODY.format("", "1e300"), "has a body_mass that is no number, or far too large."),
+        (BODY.format("pos='nan 0 0'", "1"), "has a qpos0 that is no number, or far too large."),
+        ("\0", "does not load. MuJoCo says:"),
+        ("x" * 10_000_001, "has more than 10,000,000 bytes. Make it smaller."),
+    ],
+    ids=["includes itself", "a quaternion of zeros", "too large", "NaN", "binary", "ten megabytes"],
+)
+def test_a_model_that_cannot_be_simulated_is_named_with_the_line(write, tmp_path, model, said):
+    path = write("bodies:\n  - {name: T, model: models/tank.xml}")
+    (tmp_path / "models" / "tank.xml").write_text(model)
+    with pytest.raises(TutorialError) as info:
+        Project.load(path)
+    assert str(info.value).startswith(f"{path}, line 2: the ")
+    assert said in str(info.value)
+
+
+def test_another_robot_needs_a_file_whose_name_can_be_a_bodys(tmp_path):
+    project = Project.load(find_project("step3"))
+    for name, said in (("a<b>", "'A<b>' cannot be part of a topic"), ("r" * 70, "has 70 letters. Take a name of 60")):
+        model = tmp_path / f"{name}.xml"
+        model.write_text("<mujoco/>")
+        with pytest.raises(TutorialError, match=f"the body is called after the file, and .*{said}"):
+            project.with_robot(model)
+    with pytest.raises(TutorialError, match="there is no model 'rrr"):
+        project.with_robot(Path("r" * 300))
 
 
 def test_the_steps_have_all_their_files():

@@ -15,7 +15,7 @@ from unruly import Unruly
 
 from tutorial.body import Body
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, mujoco_warns
 from tutorial.simulation import ControllerError, Simulation, State
 from tutorial.world import Placement
 
@@ -227,6 +227,33 @@ class TestRealTime:
         simulation.stop()
         assert len(recorder.times) == asked
         assert recorder.calls == ["initialize", "stop"]
+
+
+class TestUnstable:
+    """A state that is no number: MuJoCo goes back to the beginning, and says so in our log instead of a file."""
+
+    @pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e300])
+    def test_is_said_once_and_leaves_no_file(self, value, tmp_path, monkeypatch, caplog, capfd):
+        class Wild(Recorder):
+            def control(self):
+                self.io.body.actuator("TRACK_L").ctrl = value
+                self.io.body.joint("TURRET_Y").effort = value
+                self.io.body.data.qfrc_applied[:] = value
+
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(mujoco_warns, "_due", 0.0)
+        simulation = Simulation([TANK], [("Tank", Wild())])
+        simulation.advance(0.1)
+        assert np.isfinite(simulation.snapshot.get().qpos).all()
+        (said,) = caplog.messages
+        assert said.startswith("MuJoCo: Nan, Inf or huge value in ")
+        assert list(tmp_path.iterdir()) == []
+        assert "unstable" not in capfd.readouterr().err
+
+    def test_a_log_that_fails_does_not_end_the_process(self, monkeypatch):
+        monkeypatch.setattr(mujoco_warns, "_due", 0.0)
+        monkeypatch.setattr("tutorial.errors._log", None)
+        mujoco_warns("nobody hears it")
 
 
 class Acting(Recorder):

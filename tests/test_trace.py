@@ -10,7 +10,7 @@ from std_msgs.msg import String
 
 from tutorial.handoff import CallQueue
 from tutorial.ros.node_thread import NodeThread
-from tutorial.trace import Handoff, HandoffTrace, Moment, waiting_calls
+from tutorial.trace import HandoffTrace
 
 
 def on_thread(job, name: str) -> None:
@@ -153,14 +153,3 @@ def test_a_nodes_callbacks_are_traced_from_when_it_is_asked(domain):
     asyncio.run(main())
     (handoff,) = trace.handoffs()
     assert (handoff.topic, handoff.received.thread, handoff.applied.thread) == ("/x", "executor", "MainThread")
-
-
-def test_waiting_calls_are_counted():
-    def call(posted, applied=None, superseded=None):
-        applied, superseded = (None if time is None else Moment(time, "x") for time in (applied, superseded))
-        return Handoff(posted=Moment(posted, "x"), applied=applied, superseded=superseded)
-
-    handled = Handoff(received=Moment(2.5, "x"))
-    calls = [call(0.0, 2.0), call(1.0, 3.0), call(3.0, superseded=4.0), call(4.0), handled]
-    assert waiting_calls(calls, 1.5, 5.0) == [(1.5, 2), (2.0, 1), (3.0, 0), (3.0, 1), (4.0, 0), (4.0, 1), (5.0, 0)]
-    assert waiting_calls([], 1.0, 2.0) == [(1.0, 0)]

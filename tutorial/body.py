@@ -14,9 +14,9 @@ from tutorial.handoff import ThreadGuard
 from tutorial.world import Placement, compose
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Actuator", "Body", "Joint"]
+__all__ = ["Actuator", "Body", "Joint", "Sensor"]
 
 SHOWN_GROUPS = 3  # MuJoCo's convention: groups 0 to 2 are shown, the others are inner workings
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
@@ -107,6 +107,35 @@ class Actuator:
         self._ctrl[self._adr] = value
 
 
+class Sensor:
+    """A sensor of a body, such as an accelerometer.
+
+    Attributes:
+        name: without the body's prefix.
+    """
+
+    __slots__ = ("_guard", "_measured", "name")
+
+    def __init__(self, name: str, measured: NDArray[np.float64], guard: ThreadGuard | None) -> None:
+        self.name = name
+        self._measured = measured
+        self._guard = guard
+
+    @property
+    def value(self) -> NDArray[np.float64]:
+        """What it measured in the last step, a copy, shape (dim,), in its unit: [m/s^2] or [rad/s] along x, y, z.
+
+        Setting it notes what a displayed body is said to measure, on the thread that the body belongs to.
+        """
+        return self._measured.copy()
+
+    @value.setter
+    def value(self, value: ArrayLike) -> None:
+        if self._guard:
+            self._guard.check("Sensor.value")
+        self._measured[:] = value
+
+
 class Body:
     """A named part of a MuJoCo model and its state.
 
@@ -182,12 +211,16 @@ class Body:
         Raises:
             TutorialError: the body has no such actuator; the text names the nearest.
         """
-        adr = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_ACTUATOR, self._prefix + name)
-        if adr < 0:
-            names = (self.model.actuator(i).name for i in range(self.model.nu))
-            mine = [n.removeprefix(self._prefix) for n in names if n.startswith(self._prefix)]
-            raise TutorialError(f"the body {self.name!r} has no actuator {name!r}.{did_you_mean(name, mine)}")
-        return Actuator(name, self.data, adr)
+        return Actuator(name, self.data, self._find("actuator", self.model.actuator, self.model.nu, name))
+
+    def sensor(self, name: str) -> Sensor:
+        """Find a sensor by name.
+
+        Raises:
+            TutorialError: the body has no such sensor; the text names the nearest.
+        """
+        number = self._find("sensor", self.model.sensor, self.model.nsensor, name)
+        return Sensor(name, self.data.sensor(number).data, self._guard)
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body; the others stay where they are.
@@ -236,6 +269,15 @@ class Body:
     def _check(self, action: str) -> None:
         if self._guard:
             self._guard.check(action)
+
+    def _find(self, kind: str, element: Callable[[int], Any], count: int, name: str) -> int:
+        """Return the number of the body's element of a kind, or say that there is none and which there are."""
+        numbers = {element(i).name: i for i in range(count)}
+        try:
+            return numbers[self._prefix + name]
+        except KeyError:
+            mine = [each.removeprefix(self._prefix) for each in numbers if each.startswith(self._prefix)]
+            raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, mine)}") from None
 
     def _joint_ids(self) -> list[int]:
         return [i for i in range(self.model.njnt) if self.model.joint(i).name.startswith(self._prefix)]

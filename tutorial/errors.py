@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 import re
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Iterable
+from contextlib import suppress
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -15,11 +19,22 @@ __all__ = [
     "WrongThreadError",
     "did_you_mean",
     "file_of",
+    "mujoco_warns",
     "printable",
     "printable_lines",
+    "running_loop",
     "tell",
     "where",
 ]
+
+WARN_EVERY = 5.0  # [s] between two log lines about MuJoCo's warnings
+AFTER_WARNING = {
+    " in CTRL at ": "All controls count as 0 until each is a number again.",
+    " in Q": "The simulated world is back where it began.",  # in QPOS, QVEL or QACC
+}
+"""What MuJoCo does and does not say."""
+
+_log = logging.getLogger(__name__)
 
 
 class TutorialError(Exception):
@@ -38,7 +53,7 @@ class WrongThreadError(TutorialError):
 
 
 def did_you_mean(given: str, valid: Iterable[str]) -> str:
-    """End a message about an unknown name: the nearest valid name, and all of them.
+    """End a message about an unknown name: the nearest valid name, and all of them, or the first thirty.
 
     Args:
         given: the name that is not known.
@@ -52,7 +67,8 @@ def did_you_mean(given: str, valid: Iterable[str]) -> str:
         return " There are none."
     near = get_close_matches(given, names, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
-    return f"{hint} Known are {', '.join(map(repr, names))}."
+    more = f" and {len(names) - 30:,} more" if len(names) > 30 else ""
+    return f"{hint} Known are {', '.join(map(repr, names[:30]))}{more}."
 
 
 def printable(text: str) -> str:
@@ -81,6 +97,21 @@ def file_of(written: type) -> str:
     """Return the file, or the notebook's cell, that a class is written in; empty for one without methods."""
     codes = (getattr(attribute, "__code__", None) for attribute in vars(written).values())
     return next((code.co_filename for code in codes if code is not None), "")
+
+
+def running_loop(otherwise: str) -> asyncio.AbstractEventLoop:
+    """Return the event loop that runs on this thread: the main thread's.
+
+    Args:
+        otherwise: what the error says where none runs.
+
+    Raises:
+        TutorialError: none runs.
+    """
+    try:
+        return asyncio.get_running_loop()
+    except RuntimeError:
+        raise TutorialError(otherwise) from None
 
 
 def tell(error: BaseException, file: str) -> str:
@@ -121,6 +152,33 @@ def where(thread: threading.Thread, file: str = "") -> str:
         return ""
     code = frame.f_code
     return f": it is at {_title(code.co_filename)}, line {frame.f_lineno}, in {code.co_name}"
+
+
+class _MujocoWarns:
+    """Says MuJoCo's warnings in the log, at most one line in `WARN_EVERY`. Any thread.
+
+    Left to itself MuJoCo writes them to the terminal, and to a file MUJOCO_LOG.TXT in the user's folder.
+    """
+
+    def __init__(self) -> None:
+        self._unsaid = 0
+        self._due = 0.0
+
+    def __call__(self, text: str) -> None:
+        """Say a warning; those that were not said since the last line are counted in the next one."""
+        with suppress(BaseException):  # MuJoCo is C++: whatever was raised here would end the process
+            now = time.monotonic()
+            if now < self._due:
+                self._unsaid += 1
+                return
+            follows = next((f" {what}" for where, what in AFTER_WARNING.items() if where in text), "")
+            others = f" ({self._unsaid} more since the last one)" if self._unsaid else ""
+            self._unsaid, self._due = 0, now + WARN_EVERY
+            _log.warning("MuJoCo: %s%s%s", text.strip(), follows, others)
+
+
+mujoco_warns = _MujocoWarns()
+"""The handler of MuJoCo's warnings, of which a process has one."""
 
 
 def _title(file: str) -> str:

@@ -18,7 +18,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Generic, TypeVar, TypeVarTuple
 
-from tutorial.errors import TutorialError, WrongThreadError
+from tutorial.errors import WrongThreadError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from tutorial.trace import Handoff, HandoffTrace
 
-__all__ = ["CallQueue", "CallScope", "Latest", "ThreadGuard", "running_loop"]
+__all__ = ["CallQueue", "CallScope", "Latest", "ThreadGuard"]
 
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
@@ -278,18 +278,3 @@ class ThreadGuard:
                 f"{action} was called on the thread {threading.current_thread().name!r}, but {self._what} belongs "
                 f"to the thread {self._thread.name!r}. Post the call instead: call_later(f, message)."
             )
-
-
-def running_loop(otherwise: str) -> asyncio.AbstractEventLoop:
-    """Return the event loop that runs on this thread: the main thread's.
-
-    Args:
-        otherwise: what the error says where none runs.
-
-    Raises:
-        TutorialError: none runs.
-    """
-    try:
-        return asyncio.get_running_loop()
-    except RuntimeError:
-        raise TutorialError(otherwise) from None

@@ -264,6 +264,7 @@ class Host:
         for name, item in self._items.items():
             if item.take_dirty():
                 self._view.update(name, item.body.data)
+            self._view.show_stale(name, item.stale())
         self._view.line("  |  ".join(filter(None, (self._trouble(), *(item.line() for item in self._items.values())))))
         self._view.flush()
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from tutorial.errors import TutorialError, did_you_mean
@@ -23,6 +24,8 @@ __all__ = [
     "find_home",
     "find_launch_file",
     "find_project",
+    "is_file",
+    "is_folder",
     "is_ours",
     "with_own_commands",
 ]
@@ -102,16 +105,30 @@ def with_own_commands(environment: Mapping[str, str]) -> dict[str, str]:
     return {**environment, "PATH": os.pathsep.join(commands)}
 
 
+def is_file(path: Path) -> bool:
+    """Whether a path that somebody has written leads to a file; one that is too long, or no path at all, does not."""
+    with suppress(OSError, ValueError):
+        return path.is_file()
+    return False
+
+
+def is_folder(path: Path) -> bool:
+    """Whether such a path leads to a folder."""
+    with suppress(OSError, ValueError):
+        return path.is_dir()
+    return False
+
+
 def _find(given: str, folder: Path, suffix: str, what: str) -> Path:
-    if Path(given).is_file():
+    if is_file(Path(given)):
         if not given.endswith(suffix):
             raise TutorialError(f"{given!r} is no {what}: the name of one ends in {suffix!r}.")
         return Path(given)
-    if (folder / f"{given}{suffix}").is_file():
+    if is_file(folder / f"{given}{suffix}"):
         return folder / f"{given}{suffix}"
     beside = Path(given).parent
     wanted = Path(given).name
-    if wanted == given or not beside.is_dir():
+    if wanted == given or not is_folder(beside):
         known = [path.name.removesuffix(suffix) for path in folder.glob(f"*{suffix}")]
         wanted = wanted.removesuffix(suffix)
     else:

@@ -8,38 +8,50 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
+from itertools import chain, islice
 from pathlib import Path
 from types import ModuleType
 from typing import Annotated
 
 import msgspec
+import mujoco
+import numpy as np
 
 from tutorial import controllers
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean, tell
-from tutorial.world import Placement
+from tutorial.paths import is_file
+from tutorial.world import Placement, compose
 from tutorial.yamlfile import YamlFile
 
 __all__ = ["BodyItem", "Project", "controller_names", "find_controller", "load_controllers"]
 
-Point = tuple[float, float, float]
+Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
+Point = tuple[Coordinate, Coordinate, Coordinate]
+
+LONGEST_NAME = 60
+"""Of a body [characters]: it becomes part of the names of topics."""
+LARGEST_MODEL = 10_000_000
+"""Of an MJCF file, without its meshes and textures [bytes]."""
+MAGNITUDES = ("qpos0", "body_pos", "body_quat", "body_mass", "body_inertia", "geom_pos", "geom_size", "jnt_range")
+"""What has to be a number that MuJoCo can compute with, in a model."""
 
 
 class _Simulator(msgspec.Struct, forbid_unknown_fields=True):
-    time_step: Annotated[float, msgspec.Meta(gt=0, le=0.01)] = 0.001
+    time_step: Annotated[float, msgspec.Meta(ge=0.0001, le=0.01)] = 0.001  # [s]
 
 
 class _Body(msgspec.Struct, forbid_unknown_fields=True):
     name: str
     model: str
     position: Point = (0.0, 0.0, 0.0)
-    controllers: list[str] = []
+    controllers: Annotated[list[str], msgspec.Meta(max_length=20)] = []
 
 
 class _ProjectFile(msgspec.Struct, forbid_unknown_fields=True):
     """What a project file looks like."""
 
-    bodies: Annotated[list[_Body], msgspec.Meta(min_length=1)]
+    bodies: Annotated[list[_Body], msgspec.Meta(min_length=1, max_length=1000)]
     simulator: _Simulator | msgspec.UnsetType = msgspec.UNSET
 
 
@@ -84,6 +96,7 @@ class Project:
         file = YamlFile(Path(path), _ProjectFile, "project")
         _check_names(file)
         items = tuple(_body_item(file, i, body) for i, body in enumerate(file.data.bodies))
+        _check_models(file)
         simulator = file.data.simulator
         return cls(file.path, items, None if simulator is msgspec.UNSET else simulator.time_step)
 
@@ -94,14 +107,19 @@ class Project:
             model: its MJCF file; the body gets the file's name, capitalised.
 
         Raises:
-            TutorialError: no body, or more than one, has controllers.
+            TutorialError: no body, or more than one, has controllers; or the model does not load, or its name cannot be
+                a body's.
         """
         robots = [item for item in self.bodies if item.controllers]
         if len(robots) != 1:
             raise TutorialError(
                 f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
             )
-        placement = replace(robots[0].placement, name=model.stem.capitalize(), model=model)
+        name = model.stem.capitalize()
+        _check_model(model)
+        if unfit := _unfit(name):
+            raise TutorialError(f"{model}: the body is called after the file, and {unfit}")
+        placement = replace(robots[0].placement, name=name, model=model)
         swapped = replace(robots[0], placement=placement)
         return self._with(lambda item: swapped if item is robots[0] else item)
 
@@ -171,7 +189,8 @@ def find_controller(name: str) -> type[SimpleController]:
     """
     known = controller_names()
     if name not in known:
-        raise TutorialError(f"there is no controller {name!r}.{did_you_mean(name, known)}")
+        given = name[:LONGEST_NAME]
+        raise TutorialError(f"there is no controller {given!r}.{did_you_mean(given, known)}")
     file = str(Path(controllers.__path__[0]) / f"{known[name].rpartition('.')[2]}.py")
     try:
         module = import_module(known[name])
@@ -196,7 +215,7 @@ def load_controllers(path: Path) -> dict[str, type[SimpleController]]:
     Raises:
         TutorialError: the file is missing, fails, or defines no controller; the text names the line.
     """
-    if not path.is_file():
+    if not is_file(path):
         others = [str(other) for other in path.parent.glob("*.py")]
         raise TutorialError(f"there is no file {str(path)!r}.{did_you_mean(str(path), others)}")
     spec = spec_from_file_location(f"own_controllers_{path.stem}", path)
@@ -229,19 +248,61 @@ def _check_names(file: YamlFile[_ProjectFile]) -> None:
     names = [body.name for body in file.data.bodies]
     for i, name in enumerate(names):
         where = ("bodies", i, "name")
-        if not (name.isascii() and name.isidentifier() and name[0] != "_"):
-            raise file.error(where, f"{name!r} cannot be part of a topic. Use letters, digits and _, a letter first.")
+        if unfit := _unfit(name):
+            raise file.error(where, unfit)
         if name in names[:i]:
             raise file.error(where, f"there is a body {name!r} already. Give this one another name.")
+
+
+def _unfit(name: str) -> str:
+    """Say why a body cannot have a name; empty if it can."""
+    if len(name) > LONGEST_NAME:
+        return f"{name[:LONGEST_NAME]!r}... has {len(name)} letters. Take a name of {LONGEST_NAME} at most."
+    if not (name.isascii() and name.isidentifier() and name[0] != "_"):
+        return f"{name!r} cannot be part of a topic. Use letters, digits and _, a letter first."
+    return ""
+
+
+def _check_models(file: YamlFile[_ProjectFile]) -> None:
+    """Load every model once, so that an error in one has the line that names it."""
+    checked: set[str] = set()
+    for i, body in enumerate(file.data.bodies):
+        if body.model not in checked:
+            checked.add(body.model)
+            try:
+                _check_model(file.path.parent / body.model)
+            except TutorialError as error:
+                raise file.error(("bodies", i, "model"), str(error)) from None
+
+
+def _check_model(path: Path) -> None:
+    """See to it that a model can be simulated.
+
+    Raises:
+        TutorialError: it does not load, is larger than one writes, or has values that are no numbers or far too large.
+    """
+    if not is_file(path):
+        raise TutorialError(f"there is no model {str(path)[:200]!r}. Give the path of an MJCF file (.xml).")
+    if path.stat().st_size > LARGEST_MODEL:
+        raise TutorialError(f"the model {path.name!r} has more than {LARGEST_MODEL:,} bytes. Make it smaller.")
+    model = compose([Placement("Model", path)])
+    for name in MAGNITUDES:
+        if not (np.abs(getattr(model, name)) < mujoco.mjMAXVAL).all():  # which NaN is not, either
+            raise TutorialError(f"the model {path.name!r} has a {name} that is no number, or far too large.")
+
+
+def _models_near(folder: Path) -> list[Path]:
+    """Some models in a folder, and in those in it: enough to find the one that was meant."""
+    return list(islice(chain(folder.glob("*.xml"), folder.glob("*/*.xml")), 100))
 
 
 def _body_item(file: YamlFile[_ProjectFile], index: int, body: _Body) -> BodyItem:
     folder = file.path.parent
     model = folder / body.model
-    if not model.is_file():
-        others = [str(path.relative_to(folder)) for path in folder.glob("**/*.xml")]
-        hint = did_you_mean(body.model, others)
-        raise file.error(("bodies", index, "model"), f"there is no model {body.model!r}.{hint}")
+    if not is_file(model):
+        others = [str(path.relative_to(folder)) for path in _models_near(folder)]
+        hint = did_you_mean(body.model[:LONGEST_NAME], others)
+        raise file.error(("bodies", index, "model"), f"there is no model {body.model[:LONGEST_NAME]!r}.{hint}")
     classes = []
     for i, name in enumerate(body.controllers):
         try:

@@ -96,9 +96,7 @@ class Simulation:
         self.data = mujoco.MjData(self.model)
         self.time_step = time_step
         self.bodies = {p.name: Body(p.name, self.model, self.data) for p in self._placements}
-        self._controllers = [
-            (controller, ControllerIO(self.bodies[name], time_step)) for name, controller in controllers
-        ]
+        self._controllers = [(each, ControllerIO(self.bodies[name], time_step)) for name, each in controllers]
         self._step = 0
         self._initialized = False
         self._duration: float | None = None  # of the last start

@@ -10,11 +10,11 @@ import copy
 import threading
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-__all__ = ["Handoff", "HandoffTrace", "Moment", "waiting_calls"]
+__all__ = ["Handoff", "HandoffTrace", "Moment"]
 
 
 @dataclass(frozen=True)
@@ -163,28 +163,3 @@ class HandoffTrace:
     def _keep(self, handoff: Handoff) -> None:
         with self._lock:
             self._kept.append(handoff)
-
-
-def waiting_calls(handoffs: Sequence[Handoff], start: float, end: float) -> list[tuple[float, int]]:
-    """Count the calls that wait to be applied, between two times.
-
-    Args:
-        handoffs: all that are known of, the earlier ones too.
-        start: the first time, of `time.perf_counter` [s].
-        end: the last time [s].
-
-    Returns:
-        (time, how many from then on), in order; the first at the start.
-    """
-    changes: list[tuple[float, int]] = []
-    for handoff in handoffs:
-        if handoff.posted is not None:
-            over = handoff.applied or handoff.superseded
-            changes.append((handoff.posted.time, 1))
-            changes.append((over.time if over is not None else end, -1))
-    waiting = sum(by for at, by in changes if at < start)
-    steps = [(start, waiting)]
-    for at, by in sorted(change for change in changes if change[0] >= start):
-        waiting += by
-        steps.append((min(at, end), waiting))
-    return steps

@@ -8,9 +8,11 @@ from pathlib import Path
 
 import mujoco
 
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, mujoco_warns
 
 __all__ = ["Placement", "compose"]
+
+mujoco.set_mju_user_warning(mujoco_warns)  # else it writes a file into the user's folder
 
 
 @dataclass(frozen=True)

@@ -100,11 +100,11 @@ def test_a_right_answer_is_told_no_hint():
     assert str(exercise.judge(GentleTank)).splitlines()[-1] == "All right. Well."
 
 
-BEFORE = (ast.Import, ast.ImportFrom, ast.ClassDef)
+BEFORE = (ast.Import, ast.ImportFrom, ast.ClassDef, ast.FunctionDef)
 
 
 def imports_and_cell(name):
-    """Return the cell that an answer is written in, after the notebook's own imports and classes before it."""
+    """Return the cell that an answer is written in, after the imports, classes and functions that come before it."""
     found = []
     for path in sorted((HOME / "notebooks").glob("*.ipynb")):
         found.clear()

@@ -122,6 +122,7 @@ COMMANDS = [
     (("node", "info", "//x/a/b"), None, ["//x/a/b"]),
     (("doctor",), None, [r"\x1b[2J\x1b]0;mine\x07", r"/forged\u2028\x85b"]),
     (("joy", "--drive", "tour", "--duration", "0.5"), 0, ["scripted drive: tour.yaml"]),
+    (("chaos", "-f", "shuffle", "--from", JOINTS, "/chaos", "--duration", "1"), 0, ["messages hit: "]),
     (
         ("run", "step3", "--headless", "--duration", "3"),
         0,
@@ -145,7 +146,7 @@ def test_a_command_that_goes_on(hostile):
 def test_a_command_prints_names_and_texts_without_obeying_them(hostile, command, status, lines):
     terminal = Terminal(hostile, *command)
     ended = terminal.ends()
-    harmless(terminal.text, WITH_A_BAR if command[0] in ("joy", "run", "demo") else LAYOUT)
+    harmless(terminal.text, WITH_A_BAR if command[0] in ("chaos", "demo", "joy", "run") else LAYOUT)
     assert status in (None, ended), terminal.text
     assert [line for line in lines if line not in terminal.text] == [], terminal.text
 

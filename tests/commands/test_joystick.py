@@ -5,10 +5,11 @@ from __future__ import annotations
 import subprocess
 import sys
 import textwrap
+from types import SimpleNamespace
 
 import pytest
 
-from tutorial.commands.joystick import ScriptedDrive
+from tutorial.commands.joystick import Gamepad, ScriptedDrive
 from tutorial.errors import TutorialError
 from tutorial.paths import find_drive
 
@@ -54,6 +55,7 @@ def test_the_tour_loads_and_moves_every_stick():
             "drive:\n- {time: 0, axes: [2]}",
             "line 2: drive[0].axes[0]: expected a number <= 1.",
         ),
+        ("drive:\n- {time: 0, axes: [0, .nan]}", "line 2: drive[0].axes[1]: expected a number that is finite."),
         ("drive:\n- {time: -1, axes: [0]}", "line 2: drive[0].time: expected a number >= 0."),
         (
             "drive:\n- {time: 1, axes: [0]}\n- {time: 1, axes: [0]}",
@@ -72,6 +74,10 @@ def test_a_bad_drive_is_named_with_its_line_and_the_mend(write, text, said):
 def test_a_missing_drive_is_named_with_the_nearest():
     with pytest.raises(TutorialError, match=r"there is no drive 'tuor'\. Did you mean 'tour'\?"):
         find_drive("tuor")
+
+
+def test_a_gamepads_name_is_fit_for_a_terminal():
+    assert Gamepad(SimpleNamespace(name="Pad\x1b[2J\u202e")).name == r"Pad\x1b[2J\u202e"
 
 
 VIRTUAL_GAMEPAD = """

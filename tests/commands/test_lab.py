@@ -237,6 +237,33 @@ def test_in_a_codespace_the_forwarded_page_reaches_its_server_and_no_other_does(
     assert list(answered.values()) == [101, 403, 403]
 
 
+def first_line(port, text):
+    """Send something, and return the first line of the answer; empty if there is none."""
+    with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE) as connection:
+        connection.sendall(text.encode())
+        return connection.makefile().readline().strip()
+
+
+def test_what_a_stranger_sends_is_not_read(open_lab):
+    address = address_of(open_lab())
+    url = urlsplit(address)
+    head = f"PUT /api/contents/x.txt HTTP/1.1\r\nHost: {url.netloc}\r\n"
+    refused = "HTTP/1.1 403 Forbidden"
+    for length in ("Content-Length: 89000000", "Transfer-Encoding: chunked"):
+        assert first_line(url.port, f"{head}{length}\r\n\r\n") == refused
+        assert first_line(url.port, f"{head}{length}\r\nAuthorization: token wrong\r\n\r\n") == refused
+    cookies = CookieJar()
+    build_opener(HTTPCookieProcessor(cookies)).open(address).close()
+    held = {cookie.name: cookie.value for cookie in cookies}
+    by_cookie = f"Cookie: {'; '.join(f'{name}={held[name]}' for name in held)}\r\nX-XSRFToken: {held['_xsrf']}"
+    body = "x" * 100_000  # which is read, and found to be no JSON
+    for known in (f"Authorization: token {url.query.partition('=')[2]}", by_cookie):
+        sent = f"{head}{known}\r\nContent-Length: {len(body)}\r\n\r\n{body}"
+        assert first_line(url.port, sent) == "HTTP/1.1 400 Bad Request"
+    small = f"POST /login HTTP/1.1\r\nHost: {url.netloc}\r\nContent-Length: 3\r\n\r\nx=y"
+    assert first_line(url.port, small) == refused  # by Jupyter, as it has no _xsrf
+
+
 def test_only_what_is_there_now_is_trusted(tmp_path):
     mine = tmp_path / "notebooks"
     mine.mkdir()

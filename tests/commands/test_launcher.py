@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
+import io
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from programs import PATIENCE, TANK
 
-from tutorial.commands.launcher import load_launch_file
+from tutorial.commands.launcher import Launcher, load_launch_file
 from tutorial.errors import TutorialError
 from tutorial.paths import find_launch_file
 
@@ -72,7 +75,11 @@ def test_the_steps_launch_files_list_their_processes(step, names):
     [
         ("from launch.substitutions import X", "Run it with a real ROS 2: ros2 launch"),
         ("x = 1", "has no function generate_launch_description()"),
-        ("def generate_launch_description(): 1 / 0", "ZeroDivisionError"),
+        (
+            "\ndef generate_launch_description(): 1 / 0",
+            "bad.launch.py, line 2, in generate_launch_description: ZeroDivisionError: division by zero",
+        ),
+        ("raise SystemExit(0)", "bad.launch.py, line 1: SystemExit: 0"),
         ("def generate_launch_description(", "SyntaxError"),
         ("def generate_launch_description(): return {}['key']", "KeyError: 'key'"),
         ("def generate_launch_description(): pass", "returned no LaunchDescription"),
@@ -89,6 +96,58 @@ def test_a_bad_launch_file_says_what_is_wrong(tmp_path, text, said):
         load_launch_file(path)
     assert str(path) in str(info.value)
     assert said in str(info.value)
+
+
+PROCESSES = """
+from launch import LaunchDescription
+from launch.actions import ExecuteProcess
+def generate_launch_description():
+    return LaunchDescription([{}])
+"""
+
+
+@pytest.mark.parametrize(
+    ("process", "said"),
+    [
+        (
+            "ExecuteProcess(cmd=[])",
+            "its cmd is empty. Give the program and its arguments, such as cmd=['tank', 'joy'].",
+        ),
+        ("ExecuteProcess(cmd=[''])", "its cmd is empty. Give"),
+        ("ExecuteProcess(cmd='tank joy')", "its cmd is 'tank joy'. Give a list of words"),
+        ("ExecuteProcess(cmd=None)", "its cmd is None. Give a list of words"),
+        ("ExecuteProcess(cmd=[['tank']] * 10_000)", "its cmd is [['tank'], ['tank']"),
+        ("ExecuteProcess(cmd=['true'], name='n' * 300)", "its name is 'nnn"),
+        (r"ExecuteProcess(cmd=['true'], name='\x1b[2J')", r"its name is '\x1b[2J'. Give a text of 60 letters"),
+        ("*[ExecuteProcess(cmd=['true'])] * 2000", "describes 2,000 processes. Start 50 at most at a time."),
+    ],
+)
+def test_what_cannot_be_started_is_said_before_anything_is(tmp_path, process, said):
+    path = tmp_path / "bad.launch.py"
+    path.write_text(PROCESSES.format(process))
+    with pytest.raises(TutorialError) as info:
+        load_launch_file(path)
+    assert str(info.value).startswith(f"{path} ")
+    assert said in str(info.value)
+    assert len(str(info.value)) < len(str(path)) + 250
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (r"cmd=['true', 'a\0b']", "one could not be started: embedded null byte"),
+        (r"cmd=['true'], cwd='a\0b'", "one could not be started: embedded null byte"),
+        ("cmd=['true'], env={'A': 1}", "one could not be started: expected str"),
+        ("cmd=['true'], additional_env=5", "one could not be started: 'int' object is not a mapping"),
+    ],
+)
+def test_what_no_program_can_be_given_is_said(tmp_path, monkeypatch, more, said):
+    monkeypatch.setattr("tutorial.commands.launcher.heed", lambda *_, **__: None)  # these signals are pytest's here
+    path = tmp_path / "bad.launch.py"
+    path.write_text(PROCESSES.format(f"ExecuteProcess(name='one', {more})"))
+    launcher = Launcher(load_launch_file(path), {}, io.StringIO())
+    with pytest.raises(TutorialError, match=f"^{said}"):
+        asyncio.run(launcher.run())
 
 
 def test_lines_have_the_process_in_front(program, launch_file):
@@ -231,6 +290,16 @@ def test_nothing_outlives_a_launcher_that_is_killed(program, launch_file):
     running.says("asleep")
     running.says("stubborn")
     running.process.kill()
+    running.leaves_nothing()
+
+
+def test_who_has_lost_its_lifeline_is_stopped_with_the_others_at_once(program, launch_file):
+    running = program("launch", launch_file(one=SLEEPER, other=SLEEPER))
+    running.says("one   | asleep")
+    running.says("other | asleep")
+    next(process for process in running.family() if Path(process.cmdline()[3]).name == "lifeline.py").kill()
+    running.says("failed with exit status 137; the others are stopped")
+    assert running.ends() == 128 + signal.SIGKILL
     running.leaves_nothing()
 
 

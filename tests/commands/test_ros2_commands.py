@@ -361,7 +361,7 @@ def test_a_mistake_is_a_clear_error(program, command, status, said):
         ("topic pub /x std_msgs/msg/String -t -1", "-1 is not in the range x>=0."),
         ("topic pub /x std_msgs/msg/String -1 -t 3", "argument -t/--times: not allowed with argument -1/--once"),
         ("topic hz --window 0 /x", "0 is not in the range x>=1."),
-        ("topic echo --timeout 0 /x", "0.0 is not in the range x>0."),
+        ("topic echo --timeout 0 /x", "0.0 is not in the range 0<x<=1000000."),
         (
             "topic echo --qos-reliability relable /x",
             "'relable' is not one of 'reliable', 'best_effort', 'system_default'.",

@@ -10,8 +10,15 @@ import socket
 import subprocess
 import termios
 
+import click
 import pytest
+from click.testing import CliRunner
 from programs import TANK
+
+from tutorial.commands.check import check
+from tutorial.commands.options import Seconds
+from tutorial.commands.progress import progress
+from tutorial.errors import TutorialError
 
 
 @pytest.mark.parametrize(
@@ -22,9 +29,9 @@ from programs import TANK
         ("run stp3", "there is no project 'stp3'. Did you mean 'step3'?"),
         ("run nowhere/step3.yaml", "there is no project 'nowhere/step3.yaml'"),
         ("launch step33", "there is no launch file 'step33'. Did you mean 'step3'?"),
-        ("run step3 --duration -1", "-1.0 is not in the range x>0"),
+        ("run step3 --duration -1", "-1.0 is not in the range 0<x<=1000000"),
         ("run step3 --duration nan", "'nan' is not a number of seconds"),
-        ("launch step3 --duration inf", "'inf' is not a number of seconds"),
+        ("launch step3 --duration inf", "inf is not in the range 0<x<=1000000"),
         ("run step3 --headless --duration 0.1 --report /dev/null/x", "the report '/dev/null/x/tank.json' cannot be"),
         ("run step3 --duration ten", "'ten' is not a valid number of seconds"),
         ("run step3 --durration 1", "No such option '--durration'. Did you mean '--duration'?"),
@@ -42,6 +49,20 @@ def test_a_mistake_is_a_clear_error(program, command, said):
     assert running.ends() not in (0, None)
     assert said in running.output
     assert "Traceback" not in running.output
+
+
+@pytest.mark.parametrize("given", ["1e300", "1000001", "inf", "nan", "-1", ""])
+def test_a_number_of_seconds_has_its_bounds(given):
+    with pytest.raises(click.BadParameter):
+        Seconds(min=0).convert(given, None, None)
+    assert Seconds(min=0).convert("1e6", None, None) == 1_000_000
+
+
+def test_what_is_no_path_is_no_notebook_and_no_folder():
+    runner = CliRunner()
+    for command, said in ((check, "there is no file or folder 'xxx"), (progress, "there is no folder 'xxx")):
+        with pytest.raises(TutorialError, match=said):
+            runner.invoke(command, ["x" * 300], catch_exceptions=False)
 
 
 def test_a_malformed_project_is_named_with_its_line(program, tmp_path):

@@ -1,3 +1,3 @@
-"""The files of the step that `test_step4.py` adds to a copy of the course are tested there."""
+"""The files of the step that `test_further_step.py` adds to a copy of the course are tested there."""
 
-collect_ignore = ["step4"]
+collect_ignore = ["further_step"]

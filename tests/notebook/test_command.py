@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import shlex
+import signal
 import sys
 
 import psutil
@@ -65,6 +66,19 @@ def test_one_that_does_not_stop_is_killed(monkeypatch):
         pid = int(command.output.split()[0])
         command.close()
         wait_until(lambda: not psutil.pid_exists(pid), "its end")
+
+    asyncio.run(scenario())
+
+
+def test_one_whose_lifeline_is_killed_is_killed():
+    async def scenario():
+        command = python("import os, time; print(os.getpid(), 'up'); time.sleep(600)")
+        await command.says("up")
+        pid = int(command.output.split()[0])
+        psutil.Process(pid).parent().kill()
+        assert await command.ends() == -signal.SIGKILL
+        wait_until(lambda: not psutil.pid_exists(pid), "its end")
+        command.close()
 
     asyncio.run(scenario())
 

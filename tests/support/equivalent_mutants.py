@@ -18,9 +18,12 @@ def exchanged(*lines: str) -> tuple[str, ...]:
 UNRELATED = "neither statement uses what the other sets"
 EVEN = "the remainder is never negative, and a multiple of n is one of -n"
 WHAT_IS_TOLD = "that observers are told is asked for, not what"
+FIRST = "at which step the first message is sent is left to the answer"
 DEPTH = "how many messages may wait is left to the answer; 0 stands for the middleware's own number"
 
 PRESSED = "pressed = len(message.buttons) > 0 and message.buttons[0] == 1"
+FOUR_AXES = "axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]"
+LIMITED = "return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]"
 Q_REF = "q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper)"
 JOY = "self.subscription = self.node.create_subscription(Joy, 'joy', self.on_joy, {})"
 AXES = "left_x, left_y = (axis if abs(axis) {} 0.3 else 0.0 for axis in axes[:2])"
@@ -35,10 +38,45 @@ PER_LOOK = "self.steps_per_look = round(1 / (50 * io.time_step))"
 DUE = "if self.io.step % self.steps_per_message == 0:"
 NOT_DUE = "if self.io.step % self.steps_per_look:"
 
+PER_TENTH = PER_MESSAGE.replace("25", "10")
+VECTOR = "velocity.x, velocity.y, velocity.z = np.mean(self.samples, axis=0).tolist()"
+GYRO = "self.publisher = self.node.create_publisher(Imu, f'{{config.body.name}}/gyro', {})"
+
+
+def as_even(line: str, rate: str) -> tuple[str, ...]:
+    """The changes of the number of steps per message, and of the condition, that the remainder does not mind."""
+    return (
+        *becomes(
+            DUE,
+            "if self.io.step % self.steps_per_message <= 0:",
+            "if -(self.io.step % self.steps_per_message) == 0:",
+            "if -self.io.step % self.steps_per_message == 0:",
+            "if self.io.step % -self.steps_per_message == 0:",
+        ),
+        *becomes(
+            line,
+            line.replace(f"({rate} * io.time_step)", f"-({rate} * io.time_step)"),
+            line.replace("io.time_step", "-io.time_step"),
+            line.replace("1 /", "-1 /"),
+            line.replace(rate, f"-{rate}"),
+        ),
+    )
+
+
 EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
     "fire": {
         "a length is never negative": becomes(PRESSED, PRESSED.replace(">", "!=")),
         "a button is 0 or 1": becomes(PRESSED, PRESSED.replace("==", ">=")),
+    },
+    "bound": {
+        "the larger or smaller of two is the same in either order": becomes(
+            LIMITED,
+            LIMITED.replace("max(axis, -1.0), 1.0", "1.0, max(axis, -1.0)"),
+            LIMITED.replace("axis, -1.0", "-1.0, axis"),
+        ),
+        "of however many are taken at first, four are left in the end": becomes(
+            FOUR_AXES, FOUR_AXES.replace("axes[:4]", "axes[:5]")
+        ),
     },
     "drive": {
         UNRELATED: (
@@ -50,6 +88,9 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         ),
         DEPTH: becomes(JOY.format(1), JOY.format(2), JOY.format(0)),
         "an axis is a float32, and 0.3 is none": becomes(AXES.format(">"), AXES.format(">=")),
+        "of four, those before the last two are the first two": becomes(
+            AXES.format(">"), AXES.format(">").replace("[:2]", "[:-2]")
+        ),
     },
     "aim": {
         UNRELATED: (
@@ -76,23 +117,8 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
                 "message.effort = [joint.effort for joint in self.joints]",
             ),
         ),
-        EVEN: (
-            *becomes(
-                DUE,
-                "if self.io.step % self.steps_per_message <= 0:",
-                "if -(self.io.step % self.steps_per_message) == 0:",
-                "if -self.io.step % self.steps_per_message == 0:",
-                "if self.io.step % -self.steps_per_message == 0:",
-            ),
-            *becomes(
-                PER_MESSAGE,
-                "self.steps_per_message = round(1 / -(25 * io.time_step))",
-                "self.steps_per_message = round(1 / (25 * -io.time_step))",
-                "self.steps_per_message = round(-1 / (25 * io.time_step))",
-                "self.steps_per_message = round(1 / (-25 * io.time_step))",
-            ),
-        ),
-        "at which step the first message is sent is left to the answer": becomes(DUE, DUE.replace("0", "1")),
+        EVEN: as_even(PER_MESSAGE, "25"),
+        FIRST: becomes(DUE, DUE.replace("0", "1")),
         DEPTH: becomes(TURRET.format(1), TURRET.format(2), TURRET.format(0)),
     },
     "thrift": {
@@ -132,5 +158,23 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         WHAT_IS_TOLD: becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions")),
         DEPTH: becomes(HEARD.format(1), HEARD.format(2), HEARD.format(0)),
     },
+    "gyro": {
+        UNRELATED: (
+            *exchanged("self.io = io", "self.sensor = io.body.sensor('GYRO')", "self.samples = []", PER_TENTH),
+            *exchanged(
+                "message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()",
+                "message.header.frame_id = f'{self.io.body.name}/base_link'",
+                "velocity = message.angular_velocity",
+            ),
+            *exchanged(
+                VECTOR,
+                "message.orientation_covariance[0] = -1.0",
+                "message.linear_acceleration_covariance[0] = -1.0",
+            ),
+            *exchanged("self.publisher.publish(message)", "self.samples.clear()"),
+        ),
+        EVEN: as_even(PER_TENTH, "10"),
+        FIRST: becomes(DUE, DUE.replace("0", "1")),
+        DEPTH: becomes(GYRO.format(1), GYRO.format(2), GYRO.format(0)),
+    },
 }
-"""By exercise, and by the reason, the changes: `mutation.Mutant.change`."""

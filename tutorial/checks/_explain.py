@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from math import isclose, isnan
 from typing import Any
 
 from tutorial.checks._verdict import Finding, right, wrong
@@ -113,4 +114,8 @@ def _first_shown(
 
 
 def _same(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
-    return len(a) == len(b) and all(abs(x - y) <= TOLERANCE * max(1.0, abs(y)) for x, y in zip(a, b))
+    return len(a) == len(b) and all(map(_near, a, b))
+
+
+def _near(x: float, y: float) -> bool:
+    return isclose(x, y, rel_tol=TOLERANCE, abs_tol=TOLERANCE) or (isnan(x) and isnan(y))

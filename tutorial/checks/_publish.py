@@ -3,66 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from math import degrees
 from typing import Any
 
 from sensor_msgs.msg import JointState
 
 from tutorial.body import Body
-from tutorial.checks._answer import missing
 from tutorial.checks._node import WatchedPublisher
+from tutorial.checks._rate import Rate, judge_source, judge_stamps
 from tutorial.checks._shared import SharedState
 from tutorial.checks._topics import endpoint, endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, right, wrong
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._watch import Failure
 from tutorial.checks._world import Moment, World
 from tutorial.controller import ControllerIO, SimpleController
 from tutorial.errors import TutorialError
 
-__all__ = ["MADE", "judge_publish", "judge_source", "judge_stamps"]
+__all__ = ["MADE", "judge_publish"]
 
-RATE = 25  # [Hz]
-SECOND = 1_000_000_000  # [ns]
 NAMES = ("TURRET_Y", "TURRET_P")
 UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 
-NOTHING = "Most likely control never comes to publish: look at the condition, io.step % steps_per_message == 0."
-TIMER = (
-    "Most likely a timer publishes: it goes by the wall clock, on the executor's thread. Count steps in control: "
-    "simulated time is io.step * io.time_step."
-)
-THREAD = (
-    "Most likely a thread of its own publishes: it goes by the wall clock, and the simulated body belongs to the "
-    "simulation's thread. Publish in control, and count steps."
-)
-CLOCK = (
-    "Most likely the computer's clock says when to publish: simulated time goes faster or slower. Count steps, "
-    "io.step % steps_per_message == 0."
-)
-EVERY_STEP = "Most likely control publishes at every step: do so only when io.step % steps_per_message == 0."
-TURNED = "Most likely the condition is turned round: publish when io.step % steps_per_message == 0, and not otherwise."
-OLD_RATE = "Most likely that is the rate of JointStatePublisher; here it is 25 Hz."
-RATE_FOR_STEPS = (
-    "Most likely the rate, 25 in a second, is taken for the number of steps: that is round(1 / (25 * io.time_step)), "
-    "or 40 with steps of 1 ms."
-)
-ONE_OFF = (
-    "Most likely the count is off by one: from one message to the next there are round(1 / (25 * io.time_step)) steps."
-)
-SEVERAL = "Most likely there is a message for each joint: one message names all joints, with one list for each field."
-UNEVEN = "Most likely something else than the number of steps says when to publish: io.step % steps_per_message == 0."
-PERIOD = "Most likely the period is another: it is round(1 / (25 * io.time_step)) steps."
-FIXED_STEPS = "Most likely the number of steps is written down for 1 ms: compute it from io.time_step."
-STAMP = "message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()"
-NO_STAMP = f"Most likely the stamp is left out: {STAMP}."
-WALL_CLOCK = "Most likely that is the wall clock's time: take the simulation's, self.io.time_ns."
-ONLY_SECONDS = f"Most likely only whole seconds are set, and nanosec stays 0: {STAMP} sets both."
-ONLY_NANOSECONDS = f"Most likely only nanosec is set, and sec stays 0: {STAMP} sets both."
-UNIT = f"Most likely the unit is wrong, {{}} for nanoseconds: {STAMP}."
-FIXED_STAMP = f"Most likely the stamp is set once and kept: set it in control, for every message. {STAMP}."
-OLD_STAMP = f"Most likely the stamp is that of another step: set it in control, right before sending. {STAMP}."
-OTHER_STAMP = f"Compare with {STAMP}, at the time of sending."
 NO_NAMES = "Most likely message.name is left out: without names nobody knows whose positions they are."
 OTHER_NAMES = "Take the names from the joints, in their order: [joint.name for joint in self.joints]."
 PREFIXED = "Most likely the body's name is put before the joint's: the topic says already whose joints they are."
@@ -93,6 +54,11 @@ RESTART = (
     "Most likely what says when to publish is kept from the run before: initialize is called at every start, and has "
     "to begin anew, at step 0."
 )
+RATE = Rate(
+    hz=25,
+    several="Most likely there is a message for each joint: one names all joints, with one list for each field.",
+    others={50: "Most likely that is the rate of JointStatePublisher; here it is 25 Hz."},
+)
 MADE = "config.node.create_publisher(JointState, topic, 1)"
 
 
@@ -120,7 +86,7 @@ def judge_publish(answer: type[SimpleController]) -> Iterator[Finding]:
         if odd is not None:
             yield odd
             return
-        rate = _judge_rate(publisher, 0.001)
+        rate = RATE.judge(publisher, 0.001)
         findings = [rate, *(_judge_messages(publisher.sent, NAMES, world.displayed) if publisher.sent else ())]
         yield from findings
         if publisher.sent:
@@ -131,68 +97,13 @@ def judge_publish(answer: type[SimpleController]) -> Iterator[Finding]:
         yield judge_leaving(answer, world.leave, publisher)
 
 
-def judge_source(answer: type[SimpleController], world: World) -> Finding | None:
-    """Look whether messages come from somewhere else than control; None if not."""
-    if world.ros.node.timers_made:
-        return wrong("messages come from a timer", TIMER)
-    if "thread" in watch.noted:
-        return wrong("messages come from a thread of its own", THREAD, watch.noted["thread"])
-    return missing(answer, "control")
-
-
-def _judge_rate(publisher: WatchedPublisher, time_step: float) -> Finding:
-    if len(publisher.sent) < 2:
-        cause = CLOCK if "clock" in watch.noted else NOTHING
-        return wrong(f"in 1.2 s, {('no message', '1 message')[len(publisher.sent)]} was sent", cause)
-    steps = _steps(publisher)
-    periods = [b - a for a, b in pairwise(steps)]
-    wanted = round(1 / (RATE * time_step))
-    said = f"it publishes {_per_second(publisher, time_step)} times per simulated second"
-    even = all(abs(period - wanted) <= 1 for period in periods)
-    if even and abs(steps[-1] - steps[0] - wanted * len(periods)) <= 1:
-        return right(f"{said}, with steps of {time_step * 1000:g} ms")
-    return wrong(f"{said}, not {RATE}", _why_this_rate(periods, wanted))
-
-
-def _why_this_rate(periods: Sequence[int], wanted: int) -> str:
-    """Name the likeliest cause of the numbers of steps between messages."""
-    if "clock" in watch.noted:
-        return CLOCK
-    if 0 in periods:
-        return SEVERAL
-    known = {1: EVERY_STEP, wanted // 2: OLD_RATE, RATE: RATE_FOR_STEPS, wanted - 1: ONE_OFF, wanted + 1: ONE_OFF}
-    if len(set(periods)) == 1:
-        return known.get(periods[0], PERIOD)
-    return TURNED if set(periods) == {1, 2} else UNEVEN
-
-
 def _judge_step(answer: type[SimpleController], usual: WatchedPublisher, rate: Finding) -> Iterator[Finding]:
     """Look whether the rate is the same with another time step, be it the right one or not."""
     with World(answer, name="Rover", time_step=0.002) as world:
         world.advance(600)
         publisher = endpoint(world.ros.node, WatchedPublisher, "/Rover/turret", JointState)
-    if publisher is None:
-        return
-    finding = _judge_rate(publisher, 0.002)
-    if finding.right and rate.right:
-        yield finding
-    elif rate.right:
-        yield wrong(f"with steps of 2 ms, {finding.text}", FIXED_STEPS)
-    elif min(len(usual.sent), len(publisher.sent)) > 1 and _steps(usual)[1] - _steps(usual)[0] > 1:
-        before, after = _per_second(usual, 0.001), _per_second(publisher, 0.002)
-        if abs(after - before) > 0.25 * before and rate.cause not in (CLOCK, RATE_FOR_STEPS):
-            yield wrong(f"with steps of 2 ms, it publishes {after} times per simulated second", FIXED_STEPS)
-
-
-def _steps(publisher: WatchedPublisher) -> list[int]:
-    return [moment.step for _, moment in publisher.sent]
-
-
-def _per_second(publisher: WatchedPublisher, time_step: float) -> float:
-    """Return how often it publishes in a simulated second, a whole number unless that is 25 and not quite true."""
-    steps = _steps(publisher)
-    exact = (len(steps) - 1) / ((steps[-1] - steps[0] or 1) * time_step)
-    return round(exact) if round(exact) != RATE or abs(exact - RATE) < 0.05 else round(exact, 1)
+    if publisher is not None:
+        yield from RATE.judge_step(publisher, rate, usual, 0.002)
 
 
 def _judge_crane(
@@ -234,42 +145,11 @@ def _judge_restart(world: World, publisher: WatchedPublisher) -> Finding:
     when = "after a restart of the simulation"
     if len(publisher.sent) < 2:
         return wrong(f"{when}, {('no message', '1 message')[len(publisher.sent)]} in 0.2 s", RESTART)
-    wrongs = [_judge_rate(publisher, 0.001), *_judge_messages(publisher.sent, NAMES, world.displayed)]
+    wrongs = [RATE.judge(publisher, 0.001), *_judge_messages(publisher.sent, NAMES, world.displayed)]
     for finding in wrongs:
         if not finding.right:
             return wrong(f"{when}, {finding.text}", RESTART)
     return right(f"{when} it begins anew")
-
-
-def judge_stamps(sent: Sequence[tuple[Any, Moment]]) -> Finding:
-    """Look whether the messages' stamps are simulated time."""
-    stamps = [m.header.stamp.sec * SECOND + m.header.stamp.nanosec for m, _ in sent]
-    times = [moment.time_ns for _, moment in sent]
-    if _equal(stamps, times):
-        return right("the stamps are simulated time")
-    if not any(stamps) and times[-1] < SECOND:
-        return wrong("the stamps are 0", NO_STAMP)
-    if min(stamps) > 1_000_000 * SECOND or "clock" in watch.noted:
-        return wrong("the stamps are not simulated time", WALL_CLOCK)
-    guesses = (
-        ([0] * len(times), "the stamps are 0", NO_STAMP),
-        ([time - time % SECOND for time in times], "the stamps are whole seconds", ONLY_SECONDS),
-        ([time % SECOND for time in times], "the stamps begin at 0 in every second", ONLY_NANOSECONDS),
-        ([time // 1000 for time in times], "the stamps are a thousandth of it", UNIT.format("microseconds")),
-        ([time // 1_000_000 for time in times], "the stamps are a millionth of it", UNIT.format("milliseconds")),
-        ([time // SECOND for time in times], "the stamps are next to nothing", UNIT.format("seconds")),
-        ([stamps[0]] * len(times), "the stamps are all the same", FIXED_STAMP),
-        ([time + stamps[-1] - times[-1] for time in times], "the stamps are of another time", OLD_STAMP),
-    )
-    for guess, text, cause in guesses:
-        if _equal(stamps, guess):
-            return wrong(text, cause)
-    return wrong("the stamps are not the simulated time of sending", OTHER_STAMP)
-
-
-def _equal(stamps: Sequence[int], times: Sequence[int]) -> bool:
-    """Whether stamps are times [ns], but for what a float may lose."""
-    return all(abs(a - b) <= 2 for a, b in zip(stamps, times))
 
 
 def _judge_messages(sent: Sequence[tuple[Any, Moment]], wanted: Sequence[str], displayed: Body) -> Iterator[Finding]:

@@ -12,7 +12,8 @@ from sensor_msgs.msg import JointState
 
 from tutorial.checks._explain import Mistake, Probe, judge_probes
 from tutorial.checks._node import WatchedPublisher
-from tutorial.checks._publish import MADE, judge_source, judge_stamps
+from tutorial.checks._publish import MADE
+from tutorial.checks._rate import judge_source, judge_stamps
 from tutorial.checks._shared import SharedState
 from tutorial.checks._topics import endpoint, endpoint_on, judge_leaving
 from tutorial.checks._verdict import Finding, judged, right, wrong

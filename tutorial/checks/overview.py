@@ -50,4 +50,5 @@ class Overview:
     def _last_lines(self) -> list[str]:
         names = [exercise.name for own in self._exercises.values() for exercise in own]
         solved = sum(name in self.solved for name in names)
-        return [f"{solved} of {len(names)} exercises are solved.", *filter(None, [self.problem])]
+        exercises = "exercises are" if len(names) != 1 else "exercise is"
+        return [f"{solved} of {len(names)} {exercises} solved.", *filter(None, [self.problem])]

@@ -1,18 +1,21 @@
-"""Exercises of step 1: hear a button, hold a joint where the stick has put it, and drive the tracks."""
+"""Exercises of step 1: hear a button, read axes from anybody, hold a joint where the stick has put it, and drive."""
 
 from __future__ import annotations
+
+from math import isfinite
 
 from sensor_msgs.msg import Joy
 
 from tutorial.body import Joint
 from tutorial.checks._aim import judge_aim
+from tutorial.checks._bound import judge_bound
 from tutorial.checks._drive import judge_drive
 from tutorial.checks._fire import judge_fire
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.handoff import Latest
 
-__all__ = ["aim", "drive", "fire"]
+__all__ = ["aim", "bound", "drive", "fire"]
 
 
 class Listener(SimpleController):
@@ -45,6 +48,12 @@ class FireButton(Listener):
         self.fire.put(pressed)
 
 
+def four_axes(message: Joy) -> list[float]:
+    """Return the sticks' axes, each in [-1, 1]; one that the message lacks, or that is not finite, counts as 0."""
+    axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]
+    return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]
+
+
 class GentleTank(SimpleController):
     """Drive the tracks with the left stick, gently."""
 
@@ -65,7 +74,7 @@ class GentleTank(SimpleController):
 
     def control(self) -> None:
         """Turn the stick into track speeds [m/s]."""
-        axes = [*self.joy.get().axes, 0.0, 0.0]  # an axis that the message lacks counts as 0
+        axes = four_axes(self.joy.get())
         left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2])
         self.track_l.ctrl = 1.0 * left_y - 0.5 * left_x
         self.track_r.ctrl = 1.0 * left_y + 0.5 * left_x
@@ -113,6 +122,36 @@ fire = Exercise(
     notice="Notice that the callback only leaves a value behind, and returns.",
 )
 
+bound = Exercise(
+    name="bound",
+    statement="""
+    Write the function `four_axes(message)`. It returns the first four axes of the `Joy` `message` as a list of four
+    numbers from -1 to 1, whatever anybody has put into the message:
+
+    - An axis beyond -1 or 1 is limited to that end.
+    - One that is not finite, NaN or an infinity, counts as 0, and so does one that the message lacks.
+    - Each axis stands for itself: the others count as if nothing was wrong with one.
+
+    It is called a thousand times a second, so a million axes take no longer than four. It never raises, and leaves the
+    message as it is.
+    """,
+    judge=judge_bound,
+    solution=(four_axes,),
+    base=None,
+    parts=(),
+    hints=(
+        "Look at how much of the message is touched, however many axes there are; and at what a single axis may be: "
+        "lacking, not finite, too large, too small.",
+        "A slice takes at most four, and fewer where there are fewer: put zeros behind it, and take four of all. Then "
+        "go through those: ask isfinite first, for NaN is neither smaller nor larger than a number, and limit the "
+        "others with max and min.",
+        "axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4], and then a list of min(max(axis, -1.0), 1.0) if "
+        "isfinite(axis) else 0.0, for axis in axes.",
+    ),
+    notice="Notice that no message can make it fail or take long: whatever arrives is bounded before it is used.",
+    imports=("from math import isfinite",),
+)
+
 drive = Exercise(
     name="drive",
     statement="""
@@ -136,11 +175,11 @@ drive = Exercise(
         "Look at the two threads: the callback runs on the executor's, control on the simulation's. And at what is "
         "true before the first message, and when one is shorter than you expect.",
         "Let the callback put the message into a Latest, which configure makes with an empty Joy(). Let control take "
-        "it from there once in every step, append zeros for axes that it may lack, apply the dead zone to each axis, "
-        "and set both tracks every time.",
+        "it from there once in every step, read it with four_axes, apply the dead zone to each axis, and set both "
+        "tracks every time.",
         "In configure: self.node = config.node and self.joy = Latest(Joy()). In control: axes = "
-        "[*self.joy.get().axes, 0.0, 0.0]; then left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in "
-        "axes[:2]); then self.track_l.ctrl and self.track_r.ctrl. In unconfigure: "
+        "four_axes(self.joy.get()); then left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2]); "
+        "then self.track_l.ctrl and self.track_r.ctrl. In unconfigure: "
         "self.node.destroy_subscription(self.subscription).",
     ),
     notice="Notice that control takes the message once and reads both axes from it, and that no lock is to be seen.",

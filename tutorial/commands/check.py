@@ -18,6 +18,7 @@ import click
 from tutorial.commands.options import Seconds
 from tutorial.commands.terminal import INTERRUPTED, say, until_asked
 from tutorial.errors import TutorialError
+from tutorial.paths import is_file, is_folder
 
 if TYPE_CHECKING:
     from tutorial.commands.checking.submission import Submission
@@ -78,7 +79,7 @@ def _found(given: Sequence[Path]) -> Iterator[Path]:
     """
     seen: set[Path] = set()
     for path in given:
-        if not path.exists():
+        if not (is_file(path) or is_folder(path)):
             raise TutorialError(f"there is no file or folder {str(path)!r}")
         inner = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
         for each in inner:

@@ -26,6 +26,7 @@ from tornado.websocket import WebSocketClosedError
 from traitlets import default
 from traitlets.config import Config
 
+from tutorial.commands.lab_door import BODY_PATIENCE, Door
 from tutorial.commands.terminal import say
 
 __all__ = ["CourseServer"]
@@ -67,6 +68,12 @@ class CourseServer(ServerApp):
         """The addresses by which a browser reaches a GitHub codespace, a regular expression; none elsewhere."""
         name, domain = map(os.environ.get, ("CODESPACE_NAME", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN"))
         return rf"https://{re.escape(name)}-\d+\.{re.escape(domain)}" if name and domain else ""
+
+    def init_httpserver(self) -> None:
+        """Put a door before Jupyter's application."""
+        super().init_httpserver()
+        self.http_server.request_callback = Door(self.web_app)
+        self.http_server.conn_params.body_timeout = BODY_PATIENCE
 
     def init_signal(self) -> None:
         """End at one Ctrl-C, without a question and in the same way whether there is a terminal or not."""

@@ -7,6 +7,7 @@ import os
 import runpy
 import shutil
 import signal
+import socket
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -22,7 +23,7 @@ from honcho.printer import Message, Printer
 
 from tutorial.commands import lifeline
 from tutorial.commands.terminal import heed
-from tutorial.errors import TutorialError, printable_lines
+from tutorial.errors import TutorialError, printable_lines, tell
 from tutorial.paths import with_own_commands
 from tutorial.ros.backend import UNDERLAY
 
@@ -32,6 +33,10 @@ if TYPE_CHECKING:
 __all__ = ["Launcher", "load_launch_file"]
 
 PATIENCE = 8.0  # [s] from asking a process to stop to killing it
+MOST = 50
+"""Processes of a launch file."""
+LONGEST_NAME = 60
+"""Of a process [characters]: it stands before each of its lines."""
 
 
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
@@ -41,7 +46,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
     depend on what is installed.
 
     Raises:
-        TutorialError: it fails, or uses more of `launch` than the tutorial has.
+        TutorialError: it fails, uses more of `launch` than the tutorial has, or describes what cannot be started; the
+            text names the line, where there is one.
     """
     with _own_launch() as launch:
         try:
@@ -54,8 +60,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
         except ImportError as error:
             mend = f"Run it with a real ROS 2: ros2 launch {path}"
             raise TutorialError(f"{path} uses more than the tutorial's launch has: {error}. {mend}") from error
-        except Exception as error:
-            raise TutorialError(f"{path} failed: {type(error).__name__}: {error}") from error
+        except (Exception, SystemExit) as error:
+            raise TutorialError(f"{path} failed: {tell(error, str(path))}") from error
     if not isinstance(description, launch.LaunchDescription):
         raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription.")
     entities = list(description.entities)
@@ -64,7 +70,23 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
     for entity in entities:
         if not isinstance(entity, launch.actions.ExecuteProcess):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
+        if unfit := _unfit(entity):
+            raise TutorialError(f"{path} has a process that cannot be started: {unfit}")
+    if len(entities) > MOST:
+        raise TutorialError(f"{path} describes {len(entities):,} processes. Start {MOST} at most at a time.")
     return entities
+
+
+def _unfit(process: ExecuteProcess) -> str:
+    """Say why a process cannot be started, and the mend; empty if it can."""
+    command, name = process.cmd, process.name
+    if not isinstance(command, list | tuple) or not all(isinstance(word, str | Path) for word in command):
+        return f"its cmd is {command!r:.100}. Give a list of words, such as cmd=['tank', 'joy']."
+    if not command or not str(command[0]):
+        return "its cmd is empty. Give the program and its arguments, such as cmd=['tank', 'joy']."
+    if name is not None and not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= LONGEST_NAME):
+        return f"its name is {name!r:.100}. Give a text of {LONGEST_NAME} letters at most, or none."
+    return ""
 
 
 class Launcher:
@@ -85,6 +107,7 @@ class Launcher:
         self._printer = Printer(output, width=max(map(len, self._processes)))
         self._colours = dict(zip(self._processes, cycle(get_colours())))
         self._running: dict[str, asyncio.subprocess.Process] = {}
+        self._lifelines: dict[str, socket.socket] = {}
         self._stop = asyncio.Event()
         self._status = 0
         self.interrupted = False
@@ -101,39 +124,43 @@ class Launcher:
             at_once=lambda: self._signal_groups(signal.SIGKILL),
             hangup=True,
         )
-        read_end, write_end = os.pipe()
         try:
             for name, process in self._processes.items():
-                self._running[name] = await self._start(name, process, read_end)
+                self._lifelines[name], other_end = socket.socketpair()
+                self._lifelines[name].setblocking(False)
+                with other_end:
+                    self._running[name] = await self._start(name, process, other_end.fileno())
             await self._see_through()
             return self._status
         finally:
             await self._stop_all()
-            os.close(read_end)
-            os.close(write_end)
+            for end in self._lifelines.values():
+                end.close()
 
     def _interrupt(self) -> None:
         self.interrupted = True
         self._stop.set()
 
-    async def _start(self, name: str, process: ExecuteProcess, read_end: int) -> asyncio.subprocess.Process:
-        environment = {**(os.environ if process.env is None else process.env), "PYTHONUNBUFFERED": "1"}
-        environment = with_own_commands({**environment, **self._environment, **(process.additional_env or {})})
+    async def _start(self, name: str, process: ExecuteProcess, end: int) -> asyncio.subprocess.Process:
         command = [str(word) for word in process.cmd]
-        command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
         try:
+            environment = {**(os.environ if process.env is None else process.env), "PYTHONUNBUFFERED": "1"}
+            environment = with_own_commands({**environment, **self._environment, **(process.additional_env or {})})
+            command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
             return await asyncio.create_subprocess_exec(
-                *lifeline.with_lifeline(read_end, command),
+                *lifeline.with_lifeline(end, command),
                 stdin=asyncio.subprocess.DEVNULL,
                 stdout=asyncio.subprocess.PIPE,
                 stderr=asyncio.subprocess.STDOUT,
-                pass_fds=(read_end,),
+                pass_fds=(end,),
                 start_new_session=True,
                 env=environment,
                 cwd=process.cwd,
             )
         except OSError as error:
             raise TutorialError(f"{name} could not be started: {error.strerror}: {error.filename!r}") from error
+        except (TypeError, ValueError) as error:  # what no program can be given, such as a zero byte
+            raise TutorialError(f"{name} could not be started: {error}") from error
 
     async def _see_through(self) -> None:
         """Print and wait; when asked to, or after the first failure, stop all."""
@@ -146,13 +173,27 @@ class Launcher:
     async def _follow(self, name: str, process: asyncio.subprocess.Process) -> None:
         """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
         assert process.stdout is not None
-        while line := await _read_line(process.stdout):
-            self._say(name, printable_lines(line), self._colours[name])
-        status = await process.wait()
-        self._running.pop(name, None)
-        if status and not self._stop.is_set():
-            self._status = status if status >= 0 else 128 - status
-            self._say(name, f"failed with exit status {self._status}; the others are stopped")
+        watch = asyncio.create_task(self._watch(name))
+        try:
+            while line := await _read_line(process.stdout):
+                self._say(name, printable_lines(line), self._colours[name])
+            status = await process.wait()
+        finally:
+            watch.cancel()
+        if status >= 0:  # else there may be something left of its group, which is going to be stopped
+            self._running.pop(name, None)
+        if status:
+            self._fail(name, status if status > 0 else 128 - status)
+
+    async def _watch(self, name: str) -> None:
+        """If a process's lifeline is killed, have it stopped with all others: nothing else would end it any more."""
+        if not await asyncio.get_running_loop().sock_recv(self._lifelines[name], 1):
+            self._fail(name, 128 + signal.SIGKILL)
+
+    def _fail(self, name: str, status: int) -> None:
+        if not self._stop.is_set():
+            self._status = status
+            self._say(name, f"failed with exit status {status}; the others are stopped")
             self._stop.set()
 
     async def _stop_when_asked(self) -> None:

@@ -1,9 +1,10 @@
 """Runs a command that ends when the launcher does, even when that is killed: ``python lifeline.py FD COMMAND...``.
 
-The launcher holds the other end of the pipe FD and never writes. When it is gone, whatever ended it, the system closes
-its end; reading from this end then returns, and the command is asked to stop, and killed if it doesn't. The command
-and this process are one process group, which the launcher can signal as a whole; signals that ask are the command's
-business.
+FD is one of a pair of sockets, of which the launcher holds the other. When one of the two processes is gone, whatever
+ended it, the system closes its end, and the other learns of it at once: this one asks the command to stop, and kills it
+if it doesn't. When this one ends as it should, it says so, with one byte; if it is killed, the launcher has to end the
+command. The command and this process are one process group, which the launcher can signal as a whole; signals that ask
+are the command's business.
 
 Standard library only, and run by its path: starting it costs next to nothing.
 """
@@ -16,6 +17,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Sequence
+from contextlib import suppress
 
 PATIENCE = 5.0  # [s] from asking to killing
 
@@ -38,14 +40,14 @@ def main() -> int:
     return status if status >= 0 else 128 - status
 
 
-def with_lifeline(read_end: int, words: Sequence[str]) -> list[str]:
+def with_lifeline(end: int, words: Sequence[str]) -> list[str]:
     """Return the command line that runs a command on a lifeline.
 
     Args:
-        read_end: of the pipe; the process has to inherit it, and to begin a session.
+        end: file descriptor of a socket; the process has to inherit it, and to begin a session.
         words: the command.
     """
-    return [sys.executable, "-S", "-I", __file__, str(read_end), *words]
+    return [sys.executable, "-S", "-I", __file__, str(end), *words]
 
 
 def signal_group(pid: int, number: int) -> bool:
@@ -72,4 +74,8 @@ def _watch(fd: int, process: subprocess.Popen[bytes]) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    finally:
+        with suppress(OSError):  # nobody listens any more
+            os.write(int(sys.argv[1]), b".")

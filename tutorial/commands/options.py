@@ -25,9 +25,12 @@ class Finite(click.FloatRange):
 
 
 class Seconds(Finite):
-    """A number of seconds."""
+    """A number of seconds, eleven days at most."""
 
     name = "number of seconds"
+
+    def __init__(self, **bounds: Any) -> None:
+        super().__init__(**{"max": 1_000_000, **bounds})
 
 
 duration_option = click.option(

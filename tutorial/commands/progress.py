@@ -20,9 +20,9 @@ def progress(folder: Path | None) -> None:
     """Show which exercises are solved in the notebooks of FOLDER; without it, of the course folder one is in."""
     from tutorial.checks.overview import Overview
     from tutorial.checks.progress import FILE
-    from tutorial.paths import HOME
+    from tutorial.paths import HOME, is_folder
 
-    if folder is not None and not folder.is_dir():
+    if folder is not None and not is_folder(folder):
         raise TutorialError(f"there is no folder {str(folder)!r}")
     places = [Path(), Path("notebooks")] if folder is None else [folder, folder / "notebooks"]
     default = HOME / "notebooks" if folder is None else folder

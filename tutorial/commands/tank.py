@@ -16,6 +16,7 @@ import click
 from tqdm.contrib import DummyTqdmFile
 
 from tutorial.commands.asking import clear_ros_errors, named_node
+from tutorial.commands.chaos import chaos
 from tutorial.commands.check import check
 from tutorial.commands.node import node
 from tutorial.commands.options import duration_option, headless_option, linger_option, report_option
@@ -178,6 +179,7 @@ def check_up() -> int:
     return doctor()
 
 
+tank.add_command(chaos)
 tank.add_command(check)
 tank.add_command(node)
 tank.add_command(progress)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
+from rclpy.node import Node
 from sensor_msgs.msg import Joy
 
 from tutorial.body import Joint
@@ -25,6 +28,7 @@ class TankController(SimpleController):
     def on_joy(self, message: Joy) -> None:  # executor's thread: put and return
         """Keep the newest state of the joystick."""
         self.joy.put(message)
+        complain(self.node, message)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
         """Look up the tracks and the joints of the simulated tank."""
@@ -70,12 +74,29 @@ class AimedJoint:
         self.q_ref, self.q_prev = q_ref, q
 
 
+def four_axes(message: Joy) -> list[float]:
+    """Return the sticks' axes, each in [-1, 1]; one that the message lacks, or that is not finite, counts as 0.
+
+    Anybody may publish anything, so whatever arrives is bounded before it is used.
+    """
+    axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]  # a message may have a million
+    return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]
+
+
 def sticks(message: Joy) -> tuple[float, float, float, float]:
-    """Left x, left y, right x, right y, each in [-1, 1] with its dead zone; an axis that the message lacks is 0."""
-    left_x, left_y, right_x, right_y = [*message.axes, 0.0, 0.0, 0.0, 0.0][:4]
+    """Return left x, left y, right x, right y, each in [-1, 1] with its dead zone."""
+    left_x, left_y, right_x, right_y = four_axes(message)
     return dead_zone(left_x, 0.2), dead_zone(left_y, 0.2), dead_zone(right_x, 0.15), dead_zone(right_y, 0.15)
 
 
 def dead_zone(axis: float, width: float) -> float:
     """Zero near the middle, where a stick at rest never quite is."""
     return axis if abs(axis) > width else 0.0
+
+
+def complain(node: Node, message: Joy) -> None:
+    """Say in the log, once in five seconds, which axes are beyond what a stick can do."""
+    odd = [axis for axis in message.axes[:4] if not -1.0 <= axis <= 1.0]  # NaN is between no numbers
+    if odd:
+        text = f"/joy has axes that no stick has: {odd}. They are limited, or count as 0"
+        node.get_logger().warning(text, throttle_duration_sec=5.0)

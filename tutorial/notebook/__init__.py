@@ -7,6 +7,7 @@ rest. Everything here belongs to the kernel's main thread.
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, log, until
 from tutorial.notebook.opening import (
+    chaos_panel,
     joint_plot,
     joystick,
     node_graph,
@@ -20,13 +21,16 @@ from tutorial.notebook.process import prepare_process
 from tutorial.notebook.program import Program
 from tutorial.notebook.progress import progress
 from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list
+from tutorial.notebook.widgets.line_plot import line_plot
 
 __all__ = [
     "Command",
     "Program",
+    "chaos_panel",
     "close_all",
     "joint_plot",
     "joystick",
+    "line_plot",
     "log",
     "node_graph",
     "open_node",

@@ -6,6 +6,7 @@ import os
 import shlex
 import shutil
 import signal
+import socket
 import subprocess
 import threading
 from collections import deque
@@ -35,14 +36,14 @@ class Command:
     def __init__(self, line: str) -> None:
         self._line = line
         self._kept: deque[str] = deque(maxlen=LINES_KEPT)
-        read_end, self._write_end = os.pipe()
+        self._lifeline, other_end = socket.socketpair()
         try:
-            self._process = _start(line, read_end)
+            with other_end:
+                self._process = _start(line, other_end.fileno())
         except BaseException:
-            os.close(self._write_end)
+            self._lifeline.close()
             raise
-        finally:
-            os.close(read_end)
+        threading.Thread(target=self._watch, name=f"lifeline of {line}", daemon=True).start()
         self._reader = threading.Thread(target=self._read, name=f"reader of {line}", daemon=True)
         self._reader.start()
 
@@ -89,9 +90,14 @@ class Command:
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(PATIENCE)
                 self._reader.join(PATIENCE)
-        if self._write_end >= 0:
-            os.close(self._write_end)
-            self._write_end = -1
+        self._lifeline.close()
+
+    def _watch(self) -> None:
+        """End the command if its lifeline is killed: nothing else would, once the kernel is gone."""
+        with self._lifeline, suppress(OSError):
+            if not self._lifeline.recv(1):
+                lifeline.signal_group(self._process.pid, signal.SIGKILL)
+            self._process.wait()  # before this end is closed, which would end the lifeline
 
     def _read(self) -> None:
         assert self._process.stdout is not None
@@ -99,17 +105,17 @@ class Command:
             self._kept.extend(lines)
 
 
-def _start(line: str, read_end: int) -> subprocess.Popen[str]:
+def _start(line: str, end: int) -> subprocess.Popen[str]:
     words = shlex.split(line)
     environment = with_own_commands(os.environ)
     if not words or shutil.which(words[0], path=environment["PATH"]) is None:
         raise TutorialError(f"there is no command {line!r}. Write it as at a terminal: start_command('tank joy').")
     return subprocess.Popen(
-        lifeline.with_lifeline(read_end, words),
+        lifeline.with_lifeline(end, words),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        pass_fds=(read_end,),
+        pass_fds=(end,),
         start_new_session=True,
         env={**environment, "PYTHONUNBUFFERED": "1"},
         cwd=HOME,

@@ -12,15 +12,14 @@ import os
 import socket
 from contextlib import AbstractAsyncContextManager, AbstractContextManager
 from typing import Any
-from urllib.parse import urlsplit
 
-from tornado.httpserver import HTTPServer
 from tornado.web import Application, HTTPError, RequestHandler, StaticFileHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-from tutorial.errors import TutorialError
-from tutorial.handoff import ThreadGuard, running_loop
+from tutorial.errors import TutorialError, running_loop
+from tutorial.handoff import ThreadGuard
 from tutorial.view.assets import STATIC, meshcats_viewer
+from tutorial.view.door import GuardedServer, Refusals
 from tutorial.view.scene import Scene
 
 __all__ = ["SceneServer"]
@@ -37,6 +36,9 @@ POLICY = (
 
 BACKLOG = 1 << 18
 """What the system holds for one browser [bytes]. One that is further behind misses frames."""
+
+PAGES = 32
+"""How many may look at a time: each that does not read holds a copy of the whole scene."""
 
 NO_LOOP = "the 3D view is served by an event loop, and none runs here. Make it within asyncio.run(main())."
 
@@ -62,7 +64,8 @@ class SceneServer(AbstractContextManager["SceneServer"], AbstractAsyncContextMan
         self._listener = _listen(port)
         self._listener.setblocking(False)
         self._port = int(self._listener.getsockname()[1])
-        self._http = HTTPServer(_application(scene, title, self._browsers))
+        self._refusals = Refusals()
+        self._http = GuardedServer(_application(scene, title, self._browsers, self._refusals), self._refusals)
         self._http.add_socket(self._listener)
         self._closing: asyncio.Task[None] | None = None
 
@@ -83,6 +86,7 @@ class SceneServer(AbstractContextManager["SceneServer"], AbstractAsyncContextMan
             WrongThreadError: called on another thread than the server's.
         """
         self._guard.check("SceneServer.close")
+        self._refusals.close()
         if self._loop.is_closed():
             self._listener.close()
         if self._closing is not None or self._loop.is_closed():
@@ -131,13 +135,13 @@ def _listen_on(port: int) -> socket.socket:
         raise TutorialError(f"the 3D view cannot have port {port}: {reason}. {mend}") from error
 
 
-def _application(scene: Scene, title: str, browsers: set[_Browser]) -> Application:
+def _application(scene: Scene, title: str, browsers: set[_Browser], refusals: Refusals) -> Application:
     return Application(
         [
             (r"/", _Page, {"title": title}),
-            (r"/socket", _Browser, {"scene": scene, "browsers": browsers}),
-            (r"/static/(.*)", _Files, {"path": str(STATIC)}),
-            (r"/meshcat/(.*)", _Files, {"path": str(meshcats_viewer())}),
+            (r"/socket", _Browser, {"scene": scene, "browsers": browsers, "refusals": refusals}),
+            (r"/static/([\w.-]+)", _Files, {"path": str(STATIC)}),
+            (r"/meshcat/([\w.-]+)", _Files, {"path": str(meshcats_viewer())}),
         ],
         template_path=str(STATIC),
         log_function=lambda _handler: None,
@@ -167,22 +171,17 @@ class _Files(_Protected, StaticFileHandler):
 class _Browser(WebSocketHandler):
     """One page that looks at the scene: it gets the whole scene, then each frame that it can keep up with."""
 
-    def initialize(self, scene: Scene, browsers: set[_Browser]) -> None:
+    def initialize(self, scene: Scene, browsers: set[_Browser], refusals: Refusals) -> None:
         self.scene = scene
         self.browsers = browsers
+        self.refusals = refusals
         self.is_behind = False
 
     def prepare(self) -> None:
-        """Let in the page from here, and no other that happens to know the address.
-
-        The host is looked at as well as the origin: a page from elsewhere can have its own name lead to this
-        machine (DNS rebinding), and then its origin and host agree.
-        """
-        host = self.request.host
-        origin = self.request.headers.get("Origin")
-        is_local = urlsplit(f"//{host}").hostname in (ADDRESS, "localhost")
-        if not is_local or origin not in (None, f"http://{host}"):
-            raise HTTPError(403, "only its own page may look at the scene")
+        """Let in as many as there is room for."""
+        if len(self.browsers) >= PAGES:
+            self.refusals.add(f"{PAGES} pages look already")
+            raise HTTPError(503)
 
     def open(self, *_args: str, **_kwargs: str) -> None:
         if self._stream.closed():  # hung up already
@@ -193,8 +192,20 @@ class _Browser(WebSocketHandler):
         self._send(self.scene.snapshot())
         self.scene.attach(self.show)
 
-    def on_message(self, message: str | bytes) -> None:
-        """The page has nothing to say."""
+    def on_message(self, message: str | bytes) -> None:  # noqa: ARG002
+        """Hang up: the page has nothing to say, so this is another."""
+        self.refusals.add("a page that says something; it is hung up")
+        assert self.ws_connection is not None
+        self.ws_connection.client_terminated = True  # or what has come with it would be read, too
+        self._stream.close()
+
+    def on_ping(self, data: bytes) -> None:
+        """Hang up, too: no browser asks."""
+        self.on_message(data)
+
+    def on_pong(self, data: bytes) -> None:
+        """Hang up, too: nobody was asked."""
+        self.on_message(data)
 
     def on_close(self) -> None:
         self.browsers.discard(self)

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import pytest
 
 from tutorial.errors import TutorialError
-from tutorial.notebook.widgets.swimlane import LEFT, RIGHT, swimlane
+from tutorial.notebook.widgets.swimlane import LEFT, RIGHT, swimlane, waiting_calls
 from tutorial.trace import Handoff, HandoffTrace, Moment
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -136,3 +136,14 @@ def test_a_thread_can_be_called_anything():
 def test_no_messages_make_no_picture(count):
     with pytest.raises(TutorialError, match=f"there is no picture of {count} messages. Give a count from 1 on"):
         swimlane(HandoffTrace(), count)
+
+
+def test_waiting_calls_are_counted():
+    def call(posted, applied=None, superseded=None):
+        applied, superseded = (None if time is None else Moment(time, "x") for time in (applied, superseded))
+        return Handoff(posted=Moment(posted, "x"), applied=applied, superseded=superseded)
+
+    handled = Handoff(received=Moment(2.5, "x"))
+    calls = [call(0.0, 2.0), call(1.0, 3.0), call(3.0, superseded=4.0), call(4.0), handled]
+    assert waiting_calls(calls, 1.5, 5.0) == [(1.5, 2), (2.0, 1), (3.0, 0), (3.0, 1), (4.0, 0), (4.0, 1), (5.0, 0)]
+    assert waiting_calls([], 1.0, 2.0) == [(1.0, 0)]

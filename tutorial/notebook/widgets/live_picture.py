@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tutorial.handoff import CallQueue, CallScope, running_loop
+from tutorial.errors import running_loop
+from tutorial.handoff import CallQueue, CallScope
 from tutorial.notebook.widgets.picture import Picture
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 

@@ -9,8 +9,8 @@ from typing import Annotated
 import msgspec
 import traitlets
 
-from tutorial.errors import TutorialError
-from tutorial.handoff import CallQueue, running_loop
+from tutorial.errors import TutorialError, running_loop
+from tutorial.handoff import CallQueue
 from tutorial.notebook.widgets.cell_widget import CellWidget, understood
 from tutorial.view.assets import read_static, zipped_viewer
 from tutorial.view.scene import Record, Scene, pack_record, unpack_command, unpack_records

@@ -9,9 +9,9 @@ from tutorial.errors import TutorialError
 from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.chart import nice_ticks, tick_text
 from tutorial.notebook.widgets.picture import Picture
-from tutorial.trace import Handoff, HandoffTrace, Moment, waiting_calls
+from tutorial.trace import Handoff, HandoffTrace, Moment
 
-__all__ = ["swimlane"]
+__all__ = ["swimlane", "waiting_calls"]
 
 WIDTH = 760  # [px]
 LEFT, RIGHT = 118, WIDTH - 24  # [px] where the time axis begins and ends
@@ -220,3 +220,28 @@ def _ms(seconds: float) -> str:
     if ms >= 1e3:
         return f"{seconds:.2f} s"
     return f"{ms:.0f} ms" if ms >= 99.5 else f"{ms:.1f} ms" if ms >= 9.95 else f"{ms:.2f} ms"
+
+
+def waiting_calls(handoffs: Sequence[Handoff], start: float, end: float) -> list[tuple[float, int]]:
+    """Count the calls that wait to be applied, between two times.
+
+    Args:
+        handoffs: all that are known of, the earlier ones too.
+        start: the first time, of `time.perf_counter` [s].
+        end: the last time [s].
+
+    Returns:
+        (time, how many from then on), in order; the first at the start.
+    """
+    changes: list[tuple[float, int]] = []
+    for handoff in handoffs:
+        if handoff.posted is not None:
+            over = handoff.applied or handoff.superseded
+            changes.append((handoff.posted.time, 1))
+            changes.append((over.time if over is not None else end, -1))
+    waiting = sum(by for at, by in changes if at < start)
+    steps = [(start, waiting)]
+    for at, by in sorted(change for change in changes if change[0] >= start):
+        waiting += by
+        steps.append((min(at, end), waiting))
+    return steps

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from typing import TYPE_CHECKING, Self
 
 from cyclonedds.core import DDSException, GuardCondition, WaitSet
@@ -53,7 +52,7 @@ class SingleThreadedExecutor:
         self._timers: list[Timer] = []
         self._subscriptions: list[Subscription] = []
         self._publishers: list[Publisher] = []
-        self._ready: deque[Subscription | Timer] = deque()
+        self._ready: Iterator[Subscription | Timer] = iter(())
         self._outdated = True
         self._is_shutdown = False
         self._spinning = threading.Lock()
@@ -98,9 +97,7 @@ class SingleThreadedExecutor:
         Raises:
             ExternalShutdownException: the context was shut down instead.
         """
-        with self._spin():
-            while self._context.ok() and not self._is_shutdown:
-                self._run_one()
+        self._spin()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait for one callback to run, and run it.
@@ -112,10 +109,7 @@ class SingleThreadedExecutor:
             ExternalShutdownException: the context was shut down meanwhile.
             RCLError: it had been before.
         """
-        with self._spin():
-            if not self._context.ok() and not self._is_shutdown:
-                raise RCLError(f"failed to initialize wait set: {NOT_VALID}")
-            self._run_one(_deadline(timeout_sec))
+        self._spin(_deadline(timeout_sec), once=True)
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is done or cancelled, or time runs out.
@@ -128,12 +122,8 @@ class SingleThreadedExecutor:
         def finished() -> bool:
             return future.done() or future.cancelled()
 
-        deadline = _deadline(timeout_sec)
-        with self._spin(), future._telling(lambda _: self.wake()):
-            while self._context.ok() and not self._is_shutdown and not finished():
-                self._run_one(deadline, until=finished)
-                if time.monotonic() >= deadline:
-                    return
+        with future._telling(lambda _: self.wake()):
+            self._spin(_deadline(timeout_sec), until=finished)
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002  (rclpy does not wait, either)
         """Stop spinning and give the nodes up; may be called again.
@@ -151,20 +141,24 @@ class SingleThreadedExecutor:
         if self._spinner != threading.get_ident() and self._spinning.acquire(timeout=timeout_sec):
             self._spinning.release()
 
-    @contextmanager
-    def _spin(self) -> Iterator[None]:
-        """Hold the right to spin, which only one caller at a time can have."""
+    def _spin(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False, once: bool = False) -> None:
+        """Run callbacks, or one, to a time [s of the monotonic clock]. Only one caller at a time can."""
         if not self._spinning.acquire(blocking=False):
             raise RuntimeError("Executor is already spinning")
         self._spinner = threading.get_ident()
         try:
-            yield
+            if once and not self._context.ok() and not self._is_shutdown:
+                raise RCLError(f"failed to initialize wait set: {NOT_VALID}")
+            while self._context.ok() and not self._is_shutdown and not until():
+                self._run_one(deadline, until)
+                if once or time.monotonic() >= deadline:
+                    return
         finally:
             self._spinner = None
             self._spinning.release()
             self._close_if_shut_down()
 
-    def _run_one(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False) -> None:
+    def _run_one(self, deadline: float, until: Callable[[], bool]) -> None:
         """Run one callback, waiting for it if necessary, but only to a time [s of the monotonic clock]."""
         woken = False
         while not self._is_shutdown and not until():
@@ -184,8 +178,7 @@ class SingleThreadedExecutor:
 
     def _run_ready(self) -> bool:
         """Run the first callback of this round that has something to do; False if none has."""
-        while self._ready:
-            entity = self._ready.popleft()
+        for entity in self._ready:  # noqa: SIM110  (a generator for each round would cost more than the round)
             if entity._node in self._nodes and entity.execute():
                 return True
         return False
@@ -198,14 +191,11 @@ class SingleThreadedExecutor:
             self._subscriptions = [subscription for node in self._nodes for subscription in node.subscriptions]
             self._publishers = [publisher for node in self._nodes for publisher in node.publishers]
             self._renew_wait_set()
-        self._ready.extend((*self._timers, *self._subscriptions))
+        self._ready = iter((*self._timers, *self._subscriptions))
 
     def _wait(self, timeout: float) -> bool:
         """Wait for a message, an event, a timer or :meth:`wake`; True unless time ran out."""
-        for timer in self._timers:
-            wait_time = timer.wait_time()
-            if wait_time is not None:
-                timeout = min(timeout, wait_time / 1e9)
+        timeout = min([timeout, *(timer.wait_time() for timer in self._timers)])
         if timeout <= 0 or self._wait_set is None:
             return False
         try:
@@ -248,7 +238,7 @@ class SingleThreadedExecutor:
         """Let go of everything, once nobody spins any more: whoever comes last does it."""
         if not self._is_shutdown or not self._spinning.acquire(blocking=False):
             return
-        self._ready.clear()
+        self._ready = iter(())
         self._timers, self._subscriptions, self._publishers = [], [], []
         self._close_wait_set()
         close(self._guard)

@@ -1,4 +1,4 @@
-"""Step 4: publish what the simulated robot's inertial sensors measure."""
+"""Step N: publish what the simulated robot's inertial sensors measure."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 RATE = 50  # [Hz], in simulation time
 
 
-class ImuPublisher(SimpleController):
+class RawImuPublisher(SimpleController):
     """Publish acceleration [m/s^2] and angular velocity [rad/s] at 50 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Announce the topic, named after the body."""
         self.node = config.node
-        self.publisher = self.node.create_publisher(Imu, f"{config.body.name}/imu", 1)
+        self.publisher = self.node.create_publisher(Imu, f"{config.body.name}/raw_imu", 1)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
         """Find the sensors of the simulated body."""

@@ -6,7 +6,7 @@ from math import acos, atan2, degrees
 
 import pytest
 
-from tutorial.checks.imu_publisher import lean, tilt
+from tutorial.checks.raw_imu_publisher import lean, tilt
 
 
 def in_degrees(message):

@@ -1,6 +1,6 @@
 """A further step needs its own files and a row in each table of steps, nothing else: one is added to a copy.
 
-The files are in ``step4/``, each where it belongs in the course.
+The files are in ``further_step/``, each where it belongs in the course.
 """
 
 from __future__ import annotations
@@ -17,18 +17,22 @@ import pytest
 
 from tutorial.paths import HOME
 
-STEP = Path(__file__).parent / "step4"
-NOTEBOOK = "[`4_imu_publisher`](notebooks/4_imu_publisher.ipynb)"
-CONTROLLER = "[`imu_publisher.py`](tutorial/controllers/imu_publisher.py)"
-CHECK = "[`imu_publisher.py`](tutorial/checks/imu_publisher.py)"
-FILES = "[`step4.yaml`](project/step4.yaml) | [`step4.launch.py`](launch_py/step4.launch.py)"
+STEP = Path(__file__).parent / "further_step"
+NUMBER = 1 + max(int(path.name[0]) for path in (HOME / "notebooks").glob("[0-9]_*.ipynb"))
+PAGE = f"notebooks/{NUMBER}_raw_imu_publisher.ipynb"
+NOTEBOOK = f"[`{NUMBER}_raw_imu_publisher`]({PAGE})"
+CONTROLLER = "[`raw_imu_publisher.py`](tutorial/controllers/raw_imu_publisher.py)"
+CHECK = "[`raw_imu_publisher.py`](tutorial/checks/raw_imu_publisher.py)"
+FILES = (
+    f"[`step{NUMBER}.yaml`](project/step{NUMBER}.yaml) | [`step{NUMBER}.launch.py`](launch_py/step{NUMBER}.launch.py)"
+)
 ROWS = {
-    "README.md": f"| 4 | {NOTEBOOK} | a publisher of the sensors | {CONTROLLER} | {FILES} | `/Tank/imu` |",
-    "CONTRIBUTING.md": f"| 4 | {NOTEBOOK} | {CONTROLLER} | {CHECK} | {FILES} |",
-    "book/index.md": "| [Step 4](notebooks/4_imu_publisher.ipynb) | a publisher of the sensors | `/Tank/imu` |",
+    "README.md": f"| {NUMBER} | {NOTEBOOK} | a publisher of the sensors | {CONTROLLER} | {FILES} | `/Tank/raw_imu` |",
+    "CONTRIBUTING.md": f"| {NUMBER} | {NOTEBOOK} | {CONTROLLER} | {CHECK} | {FILES} |",
+    "book/index.md": f"| [Step {NUMBER}]({PAGE}) | what is measured | `/Tank/raw_imu` |",
 }
 TESTS = [
-    *("notebooks/4_imu_publisher.ipynb", "tests/checks/test_lean.py", "tests/checks/test_exercise.py"),
+    *(PAGE, "tests/checks/test_lean.py", "tests/checks/test_exercise.py"),
     *("tests/course/test_notebooks.py", "tests/house/test_layout.py", "tests/house/test_readme.py"),
     *("-k", "not test_exercise or lean or controller"),  # of what all exercises are asked, only what is about this one
 ]
@@ -43,6 +47,11 @@ def committed():
     return [path for path in there if (HOME / path).is_file() and (listing or path.parts[0][0] != ".")]
 
 
+def numbered(text):
+    """Put the next step's number in the place of an N."""
+    return re.sub(r"\b(step|Step |)N(?=\b|_raw)", rf"\g<1>{NUMBER}", text)
+
+
 @pytest.fixture(scope="module")
 def course(tmp_path_factory):
     """A copy of the course, with the step."""
@@ -50,7 +59,11 @@ def course(tmp_path_factory):
     for path in committed():
         (copy / path).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(HOME / path, copy / path)
-    shutil.copytree(STEP, copy, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__"))
+    for path in STEP.rglob("*.*"):
+        if path.suffix != ".pyc":
+            target = copy / numbered(str(path.relative_to(STEP)))
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(numbered(path.read_text("utf-8")), encoding="utf-8")
     for name, row in ROWS.items():
         page = copy / name
         with_row = re.sub(r"^\| step \|.*\n(\|.*\n)+", rf"\g<0>{row}\n", page.read_text("utf-8"), flags=re.MULTILINE)
@@ -68,11 +81,11 @@ def environment(course, monkeypatch):
 @pytest.mark.parametrize(("command", "node", "seconds"), [("run", "tank", 1), ("launch", "simulation", 2)])
 def test_it_runs_and_publishes(program, environment, tmp_path, command, node, seconds):
     running = program(
-        command, "step4", "--headless", "--duration", seconds, "--report", tmp_path, environment=environment
+        command, f"step{NUMBER}", "--headless", "--duration", seconds, "--report", tmp_path, environment=environment
     )
     assert running.ends() == 0, running.output
     topics = json.loads((tmp_path / f"{node}.json").read_text())["topics"]
-    assert topics["/Tank/imu"]["published"] == 50 * seconds
+    assert topics["/Tank/raw_imu"]["published"] == 50 * seconds
 
 
 def test_the_tests_of_steps_pass_with_it(environment):

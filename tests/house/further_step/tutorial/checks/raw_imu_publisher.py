@@ -1,4 +1,4 @@
-"""The exercise of step 4: read from an accelerometer how far the tank leans."""
+"""The exercise of step N: read from an accelerometer how far the tank leans."""
 
 from __future__ import annotations
 

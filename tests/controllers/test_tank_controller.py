@@ -1,0 +1,72 @@
+"""Step 1's controller: whatever comes on ``/joy``, the sticks are four numbers from -1 to 1."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from timeit import repeat
+
+import pytest
+from sensor_msgs.msg import Joy
+
+from tutorial.controllers.tank_controller import TankController, complain, sticks
+from tutorial.paths import HOME
+from tutorial.ros.node_thread import NodeThread
+from tutorial.simulation import Simulation
+from tutorial.world import Placement
+
+MILLION = Joy(axes=array("f", [0.5, -0.5, 0.25, 1.0]) * 250_000)
+
+
+@pytest.mark.parametrize(
+    ("axes", "expected"),
+    [
+        ([0.5, -0.5, 0.25, 1.0], (0.5, -0.5, 0.25, 1.0)),
+        ([0.5, -0.5, 0.25, 1.0, 0.75, 0.75], (0.5, -0.5, 0.25, 1.0)),
+        ([0.0, 0.5], (0.0, 0.5, 0.0, 0.0)),
+        ([], (0.0, 0.0, 0.0, 0.0)),
+        ([0.1, -0.1, 0.1, 0.18], (0.0, 0.0, 0.0, pytest.approx(0.18))),
+        ([2.0, -3e30, 1.0001, -1.0], (1.0, -1.0, 1.0, -1.0)),
+        ([math.nan, 0.5, math.inf, -math.inf], (0.0, 0.5, 0.0, 0.0)),
+        ([math.nan], (0.0, 0.0, 0.0, 0.0)),
+    ],
+)
+def test_sticks_are_four_numbers_from_minus_one_to_one(axes, expected):
+    assert sticks(Joy(axes=axes)) == expected
+
+
+def test_a_million_axes_cost_what_four_do():
+    four = Joy(axes=MILLION.axes[:4])
+    assert sticks(MILLION) == sticks(four)
+    many, few = (min(repeat(lambda message=message: sticks(message), number=100)) for message in (MILLION, four))
+    assert many < 10 * few
+
+
+class Given(TankController):
+    """Has got a message before it was asked for control, and no node."""
+
+    def __init__(self, message):
+        self.joy = type("Held", (), {"get": lambda _: message})()
+
+
+@pytest.mark.parametrize("axes", [[3e38] * 4, [-1e9, 2.0, math.nan, 5.0], [math.inf] * 4])
+def test_no_message_throws_the_tank(axes):
+    tank = Placement("Tank", HOME / "project" / "models" / "tank.xml", (0.0, 0.0, 0.1))
+    floor = Placement("Labo", HOME / "project" / "models" / "labo.xml")
+    simulation = Simulation([floor, tank], [("Tank", Given(Joy(axes=axes)))])
+    highest = 0.0
+    for _ in range(50):
+        simulation.advance(0.02)
+        highest = max(highest, simulation.bodies["Tank"].qpos[2])
+    assert 0.0 < highest < 0.3
+
+
+def test_what_no_stick_can_do_is_said_once(domain, capfd):
+    with NodeThread("tester") as thread:
+        for odd in (math.nan, 7.0, -math.inf):
+            for _ in range(100):
+                complain(thread.node, Joy(axes=[0.5, odd, 0.0, 0.0]))
+        complain(thread.node, Joy(axes=[1.0, -1.0]))
+    said = capfd.readouterr().err.splitlines()
+    assert len(said) == 1
+    assert said[0].endswith("/joy has axes that no stick has: [nan]. They are limited, or count as 0")
