@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tutorial import errors
-from tutorial.errors import did_you_mean, mujoco_warns, printable
+from tutorial.errors import did_you_mean, mujoco_warns, printable, printable_lines
 
 
 @pytest.mark.parametrize(
@@ -15,7 +15,8 @@ from tutorial.errors import did_you_mean, mujoco_warns, printable
         ("Kran für Größe 3, 戦車", "Kran für Größe 3, 戦車"),
         ("a\x1b[2Jb\r\n\x07\x9bc", r"a\x1b[2Jb\r\n\x07\x9bc"),
         ("gpj.exe\u202egpj", r"gpj.exe\u202egpj"),
-        ("a\u2028b\u00a0c", r"a\u2028b\xa0c"),
+        ("a\u2028b\u00a0c", "a\\u2028b\u00a0c"),
+        ("\u6226\u8eca\u3000\u0033", "\u6226\u8eca\u3000\u0033"),
         ("half \udc80", r"half \udc80"),
         ("\U000e0041", r"\U000e0041"),
         ("", ""),
@@ -23,8 +24,12 @@ from tutorial.errors import did_you_mean, mujoco_warns, printable
 )
 def test_what_a_terminal_would_obey_is_shown_as_an_escape(text: str, shown: str) -> None:
     assert printable(text) == shown
-    assert printable(text).isprintable()
+    assert printable(text).translate({0xA0: " ", 0x3000: " "}).isprintable()
     printable(text).encode()  # can be written anywhere
+
+
+def test_a_text_keeps_the_line_ends_and_tabs_that_it_has_of_its_own() -> None:
+    assert printable_lines("a\x1bb\n\tc\r\n\u202e") == "a\\x1bb\n\tc\\r\n\\u202e"
 
 
 def test_of_very_many_valid_names_some_are_said() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 import sys
 import threading
 import time
@@ -20,6 +21,7 @@ __all__ = [
     "file_of",
     "mujoco_warns",
     "printable",
+    "printable_lines",
     "running_loop",
     "tell",
     "where",
@@ -31,6 +33,8 @@ AFTER_WARNING = {
     " in Q": "The simulated world is back where it began.",  # in QPOS, QVEL or QACC
 }
 """What MuJoCo does and does not say."""
+
+WIDE_SPACES = "\u00a0\u3000"  # not breaking, and as wide as a Japanese character: Python takes them for unprintable
 
 _log = logging.getLogger(__name__)
 
@@ -80,7 +84,17 @@ def printable(text: str) -> str:
     """
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+    return "".join(
+        c if c.isprintable() or c in WIDE_SPACES else c.encode("unicode_escape").decode("ascii") for c in text
+    )
+
+
+def printable_lines(text: str) -> str:
+    """As `printable`, for a text that has line ends and tabs of its own: they stay.
+
+    What comes from outside is made `printable` before it is put into such a text, or it could add lines to it.
+    """
+    return re.sub(r"[^\n\t]+", lambda part: printable(part[0]), text)
 
 
 def file_of(written: type) -> str:

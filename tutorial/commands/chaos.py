@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from tutorial.commands.asking import named_node
 from tutorial.commands.options import duration_option
-from tutorial.commands.terminal import INTERRUPTED, heed, progress_bar
+from tutorial.commands.terminal import INTERRUPTED, heed, progress_bar, say
 from tutorial.errors import TutorialError
 from tutorial.ros.chaos import FAULTS, Chaos, parse_fault, share_of
 
@@ -98,7 +98,7 @@ def chaos(
             _watch(stream, duration, stop, progress)
         finally:
             stream.close()
-    click.echo(_summary(faulty.made))
+    say(f"{_summary(faulty.made)}\n")
     return INTERRUPTED if stop.is_set() and duration is not None else 0
 
 
