@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["Actuator", "Body", "Joint", "Sensor"]
 
 SHOWN_GROUPS = 3  # MuJoCo's convention: groups 0 to 2 are shown, the others are inner workings
+DRIVES_JOINT = int(mujoco.mjtTrn.mjTRN_JOINT)
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
@@ -46,9 +47,7 @@ class Joint:
         self._qvel: NDArray[np.float64] = data.qvel
         self._effort: NDArray[np.float64] = data.qfrc_actuator
         self._ctrl: NDArray[np.float64] = data.ctrl
-        motors = np.flatnonzero(
-            (model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)) & (model.actuator_trnid[:, 0] == joint_id)
-        )
+        motors = np.flatnonzero((model.actuator_trntype == DRIVES_JOINT) & (model.actuator_trnid[:, 0] == joint_id))
         self._ctrl_adr = int(motors[0]) if len(motors) else None
 
     @property
@@ -156,6 +155,7 @@ class Body:
         joint_ranges: a mapping from their names to their ranges ``(lower, upper)`` [rad or m].
         qpos_slice: which part of MuJoCo's ``qpos`` is this body's.
         qpos: a view on it, shape (nq,).
+        make_camera: how to make a camera of its name and number; None where nobody renders.
     """
 
     def __init__(self, name: str, model: mujoco.MjModel, data: mujoco.MjData, guard: ThreadGuard | None = None) -> None:
@@ -172,6 +172,7 @@ class Body:
         self._all_qpos = data.qpos
         self._qpos_adr = {joint.name: joint.qpos_adr for joint in self.joints}
         self._by_name = {joint.name: joint for joint in self.joints}
+        self.make_camera: Callable[[str, int], Any] | None = None
         self._observers: list[Callable[[Any], object]] = []
 
     @classmethod
@@ -199,11 +200,9 @@ class Body:
         Raises:
             TutorialError: the body has no such joint; the text names the nearest.
         """
-        try:
-            return self._by_name[name]
-        except KeyError:
-            hint = did_you_mean(name, self.joint_names)
-            raise TutorialError(f"the body {self.name!r} has no joint {name!r}.{hint}") from None
+        if name not in self._by_name:
+            raise TutorialError(f"the body {self.name!r} has no joint {name!r}.{did_you_mean(name, self.joint_names)}")
+        return self._by_name[name]
 
     def actuator(self, name: str) -> Actuator:
         """Find an actuator by name.
@@ -221,6 +220,17 @@ class Body:
         """
         number = self._find("sensor", self.model.sensor, self.model.nsensor, name)
         return Sensor(name, self.data.sensor(number).data, self._guard)
+
+    def camera(self, name: str) -> Any:
+        """Find a camera by name; it is a `tutorial.view.camera.Camera`.
+
+        Raises:
+            TutorialError: the body has no such camera, the text names the nearest; or it is not a simulated one.
+        """
+        number = self._find("camera", self.model.camera, self.model.ncam, name)
+        if self.make_camera is None:
+            raise TutorialError(f"nobody takes pictures of the body {self.name!r}: ask the simulated one, io.body.")
+        return self.make_camera(name, number)
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body; the others stay where they are.
@@ -273,11 +283,10 @@ class Body:
     def _find(self, kind: str, element: Callable[[int], Any], count: int, name: str) -> int:
         """Return the number of the body's element of a kind, or say that there is none and which there are."""
         numbers = {element(i).name: i for i in range(count)}
-        try:
-            return numbers[self._prefix + name]
-        except KeyError:
+        if self._prefix + name not in numbers:
             mine = [each.removeprefix(self._prefix) for each in numbers if each.startswith(self._prefix)]
-            raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, mine)}") from None
+            raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, mine)}")
+        return numbers[self._prefix + name]
 
     def _joint_ids(self) -> list[int]:
         return [i for i in range(self.model.njnt) if self.model.joint(i).name.startswith(self._prefix)]
