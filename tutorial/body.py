@@ -155,7 +155,7 @@ class Body:
         joint_ranges: a mapping from their names to their ranges ``(lower, upper)`` [rad or m].
         qpos_slice: which part of MuJoCo's ``qpos`` is this body's.
         qpos: a view on it, shape (nq,).
-        make_camera: how to make a camera of its name and number; None where nobody renders.
+        find_camera: given by whoever renders pictures of a simulated body: ``find_camera(body, name)``; else None.
     """
 
     def __init__(self, name: str, model: mujoco.MjModel, data: mujoco.MjData, guard: ThreadGuard | None = None) -> None:
@@ -172,7 +172,7 @@ class Body:
         self._all_qpos = data.qpos
         self._qpos_adr = {joint.name: joint.qpos_adr for joint in self.joints}
         self._by_name = {joint.name: joint for joint in self.joints}
-        self.make_camera: Callable[[str, int], Any] | None = None
+        self.find_camera: Callable[[Body, str], Any] | None = None
         self._observers: list[Callable[[Any], object]] = []
 
     @classmethod
@@ -222,15 +222,10 @@ class Body:
         return Sensor(name, self.data.sensor(number).data, self._guard)
 
     def camera(self, name: str) -> Any:
-        """Find a camera by name; it is a `tutorial.view.camera.Camera`.
-
-        Raises:
-            TutorialError: the body has no such camera, the text names the nearest; or it is not a simulated one.
-        """
-        number = self._find("camera", self.model.camera, self.model.ncam, name)
-        if self.make_camera is None:
-            raise TutorialError(f"nobody takes pictures of the body {self.name!r}: ask the simulated one, io.body.")
-        return self.make_camera(name, number)
+        """Find a camera of a simulated body by name, a `tutorial.view.camera.Camera`; raises what `sensor` does."""
+        if self.find_camera is None:
+            raise TutorialError(f"no pictures are taken of the body {self.name!r}: ask the simulated one, io.body.")
+        return self.find_camera(self, name)
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body; the others stay where they are.

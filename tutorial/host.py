@@ -91,7 +91,7 @@ class Host:
                 self.simulation = Simulation(placements, controllers, project.time_step)
                 self._cameras = CameraRenderer(self.simulation.model, self.simulation.data)
                 for body in self.simulation.bodies.values():
-                    body.make_camera = self._cameras.camera
+                    body.find_camera = self._cameras.camera
         except BaseException:
             self.close()
             raise

@@ -19,7 +19,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial.errors import TutorialError, printable
+from tutorial.body import Body
+from tutorial.errors import TutorialError, did_you_mean, printable
 
 __all__ = ["Camera", "CameraRenderer", "Offscreen"]
 
@@ -29,6 +30,7 @@ PATIENCE = 30.0  # [s] that a picture may take in lockstep, the first one's Open
 MISSED = 10  # pictures of a camera that have to be missed before it is said
 ON_LINUX = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
 """What renders without a screen, by MuJoCo's name for it; the first that there is is taken."""
+SWITCHED_OFF = ("disable", "disabled", "off", "false", "0")  # MuJoCo's words
 NO_PICTURES = "cameras take no pictures, all else goes on: nothing renders here (%s). %s"
 MENDS = {"Linux": "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it, or libosmesa6."}
 
@@ -96,8 +98,8 @@ class _Request:
 class CameraRenderer:
     """Takes the pictures of the cameras of one simulated world, on a thread that begins with the first.
 
-    The world goes on meanwhile, for each picture is rendered from a copy of its state. Where nothing can render, that is
-    said once, and no pictures are delivered.
+    The world goes on meanwhile, for each picture is rendered from a copy of its state. Where nothing can render, that
+    is said once, and no pictures are delivered.
 
     Args:
         model: the world's.
@@ -120,22 +122,23 @@ class CameraRenderer:
         self._thread: threading.Thread | None = None
         self._closed = False
 
-    def camera(self, name: str, number: int) -> Camera:
-        """Make a camera.
-
-        Args:
-            name: what it is called.
-            number: MuJoCo's, in the whole model.
+    def camera(self, body: Body, name: str) -> Camera:
+        """Find a camera of a body by name.
 
         Raises:
-            TutorialError: its pictures are too large.
+            TutorialError: the body has no such camera, the text names the nearest; or its pictures are too large.
         """
-        width, height = self._model.cam_resolution[number].tolist()
+        model, prefix = self._model, f"{body.name}/"
+        every = (model.camera(i).name for i in range(model.ncam))
+        own = {each.removeprefix(prefix): i for i, each in enumerate(every) if each.startswith(prefix)}
+        if name not in own:
+            raise TutorialError(f"the body {body.name!r} has no camera {name!r}.{did_you_mean(name, own)}")
+        width, height = model.cam_resolution[own[name]].tolist()
         size = USUAL if (width, height) == (1, 1) else (width, height)  # 1 x 1 is MuJoCo's for what is not said
         if width > LARGEST[0] or height > LARGEST[1]:
             most = " x ".join(map(str, LARGEST))
             raise TutorialError(f"the camera {name!r} has {width} x {height} pixels. Give it at most {most}.")
-        return Camera(self, name, number, size)
+        return Camera(self, name, own[name], size)
 
     def request(self, camera: Camera, deliver: Callable[..., object], args: tuple[object, ...]) -> None:
         """Have a picture taken; see `Camera.capture`."""
@@ -298,17 +301,17 @@ class Offscreen(AbstractContextManager["Offscreen"]):
 
 
 def _gl_context(width: int, height: int) -> Any:
-    """Make an OpenGL context as the variable MUJOCO_GL says; on Linux without it, one that needs no screen."""
+    """Make an OpenGL context. On Linux it is one that needs no screen, of two the one that MUJOCO_GL names."""
     wanted = os.environ.get("MUJOCO_GL", "").lower().strip()
-    if platform.system() == "Linux" and not wanted:
-        wanted = next((name for name, library in ON_LINUX.items() if _is_there(library)), "")
-        if not wanted:
-            raise ImportError(f"there is neither {' nor '.join(ON_LINUX.values())}")
-    module = f"mujoco.{wanted}" if wanted in ON_LINUX else "mujoco.gl_context"
-    made = importlib.import_module(module)
-    if not hasattr(made, "GLContext"):
+    if wanted in SWITCHED_OFF:
         raise ImportError(f"MUJOCO_GL={wanted} switches it off")
-    return made.GLContext(width, height)
+    if platform.system() != "Linux":
+        return importlib.import_module("mujoco.gl_context").GLContext(width, height)
+    if wanted not in ON_LINUX:
+        wanted = next((name for name, library in ON_LINUX.items() if _is_there(library)), "")
+    if not wanted:
+        raise ImportError(f"there is neither {' nor '.join(ON_LINUX.values())}")
+    return importlib.import_module(f"mujoco.{wanted}").GLContext(width, height)
 
 
 def _is_there(library: str) -> bool:
