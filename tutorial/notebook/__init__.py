@@ -7,6 +7,7 @@ rest. Everything here belongs to the kernel's main thread.
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, log, until
 from tutorial.notebook.opening import (
+    image_view,
     joint_plot,
     joystick,
     node_graph,
@@ -26,6 +27,7 @@ __all__ = [
     "Command",
     "Program",
     "close_all",
+    "image_view",
     "joint_plot",
     "joystick",
     "line_plot",

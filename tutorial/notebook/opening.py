@@ -7,6 +7,7 @@ from ipywidgets import Widget
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import keep
 from tutorial.notebook.program import Program
+from tutorial.notebook.widgets.image_view import ImageView
 from tutorial.notebook.widgets.joint_plot import JointPlot
 from tutorial.notebook.widgets.joystick import Joystick
 from tutorial.notebook.widgets.node_graph import NodeGraph
@@ -18,6 +19,7 @@ from tutorial.project import Project
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 
 __all__ = [
+    "image_view",
     "joint_plot",
     "joystick",
     "node_graph",
@@ -76,6 +78,15 @@ def joint_plot(topic: str = "/Tank/joint_state") -> JointPlot:
         topic: of type ``sensor_msgs/msg/JointState``.
     """
     return keep(f"plot of {topic}", lambda: JointPlot(topic), JointPlot.end)
+
+
+def image_view(topic: str = "/Tank/camera/image") -> ImageView:
+    """Show the pictures of a topic, as rqt_image_view does.
+
+    Args:
+        topic: of type ``sensor_msgs/msg/Image``.
+    """
+    return keep(f"pictures of {topic}", lambda: ImageView(topic), ImageView.end)
 
 
 def node_graph() -> NodeGraph:
