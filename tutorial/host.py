@@ -120,9 +120,9 @@ class Host:
     @property
     def error(self) -> BaseException | None:
         """What the simulation, a callback or a posted call raised last since the last start; None when nothing did."""
-        pictures = self._cameras and self._cameras.error
+        pictures = self._cameras.error if self._cameras is not None else None
         others = (self._ros.error, pictures, *(item.error for item in self._items.values()))
-        return (self.simulation and self.simulation.error) or next(filter(None, others), None)
+        return (self.simulation and self.simulation.error) or next((e for e in others if e is not None), None)
 
     def forget_errors(self) -> None:
         """What callbacks and posted calls raised before does not count any more. `run` does it. Main thread."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -234,7 +234,7 @@ def grays(
 
 def _formed(pixels: NDArray[np.uint8], form: str) -> NDArray[Any]:
     whole = pixels.astype(np.int64)
-    formed: NDArray[Any] = {
+    forms: dict[str, Callable[[], NDArray[Any]]] = {
         "mean": lambda: whole.mean(axis=2),
         "empty": lambda: whole[:0],
         "colour": lambda: whole,
@@ -251,8 +251,8 @@ def _formed(pixels: NDArray[np.uint8], form: str) -> NDArray[Any]:
         "columns": lambda: whole.mean(axis=1),
         "one": lambda: np.full(whole.shape[:2], whole.mean()),
         "scaled": lambda: whole.mean(axis=2) / 255,
-    }[form]()
-    return formed
+    }
+    return forms[form]()
 
 
 def _judge_stamps(sent: Sent) -> Finding:

@@ -101,7 +101,8 @@ class Studio(SimpleController):
         random = np.random.default_rng(self._seed)
         gray = random.permutation(width * height) * 3 + 60
         tints = random.permuted([[40, -10, -30]] * len(gray), axis=1)  # their sum is 0, so that the mean is whole
-        return (gray[:, np.newaxis] + tints).reshape(height, width, 3).astype(np.uint8)
+        pixels: NDArray[np.uint8] = (gray[:, np.newaxis] + tints).reshape(height, width, 3).astype(np.uint8)
+        return pixels
 
 
 class _MadeUpCamera:

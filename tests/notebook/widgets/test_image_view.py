@@ -8,7 +8,9 @@ from array import array
 
 import numpy as np
 import pytest
-from programs import PATIENCE
+from browser import PATIENCE, Witness, chromium, open_browser, pixels, red_spot, until
+from lab import jupyter_lab
+from pictures import need_pictures, red_block
 from sensor_msgs.msg import Image
 
 from tutorial.controllers.camera_publisher import image
@@ -203,3 +205,63 @@ def test_an_image_that_contradicts_itself_is_none(change, text):
     for name, value in change.items():
         setattr(message, name, value)
     assert _frame(message) == text
+
+
+OPEN = """
+from dataclasses import replace
+from pathlib import Path
+
+from tutorial.notebook import close_all, image_view, open_program
+from tutorial.controllers.camera_publisher import CameraPublisher
+from tutorial.paths import find_project
+from tutorial.project import Project
+from tutorial.world import Placement
+
+project = Project.load(find_project("step6")).with_controllers("Tank", CameraPublisher)
+block = Placement("Block", Path("block.xml"), position=(-2.5, -0.5, 0.35))
+item = replace(project.bodies[0], placement=block, controllers=())
+program = open_program(replace(project, bodies=(*project.bodies, item)))
+program.start()
+"""
+COST = """
+import time
+shown._awaited.clear()
+began = time.thread_time()
+for _ in range(100):
+    shown._send_frame()
+print(1000 * (time.thread_time() - began) / 100)
+"""
+
+
+@pytest.mark.browser
+@pytest.mark.timeout(300)
+def test_a_notebook_shows_a_red_block_before_the_camera(domain, tmp_path):
+    need_pictures()
+    path = chromium()
+
+    async def main():
+        async with jupyter_lab(tmp_path) as lab, open_browser(path, 900, 900) as page:
+            witness = Witness(page)
+            red_block(lab.notebooks)
+            notebook = await lab.open(page, lab.write("block.ipynb", [OPEN, "shown = image_view()\nshown", "shown"]))
+            await notebook.run_all()
+            for number in (0, 1):
+
+                async def is_red(number=number):
+                    spot = red_spot(await pixels(page, f".tank-image >> nth={number} >> canvas"))
+                    return spot is not None and abs(spot[0] - 160) < 5 and abs(spot[1] - 100) < 25
+
+                await until(is_red, "the block is red in the middle of the picture")
+            sent = int(await notebook.ask("print(shown._number)"))
+
+            async def goes_on():
+                return int(await notebook.ask("print(shown._number)")) > sent + 3
+
+            await until(goes_on, "one picture comes after the other")
+            assert float(await notebook.ask(COST)) < 2.0  # [ms] of the kernel's main thread for one picture
+            await notebook.run_new("close_all()")
+            await page.get_by_text("closed: this is its last picture").first.wait_for()
+            assert await notebook.errors() == []
+            assert witness.complaints == []
+
+    asyncio.run(asyncio.wait_for(main(), 4 * PATIENCE))
