@@ -17,7 +17,8 @@ WIDGET = re.compile(r"(SceneView|SideBySide|NodeGraph|JointPlot|Picture)\(")
 
 LONGEST_PAUSE = 1.0  # [s] in a replay
 PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
-BESIDE = "<p><em>In the notebook, there is a joystick beside it.</em></p>"
+BESIDE = "<p><em>In the notebook, there is {} beside it.</em></p>"
+BESIDES = {"ChaosPanel": "a slider for each fault", "Joystick": "a joystick", "SceneView": "another view"}
 
 
 def keep(folder: Path) -> None:
@@ -58,7 +59,10 @@ class _Kept:
     def show(self, widget: Any) -> None:
         """Begin to keep something that is displayed; what was kept of the same view is complete."""
         self._count += 1
-        view, end = (widget.children[0], BESIDE) if hasattr(widget, "children") else (widget, "")
+        view, end = widget, ""
+        if hasattr(widget, "children"):
+            view, other = widget.children
+            end = BESIDE.format(BESIDES[type(other).__name__])
         if view not in self._programs:
             self._pictures[self._count] = view
             return

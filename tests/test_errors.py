@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tutorial import errors
-from tutorial.errors import did_you_mean, mujoco_warns, printable
+from tutorial.errors import did_you_mean, mujoco_warns, printable, printable_lines
 
 
 @pytest.mark.parametrize(
@@ -25,6 +25,10 @@ def test_what_a_terminal_would_obey_is_shown_as_an_escape(text: str, shown: str)
     assert printable(text) == shown
     assert printable(text).isprintable()
     printable(text).encode()  # can be written anywhere
+
+
+def test_a_text_keeps_the_line_ends_and_tabs_that_it_has_of_its_own() -> None:
+    assert printable_lines("a\x1bb\n\tc\r\n\u202e") == "a\\x1bb\n\tc\\r\n\\u202e"
 
 
 def test_of_very_many_valid_names_some_are_said() -> None:

@@ -27,7 +27,7 @@ from tutorial.project import BodyItem, Project
 from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import ControllerError, State
 from tutorial.view.bodies import View
-from tutorial.view.scene import Scene
+from tutorial.view.scene import Record, Scene, unpack_records
 from tutorial.world import Placement
 
 
@@ -74,6 +74,18 @@ def step3(domain):
     return Project.load(find_project("step3"))
 
 
+@pytest.fixture
+def fleet(domain):
+    """Four tanks in one viewer."""
+    project = Project.load(find_project("fleet"))
+    return replace(project, bodies=project.bodies[:4])
+
+
+def lines(scene):
+    """What stands below the view."""
+    return [text.decode() for kind, text in unpack_records(scene.snapshot()) if kind is Record.LINE]
+
+
 def threads():
     return {thread for thread in threading.enumerate() if not thread.name.startswith("Dummy")}
 
@@ -95,6 +107,44 @@ def test_a_message_moves_the_displayed_body_on_the_main_thread(step3):
     before = threads()
     asyncio.run(scenario())
     assert threads() == before, "no thread is left"
+
+
+def test_of_two_publishers_one_is_followed_until_it_goes_and_both_are_named(step3, caplog):
+    topic = "/Tank/joint_state"
+
+    async def scenario():
+        view = View(scene := Scene())
+        async with Host(step3, view=view) as host:
+            joint = host.bodies["Tank"].joint("TURRET_Y")
+            subscription = host.controllers["JointStateSubscriber"].subscription
+
+            async def say(publisher, position, milliseconds):
+                before = host.record()["report"]
+                publisher.publish(message(position, milliseconds * 1_000_000))
+                await until(lambda: host.record()["report"] != before, "the update")
+                return joint.position
+
+            with NodeThread("one") as one, NodeThread("other") as other:
+                first, second = (each.node.create_publisher(JointState, topic, 1) for each in (one, other))
+                await until(lambda: subscription.get_publisher_count() == 2, "both publishers")
+                await until(lambda: host.node.count_publishers(topic) == 2, "the graph")
+                await until(lambda: first.get_subscription_count() and second.get_subscription_count(), "the match")
+                for i in range(1, 30):  # like stamps, 3 ms apart
+                    assert await say(first, 0.5, 20 * i) == 0.5
+                    assert await say(second, -0.5, 20 * i + 3) == 0.5
+                host.refresh()
+                *_, line = (payload for kind, payload in unpack_records(scene.snapshot()) if kind is Record.LINE)
+                said = f"2 publish on {topic}, one is followed: /one, /other"
+                assert line.decode().startswith(f"Tank: 1 joint shown; {said}")
+                one.close()
+                await until(lambda: subscription.get_publisher_count() == 1, "one alone")
+                assert await say(second, -0.5, 600) == -0.5
+                assert host.record()["report"]["another"] == 29
+                return said
+
+    with caplog.at_level(logging.WARNING):
+        said = asyncio.run(scenario())
+    assert [text for text in caplog.messages if "publish on" in text] == [f"Tank: {said}"]
 
 
 def test_a_body_may_be_deleted_while_messages_arrive(step3, caplog):
@@ -122,6 +172,85 @@ def test_a_body_may_be_deleted_while_messages_arrive(step3, caplog):
     with caplog.at_level(logging.WARNING):
         asyncio.run(scenario())
     assert not [record for record in caplog.records if record.levelno >= logging.ERROR], caplog.text
+
+
+def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog):
+    async def scenario():
+        view = View(Scene())
+        async with Host(step3, view=view) as host:
+            run = asyncio.ensure_future(host.run())
+            with Flood():
+                for _ in range(3):
+                    turret = host.bodies["Tank"].joint("TURRET_Y")
+                    await until(lambda turret=turret: turret.position > 0, "the updates")
+                    host.remove("Tank")
+                    host.add(step3.bodies[0])
+                    assert view.names == ("Tank",)
+            await until(lambda: host.node.count_subscribers("/Tank/joint_state") == 1, "the end of the others")
+            record = host.record()
+            assert record["topics"]["/Tank/joint_state"]["applied"] == record["report"]["matched"] >= 3
+            run.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await run
+
+    with caplog.at_level(logging.WARNING):
+        asyncio.run(scenario())
+    assert not [record for record in caplog.records if record.levelno >= logging.ERROR], caplog.text
+
+
+def test_a_body_is_added_only_where_it_can_be(step3, domain):
+    async def scenario():
+        [item] = step3.bodies
+        unfit = BodyItem(replace(item.placement, name="Other"), (*item.controllers, Unfit))
+        async with Host(step3, view=View(Scene())) as host:
+            with pytest.raises(TutorialError, match=r"there is a body 'Tank' already\. Remove it first"):
+                host.add(item)
+            with pytest.raises(TutorialError, match="Unfit could not join Other"):
+                host.add(unfit)
+            assert list(host.bodies) == ["Tank"]
+            await until(lambda: not host.node.count_subscribers("/Other/joint_state"), "the end of its subscription")
+        with pytest.raises(TutorialError, match=r"this program is closed\."):
+            host.add(item)
+        async with Host(Project.load(find_project("step2"))) as host:
+            with pytest.raises(TutorialError, match="'Other' comes too late: a simulated world is made of the bodies"):
+                host.add(unfit)
+
+    asyncio.run(scenario())
+
+
+def test_each_body_of_a_fleet_follows_its_own_messages(fleet):
+    sent = {  # one in order, one shuffled, one with a name that is no joint's; and what they come to
+        "Tank_1": (JointState(name=["TURRET_Y", "TURRET_P"], position=[0.1, 0.2]), [0.1, 0.2]),
+        "Tank_2": (JointState(name=["TURRET_P", "TURRET_Y"], position=[0.3, 0.4]), [0.4, 0.3]),
+        "Tank_3": (JointState(name=["TURRET_P", "TRACK"], position=[0.5, 0.6]), [0.0, 0.5]),
+    }
+
+    async def scenario():
+        view = View(scene := Scene())
+        async with Host(fleet, view=view) as host:
+            with NodeThread("tester") as tester:
+                publishers = {}
+                for i, name in enumerate(sent):
+                    sent[name][0].header.stamp.nanosec = 4 - i  # nobody's stamp makes another's message late
+                    publishers[name] = tester.node.create_publisher(JointState, f"/{name}/joint_state", 1)
+                    await until(publishers[name].get_subscription_count, "the match")
+
+                def said():
+                    for name, publisher in publishers.items():
+                        publisher.publish(sent[name][0])
+                    host.refresh()
+                    return lines(scene)[-1]
+
+                await until(lambda: said().startswith("2 of 4 bodies follow their messages | Tank_3: 1 j"), "the line")
+                assert "unknown 'TRACK'" in said()
+                assert said().endswith("| Tank_4: nothing has come on /Tank_4/joint_state yet")
+            for name, (_, positions) in sent.items():
+                assert [joint.position for joint in host.bodies[name].joints] == positions
+            report = host.record()["report"]
+            assert report["unknown"] > 0
+            assert report["late"] == 0
+
+    asyncio.run(scenario())
 
 
 def test_an_unknown_body_is_named_with_the_nearest(step3):

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from sensor_msgs.msg import JointState
 
+from tutorial import item as item_module
 from tutorial.body import Body
 from tutorial.item import Item
 from tutorial.joints import JointMatcher
@@ -34,7 +36,9 @@ def test_the_reports_of_its_messages_are_summed_up(item):
     show(item, matcher, ["TURRET_P", "TURRET_P", "TURRET_Y"], [0.1, 0.2], 70)
     show(item, matcher, ["TURRET_Y"], [0.1], 40)
     assert item.applied == 3
-    assert item.tally == {"matched": 3, "unknown": 1, "non_finite": 1, "short": 1, "duplicate": 1, "late": 1}
+    found = {"matched": 3, "unknown": 1, "non_finite": 1, "short": 1, "duplicate": 1, "late": 1}
+    assert {kind: count for kind, count in item.tally.items() if count} == found
+    assert item.tally == item.tally
     assert item.line().startswith("Tank: a late message was dropped (0.")
 
 
@@ -45,3 +49,67 @@ def test_a_change_with_a_report_of_another_kind_is_drawn_and_not_counted(item, r
     item.body.notify_change(report)
     assert item.take_dirty()
     assert (item.applied, item.line()) == (0, "")
+
+
+def test_the_usual_report_is_counted_each_time(item):
+    matcher = JointMatcher(item.body.joint_ranges)
+    for i in range(5):
+        show(item, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], i)
+        assert item.tally["matched"] == 2 * (i + 1)
+
+
+class Clock:
+    """Stands in for the module `time`."""
+
+    now = 0.0
+
+    def monotonic(self):
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    monkeypatch.setattr(item_module, "time", clock := Clock())
+    return clock
+
+
+def test_a_joint_that_nothing_is_heard_of_is_stale_until_it_is_heard_of_again(item, clock):
+    matcher = JointMatcher(item.body.joint_ranges)
+    clock.now = 100.0
+    assert item.stale() == {}, "nothing has ever come"
+    show(item, matcher, ["TURRET_Y"], [0.1], 10)
+    assert item.stale() == {}
+    clock.now = 103.4
+    show(item, matcher, ["TURRET_Y"], [0.1], 20)
+    assert item.stale() == {"TURRET_P": 3}
+    assert item.line() == "Tank: 1 joint shown; TURRET_P: nothing for 3 s (0.0 s ago)"
+    show(item, matcher, ["TURRET_P"], [0.1], 30)
+    assert item.stale() == {}
+    show(item, matcher, ["TURRET_P"], [math.nan], 40)
+    clock.now = 105.0
+    assert item.line().startswith(
+        "Tank: 0 joints shown; not a finite number: 'TURRET_P'; TURRET_Y, TURRET_P: nothing for"
+    )
+
+
+def info(*names):
+    return [SimpleNamespace(node_namespace=f"/{space}", node_name=name) for space, name in names]
+
+
+def test_another_publisher_is_said_below_the_view_and_once_in_the_log_by_name(item, clock, caplog):
+    matcher = JointMatcher(item.body.joint_ranges, lambda: 2)
+    clock.now = 100.0
+    nodes = info(("", "simulation"), ("lab", "\x1b[2Jforged"))
+    item._node = SimpleNamespace(get_publishers_info_by_topic=lambda topic: nodes)
+    item.joint_topics = ["/Tank/joint_state"]
+    for i in range(20):
+        show(item, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], 20_000_000 * i)
+        show(item, matcher, ["TURRET_Y", "TURRET_P"], [-1.0, 0.2], 20_000_000 * i + 1000)
+        clock.now += 0.5
+        said = "2 publish on /Tank/joint_state, one is followed: /lab/\\x1b[2Jforged, /simulation"
+        assert item.line() == f"Tank: 2 joints shown; {said} (0.5 s ago)"
+    assert caplog.messages == [f"Tank: {said}"]
+    assert (item.applied, item.tally["another"]) == (20, 20)
+    nodes = nodes[:1]
+    clock.now += 5.0
+    assert "publish" not in item.line()

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from itertools import pairwise
+from random import Random
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from sensor_msgs.msg import JointState
 
@@ -115,10 +118,32 @@ def test_what_is_no_finite_number_is_left_out_and_the_others_apply(bad):
     assert "not a finite number: 'TURRET_Y'" in str(report)
 
 
-def test_finite_numbers_whose_sum_is_not_are_all_shown():
-    values, report = match_joints(["a", "b"], joint_state(["a", "b"], [1.7e308, 1.7e308]))
-    assert values == {"a": 1.7e308, "b": 1.7e308}
+def test_large_numbers_without_a_range_are_all_shown():
+    values, report = match_joints(["a", "b"], joint_state(["a", "b"], [1e9, -1e9]))
+    assert values == {"a": 1e9, "b": -1e9}
     assert report.clean
+
+
+@pytest.mark.parametrize("far", [1.1e9, -1e38, 1e300])
+def test_what_single_precision_cannot_show_is_left_out_and_the_others_apply(far):
+    values, report = match_joints(["a", "b"], joint_state(["a", "b"], [far, 0.2]))
+    assert values == {"b": 0.2}
+    assert report.counts()["huge"] == 1
+    assert str(report) == "1 joint shown; too far to be shown: 'a'"
+
+
+def test_more_positions_than_names_are_reported():
+    values, report = match_joints(TANK, joint_state(["TURRET_Y"], [0.1, 0.2, 0.3]))
+    assert values == {"TURRET_Y": 0.1}
+    assert report.counts()["long"] == 2
+    assert str(report) == "1 joint shown; more positions than names, by 2"
+
+
+def test_of_very_many_names_only_the_first_are_looked_up():
+    message = joint_state(["X"] * 20_000 + ["TURRET_Y"], [0.1] * 20_001)
+    values, report = match_joints(TANK, message)
+    assert values == {}
+    assert report.unknown.total == 20_001
 
 
 def test_outside_its_range_a_joint_is_shown_as_received_and_reported():
@@ -168,6 +193,129 @@ class TestTime:
         assert self.follow(-5)[1].clean
 
 
+@dataclass
+class Publisher:
+    """A simulated publisher: its joints swing about a middle, and its clock runs from a start."""
+
+    name: str
+    begin: float  # [s] when it publishes first
+    end: float
+    clock: float  # [s] its first stamp
+    rate: float  # [Hz]
+    middle: float  # [rad]
+
+    def messages(self, random, jitter):
+        """(when it arrives [s], the name, the message), in order: DDS keeps the order of each publisher's messages."""
+        arrival = 0.0
+        for i in range(round((self.end - self.begin) * self.rate)):
+            age = i / self.rate
+            arrival = max(arrival, self.begin + age + random.uniform(0, jitter))
+            angle = self.middle + 0.3 * math.sin(age)
+            message = joint_state(["TURRET_Y", "TURRET_P"], [angle, 0.1], round((self.clock + age) * 1e9))
+            yield arrival, self.name, message
+
+
+def follow(publishers, random, jitter):
+    """What one matcher makes of them all: (when, whose message, its report)."""
+    now = 0.0
+    matcher = JointMatcher(TANK, lambda: sum(each.begin <= now < each.end + jitter for each in publishers))
+    found = []
+    for now, name, message in arrivals(publishers, random, jitter):
+        found.append((now, name, matcher.match(message)[1]))
+    return found
+
+
+def arrivals(publishers, random, jitter):
+    messages = [message for publisher in publishers for message in publisher.messages(random, jitter)]
+    return sorted(messages, key=lambda message: message[0])
+
+
+def turns(found):
+    """Whose messages were shown, each time it was another's: (since when, whose)."""
+    shown = [(when, name) for when, name, report in found if report.joints]
+    return [each for before, each in pairwise([(0.0, ""), *shown]) if before[1] != each[1]]
+
+
+RATES = st.sampled_from([10.0, 20.0, 50.0, 100.0])
+OFFSETS = st.sampled_from([0.0, 0.003, 0.02, 0.03, 0.3, 0.99, 5.0, 500.0, 1.7e9])
+
+
+class TestTwoPublishers:
+    @settings(max_examples=60, deadline=None)
+    @given(OFFSETS, st.booleans(), RATES, RATES, st.sampled_from([0.0, 0.005, 0.03]), st.integers(0, 999))
+    def test_one_is_followed_until_it_is_silent(self, offset, is_ahead, rate, other_rate, jitter, seed):
+        start, other_start = (10.0, 13.0 + offset) if is_ahead else (10.0 + offset, 13.0)
+        one = Publisher("one", 0.0, 10.0, start, rate, 1.0)
+        other = Publisher("other", 3.0, 14.0, other_start, other_rate, -1.0)
+        found = follow([one, other], Random(seed), jitter)
+        settled = [turn for turn in turns(found) if turn[0] > 4.5]
+        assert len(settled) <= 1  # one of them, whichever; and the other one when it has gone
+        assert all(when > 9.5 and name == "other" for when, name in settled)
+        last = found[-1]
+        assert last[2].joints
+        assert sum(report.another for _, _, report in found) > 50
+
+    def test_the_one_that_was_there_before_is_followed_where_the_stamps_tell_them_apart(self):
+        one, other = Publisher("one", 0, 9, 100, 50, 1.0), Publisher("other", 3, 12, 0, 50, -1.0)
+        found = follow([one, other], Random(0), 0.005)
+        assert [name for _, name in turns(found)] == ["one", "other"]
+        reports = [str(report) for _, _, report in found]
+        assert (
+            reports.count("2 joints shown; the publisher was started again, or fell silent and another one is followed")
+            <= 1
+        )
+        assert "a message of another publisher was dropped" in reports
+        assert not any(report.late or report.restarted for when, _, report in found if when < 9)
+
+    def test_one_that_stalls_while_both_go_on_is_not_followed_any_more(self):
+        one, other = Publisher("one", 0, 9, 100, 50, 1.0), Publisher("other", 3, 12, 0, 50, -1.0)
+        matcher = JointMatcher(TANK, lambda: 2)
+        found = [
+            (when, name, matcher.match(message)[1])
+            for when, name, message in arrivals([one, other], Random(0), 0.0)
+            if not (name == "one" and 5.0 < when < 6.0)
+        ]
+        assert [name for _, name in turns(found)] == ["one", "other"]
+        assert [round(when, 1) for when, _, report in found if report.switched] == [5.5]
+
+    def test_one_alone_is_believed_whatever_its_joints_do(self):
+        matcher = JointMatcher(TANK, lambda: 1)
+        for i, position in enumerate([0.5, -0.5] * 20):
+            assert matcher.match(joint_state(["TURRET_Y"], [position], i * 20_000_000))[0] == {"TURRET_Y": position}
+
+    def test_one_alone_that_was_started_again_is_shown_at_once_whoever_else_there_was(self):
+        before, again = Publisher("one", 0, 4, 100, 50, 1.0), Publisher("again", 5, 7, 0, 50, -1.0)
+        other = Publisher("other", 2, 4, 50, 50, 0.0)
+        found = follow([before, other, again], Random(0), 0.0)
+        first = next(report for _, name, report in found if name == "again")
+        assert str(first).startswith("2 joints shown; the publisher was started again")
+
+    def test_when_the_followed_one_has_gone_the_other_is_shown_at_once_and_it_is_said(self):
+        one, other = Publisher("one", 0, 4, 100, 50, 1.0), Publisher("other", 2, 6, 0, 50, -1.0)
+        found = follow([one, other], Random(0), 0.0)
+        ((when, name, report),) = [each for each in found if each[2].switched]
+        assert (when, name) == (pytest.approx(4.0), "other")
+        assert str(report).endswith("the publisher was started again, or fell silent and another one is followed")
+
+    def test_beside_a_silent_one_a_new_start_is_taken_within_half_a_second(self):
+        matcher, count = JointMatcher(TANK, lambda: 2), 0
+        matcher.match(joint_state(["TURRET_Y"], [1.0], 50_000_000_000))
+        while not matcher.match(joint_state(["TURRET_Y"], [0.0], count * 20_000_000))[0]:
+            count += 1
+        assert count < 25
+
+    def test_those_with_other_joints_are_both_shown(self):
+        matcher = JointMatcher(TANK, lambda: 2)
+        for i in range(50):
+            joint = ("TURRET_Y", "TURRET_P")[i % 2]
+            assert matcher.match(joint_state([joint], [0.7 * (i % 2)], i * 10_000_000))[0] == {joint: 0.7 * (i % 2)}
+
+    def test_joints_without_limits_may_turn_as_fast_as_they_like(self):
+        matcher = JointMatcher(["WHEEL"], lambda: 2)
+        for i in range(50):
+            assert matcher.match(joint_state(["WHEEL"], [3.0 * (-1) ** i], i * 20_000_000))[0]
+
+
 messages = st.builds(
     joint_state,
     st.lists(names, max_size=6),
@@ -200,5 +348,6 @@ def test_a_matcher_keeps_to_the_joints_that_it_was_made_for():
 def test_a_report_is_plain_values_and_its_repr_short():
     _, report = match_joints(TANK, joint_state(["TURRET_Y", "TURRET_P"], [0.5, -0.01]))
     assert repr(report) == "JointReport('2 joints shown')"
-    assert report == JointReport(matched=2)
+    assert report == JointReport(("TURRET_Y", "TURRET_P"))
+    assert report.matched == 2
     assert all(isinstance(value, (int, bool, tuple)) for value in report)

@@ -30,9 +30,9 @@ def write(tmp_path):
     return write
 
 
-@pytest.mark.parametrize("step", STEPS)
-def test_the_steps_projects_load(step):
-    assert Project.load(find_project(step)).bodies
+@pytest.mark.parametrize("name", [*STEPS, "fleet"])
+def test_the_tutorials_projects_load(name):
+    assert Project.load(find_project(name)).bodies
 
 
 def test_the_item_tree_is_drawn_as_in_the_original():
@@ -44,6 +44,37 @@ def test_the_item_tree_is_drawn_as_in_the_original():
         "    - TankController",
         "    - JointStatePublisher",
         "  + Simulator (1 ms)",
+    ]
+
+
+def test_a_fleet_stands_in_a_square_around_its_position(write):
+    path = write("""
+        bodies:
+          - {name: Labo, model: models/tank.xml}
+          - name: Tank
+            model: models/tank.xml
+            count: 5
+            spacing: 2
+            position: [10, 20, 0.1]
+            controllers: [JointStateSubscriber]
+    """)
+    project = Project.load(path)
+    assert project.tree() == "+ Labo\n+ Tank_1 to Tank_5\n  - JointStateSubscriber"
+    assert [item.placement.name for item in project.bodies[1:]] == [f"Tank_{i}" for i in range(1, 6)]
+    assert [item.placement.position for item in project.bodies[1:]] == [
+        (9.0, 22.0, 0.1),
+        (9.0, 20.0, 0.1),
+        (9.0, 18.0, 0.1),
+        (11.0, 22.0, 0.1),
+        (11.0, 20.0, 0.1),
+    ]
+    without = project.with_controllers("Tank_3").tree()
+    assert without.splitlines()[1:] == [
+        "+ Tank_1 to Tank_2",
+        "  - JointStateSubscriber",
+        "+ Tank_3",
+        "+ Tank_4 to Tank_5",
+        "  - JointStateSubscriber",
     ]
 
 
@@ -144,6 +175,30 @@ MERGES = "\n".join(["a0: &a0 {x: 1}", *(f"a{i + 1}: &a{i + 1} {{<<: [{f'*a{i},' 
         (
             "simulator:\nbodies:\n  - {name: T, model: models/tank.xml}",
             "line 1: simulator: expected a mapping, got nothing.",
+        ),
+        (
+            "bodies:\n  - {name: Tank, model: models/tank.xml, count: 1001}",
+            "line 2: bodies[0].count: expected a whole number <= 1000.",
+        ),
+        (
+            "bodies:\n  - {name: Tank, model: models/tank.xml, count: 0}",
+            "line 2: bodies[0].count: expected a whole number >= 1.",
+        ),
+        (
+            "bodies:\n  - {name: Tank, model: models/tank.xml, count: 2.0}",
+            "line 2: bodies[0].count: expected a whole number, got a number.",
+        ),
+        (
+            "bodies:\n  - {name: Tank, model: models/tank.xml, spacing: 0}",
+            "line 2: bodies[0].spacing: expected a number > 0.",
+        ),
+        (
+            "bodies:\n  - {name: Tank_2, model: models/tank.xml}\n  - {name: Tank, model: models/tank.xml, count: 3}",
+            "line 3: there is a body 'Tank_2' already. Give this one another name.",
+        ),
+        (
+            "bodies:\n  - {name: T, model: models/tank.xml, count: 1000}\n  - {name: U, model: models/tank.xml}",
+            "line 3: with this one there are 1001 bodies; 1000 are the most.",
         ),
         ("bodys: []", "line 1: 'bodys' is not known here. Did you mean 'bodies'?"),
         (

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 from sensor_msgs.msg import JointState
 
+from tutorial.joints import JointReport
 from tutorial.record import make_record
 
 STATE = JointState(name=["TURRET_Y"], position=[0.5])
@@ -37,7 +38,8 @@ def shown(*topics, messages=0, **positions):
 def test_a_process_that_displays_nothing_has_a_record_too():
     record = make_record("joy", 2.0, [meter("/joy", "published", 3, last=None)])
     assert (record["node"], record["seconds"], record["joints"]) == ("joy", 2.0, {})
-    assert set(record["report"]) == {"matched", "unknown", "non_finite", "short", "duplicate", "late"}
+    assert set(record["report"]) == set(JointReport().counts())
+    assert {"another", "late", "unknown", "duplicate", "short", "long", "non_finite", "huge"} < set(record["report"])
     assert not any(record["report"].values())
     assert record["topics"]["/joy"]["published"] == 3
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 import sys
 import threading
 import time
@@ -20,6 +21,7 @@ __all__ = [
     "file_of",
     "mujoco_warns",
     "printable",
+    "printable_lines",
     "running_loop",
     "tell",
     "where",
@@ -81,6 +83,14 @@ def printable(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def printable_lines(text: str) -> str:
+    """As `printable`, for a text that has line ends and tabs of its own: they stay.
+
+    What comes from outside is made `printable` before it is put into such a text, or it could add lines to it.
+    """
+    return re.sub(r"[^\n\t]+", lambda part: printable(part[0]), text)
 
 
 def file_of(written: type) -> str:

@@ -27,7 +27,9 @@ __all__ = ["Host"]
 
 FRAME = 1 / 30  # [s] between two frames of the view
 QUIET = 0.3  # [s] without a message, after which nothing more is taken to be on its way
+FEW = 3  # bodies that have a line each below the view
 HUNG = 5.0  # [s] without a step, after which a run that has a duration is not waited for any more
+CLOSED = "this program is closed. Open it again."
 NAMESAKES = (
     "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name, "
     "--ros-args -r __node:=%s_2, or a ROS_DOMAIN_ID of its own"
@@ -68,7 +70,7 @@ class Host:
         self._calls = CallQueue(asyncio.get_running_loop(), trace)
         self._view = view
         self._items: dict[str, Item] = {}
-        self._removed: list[Item] = []
+        self._removed: dict[str, Item] = {}  # the last of each name, for the record
         self.simulation: Simulation | None = None
         self._cameras: CameraRenderer | None = None
         self._ros = NodeThread("tank", ros_args)
@@ -82,9 +84,12 @@ class Host:
         self._closed = False
         try:
             for item in project.bodies:
-                self._add(item, project.time_step is not None)
-            if view is not None and len(project.bodies) == 1:
-                view.look_at_body(project.bodies[0].placement.name)
+                self._show(item)
+            for item in project.bodies:  # last, as messages come from now on, and wait until the loop runs
+                self._attach(item, project.time_step is not None)
+            if view is not None and (project.time_step is None or len(self._items) == 1):
+                robots = [name for name, item in self._items.items() if item.controllers]
+                view.look_at_bodies(*(robots or self._items))
             if project.time_step is not None:
                 controllers = [(name, each) for name, item in self._items.items() for each in item.controllers]
                 placements = [item.placement for item in project.bodies]
@@ -151,7 +156,7 @@ class Host:
             TutorialError: it was closed.
         """
         if self._closed:
-            raise TutorialError("this program is closed. Open it again.")
+            raise TutorialError(CLOSED)
         self._still = 0
         began = due = time.monotonic()
         self.forget_errors()
@@ -185,6 +190,28 @@ class Host:
         """Where the displayed joints are [rad], or [m] for those that slide, by ``"body joint"``."""
         return {f"{name} {joint.name}": joint.position for name, body in self.bodies.items() for joint in body.joints}
 
+    def add(self, item: BodyItem) -> None:
+        """Show one more body, with its controllers, in a program that only displays.
+
+        Raises:
+            TutorialError: the program simulates, or was closed; there is a body of this name; or a controller does not
+                fit its body, which then is not there.
+        """
+        name = item.placement.name
+        if self._closed:
+            raise TutorialError(CLOSED)
+        if self.simulation is not None:
+            raise TutorialError(f"{name!r} comes too late: a simulated world is made of the bodies in its project.")
+        if name in self._items:
+            raise TutorialError(f"there is a body {name!r} already. Remove it first, or give this one another name.")
+        try:
+            self._show(item)
+            self._attach(item, simulates=False)
+        except BaseException:
+            if name in self._items:
+                self.remove(name)
+            raise
+
     def remove(self, name: str) -> None:
         """Delete a displayed body: its controllers leave it, and what they have posted does not run any more.
 
@@ -200,13 +227,14 @@ class Host:
         finally:
             item = self._items.pop(name)
             item.close()
-            self._removed.append(item)
+            item.count_in(self._removed.get(name))
+            self._removed[name] = item
             if self._view is not None:
                 self._view.remove(name)
 
     def record(self) -> dict[str, Any]:
         """Sum the run up, bodies that were removed included. See `tutorial.record`."""
-        items = (*self._removed, *self._items.values())
+        items = (*self._removed.values(), *self._items.values())
         return make_record(self.node.get_name(), self.seconds, self.node.meters, items)
 
     def close(self) -> None:
@@ -223,13 +251,15 @@ class Host:
             self._calls.close()
             self._ros.close()
 
-    def _add(self, item: BodyItem, simulates: bool) -> None:
+    def _show(self, item: BodyItem) -> None:
         body = Body.displayed(item.placement)
-        added = self._items[body.name] = Item(body)
+        self._items[body.name] = Item(body)
         if self._view is not None:
             self._view.add(body.name, body.model)
+
+    def _attach(self, item: BodyItem, simulates: bool) -> None:
         for controller_class in item.controllers:
-            added.attach(controller_class, self.node, self._calls)
+            self._items[item.placement.name].attach(controller_class, self.node, self._calls)
             if not simulates and controller_class.control is not SimpleController.control:
                 name = controller_class.__name__
                 _log.warning("%s is never asked for control: this project has no 'simulator'", name)
@@ -274,8 +304,18 @@ class Host:
         for name, item in self._items.items():
             if item.take_dirty():
                 self._view.update(name, item.body.data)
-        self._view.line("  |  ".join(filter(None, (self._trouble(), *(item.line() for item in self._items.values())))))
+            self._view.show_stale(name, item.stale())
+        self._view.line("  |  ".join(filter(None, (self._trouble(), *self._lines()))))
         self._view.flush()
+
+    def _lines(self) -> list[str]:
+        """What is known of each body's messages; of a fleet how many are well, and of a few what is wrong with them."""
+        items = [item for item in self._items.values() if item.joint_topics or item.in_order]
+        if len(items) <= FEW:
+            return [item.line() for item in self._items.values()]
+        others = [item for item in items if not item.in_order]
+        count = f"{len(items) - len(others)} of {len(items)} bodies follow their messages"
+        return [count, *(item.line() for item in others[:FEW])]
 
     def _trouble(self) -> str:
         """What stands first below the view when something of the learner's has failed."""

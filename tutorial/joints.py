@@ -7,9 +7,8 @@ thing, as soon as a publisher sends its joints in another order, or only some of
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import islice
 from math import inf, isfinite
 from typing import TYPE_CHECKING, NamedTuple
@@ -21,10 +20,15 @@ if TYPE_CHECKING:
 
 __all__ = ["JointMatcher", "JointReport", "match_joints"]
 
-LATE_WITHIN_NS = 1_000_000_000  # a stamp that steps back further than this is a publisher that was started again
-FINITE = sys.float_info.max
-SLACK = 1e-3  # [rad or m] beyond a range that is not worth a word: simulated limits are soft
 NAMES_KEPT = 3  # of each finding, so that a report stays small whatever comes in
+MOST_NAMES = 10_000  # that are looked up, of one message
+SECOND_NS = 1_000_000_000  # a stamp that steps back further than this is a publisher that was started again
+PAUSE_NS = 10 * SECOND_NS  # that a publisher may make, where there are two
+SHOWABLE = 1e9  # [rad or m] nothing moves further; single precision, with which views draw, still holds its square
+SLACK = 1e-3  # [rad or m] beyond a range that is not worth a word: simulated limits are soft
+REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: how far joints with limits get between two messages, at most
+LOOK_EVERY = 10  # messages from one look at how many publish to the next
+SILENT_AFTER = 25  # messages in a row from each of the others: then the publisher that was followed is silent
 
 
 class Finding(NamedTuple):
@@ -36,109 +40,81 @@ class Finding(NamedTuple):
     @classmethod
     def of(cls, names: Sequence[str]) -> Finding:
         """Count the names and keep a few, each cut to a bearable length."""
-        return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else _NOTHING
+        return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else cls()
 
     def __str__(self) -> str:
         more = f" and {self.total - len(self.names)} more" if self.total > len(self.names) else ""
         return ", ".join(map(repr, self.names)) + more
 
 
-_NOTHING = Finding()
-
-
 class JointReport(NamedTuple):
-    """What was made of one message.
+    """What was made of one message."""
 
-    Attributes:
-        matched: how many joints got a position.
-        late: the message was older than one before it, and was dropped.
-        restarted: the stamp stepped far back, so the publisher was started again.
-        unknown: names that are no joints of the body.
-        duplicate: joints that were named more than once; the last entry won.
-        short: how many names came without a position, because the array was shorter than the names.
-        non_finite: joints whose position was NaN or infinite; they keep their last good value.
-        outside: joints whose position is outside their range; they are shown as received.
-        known: where names are unknown, the first few that are not.
-    """
+    joints: tuple[str, ...] = ()  #: those that got a position
+    late: bool = False  #: the message was older than the last one, and was dropped
+    another: bool = False  #: the message was not of the publisher that is followed, and was dropped
+    restarted: bool = False  #: the stamp stepped far back, so the publisher was started again
+    switched: bool = False  #: of several, the one that was followed has fallen silent; from now on this one is followed
+    unknown: Finding = Finding()  #: names that are no joints of the body, or come after ten thousand others
+    duplicate: Finding = Finding()  #: joints that were named more than once; the last entry won
+    short: int = 0  #: how many names came without a position
+    long: int = 0  #: how many positions came without a name
+    non_finite: Finding = Finding()  #: joints whose position was NaN or infinite; they keep their last good value
+    huge: Finding = Finding()  #: joints whose position was too large to be shown, beyond 1e9 rad or m; they keep theirs
+    outside: Finding = Finding()  #: joints whose position is outside their range; they are shown as received
+    known: tuple[str, ...] = ()  #: where names are unknown, the first few that are not
 
-    matched: int
-    late: bool = False
-    restarted: bool = False
-    unknown: Finding = _NOTHING
-    duplicate: Finding = _NOTHING
-    short: int = 0
-    non_finite: Finding = _NOTHING
-    outside: Finding = _NOTHING
-    known: tuple[str, ...] = ()
+    @property
+    def matched(self) -> int:
+        """How many joints got a position."""
+        return len(self.joints)
 
     @property
     def clean(self) -> bool:
         """Whether there is nothing to complain about."""
-        counts = (found.total for found in (self.unknown, self.duplicate, self.non_finite, self.outside))
-        return not (self.late or self.restarted or self.short or any(counts))
+        return self[1:-1] == JointReport()[1:-1]
 
     def counts(self) -> dict[str, int]:
         """How many joints or names there are of each kind: numbers that may be summed up over many messages."""
-        return {
-            "matched": self.matched,
-            "unknown": self.unknown.total,
-            "non_finite": self.non_finite.total,
-            "short": self.short,
-            "duplicate": self.duplicate.total,
-            "late": int(self.late),
-        }
+        kinds = ((kind, getattr(self, kind)) for kind in self._fields[1:-1])
+        found = {kind: each.total if isinstance(each, Finding) else int(each) for kind, each in kinds}
+        return {"matched": self.matched, **found}
 
     def __str__(self) -> str:
         """One line for the log and for below the 3D view."""
-        if self.late:
-            return "a late message was dropped"
-        return "; ".join([f"{self.matched} joint{'s' * (self.matched != 1)} shown", *self._complaints()])
+        if self.late or self.another:
+            return f"a {'late message' if self.late else 'message of another publisher'} was dropped"
+        shown = f"{self.matched} joint{'s' * (self.matched != 1)} shown"
+        if self.clean:
+            return shown
+        hint = did_you_mean(self.unknown.names[0], self.known) if self.unknown.total else ""
+        complaints = (
+            (self.restarted, "the publisher was started again"),
+            (self.switched, "the publisher was started again, or fell silent and another one is followed"),
+            (self.unknown.total, f"unknown {self.unknown}.{hint}"),
+            (self.duplicate.total, f"named twice, the last wins: {self.duplicate}"),
+            (self.short, f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}"),
+            (self.long, f"more positions than names, by {self.long}"),
+            (self.non_finite.total, f"not a finite number: {self.non_finite}"),
+            (self.huge.total, f"too far to be shown: {self.huge}"),
+            (self.outside.total, f"outside its range: {self.outside}"),
+        )
+        return "; ".join([shown, *(text for found, text in complaints if found)])
 
     def __repr__(self) -> str:
         return f"JointReport({str(self)!r})"
 
-    def _complaints(self) -> list[str]:
-        said = []
-        if self.restarted:
-            said.append("the publisher was started again")
-        if self.unknown.total:
-            said.append(f"unknown {self.unknown}.{did_you_mean(self.unknown.names[0], self.known)}")
-        if self.duplicate.total:
-            said.append(f"named twice, the last wins: {self.duplicate}")
-        if self.short:
-            said.append(f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}")
-        if self.non_finite.total:
-            said.append(f"not a finite number: {self.non_finite}")
-        if self.outside.total:
-            said.append(f"outside its range: {self.outside}")
-        return said
-
-
-_LATE = JointReport(matched=0, late=True)
-
 
 class _Plan(NamedTuple):
-    """What a list of names means for a body's joints. It is the same for every message with these names.
+    """What a list of names means for a body's joints. It is the same for every message with these names."""
 
-    Attributes:
-        names: the names in the message.
-        length: how many positions the message has.
-        joints: those that get a position.
-        lows, highs: their limits, in the same order.
-        indices: where their positions are in the message; empty when they are the first ones, in order.
-        usual: the report, where every position is within the limits.
-    """
-
-    names: list[str]
-    length: int
-    joints: tuple[str, ...]
-    lows: tuple[float, ...]
+    names: list[str]  # in the message
+    length: int  # how many positions it has
+    joints: tuple[str, ...]  # those that get a position
+    lows: tuple[float, ...]  # their limits, in the same order
     highs: tuple[float, ...]
-    indices: tuple[int, ...]
-    usual: JointReport
-
-
-_NO_NAMES = _Plan([], 0, (), (), (), (), JointReport(matched=0))
+    indices: tuple[int, ...]  # where their positions are in the message; empty when they are the first ones, in order
+    usual: JointReport  # where every position is within the limits
 
 
 class JointMatcher:
@@ -147,18 +123,30 @@ class JointMatcher:
     It remembers the newest stamp, by which a late message is told from a publisher that was started again; and what
     the last list of names meant, so that the usual message costs no search. No thread, no clock.
 
+    Where several publish, it follows one: what doesn't go on from the last message shown is another's, and is dropped
+    until only such messages have come for a while. A message goes on if its stamp is at most 10 s later, not before,
+    and no joint with limits has gone further than it can. Two alike in both, or that share no joint, are both shown.
+
     Args:
         joints: the names of the body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m]. They
             are copied: for joints that have changed, make another matcher.
+        publishers: returns how many publish on the topic, such as a subscription's ``get_publisher_count``.
     """
 
-    def __init__(self, joints: Mapping[str, tuple[float, float]] | Iterable[str]) -> None:
+    def __init__(
+        self, joints: Mapping[str, tuple[float, float]] | Iterable[str], publishers: Callable[[], int] = lambda: 1
+    ) -> None:
         ranges = joints if isinstance(joints, Mapping) else dict.fromkeys(joints, (-inf, inf))
         self._limits = {  # finite, so that what is not finite is not within them
-            name: (max(low - SLACK, -FINITE), min(high + SLACK, FINITE)) for name, (low, high) in ranges.items()
+            name: (max(low - SLACK, -SHOWABLE), min(high + SLACK, SHOWABLE)) for name, (low, high) in ranges.items()
         }
-        self._plan = _NO_NAMES
-        self._stamp_ns = -inf  # of the newest message so far, in the publisher's time
+        self._plan = self._make_plan([], 0)
+        self._stamp_ns = -inf  # of the last message that was shown, in its publisher's time
+        self._shown: Mapping[str, float] = {}  # its positions
+        self._publishers = publishers
+        self._others = 0  # publishers besides the one that is followed
+        self._alone_for = 0  # messages until it is looked whether there are any
+        self._dropped = 0  # messages in a row that were another's
 
     def match(self, message: JointState) -> tuple[dict[str, float], JointReport]:
         """Match the next message.
@@ -171,12 +159,7 @@ class JointMatcher:
             positions when the message says nothing usable about it; then it stays where it is.
         """
         stamp = message.header.stamp
-        stamp_ns = stamp.sec * 1_000_000_000 + stamp.nanosec
-        restarted = stamp_ns < self._stamp_ns
-        if restarted and stamp_ns > 0 and self._stamp_ns - stamp_ns <= LATE_WITHIN_NS:
-            return {}, _LATE
-        self._stamp_ns = stamp_ns
-
+        stamp_ns = stamp.sec * SECOND_NS + stamp.nanosec
         position = message.position
         plan = self._plan
         if plan.names != message.name or plan.length != len(position):
@@ -184,57 +167,81 @@ class JointMatcher:
         if plan.indices:
             position = [position[i] for i in plan.indices]
         values = {}
-        usual = not restarted
+        usual = True
         for joint, low, high, value in zip(plan.joints, plan.lows, plan.highs, position):
             values[joint] = value
             if not low <= value <= high:
                 usual = False
-        if usual:
+        alone_for = self._alone_for or self._look()
+        ahead = stamp_ns - self._stamp_ns  # always 0 where nobody sets the stamps
+        if usual and alone_for and (0 < ahead <= SECOND_NS or not (ahead or stamp_ns)):
+            self._alone_for = alone_for - 1
+            self._stamp_ns = stamp_ns
+            self._shown = values
             return values, plan.usual
-        finite = {joint: value for joint, value in values.items() if isfinite(value)}
-        return finite, plan.usual._replace(
-            matched=len(finite),
-            restarted=restarted,
-            non_finite=Finding.of([joint for joint in values if joint not in finite]),
-            outside=Finding.of([joint for joint, value in finite.items() if not self._within(joint, value)]),
+        return self._judge(stamp_ns, values, plan)
+
+    def _look(self) -> int:
+        """Ask how many publish. Returns for how many messages one alone is believed to, so 0 if there are more."""
+        self._others = max(self._publishers() - 1, 0)
+        self._alone_for = 0 if self._others else LOOK_EVERY
+        return self._alone_for
+
+    def _judge(self, stamp_ns: int, values: dict[str, float], plan: _Plan) -> tuple[dict[str, float], JointReport]:
+        """Look closely at a message that is not the usual one: whose it is, and which positions can be shown."""
+        shown = {joint: value for joint, value in values.items() if abs(value) <= SHOWABLE}  # NaN is not
+        ahead = stamp_ns - self._stamp_ns
+        goes_on = self._goes_on(ahead, shown)
+        if not goes_on:
+            self._look()
+        another = self._others > 0 and not goes_on
+        dropped = self._dropped + 1
+        switched = not goes_on and dropped > 1 and dropped >= SILENT_AFTER * self._others
+        if another and not switched:
+            self._dropped = dropped
+            return {}, JointReport(another=True)
+        if stamp_ns > 0 > ahead >= -SECOND_NS and not switched:
+            return {}, JointReport(late=True)
+        self._stamp_ns, self._shown, self._dropped = stamp_ns, shown, 0
+        limits = zip(plan.joints, plan.lows, plan.highs)
+        return shown, plan.usual._replace(
+            joints=tuple(shown),
+            restarted=ahead < 0 and not switched,
+            switched=switched,
+            non_finite=Finding.of([joint for joint in values if not isfinite(values[joint])]),
+            huge=Finding.of([joint for joint in values if joint not in shown and isfinite(values[joint])]),
+            outside=Finding.of([joint for joint, low, high in limits if not low <= shown.get(joint, low) <= high]),
         )
 
-    def _within(self, joint: str, value: float) -> bool:
-        low, high = self._limits[joint]
-        return low <= value <= high
+    def _goes_on(self, ahead: float, positions: dict[str, float]) -> bool:
+        """Whether a message may be the next one of the publisher that is followed, so many nanoseconds later."""
+        reach = REACH + SPEED * ahead / SECOND_NS
+        moved = (
+            abs(q - self._shown.get(joint, q)) for joint, q in positions.items() if self._limits[joint][1] < SHOWABLE
+        )
+        return ahead == inf or (0 <= ahead <= PAUSE_NS and max(moved, default=0.0) <= reach)
 
     def _make_plan(self, names: list[str], length: int) -> _Plan:
         """Look every name up, once for every list of names."""
-        known = [(name, i) for i, name in enumerate(names[:length]) if name in self._limits]
+        known = [(name, i) for i, name in enumerate(names[: min(length, MOST_NAMES)]) if name in self._limits]
         places = dict(known)  # of twins, the last wins
-        indices = tuple(places.values())
-        limits = [self._limits[name] for name in places]
-        counts = Counter(name for name, _ in known)
-        unknown = Finding.of([name for name in names if name not in self._limits])
-        return _Plan(
-            names=names,
-            length=length,
+        twins = [name for name, count in Counter(name for name, _ in known).items() if count > 1]
+        strange = [name for name in names[:MOST_NAMES] if name not in self._limits] + names[MOST_NAMES:]
+        usual = JointReport(
             joints=tuple(places),
-            lows=tuple(low for low, _ in limits),
-            highs=tuple(high for _, high in limits),
-            indices=() if indices == tuple(range(len(indices))) else indices,
-            usual=JointReport(
-                matched=len(places),
-                unknown=unknown,
-                duplicate=Finding.of([name for name, count in counts.items() if count > 1]),
-                short=max(len(names) - length, 0) if length else 0,
-                known=tuple(islice(self._limits, 8)) if unknown.total else (),
-            ),
+            unknown=Finding.of(strange),
+            duplicate=Finding.of(twins),
+            short=max(len(names) - length, 0) if length else 0,
+            long=max(length - len(names), 0),
+            known=tuple(islice(self._limits, 8)) if strange else (),
         )
+        lows, highs = (tuple(self._limits[name][end] for name in places) for end in (0, 1))
+        indices = () if list(places.values()) == list(range(len(places))) else tuple(places.values())
+        return _Plan(names, length, usual.joints, lows, highs, indices, usual)
 
 
 def match_joints(
     joints: Mapping[str, tuple[float, float]] | Iterable[str], message: JointState
 ) -> tuple[dict[str, float], JointReport]:
-    """Find out which joint one message moves where. A pure function: it knows of no message before.
-
-    Args:
-        joints: as for `JointMatcher`.
-        message: as for `JointMatcher.match`, as is what is returned.
-    """
+    """Find out which joint one message moves where, as `JointMatcher` does, but knowing of no message before."""
     return JointMatcher(joints).match(message)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import pkgutil
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
-from itertools import chain, islice
+from itertools import chain, groupby, islice
 from pathlib import Path
 from types import ModuleType
 from typing import Annotated
@@ -31,6 +32,8 @@ Point = tuple[Coordinate, Coordinate, Coordinate]
 
 LONGEST_NAME = 60
 """Of a body [characters]: it becomes part of the names of topics."""
+MOST_BODIES = 1000
+"""Of a project: so many tanks take a processor half a minute to load."""
 LARGEST_MODEL = 10_000_000
 """Of an MJCF file, without its meshes and textures [bytes]."""
 MAGNITUDES = ("qpos0", "body_pos", "body_quat", "body_mass", "body_inertia", "geom_pos", "geom_size", "jnt_range")
@@ -46,12 +49,19 @@ class _Body(msgspec.Struct, forbid_unknown_fields=True):
     model: str
     position: Point = (0.0, 0.0, 0.0)
     controllers: Annotated[list[str], msgspec.Meta(max_length=20)] = []
+    count: Annotated[int, msgspec.Meta(ge=1, le=MOST_BODIES)] | msgspec.UnsetType = msgspec.UNSET
+    spacing: Annotated[float, msgspec.Meta(gt=0, le=100)] = 1.5  # [m]
+
+    @property
+    def names(self) -> list[str]:
+        """Its name, or those of a whole fleet: ``Tank_1``, ``Tank_2`` and so on."""
+        return [self.name] if self.count is msgspec.UNSET else [f"{self.name}_{i + 1}" for i in range(self.count)]
 
 
 class _ProjectFile(msgspec.Struct, forbid_unknown_fields=True):
     """What a project file looks like."""
 
-    bodies: Annotated[list[_Body], msgspec.Meta(min_length=1, max_length=1000)]
+    bodies: Annotated[list[_Body], msgspec.Meta(min_length=1, max_length=MOST_BODIES)]
     simulator: _Simulator | msgspec.UnsetType = msgspec.UNSET
 
 
@@ -95,7 +105,7 @@ class Project:
         """
         file = YamlFile(Path(path), _ProjectFile, "project")
         _check_names(file)
-        items = tuple(_body_item(file, i, body) for i, body in enumerate(file.data.bodies))
+        items = tuple(item for i, body in enumerate(file.data.bodies) for item in _body_items(file, i, body))
         _check_models(file)
         simulator = file.data.simulator
         return cls(file.path, items, None if simulator is msgspec.UNSET else simulator.time_step)
@@ -161,12 +171,14 @@ class Project:
         )
 
     def tree(self) -> str:
-        """Draw the items, as the original's item tree shows them."""
+        """Draw the items, as the original's item tree shows them; a fleet is one item."""
         indent = "" if self.time_step is None else "  "
         lines = []
-        for item in self.bodies:
-            lines.append(f"{indent}+ {item.placement.name}")
-            lines += [f"{indent}  - {controller.__name__}{_origin(controller)}" for controller in item.controllers]
+        for _, alike in groupby(self.bodies, key=_fleet):
+            first, *others = alike
+            last = f" to {others[-1].placement.name}" if others else ""
+            lines.append(f"{indent}+ {first.placement.name}{last}")
+            lines += [f"{indent}  - {controller.__name__}{_origin(controller)}" for controller in first.controllers]
         if self.time_step is not None:
             lines = ["+ World", *lines, f"{indent}+ Simulator ({self.time_step * 1000:g} ms)"]
         return "\n".join(lines)
@@ -243,15 +255,25 @@ def _origin(controller: type[SimpleController]) -> str:
     return "" if file is None or Path(file).is_relative_to(Path(__file__).parent) else f" ({Path(file).name})"
 
 
+def _fleet(item: BodyItem) -> tuple[object, ...]:
+    """What the bodies of a fleet have in common: the name but for its number, the model, the controllers."""
+    stem, _, number = item.placement.name.rpartition("_")
+    return (stem or number, number.isdecimal(), item.placement.model, item.controllers)
+
+
 def _check_names(file: YamlFile[_ProjectFile]) -> None:
     """See to it that the bodies' names can be told apart, and can be part of a topic's name."""
-    names = [body.name for body in file.data.bodies]
-    for i, name in enumerate(names):
+    taken: set[str] = set()
+    for i, body in enumerate(file.data.bodies):
         where = ("bodies", i, "name")
-        if unfit := _unfit(name):
+        if unfit := _unfit(body.name):
             raise file.error(where, unfit)
-        if name in names[:i]:
-            raise file.error(where, f"there is a body {name!r} already. Give this one another name.")
+        for name in body.names:
+            if name in taken:
+                raise file.error(where, f"there is a body {name!r} already. Give this one another name.")
+            taken.add(name)
+        if len(taken) > MOST_BODIES:
+            raise file.error(where, f"with this one there are {len(taken)} bodies; {MOST_BODIES} are the most.")
 
 
 def _unfit(name: str) -> str:
@@ -296,7 +318,7 @@ def _models_near(folder: Path) -> list[Path]:
     return list(islice(chain(folder.glob("*.xml"), folder.glob("*/*.xml")), 100))
 
 
-def _body_item(file: YamlFile[_ProjectFile], index: int, body: _Body) -> BodyItem:
+def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body) -> list[BodyItem]:
     folder = file.path.parent
     model = folder / body.model
     if not is_file(model):
@@ -309,4 +331,16 @@ def _body_item(file: YamlFile[_ProjectFile], index: int, body: _Body) -> BodyIte
             classes.append(find_controller(name))
         except TutorialError as error:
             raise file.error(("bodies", index, "controllers", i), str(error)) from None
-    return BodyItem(Placement(body.name, model, body.position), tuple(classes))
+    places = _grid(len(body.names), body.position, body.spacing)
+    return [BodyItem(Placement(name, model, place), tuple(classes)) for name, place in zip(body.names, places)]
+
+
+def _grid(count: int, middle: Point, spacing: float) -> list[Point]:
+    """Places side by side in rows, from left to right and then on to the front, as seen along x."""
+    columns = math.ceil(math.sqrt(count))
+    rows = math.ceil(count / columns)
+    x, y, z = middle
+    places = [divmod(i, columns) for i in range(count)]
+    return [
+        (x + (row - (rows - 1) / 2) * spacing, y + ((columns - 1) / 2 - column) * spacing, z) for row, column in places
+    ]

@@ -37,7 +37,7 @@ def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: 
     for meter in meters:
         if meter.direction == "published" and isinstance(meter.last, JointState):
             joints.update(zip(meter.last.name, meter.last.position))
-    report = Counter(JointReport(matched=0).counts())
+    report = Counter(JointReport().counts())
     for item in items:
         report.update(item.tally)
     return {

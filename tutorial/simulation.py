@@ -211,10 +211,7 @@ class Simulation:
         """Block until nobody steps the simulation any more: it has come to its end, was stopped, or was abandoned.
 
         Args:
-            timeout: how long to wait at most [s]; None for ever.
-
-        Returns:
-            Whether it is so.
+            timeout: how long to wait at most [s], before it returns False; None for ever.
         """
         self._check_caller("wait()")
         run = self._run
@@ -241,13 +238,10 @@ class Simulation:
             self._check_abandoned()
 
     def copy_to(self, bodies: Iterable[Body]) -> float:
-        """Move displayed bodies to where the newest snapshot has them. Main thread, in every state.
+        """Move displayed bodies to where the newest snapshot has them; return its time [s]. Main thread, any state.
 
         Args:
             bodies: displayed bodies; those that are not simulated stay as they are.
-
-        Returns:
-            The simulated time that they show now [s].
         """
         snapshot = self.snapshot.get()
         for body in bodies:

@@ -37,6 +37,7 @@ EXPECTED: dict[type[inspect.Type], tuple[str, tuple[type, ...]]] = {
     inspect.TupleType: ("a list", (list,)),
     inspect.StrType: ("a text", (str,)),
     inspect.FloatType: ("a number", (float, int)),
+    inspect.IntType: ("a whole number", (int,)),
     inspect.BoolType: ("true or false", (bool,)),
 }
 """What a shape may consist of: in YAML's words, and as Python has it."""
@@ -205,7 +206,7 @@ class YamlFile(Generic[T]):
 def _lacking(content: Any, info: inspect.Type) -> str:
     """What something of the right kind still lacks, for instance ``"<= 0.01"``; empty if nothing."""
     wanted: dict[str, bool] = {}
-    if isinstance(info, inspect.FloatType):
+    if isinstance(info, inspect.FloatType | inspect.IntType):
         wanted = {
             "that is finite": abs(content) <= sys.float_info.max,
             f"> {info.gt}": info.gt is None or content > info.gt,

@@ -17,7 +17,8 @@ import pytest
 from cell_view import cell_frame, updates_in_the_page
 from costs import frame, import_time, joint_matching, simulation_loop
 from domains import reserved_domain
-from latency import REAL, latency, real_latency, real_throughput, throughput
+from fleet import fleet, real_fleet
+from latency import REAL, latency, real_cost, real_latency, real_throughput, throughput
 from rich.console import Console
 from rich.table import Table
 
@@ -45,6 +46,10 @@ def rows() -> Iterator[tuple[str, Pair, str, str]]:
     if REAL:
         yield "publish to callback / rclpy of a real ROS 2", real_latency(), "0.82", "us"
         yield "from message to message, unthrottled / rclpy of a real ROS 2", real_throughput(), "0.2", "us"
+        yield "processor time of a message received / rclpy of a real ROS 2", real_cost(), "0.2", "us"
+    yield "what a viewer computes in 1 s for one tank at 50 Hz, of 100 / of 10", fleet(), "1.0 at most", "ms"
+    if REAL:
+        yield "the same, of 100 / with rclpy of a real ROS 2", real_fleet(), "", "ms"
     for joints in (2, 7, 40):
         yield f"joint matching / the original's index loop, {joints} joints", joint_matching(joints), "0.5", "us"
     yield "import tutorial", import_time(), "0.5 s", "ms"

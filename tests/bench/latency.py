@@ -1,7 +1,7 @@
 """From publication to callback, between two processes: a node's callback, plain Cyclone DDS Python, and a real rclpy.
 
 All publish the same message reliably: 100 times a second, with the time as a stamp in it; or as fast as they can, and
-those that arrive are counted.
+those that arrive are counted. A real rclpy gets its flood from the embedded one, which is the faster publisher.
 """
 
 import os
@@ -38,12 +38,18 @@ def real_throughput() -> Pair:
     return lambda: between("node", "flood"), lambda: between("node", "flood", by=REAL)
 
 
+def real_cost() -> Pair:
+    """As `real_throughput`, but the processor's time that a message takes the thread that spins."""
+    return lambda: between("node", "cost"), lambda: between("node", "cost", by=REAL)
+
+
 def between(kind: str, pace: str = "beat", by: list[str] | None = None) -> float:
     """Run a publisher and a subscriber in processes of their own; by a command that runs others, if one is given."""
-    command = [*(by or []), sys.executable, str(HERE / f"{kind}_traffic.py"), pace]
+    command = [sys.executable, str(HERE / f"{kind}_traffic.py"), pace]
+    through = by or []
     with (
-        subprocess.Popen([*command, "publish"]) as publisher,
-        subprocess.Popen([*command, "subscribe"], stdout=subprocess.PIPE, text=True) as subscriber,
+        subprocess.Popen([*(through if pace == "beat" else []), *command, "publish"]) as publisher,
+        subprocess.Popen([*through, *command, "subscribe"], stdout=subprocess.PIPE, text=True) as subscriber,
     ):
         try:
             return float(subscriber.communicate(timeout=60)[0])

@@ -8,8 +8,9 @@ import tutorial  # noqa: F401 - promises an rclpy
 # isort: split
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
-from traffic_log import Log, stamps
+from traffic_log import FLOODS, Log, flood, stamps
 
 
 def publish() -> None:
@@ -22,6 +23,8 @@ def publish() -> None:
     for stamp in stamps():
         message = JointState(name=["TURRET_Y", "TURRET_P"], position=[0.1, 0.2], velocity=[0.1, 0.2], effort=[0.1, 0.2])
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, 1_000_000_000)
+        if FLOODS:
+            flood(publisher.publish, serialize_message(message))
         publisher.publish(message)
     publisher.wait_for_all_acked()
 

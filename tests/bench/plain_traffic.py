@@ -17,7 +17,7 @@ from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from rclpy._domain import configuration
-from traffic_log import Log, stamps
+from traffic_log import FLOODS, Log, flood, stamps
 
 
 @dataclass
@@ -61,6 +61,13 @@ def reliable() -> Any:
     return Qos(Policy.Reliability.Reliable(2**63 - 1), Policy.History.KeepLast(10))
 
 
+def serialized(message: Any) -> Any:
+    """Return the message, which from now on gives a writer the same bytes each time."""
+    data = message.serialize()
+    message.serialize = lambda **_: data
+    return message
+
+
 def publish() -> None:
     """Publish with a DataWriter."""
 
@@ -71,7 +78,10 @@ def publish() -> None:
     for stamp in stamps():
         sec, nanosec = divmod(stamp, 1_000_000_000)
         header = Header(Time(sec, nanosec), "")
-        writer.write(Plain(header, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], [0.1, 0.2], [0.1, 0.2]))
+        message = Plain(header, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], [0.1, 0.2], [0.1, 0.2])
+        if FLOODS:
+            flood(writer.write, serialized(message))
+        writer.write(message)
     time.sleep(0.2)
 
 

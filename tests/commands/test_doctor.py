@@ -306,6 +306,7 @@ def test_domain(given, level, said):
         (["/viewer", "/joy"], True, "ok", "in domain 7: /joy, /viewer"),
         (["/tank", "/joy", "/tank"], True, "note", "in domain 7: /joy, 2 x /tank. Nodes of one name"),
         (["/joy"], False, "note", "in domain 7: /joy. Some still come or go"),
+        ([f"/{i}" for i in range(2000)], True, "ok", "and 1,950 more"),
     ],
 )
 def test_nodes(names, settled, level, said):

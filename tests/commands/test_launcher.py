@@ -42,6 +42,19 @@ def launch_file(tmp_path):
     return write
 
 
+def test_what_a_process_prints_reaches_no_terminal_raw(launch_file):
+    printed = "print('\\x1b[2J\\u202eb\\tc\\x85d', flush=True)"
+    run = subprocess.run(
+        [TANK, "launch", str(launch_file(one=["python3", "-c", printed]))],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=False,
+    )
+    assert run.returncode == 0
+    assert run.stdout.endswith("one | \\x1b[2J\\u202eb\tc\\x85d\n")
+
+
 @pytest.mark.parametrize(
     ("step", "names"),
     [

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import fcntl
+import logging
+import os
 import signal
 import struct
 import subprocess
+import sys
 import termios
 
 import pytest
 from programs import PATIENCE, TANK, until
+
+from tutorial.commands.terminal import prepare_output
 
 INT, TERM = signal.SIGINT, signal.SIGTERM
 STUCK = "        import time\n        while True: print('stuck', flush=True); time.sleep(0.01)\n"
@@ -27,6 +32,21 @@ ENDLESS = {
         "        mujoco.mj_step(model, mujoco.MjData(model), nstep=2**31 - 1)\n"
     ),
 }
+
+
+def test_what_the_terminal_has_no_characters_for_is_an_escape():
+    code = "from tutorial.commands.terminal import *; prepare_output(); say('戦車 é\\x1b\\n')"
+    environment = {**os.environ, "PYTHONIOENCODING": "latin-1", "PYTHONUTF8": "0"}
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, check=True)
+    assert run.stdout == b"\\u6226\\u8eca \xe9\\x1b\n"
+
+
+def test_a_log_line_is_printed_as_everything_else(capsys, monkeypatch):
+    monkeypatch.setattr(logging.root, "handlers", [])
+    monkeypatch.setattr(logging.root, "level", logging.root.level)
+    prepare_output()
+    logging.getLogger("x").warning("%s", "a\x1b[2J\u202e")
+    assert capsys.readouterr().err == "[WARNING] a\\x1b[2J\\u202e\n"
 
 
 @pytest.fixture

@@ -62,7 +62,7 @@ def test_the_launched_step_3_drives_publishes_and_is_seen(program, listen, tmp_p
         assert set(record) == {"node", "ros", "seconds", "joints", "topics", "report"}
         assert record["node"] == name
         assert record["ros"] in ("underlay", "rclpy")
-        assert set(record["report"]) == {"matched", "unknown", "non_finite", "short", "duplicate", "late"}
+        assert {"matched", "unknown", "non_finite", "short", "duplicate", "late"} < set(record["report"])
     simulation, viewer, joystick = (records[name] for name in ("simulation", "viewer", "joystick"))
 
     assert simulation["seconds"] == 10.0
@@ -71,14 +71,8 @@ def test_the_launched_step_3_drives_publishes_and_is_seen(program, listen, tmp_p
     shown = viewer["topics"]["/Tank/joint_state"]
     assert shown["applied"] == shown["received"] > 100
     assert 0 < shown["latency_ms"]["median"] <= shown["latency_ms"]["p99"]
-    assert viewer["report"] == {
-        "matched": 2 * shown["applied"],
-        "unknown": 0,
-        "non_finite": 0,
-        "short": 0,
-        "duplicate": 0,
-        "late": 0,
-    }
+    assert viewer["report"].pop("matched") == 2 * shown["applied"]
+    assert not any(viewer["report"].values())
     assert viewer["joints"] == simulation["joints"] == dict(zip(heard[-1].name, heard[-1].position))
     steps = {after - before for before, after in zip(map(stamp_ns, heard), map(stamp_ns, heard[1:]))}
     assert steps == {STEP_NS}, "stamps are 20 ms apart"

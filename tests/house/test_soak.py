@@ -20,13 +20,27 @@ def soak(program, monkeypatch):
     """Start the soak test with some arguments."""
     monkeypatch.setattr(programs, "TANK", sys.executable)
     monkeypatch.setenv("PYTHONPATH", str(SOAK.parent / "support"))
-    return lambda *arguments: program(SOAK, *arguments)
+    return lambda *arguments, part="__main__.py": program(SOAK / part, *arguments)
 
 
 def row(output, kind):
     """Return what the first table says about a kind of traffic."""
     line = next(line for line in output.splitlines() if line.startswith(f"│ {kind} "))
     return [cell.strip() for cell in line.strip("│").split("│")]
+
+
+def test_a_flood_is_borne_and_summed_up(soak, backend):
+    running = soak(1, "encapsulations", part="floods.py")
+    status = running.ends()
+    running.leaves_nothing()
+    output = running.output
+    assert ("all holds" in output, "does not hold" in output) == (status == 0, status == 1), output
+    _, sent, hold, growth, lines, end = map(float, ["nan", *row(output, "encapsulations")[1:]])
+    assert sent > 100
+    assert hold > 0
+    assert growth < 50
+    assert lines == 0 or backend == "rclpy", output  # which may print that the attacker tells no type hash
+    assert end < 20  # what is allowed on an idle machine is for whoever runs it
 
 
 def test_a_short_run_says_what_arrived_and_what_does_not_hold(soak):
@@ -43,6 +57,10 @@ def test_a_short_run_says_what_arrived_and_what_does_not_hold(soak):
         assert sent == "2,000"
         assert 0 < int(received.replace(",", "")) == 2000 - int(lost.replace(",", ""))
     assert "calls that waited for the viewer's main thread" in output
+    assert "33,333 hostile messages to match:" in output
+    assert "3,333 hostile messages to view:" in output
+    assert "were counted, but" not in output
+    assert "displayed where no number is" not in output
 
 
 @pytest.mark.parametrize("kind", ["reliable", "hand-off"])

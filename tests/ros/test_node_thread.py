@@ -29,6 +29,17 @@ def test_a_meter_counts_and_keeps_the_newest(meter):
     assert meter.latency_ms() == {"median": 2.0, "p99": 2.98}
 
 
+def test_without_an_answer_a_node_counts_itself(domain, monkeypatch):
+    """A real ROS 2 names no node while another's name is empty."""
+
+    def fail():
+        raise RuntimeError("Failed to get node names: empty node name returned by the RMW layer")
+
+    with NodeThread("tank") as thread:
+        monkeypatch.setattr(thread.node, "get_node_names_and_namespaces", fail)
+        assert thread.namesakes() == 1
+
+
 def test_latency_is_unknown_until_there_are_two(meter):
     meter.add("message", 1_000_000)
     assert meter.latency_ms() == {"median": None, "p99": None}

@@ -1,5 +1,5 @@
 """A thousand messages a second for a while, between two processes: what is lost, how late it is, and whether memory
-stays flat; then the same into the viewer of step 3, whose queue must not grow.
+stays flat; then the same into the viewer of step 3, whose queue must not grow; then hostile joint states.
 
 ``make soak`` runs it. Its exit status is 1 if something does not hold; below the tables it says what.
 """
@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
 import click
 from domains import reserved_domain
+from hostile import hostile
 from memory import WARM_UP
 from rich.console import Console
 from rich.table import Table
@@ -23,6 +24,7 @@ from run import Outcome, run
 from tutorial.commands.terminal import INTERRUPTED, progress_bar
 
 KINDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "show"}
+HOSTILE = "hostile"
 
 
 def table_of_messages(outcomes: list[Outcome]) -> Table:
@@ -50,8 +52,8 @@ def table_of_memory(outcomes: list[Outcome]) -> Table:
     return table
 
 
-def show(outcomes: list[Outcome], console: Console) -> int:
-    """Print the tables and what does not hold; return the exit status."""
+def show(outcomes: list[Outcome], console: Console) -> None:
+    """Print the tables."""
     for table in (table_of_messages(outcomes), table_of_memory(outcomes)):
         for column in table.columns[1:]:
             column.justify = "right"
@@ -60,7 +62,10 @@ def show(outcomes: list[Outcome], console: Console) -> int:
     for waiting in (outcome.subscriber["waiting"] for outcome in outcomes if "waiting" in outcome.subscriber):
         thirds = ", ".join(f"{third:.0f}" for third in waiting["thirds"])
         console.print(f"calls that waited for the viewer's main thread: {thirds} by thirds, {waiting['most']} at most")
-    complaints = [f"{outcome.kind}: {complaint}" for outcome in outcomes for complaint in outcome.complaints()]
+
+
+def judge(complaints: list[str], console: Console) -> int:
+    """Say what does not hold; return the exit status."""
     for complaint in complaints:
         console.print(f"does not hold: {complaint}", style="red", highlight=False)
     if not complaints:
@@ -68,26 +73,31 @@ def show(outcomes: list[Outcome], console: Console) -> int:
     return 1 if complaints else 0
 
 
-def soak(duration: int, kinds: Iterable[str], console: Console) -> int:
+def soak(duration: int, kinds: Sequence[str], console: Console) -> int:
     """Run each kind of traffic in turn; return the exit status."""
     outcomes = []
     with reserved_domain() as domain:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
-        for kind in kinds:
+        for kind in [kind for kind in kinds if kind in KINDS]:
             console.print(f"{kind}, {duration} s:")
             with progress_bar(duration, shown=True) as progress:
                 outcomes.append(run(kind, KINDS[kind], duration, progress))
-    return show(outcomes, console)
+        if outcomes:
+            show(outcomes, console)
+        complaints = [f"{outcome.kind}: {complaint}" for outcome in outcomes for complaint in outcome.complaints()]
+        if HOSTILE in kinds:
+            complaints += hostile(duration, console)
+    return judge(complaints, console)
 
 
 @click.command(help=__doc__)
 @click.argument("duration", metavar="[SECONDS]", type=click.IntRange(1, 86_400), default=60)
-@click.argument("kinds", metavar="[KIND]...", nargs=-1, type=click.Choice(list(KINDS)))
+@click.argument("kinds", metavar="[KIND]...", nargs=-1, type=click.Choice([*KINDS, HOSTILE]))
 def main(duration: int, kinds: tuple[str, ...]) -> None:
     """Do what the command line asks for, and exit with its status."""
     console = Console(width=None if sys.stdout.isatty() else 120)
     try:
-        sys.exit(soak(duration, kinds or KINDS, console))
+        sys.exit(soak(duration, kinds or (*KINDS, HOSTILE), console))
     except KeyboardInterrupt:
         console.print("stopped")
         sys.exit(INTERRUPTED)

@@ -50,9 +50,9 @@ class Memory:
             self._due = time.monotonic() + EVERY
             self._samples.append(self._process.memory_info().rss)
 
-    def trend(self) -> Trend:
-        """Sum them up."""
-        samples = [sample / MB for sample in self._samples[int(WARM_UP * len(self._samples)) :]]
+    def trend(self, warm_up: float = WARM_UP) -> Trend:
+        """Sum them up, without a share of them at the beginning."""
+        samples = [sample / MB for sample in self._samples[int(warm_up * len(self._samples)) :]]
         tenth = len(samples) // 10 + 1
         return Trend(statistics.median(samples[:tenth]), statistics.median(samples[-tenth:]), thirds(samples))
 

@@ -8,6 +8,7 @@ import pytest
 
 from tutorial.errors import TutorialError, WrongThreadError
 from tutorial.view.bodies import View
+from tutorial.view.paint import STALE
 from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
 POSE = 'pos="1 2 3" quat="0.5 0.5 -0.5 0.5"'
@@ -208,6 +209,21 @@ def test_a_moving_body_is_where_mujoco_has_it_and_only_it_is_sent():
         assert eye.moved == ["/Bodies/world/Tank.ball"]
 
 
+@pytest.mark.parametrize("far", [np.nan, np.inf, 1e300, -1e39])
+def test_what_is_nowhere_stays_where_it_was_and_the_others_move(far):
+    model, data, _, view, eye = drawn_falling()
+    mujoco.mj_kinematics(model, data)
+    data.xpos[model.body("Tank/ball").id] = [far, 0, 2]
+    data.xpos[model.body("Tank/still").id] = [0, 1, 2]
+    view.update("world", data)
+    view.flush()
+    assert eye.moved == ["/Bodies/world/Tank.still"]
+    data.xpos[model.body("Tank/ball").id] = [0, 0, 3]
+    view.update("world", data)
+    view.flush()
+    assert eye.moved == ["/Bodies/world/Tank.ball"]
+
+
 def test_what_stands_still_sends_nothing():
     model, data, _, view, eye = drawn_falling()
     mujoco.mj_forward(model, data)
@@ -251,10 +267,49 @@ def test_the_grid_is_there_as_long_as_there_is_no_floor():
     assert Eye(scene).properties["/Grid", "visible"] is False
 
 
-@pytest.mark.parametrize("method", ["update", "remove"])
+TURRET = """
+<mujoco>
+  <worldbody>
+    <body name="Tank/chassis"><freejoint/><geom name="Tank/hull" type="box" size="1 1 1" rgba="0 1 0 1"/>
+      <body name="Tank/turret"><joint name="Tank/YAW"/><geom name="Tank/tower" type="sphere" size="1" rgba="0 1 0 1"/>
+        <body name="Tank/hatch"><geom name="Tank/lid" type="sphere" size="1" rgba="1 0 0 0.5"/></body>
+        <body name="Tank/barrel">
+          <joint name="Tank/PITCH"/><joint name="Tank/RECOIL" type="slide"/>
+          <geom name="Tank/gun" type="sphere" size="1" rgba="0 0 1 1"/>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def test_what_stale_joints_move_is_grey_until_they_are_heard_of_again():
+    view = View(scene := Scene())
+    view.add("Tank", mujoco.MjModel.from_xml_string(TURRET))
+    eye = Eye(scene)
+
+    def colours(*stale):
+        eye.properties.clear()
+        view.show_stale("Tank", stale)
+        view.flush()
+        return {path.split("/")[-2]: value for (path, key), value in eye.properties.items() if key == "color"}
+
+    grey = STALE
+    assert colours() == {}
+    assert colours("YAW", "nonsense") == {"Tank.tower": [*grey, 1.0], "Tank.lid": [*grey, 0.5]}
+    assert colours("YAW") == {}
+    assert colours("PITCH") == {"Tank.tower": [0, 1, 0, 1], "Tank.lid": [1, 0, 0, 0.5], "Tank.gun": [*grey, 1.0]}
+    assert colours("PITCH", "RECOIL") == {}
+    assert colours("RECOIL") == {}
+    assert Eye(scene).properties["/Bodies/Tank/Tank.barrel/Tank.gun/<object>", "color"] == [*grey, 1.0]
+    assert colours() == {"Tank.gun": [0, 0, 1, 1]}
+
+
+@pytest.mark.parametrize("method", ["update", "remove", "show_stale"])
 def test_an_unknown_name_is_told_the_nearest(method):
     _, data, _, view, _ = drawn_falling()
-    arguments = ("wordl", data) if method == "update" else ("wordl",)
+    arguments = {"update": ("wordl", data), "remove": ("wordl",), "show_stale": ("wordl", ["A"])}[method]
     with pytest.raises(TutorialError, match=r"no 'wordl' in the 3D view. Did you mean 'world'\? .* add\(name, model\)"):
         getattr(view, method)(*arguments)
 
@@ -278,6 +333,7 @@ def test_a_name_that_makes_no_path_is_refused(name):
         ("add", ("x", model_of('<geom type="sphere" size="1"/>'))),
         ("update", ("x", None)),
         ("remove", ("x",)),
+        ("show_stale", ("x", ["A"])),
         ("look_at", ((1, 1, 1), (0, 0, 0))),
         ("show_grid", ()),
         ("flush", ()),
@@ -309,7 +365,7 @@ def test_a_close_up_is_as_far_away_as_the_body_is_large(size):
     view = View(scene := Scene())
     eye = Eye(scene)
     view.add("Ball", model)
-    view.look_at_body("Ball")
+    view.look_at_bodies("Ball")
     view.flush()
     camera = [payload for kind, payload in unpack_records(scene.snapshot()) if kind is Record.CAMERA]
     numbers = np.frombuffer(camera[-1], dtype="<f8")
@@ -320,4 +376,4 @@ def test_a_close_up_is_as_far_away_as_the_body_is_large(size):
 
 def test_a_close_up_of_what_is_not_there_is_a_clear_error():
     with pytest.raises(TutorialError, match="there is no 'Tnak' in the 3D view"):
-        View(Scene()).look_at_body("Tnak")
+        View(Scene()).look_at_bodies("Tnak")

@@ -26,7 +26,7 @@ from tutorial.view.replay import Recorder, recorded
 from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
 BALL = mujoco.MjModel.from_xml_string(
-    "<mujoco><worldbody><body name='ball'><freejoint/><geom size='0.1'/></body></worldbody></mujoco>"
+    "<mujoco><worldbody><body name='ball'><freejoint name='Ball/x'/><geom size='0.1'/></body></worldbody></mujoco>"
 )
 PATH = "/Bodies/Ball/ball"
 AT_REST = {"TURRET_Y": 0.0, "TURRET_P": 0.0}
@@ -96,6 +96,7 @@ def test_what_comes_and_goes_is_seen_while_it_is_there():
 
 def test_what_is_no_number_is_not_in_the_page():
     stage = Stage()
+    stage.scene.send_message({"type": "set_transform", "path": PATH, "matrix": np.full(16, np.nan)})
     stage.move(0.5, math.nan)
     stage.move(1.0, 0.5)
     made = stage.stop(1.5)
@@ -103,6 +104,19 @@ def test_what_is_no_number_is_not_in_the_page():
     assert clips(made)[PATH][0]["values"][::3][-1] == 0.5
     (timeline,) = re.findall(r'class="timeline">([^<]*)<', made.figure("Ball"))
     assert "NaN" not in gzip.decompress(base64.b64decode(timeline)).decode()
+
+
+def test_what_was_stale_in_the_end_has_its_colour_in_the_replay():
+    stage = Stage()
+    stage.view.show_stale("Ball", ["x"])
+    stage.view.flush()
+
+    def coloured(message):
+        commands = [unpack_command(payload) for kind, payload in unpack_records(message) if kind is Record.COMMAND]
+        return [command for command in commands if command["path"].startswith(PATH) and "property" in command]
+
+    assert coloured(stage.scene.snapshot())
+    assert not coloured(stage.stop(1.0).scene)
 
 
 def test_pauses_are_shortened_and_a_long_run_is_kept_only_so_far(monkeypatch):

@@ -328,6 +328,16 @@ def test_attaching_and_detaching_twice_is_once():
     assert len(messages) == 1
 
 
+def test_what_is_new_costs_no_look_at_all_the_rest(monkeypatch):
+    looked_at = []
+    monkeypatch.setattr("tutorial.view.scene._is_below", lambda other, path: looked_at.append(other))
+    scene = Scene()
+    for tank in range(10):
+        for geom in range(10):
+            scene.send_message(set_object(f"/Bodies/Tank_{tank}/{geom}", 1))
+    assert looked_at == []
+
+
 @pytest.mark.parametrize(
     "call",
     [

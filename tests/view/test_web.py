@@ -311,7 +311,7 @@ async def test_it_serves_no_other_files():
 RED_BOX = """
 <mujoco>
   <worldbody>
-    <body name="box"><freejoint/><geom type="box" size="0.3 0.3 0.3" rgba="0.9 0.05 0.05 1"/></body>
+    <body name="box"><freejoint name="box/FREE"/><geom type="box" size="0.3 0.3 0.3" rgba="0.9 0.05 0.05 1"/></body>
   </worldbody>
 </mujoco>
 """
@@ -376,6 +376,19 @@ def test_a_browser_shows_the_scene_as_it_is_and_after_a_restart():
                 box.scene.flush()
                 await page.get_by_text("<b>5 %</b>", exact=True).wait_for()
                 await box.is_seen(page)  # also in what the line has left of the window
+
+                async def is_grey():
+                    return red_spot(await pixels(page, "#pane")) is None
+
+                box.view.show_stale("box", ["FREE"])
+                box.view.flush()
+                await until(is_grey, "the stale box is grey")
+                await page.reload()
+                await page.get_by_text("<b>5 %</b>", exact=True).wait_for()
+                await until(is_grey, "the box is grey")
+                box.view.show_stale("box", [])
+                box.view.flush()
+                await box.is_seen(page)
                 await page.reload()
                 await box.is_seen(page)
                 assert await page.locator("#line").text_content() == "<b>5 %</b>"

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tutorial.commands.terminal import until_asked
+from tutorial.commands.terminal import say, until_asked
 from tutorial.errors import TutorialError
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["ask", "asks", "clear_ros_errors", "meet", "named_node", "say", "say_all"]
+__all__ = ["ask", "asks", "clear_ros_errors", "meet", "named_node", "say_all"]
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
 
@@ -56,13 +56,14 @@ def ask(
 
     async def program(node: MeteredNode) -> None:
         nonlocal status
-        status = await question(node) or 0
+        with clear_ros_errors():
+            status = await question(node) or 0
 
     try:
         with named_node(name or f"_tank_{os.getpid()}", ros_args) as thread:
             until_asked(program(thread.node), None)
     except TutorialError as error:
-        click.echo(str(error), err=True)
+        say(f"{error}\n", err=True)
         return 1
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
@@ -81,11 +82,6 @@ async def meet(node: MeteredNode, wanted: Callable[[], object] = lambda: True) -
 
     if not await met(node, wanted):
         _log.warning("nodes still come and go: what is printed may be incomplete")
-
-
-def say(text: str) -> None:
-    """Print a text that has its line breaks, at once, also into a pipe."""
-    click.echo(text, nl=False)
 
 
 async def say_all(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
@@ -119,7 +115,10 @@ def named_node(name: str, ros_args: Sequence[str]) -> Iterator[NodeThread]:
 
 @contextmanager
 def clear_ros_errors() -> Iterator[None]:
-    """Turn what rclpy raises about names and arguments into an error without a traceback."""
+    """Turn what rclpy raises about names and arguments into an error without a traceback.
+
+    A real one refuses to list any node or topic while another program has a name that it cannot bear.
+    """
     from rclpy._rclpy_pybind11 import UnknownROSArgsError
     from rclpy.exceptions import NameValidationException
 
@@ -129,5 +128,5 @@ def clear_ros_errors() -> Iterator[None]:
         raise TutorialError(str(error)) from error
     except UnknownROSArgsError as error:
         raise TutorialError(f"ROS 2 does not know the arguments {error}") from error
-    except RuntimeError as error:
+    except (RuntimeError, UnicodeDecodeError) as error:
         raise TutorialError(f"ROS 2 says: {error}") from error

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import click
 
 from tutorial.commands.options import Seconds
-from tutorial.commands.terminal import INTERRUPTED, until_asked
+from tutorial.commands.terminal import INTERRUPTED, say, until_asked
 from tutorial.errors import TutorialError
 from tutorial.paths import is_file, is_folder
 
@@ -65,7 +65,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, j
         _write(junit, submissions, names)
     _show(submissions, names, as_json)
     if interrupted:
-        click.echo(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.", err=True)
+        say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.\n", err=True)
         return INTERRUPTED
     fine = (Outcome.RIGHT, Outcome.NOT_TRIED)
     return int(any(each.problem or any(a.outcome not in fine for a in each.judged.values()) for each in submissions))
@@ -114,7 +114,7 @@ async def _judge_all(
                 done[path] = await judge(path, limit)
             bar.update()
             if not terminal:
-                click.echo(f"{len(done)} of {len(paths)}: {names[path]}", err=True)
+                say(f"{len(done)} of {len(paths)}: {names[path]}\n", err=True)
 
         async with asyncio.TaskGroup() as group:
             for path in paths:
@@ -127,7 +127,7 @@ def _show(submissions: Sequence[Submission], names: dict[Path, str], as_json: bo
     from tutorial.commands.checking import report
 
     if as_json:
-        click.echo(json.dumps(report.as_json(submissions, names), indent=2))
+        say(json.dumps(report.as_json(submissions, names), indent=2) + "\n")
         return
     console = Console(highlight=False)
     console.print(report.table(submissions, names))

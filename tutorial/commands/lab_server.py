@@ -19,7 +19,6 @@ import webbrowser
 from types import FrameType
 from typing import Any
 
-import click
 from jupyter_server.serverapp import ServerApp
 from jupyterlab.labapp import LabApp
 from tornado.iostream import StreamClosedError
@@ -28,6 +27,7 @@ from traitlets import default
 from traitlets.config import Config
 
 from tutorial.commands.lab_door import BODY_PATIENCE, Door
+from tutorial.commands.terminal import say
 
 __all__ = ["CourseServer"]
 
@@ -96,7 +96,7 @@ class CourseServer(ServerApp):
             super().launch_browser()
 
     def _say(self, text: str) -> None:
-        click.echo(text)
+        say(f"{text}\n")
         if self.log_level == logging.WARNING:  # what it warns of from now on is what the pages ask for, all the time
             self.log_level = logging.ERROR
 

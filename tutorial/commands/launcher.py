@@ -23,7 +23,7 @@ from honcho.printer import Message, Printer
 
 from tutorial.commands import lifeline
 from tutorial.commands.terminal import heed
-from tutorial.errors import TutorialError, tell
+from tutorial.errors import TutorialError, printable_lines, tell
 from tutorial.paths import with_own_commands
 from tutorial.ros.backend import UNDERLAY
 
@@ -176,7 +176,7 @@ class Launcher:
         watch = asyncio.create_task(self._watch(name))
         try:
             while line := await _read_line(process.stdout):
-                self._say(name, line, self._colours[name])
+                self._say(name, printable_lines(line), self._colours[name])
             status = await process.wait()
         finally:
             watch.cancel()

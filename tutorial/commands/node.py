@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tutorial.commands.asking import asks, meet, say
+from tutorial.commands.asking import asks, meet
+from tutorial.commands.terminal import say
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode
@@ -33,6 +34,7 @@ def node() -> None:
 async def list_nodes(asker: MeteredNode, include_hidden: bool, count_nodes: bool) -> None:
     """List the nodes there are, in all programs."""
     from tutorial.ros.topics import node_names
+    from tutorial.ros.topics.names import shown
 
     await meet(asker)
     names = node_names(asker, include_hidden)
@@ -40,8 +42,8 @@ async def list_nodes(asker: MeteredNode, include_hidden: bool, count_nodes: bool
         say(f"{len(names)}\n")
         return
     if len(set(names)) < len(names):
-        click.echo(SAME_NAME, err=True)
-    say("".join(f"{name}\n" for name in names))
+        say(f"{SAME_NAME}\n", err=True)
+    say("".join(f"{shown(name)}\n" for name in names))
 
 
 @node.command()
@@ -55,9 +57,9 @@ async def info(asker: MeteredNode, node_name: str, include_hidden: bool) -> None
     await meet(asker, lambda: node_name in node_names(asker, include_hidden))
     count = node_names(asker, include_hidden).count(node_name)
     if count > 1:
-        click.echo(
+        say(
             f'There are {count} nodes in the graph with the exact name "{node_name}". '
-            "You are seeing information about only one of them.",
+            "You are seeing information about only one of them.\n",
             err=True,
         )
     say(node_info(asker, node_name, include_hidden))

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 
+from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError
 
 __all__ = ["progress"]
@@ -25,4 +26,4 @@ def progress(folder: Path | None) -> None:
         raise TutorialError(f"there is no folder {str(folder)!r}")
     places = [Path(), Path("notebooks")] if folder is None else [folder, folder / "notebooks"]
     default = HOME / "notebooks" if folder is None else folder
-    click.echo(repr(Overview(next((place for place in places if (place / FILE).exists()), default))))
+    say(f"{Overview(next((place for place in places if (place / FILE).exists()), default))!r}\n")

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tutorial.commands.asking import ask, asks, meet, say, say_all
+from tutorial.commands.asking import ask, asks, meet, say_all
 from tutorial.commands.options import Finite, Seconds
+from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError
 
 if TYPE_CHECKING:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 import os
 import sys
 import tempfile
@@ -17,13 +16,14 @@ import click
 from tqdm.contrib import DummyTqdmFile
 
 from tutorial.commands.asking import clear_ros_errors, named_node
+from tutorial.commands.chaos import chaos
 from tutorial.commands.check import check
 from tutorial.commands.node import node
 from tutorial.commands.options import duration_option, headless_option, linger_option, report_option
 from tutorial.commands.progress import progress
-from tutorial.commands.terminal import INTERRUPTED, heed, progress_bar, until_asked, with_bar
+from tutorial.commands.terminal import INTERRUPTED, heed, prepare_output, progress_bar, say, until_asked, with_bar
 from tutorial.commands.topic import topic
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, printable
 
 if TYPE_CHECKING:
     from tutorial.commands.joystick import JoySource
@@ -39,7 +39,7 @@ LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice t
 def main() -> None:
     """Run the command that the shell was given, and exit with its status."""
     words, ros_args = _split(sys.argv[1:])
-    logging.basicConfig(format="[%(levelname)s] %(message)s", level=logging.INFO)
+    prepare_output()
     try:
         status = tank.main(args=words, prog_name="tank", standalone_mode=False, obj=ros_args)
     except click.exceptions.Exit as end:
@@ -48,7 +48,7 @@ def main() -> None:
         error.show()
         status = error.exit_code
     except TutorialError as error:
-        click.echo(f"Error: {error}", err=True)
+        say(f"Error: {error}\n", err=True)
         status = 1
     except (KeyboardInterrupt, click.Abort):
         status = INTERRUPTED
@@ -149,9 +149,9 @@ def demo(duration: float | None, headless: bool) -> int:
 
     if duration is None and not (sys.stdin.isatty() and sys.stdout.isatty()):
         duration = 20.0
-    click.echo("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.")
-    click.echo("Look at the two addresses that the simulation and the viewer print.")
-    click.echo(f"It ends after {duration:g} s." if duration else "Ctrl-C ends it.")
+    say("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.\n")
+    say("Look at the two addresses that the simulation and the viewer print.\n")
+    say(f"It ends after {duration:g} s.\n" if duration else "Ctrl-C ends it.\n")
     with tempfile.TemporaryDirectory(prefix="tank-") as directory:
         status = _launch("step3", duration, headless, Path(directory))
         records = read_records(Path(directory))
@@ -179,6 +179,7 @@ def check_up() -> int:
     return doctor()
 
 
+tank.add_command(chaos)
 tank.add_command(check)
 tank.add_command(node)
 tank.add_command(progress)
@@ -223,9 +224,9 @@ async def _host(
         view = None if headless and html is None else View(scene)
         with clear_ros_errors():
             host = await stack.enter_async_context(Host(project, ros_args, view))
-        click.echo(project.tree())
+        say(f"{project.tree()}\n")
         if server is not None:
-            click.echo(f"look at {server.url}")
+            say(f"look at {server.url}\n")
         if html is not None:
             stack.enter_context(recorded(scene, html, host.node.get_name(), host.shown_at, host.joint_positions))
         progress = stack.enter_context(progress_bar(duration))
@@ -251,7 +252,7 @@ def _reported(host: Host, directory: Path | None) -> Iterator[None]:
         except TutorialError as error:
             if not failed:
                 raise
-            click.echo(f"Error: {error}", err=True)
+            say(f"Error: {error}\n", err=True)
 
 
 def _joy_source(drive: str | None) -> JoySource:
@@ -260,10 +261,10 @@ def _joy_source(drive: str | None) -> JoySource:
 
     gamepad = None if drive else Gamepad.find()
     if gamepad is not None:
-        click.echo(f"gamepad: {gamepad.name}")
+        say(f"gamepad: {printable(gamepad.name)}\n")
         return gamepad
     path = find_drive(drive or "tour")
-    click.echo(f"scripted drive: {path.name}" if drive else f"no gamepad is connected; scripted drive: {path.name}")
+    say(f"{'' if drive else 'no gamepad is connected; '}scripted drive: {path.name}\n")
     return ScriptedDrive(path)
 
 

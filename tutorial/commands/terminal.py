@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import os
 import signal
 import sys
@@ -10,15 +11,47 @@ import threading
 import time
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager, suppress
+from io import TextIOWrapper
 from itertools import count
 from typing import Any
 
+import click
 from tqdm import tqdm
 from tqdm.contrib.logging import logging_redirect_tqdm
 
-__all__ = ["INTERRUPTED", "heed", "progress_bar", "until_asked", "with_bar"]
+from tutorial.errors import printable_lines
+
+__all__ = ["INTERRUPTED", "heed", "prepare_output", "progress_bar", "say", "until_asked", "with_bar"]
 
 INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
+
+
+def say(text: str, err: bool = False) -> None:
+    """Print a text that has its line breaks, at once, also into a pipe. All that the commands print goes through here.
+
+    Some of it comes from outside, and a terminal obeys what it is sent: control characters are shown as escapes.
+
+    Args:
+        text: what to print.
+        err: on stderr.
+    """
+    click.echo(printable_lines(text), nl=False, err=err)
+
+
+class _LogFormatter(logging.Formatter):
+    """Writes log lines as `say` does what is printed."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return printable_lines(super().format(record))
+
+
+def prepare_output() -> None:
+    """Have this process log on stderr, and write on stdout as escapes what the terminal has no characters for."""
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # as Python's stderr
+    handler = logging.StreamHandler()
+    handler.setFormatter(_LogFormatter("[%(levelname)s] %(message)s"))
+    logging.basicConfig(handlers=[handler], level=logging.INFO)
 
 
 def heed(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None, hangup: bool = False) -> None:

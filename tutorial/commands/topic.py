@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tutorial.commands.asking import asks, meet, say
+from tutorial.commands.asking import asks, meet
 from tutorial.commands.streams import echo, hz, pub
+from tutorial.commands.terminal import say
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode

@@ -16,9 +16,9 @@ class JointStateSubscriber(SimpleController):
         self.body = config.body
         self.node = config.node
         self.call_later = config.call_later
-        self.matcher = JointMatcher(self.body.joint_ranges)
         topic = f"{self.body.name}/joint_state"
         self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+        self.matcher = JointMatcher(self.body.joint_ranges, self.subscription.get_publisher_count)
 
     def on_joint_state(self, message: JointState) -> None:  # executor's thread: post and return
         """Hand the message to the main thread."""

@@ -7,6 +7,7 @@ rest. Everything here belongs to the kernel's main thread.
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, log, until
 from tutorial.notebook.opening import (
+    chaos_panel,
     image_view,
     joint_plot,
     joystick,
@@ -26,6 +27,7 @@ from tutorial.notebook.widgets.line_plot import line_plot
 __all__ = [
     "Command",
     "Program",
+    "chaos_panel",
     "close_all",
     "image_view",
     "joint_plot",

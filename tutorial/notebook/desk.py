@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, printable_lines
 
 __all__ = ["close_all", "keep", "keep_once", "log", "logged", "until"]
 
@@ -33,7 +33,7 @@ class LogLines(logging.Handler):
         line = f"[{record.levelname}] {record.getMessage()}"
         if record.exc_info and record.exc_info[1] is not None:
             line += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"
-        self.lines.append((time.monotonic(), line))
+        self.lines.append((time.monotonic(), printable_lines(line)))
 
 
 T = TypeVar("T")

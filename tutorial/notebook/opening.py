@@ -7,6 +7,7 @@ from ipywidgets import Widget
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import keep
 from tutorial.notebook.program import Program
+from tutorial.notebook.widgets.chaos_panel import ChaosPanel
 from tutorial.notebook.widgets.image_view import ImageView
 from tutorial.notebook.widgets.joint_plot import JointPlot
 from tutorial.notebook.widgets.joystick import Joystick
@@ -19,6 +20,7 @@ from tutorial.project import Project
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 
 __all__ = [
+    "chaos_panel",
     "image_view",
     "joint_plot",
     "joystick",
@@ -78,6 +80,20 @@ def joint_plot(topic: str = "/Tank/joint_state") -> JointPlot:
         topic: of type ``sensor_msgs/msg/JointState``.
     """
     return keep(f"plot of {topic}", lambda: JointPlot(topic), JointPlot.end)
+
+
+def chaos_panel(topic: str = "/Tank/joint_state", good: str | None = None, seed: int = 0) -> ChaosPanel:
+    """Show a slider for each fault in a stream of joint states, which it publishes; ``tank chaos`` at a terminal.
+
+    Args:
+        topic: where to publish.
+        good: the topic of the good stream; None for a steady swing.
+        seed: the same one, with the same sliders, gives the same faults again.
+
+    Raises:
+        TutorialError: the good stream would come from where the faults go.
+    """
+    return keep("chaos panel", lambda: ChaosPanel(topic, good, seed), ChaosPanel.end)
 
 
 def image_view(topic: str = "/Tank/camera/image") -> ImageView:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tutorial.commands.asking import meet, say, say_all
+from tutorial.commands.asking import meet, say_all
+from tutorial.commands.terminal import say
 from tutorial.notebook.desk import keep_once
 from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread

@@ -85,6 +85,8 @@ class _Film:
             case "set_object":
                 self._sights.setdefault(command["path"], _Sight(self._now)).change(self._now, True)
                 self._scene.send_message(command)
+            case "set_property" if command["property"] == "color" and command["path"].startswith("/Bodies/"):
+                pass  # what was stale at the end has not been so all along; the line below says when it was
             case _:
                 self._scene.send_message(command)
 

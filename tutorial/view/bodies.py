@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +11,7 @@ from numpy.typing import NDArray
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import ThreadGuard
 from tutorial.view import shapes
+from tutorial.view.paint import Paint
 from tutorial.view.scene import MESHCATS_LIGHTS, Scene, Vector, pack_command
 
 __all__ = ["View"]
@@ -19,7 +22,7 @@ CAMERA: tuple[Vector, Vector] = ((-4.4, -3.4, 2.6), (-0.6, -0.1, 0.0))
 """Where the camera stands at first, and what it looks at [m]."""
 
 CLOSE_UP = np.array([-1.0, -0.8, 0.6])
-"""Where the camera stands to look at one body, seen from its middle and in terms of its extent."""
+"""Where the camera stands to look at some bodies, seen from their middle and in terms of their extent."""
 
 GRID = 10.0
 """Half the side of meshcat's grid [m]."""
@@ -56,6 +59,7 @@ class View:
         self._guard = ThreadGuard("the 3D view")
         self._scene = scene
         self._bodies: dict[str, _Poses] = {}
+        self._paints: dict[str, Paint] = {}
         self._furnish()
 
     @property
@@ -81,8 +85,9 @@ class View:
             raise TutorialError(f"{name!r} cannot be a name in the 3D view. Give one without a slash, like 'Tank'.")
         if name in self._bodies:
             self.remove(name)
-        paths = self._draw(f"{ROOT}/{name}", model)
+        paths, drawings = self._draw(f"{ROOT}/{name}", model)
         self._bodies[name] = _Poses(paths, model)
+        self._paints[name] = Paint(name, model, drawings)
         self._show_grid_without_floor()
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
@@ -103,6 +108,22 @@ class View:
         for key, command in self._find(name).moved(name, data):
             self._scene.send_packed(key, command)
 
+    def show_stale(self, name: str, joints: Collection[str]) -> None:
+        """Draw in grey what these joints move, and everything else in its own colours.
+
+        Args:
+            name: as given to `add`.
+            joints: those that nothing was heard of for a while; in the model they are called ``name/joint``.
+
+        Raises:
+            TutorialError: there is nothing of this name.
+            WrongThreadError: called on another thread than the view's.
+        """
+        self._guard.check("View.show_stale")
+        self._find(name)
+        for path, colour in self._paints[name].stale(joints):
+            self._set(path, "color", colour)
+
     def remove(self, name: str) -> None:
         """Take something out of the view.
 
@@ -112,7 +133,7 @@ class View:
         """
         self._guard.check("View.remove")
         self._find(name)
-        del self._bodies[name]
+        del self._bodies[name], self._paints[name]
         self._scene.send_message({"type": "delete", "path": f"{ROOT}/{name}"})
         self._show_grid_without_floor()
 
@@ -129,18 +150,21 @@ class View:
         self._guard.check("View.look_at")
         self._scene.look_at(position, target)
 
-    def look_at_body(self, name: str) -> None:
-        """Place the camera so that one body fills the picture, and make the grid a little larger than the body.
+    def look_at_bodies(self, *names: str) -> None:
+        """Place the camera so that these bodies fill the picture, and make the grid a little larger than they are.
 
         Raises:
-            TutorialError: there is nothing of this name.
+            TutorialError: there is nothing of one of these names.
             WrongThreadError: called on another thread than the view's.
         """
-        self._guard.check("View.look_at_body")
-        body = self._find(name)
-        x, y, z = (body.center + CLOSE_UP * body.extent).tolist()
-        self._scene.look_at((x, y, z), tuple(body.center.tolist()))
-        self._set("/Grid", "scale", [body.extent / GRID] * 3)
+        self._guard.check("View.look_at_bodies")
+        bodies = [self._find(name) for name in names]
+        low = np.min([body.center - body.extent / 2 for body in bodies], axis=0)
+        high = np.max([body.center + body.extent / 2 for body in bodies], axis=0)
+        center, extent = (low + high) / 2, float(np.max(high - low))
+        x, y, z = (center + CLOSE_UP * extent).tolist()
+        self._scene.look_at((x, y, z), tuple(center.tolist()))
+        self._set("/Grid", "scale", [extent / GRID] * 3)
 
     def show_grid(self, visible: bool = True) -> None:
         """Show or hide the grid at height 0. By itself it is there as long as no floor is drawn.
@@ -178,17 +202,19 @@ class View:
             raise TutorialError(f"there is no {name!r} in the 3D view.{hint} Draw it first: add(name, model).")
         return self._bodies[name]
 
-    def _draw(self, root: str, model: mujoco.MjModel) -> dict[int, str]:
-        """Draw the geoms, each below its MuJoCo body's path; return the paths by the bodies' numbers."""
+    def _draw(self, root: str, model: mujoco.MjModel) -> tuple[dict[int, str], dict[int, tuple[str, shapes.Json]]]:
+        """Draw the geoms, each below its MuJoCo body's path; return the bodies' paths, and the geoms' with drawings."""
         paths: dict[int, str] = {}
+        drawings: dict[int, tuple[str, shapes.Json]] = {}
         for geom in range(model.ngeom):
             if not shapes.is_drawn(model, geom):
                 continue
             body = int(model.geom_bodyid[geom])
             path = paths.setdefault(body, f"{root}/{_label(model, mujoco.mjtObj.mjOBJ_BODY, body)}")
             leaf = f"{path}/{_label(model, mujoco.mjtObj.mjOBJ_GEOM, geom)}"
-            self._set_object(leaf, shapes.draw_geom(model, geom, leaf))
-        return paths
+            drawings[geom] = leaf, shapes.draw_geom(model, geom, leaf)
+            self._set_object(*drawings[geom])
+        return paths, drawings
 
     def _furnish(self) -> None:
         for key, value in SKY.items():
@@ -237,7 +263,10 @@ class _Poses:
         self._sent: NDArray[np.float32] = np.full_like(self._now, np.nan)
 
     def moved(self, name: str, data: mujoco.MjData) -> list[tuple[tuple[str, str, str], bytes]]:
-        """The ``set_transform`` commands of those that are not where they were: (key, packed command)."""
+        """The ``set_transform`` commands of those that are not where they were: (key, packed command).
+
+        What is not finite, or too far away for single precision, stays where it is.
+        """
         if len(data.xpos) != self._bodies:
             raise TutorialError(
                 f"{name!r} was drawn from a model with {self._bodies} bodies, and this data has "
@@ -245,10 +274,12 @@ class _Poses:
             )
         now = self._now
         now[:, :3, :3] = data.xmat[self._ids].reshape(-1, 3, 3).transpose(0, 2, 1)
-        now[:, 3, :3] = data.xpos[self._ids]
-        moved = np.flatnonzero((now != self._sent).any(axis=(1, 2))).tolist()
+        with np.errstate(over="ignore"):
+            now[:, 3, :3] = data.xpos[self._ids]
+        moved = np.flatnonzero((now != self._sent).any(axis=(1, 2)))
+        moved = moved[np.isfinite(now[moved]).all(axis=(1, 2))].tolist()
         if not moved:
             return []
-        self._sent[:] = now
+        self._sent[moved] = now[moved]
         numbers = now.tobytes()
         return [(self._keys[i], self._heads[i] + numbers[64 * i : 64 * i + 64]) for i in moved]

@@ -132,6 +132,7 @@ class Scene:
         self._guard = ThreadGuard("the 3D view")
         self._kept: dict[tuple[str, ...], bytes] = {}
         self._frame: dict[tuple[str, ...], bytes] = {}
+        self._paths: set[str] = set()
         self._sinks: list[Sink] = []
 
     def send(self, command: Command) -> None:
@@ -256,18 +257,28 @@ class Scene:
 
     def _put(self, key: tuple[str, ...], record: bytes, keep: bool = True) -> None:
         if keep:
-            self._kept.pop(key, None)  # so that it goes to the end
+            if self._kept.pop(key, None) is None:  # it goes to the end
+                self._note(*key[1:2])
             self._kept[key] = record
         if self._sinks:
             self._frame.pop(key, None)
             self._frame[key] = record
 
+    def _note(self, path: str = "") -> None:
+        """Remember that there is something at this path, and so below all that lead to it."""
+        while path and path not in self._paths:
+            self._paths.add(path)
+            path = path.rpartition("/")[0]
+
     def _forget(self, path: str) -> None:
         if path == "/":
             raise TutorialError("meshcat cannot delete '/'. Delete what is below it, path by path.")
+        if path not in self._paths:  # as for each object of a new body: no need to look through all the others
+            return
         for records in (self._kept, self._frame):
-            for key in [key for key in records if _is_below(key, path)]:
+            for key in [key for key in records if len(key) > 1 and _is_below(key[1], path)]:
                 del records[key]
+        self._paths = {other for other in self._paths if not _is_below(other, path)}
 
 
 def _lowered(value: object) -> object:
@@ -290,5 +301,5 @@ def _tidy(path: str) -> str:
     return "/" + "/".join(part for part in path.split("/") if part)
 
 
-def _is_below(key: tuple[str, ...], path: str) -> bool:
-    return len(key) > 1 and (key[1] == path or key[1].startswith(f"{path}/"))
+def _is_below(other: str, path: str) -> bool:
+    return other == path or other.startswith(f"{path}/")

@@ -200,5 +200,5 @@ def _material(model: mujoco.MjModel, geom: int) -> Json:
 
 
 def _hexadecimal(colour: Array) -> int:
-    red, green, blue = (round(255 * float(np.clip(part, 0, 1))) for part in colour)
+    red, green, blue = (round(255 * min(max(float(part), 0.0), 1.0)) for part in colour)
     return red << 16 | green << 8 | blue

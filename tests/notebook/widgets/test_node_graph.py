@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 import threading
 from collections.abc import Callable
 from itertools import pairwise
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import pytest
+from hostile_peer import hostile_peer
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sensor_msgs.msg import JointState, Joy
 
 from tutorial.errors import TutorialError
 from tutorial.notebook.widgets.graph_picture import picture
-from tutorial.notebook.widgets.graph_watch import TopicNews, Topology
+from tutorial.notebook.widgets.graph_watch import GraphWatch, TopicNews, Topology
 from tutorial.notebook.widgets.layers import GAP, SPACING, lay_out
 from tutorial.notebook.widgets.node_graph import NodeGraph
 from tutorial.ros.node_thread import NodeThread
@@ -112,6 +115,15 @@ class TestPicture:
         assert "and 120 more, not shown" in places(root)
         assert words.endswith("/node79, 120 more.")
 
+    def test_topics_that_were_not_looked_into_are_counted(self):
+        root, words = drawn(Topology({"/a": 1}, {"/x": TopicNews("T", None, ("/a",), ())}, more=1999))
+        assert "and 1,999 more, not shown" in places(root)
+        assert words.endswith("And 1,999 more topics.")
+
+    def test_what_is_not_visible_is_an_escape(self):
+        root, _ = drawn(topology("/\u202egpj /\x1b[2J /\ufffe"))
+        assert places(root).keys() == {r"/\u202egpj", r"/\x1b[2J", r"/\ufffe"}
+
     def test_nobody(self):
         assert drawn(Topology())[1] == "there are no nodes yet"
 
@@ -160,6 +172,49 @@ class TestLayout:
         assert all(0 <= x <= width and 0 <= y <= height for x, y in layout.places.values())
         for a, b in edges_of(" ".join(f"{a}>{b}" for a, b in numbers)):
             assert (layout.places[a][0] > layout.places[b][0]) == ((a, b) in layout.backward)
+
+
+class Crowd:
+    """What a node would say of very many topics, each with a publisher and a subscription."""
+
+    def __init__(self, topics: list[str]) -> None:
+        self.topics = topics
+        self.asked: list[str] = []
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        return [(f"node{i:04}" + "n" * 10_000, "/") for i in range(2000)]
+
+    def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
+        return [(topic, ["std_msgs/msg/String"]) for topic in self.topics]
+
+    def get_publishers_info_by_topic(self, topic: str, no_mangle: bool = False) -> list[SimpleNamespace]:
+        self.asked.append(topic)
+        return [SimpleNamespace(node_name="node0000", node_namespace="/")]
+
+    get_subscriptions_info_by_topic = get_publishers_info_by_topic
+
+
+class TestWatch:
+    def test_of_very_many_topics_it_looks_into_a_few_and_first_into_those_it_knows(self):
+        crowd = Crowd(["/joy", "/Tank/joint_state"])
+        watch = GraphWatch(crowd, rates=False)
+        assert list(watch.look().topics) == ["/Tank/joint_state", "/joy"]
+        crowd.topics += [f"/a{i:04}" for i in range(2000)]
+        crowd.asked.clear()
+        graph = watch.look()
+        assert {"/joy", "/Tank/joint_state"} < graph.topics.keys()
+        assert len(crowd.asked) == 2 * len(graph.topics) == 80
+        assert graph.more == 2002 - 40
+
+    def test_names_of_any_length_are_bounded(self):
+        svg, words = picture(GraphWatch(Crowd([f"/{'t' * 10_000}"]), rates=False).look())
+        assert len(svg) + len(words) < 100_000
+        assert "... and 9,754 more characters" in words
+
+    def test_an_invalid_topic_is_asked_for_by_its_name_in_dds(self):
+        crowd = Crowd(["//x"])
+        assert list(GraphWatch(crowd).look().topics) == ["//x"]  # and nobody subscribes to it, for its rate
+        assert crowd.asked == ["rt//x", "rt//x"]
 
 
 class TestWidget:
@@ -222,6 +277,36 @@ class TestWidget:
             assert graph.ended
             assert "/alone" in graph.svg
             assert threading.active_count() == threads
+            graph.close()
+
+        asyncio.run(main())
+
+    @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the hostile program is made for Linux")
+    def test_hostile_names_are_shown_and_do_no_harm(self, domain):
+        async def main():
+            graph = NodeGraph()
+            await until(lambda: "/plain: from " in graph.alt and "//x: from " in graph.alt)
+            graph.close()
+            return graph.svg, graph.alt
+
+        with hostile_peer(domain):
+            svg, alt = asyncio.run(main())
+        assert (svg + alt).isprintable()
+        names = places(ElementTree.fromstring(svg))
+        assert {r"/\x1b[31mb", r"/a\r\nforge", "/<b>x</b>", "/"} < names.keys()
+
+    def test_a_graph_that_cannot_be_asked_for_is_said(self, domain, monkeypatch):
+        """As with a real ROS 2, while another node's name is empty."""
+
+        def fail(_self):
+            raise RuntimeError("Failed to get node names: empty node name\n")
+
+        async def main():
+            monkeypatch.setattr(GraphWatch, "look", fail)
+            graph = NodeGraph()
+            await until(lambda: graph.alt == r"ROS 2 says: Failed to get node names: empty node name\n")
+            monkeypatch.undo()
+            await until(lambda: graph.alt == "there are no nodes yet")
             graph.close()
 
         asyncio.run(main())

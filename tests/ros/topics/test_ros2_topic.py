@@ -10,6 +10,7 @@ from contextlib import aclosing
 
 import pytest
 import rclpy
+import yaml
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from programs import until
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -17,13 +18,13 @@ from recorded import masked, recorded
 from sensor_msgs.msg import Image, Imu, JointState, Joy
 from std_msgs.msg import Empty, Float32MultiArray, String
 
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, printable
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics import settled, topic_echo, topic_hz, topic_info, topic_list
 from tutorial.ros.topics.message_csv import message_to_csv
 from tutorial.ros.topics.message_form import MessageForm
 from tutorial.ros.topics.message_yaml import message_to_yaml
-from tutorial.ros.topics.names import message_class
+from tutorial.ros.topics.names import is_valid_topic, message_class, shown
 from tutorial.ros.topics.qos import compromises, reader_qos
 
 JOINT_STATE = "/Tank/joint_state"
@@ -291,12 +292,48 @@ class TestYaml:
             MessageForm(".")
 
     @pytest.mark.parametrize(
-        "name", ["sensor_msgs/msg/Joyy", "no_such_msgs/msg/Joy", "Joy", "", "//Joy", "os/path/join"]
+        "text",
+        ["\x1b[2J", "\x00\x7f\x9b", "\u202egpj", "a\n\u2028---\u2029", "\ufeff", "\x85", "half \ud800", "\\\u202e'\""],
+    )
+    def test_what_is_not_visible_is_an_escape_and_is_read_as_it_was(self, text):
+        written = message_to_yaml(String(data=text))
+        assert written.startswith('data: "')
+        assert written.removesuffix("\n").isprintable()
+        assert yaml.safe_load(written) == {"data": text}
+        assert MessageForm("data").text(String(data=text)).replace("\n", "").isprintable()
+        assert message_to_csv(String(data=text)) == printable(text)
+
+    def test_a_string_of_many_lines_stays_one_of_many_lines(self):
+        assert MessageForm("data").text(String(data="a\n\tb\n")) == "a\n\\tb\n\n---\n"
+
+    @pytest.mark.parametrize(
+        "name",
+        ["sensor_msgs/msg/Joyy", "no_such_msgs/msg/Joy", "Joy", "", "//Joy", "os/path/join", "a.b/msg/C", "./msg/C"],
     )
     def test_message_types_that_there_are_not(self, name):
         with pytest.raises(TutorialError) as caught:
             message_class(name)
         assert str(caught.value) == f"The message type '{name}' is invalid"
+
+    def test_a_type_s_name_from_the_network_imports_nothing_that_has_no_messages(self, tmp_path, monkeypatch):
+        """It would run: Python's own module ``antigravity`` opens a browser."""
+        (tmp_path / "trap").mkdir()
+        (tmp_path / "trap" / "__init__.py").write_text("raise SystemExit")
+        (tmp_path / "trapped.py").write_text("raise SystemExit")
+        monkeypatch.syspath_prepend(tmp_path)
+        for name in ("trap/msg/X", "trapped/msg/X", "trap/trap/X", f"trap/msg/{'X' * 300}"):
+            with pytest.raises(TutorialError, match="The message type 'tr"):
+                message_class(name)
+
+
+class TestNames:
+    def test_a_name_is_shown_up_to_the_longest_of_ros_2(self):
+        assert shown("/" + "a" * 254) == "/" + "a" * 254
+        assert shown("\x1b" + "a" * 1254) == r"\x1b" + "a" * 254 + "... and 1,000 more characters"
+
+    @pytest.mark.parametrize("topic", ["/1abc", "/a/", "//x", "/", "/<b>x</b>", "/half\ud800", "joy"])
+    def test_topics_that_break_the_rules(self, topic):
+        assert not is_valid_topic(topic)
 
 
 class TestCsv:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import socket
 import subprocess
 import time
 from collections.abc import Callable
@@ -300,6 +301,47 @@ def test_how_far_it_is_heard(reach: str, uri: str, said: str, monkeypatch: pytes
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", reach)
     monkeypatch.setenv("CYCLONEDDS_URI", uri)
     assert said in configuration()
+
+
+def resolve(host: str) -> str:
+    """Look a host up without asking the network."""
+    if host not in ("localhost", "127.0.0.1"):
+        raise socket.gaierror("Name or service not known")
+    return "127.0.0.1"
+
+
+@pytest.mark.embedded
+def test_peers_are_looked_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    from rclpy._domain import configuration
+
+    monkeypatch.setattr(socket, "gethostbyname", resolve)
+    monkeypatch.setenv("ROS_STATIC_PEERS", " localhost;localhost:7411; ;")
+    assert '<Peer address="127.0.0.1" PruneDelay="inf"/><Peer address="127.0.0.1:7411" PruneDelay' in configuration()
+
+
+@pytest.mark.embedded  # on Fast DDS rclpy says "Unable to resolve peer ...", on Cyclone DDS it goes on without it
+@pytest.mark.parametrize("peer", ["no-such-machine", "<b>", "localhost:x", "localhost:70000", "::1", "\x1b[2J"])
+def test_a_peer_that_is_not_found_is_named(peer: str, domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    from rclpy._domain import join
+
+    monkeypatch.setattr(socket, "gethostbyname", resolve)
+    monkeypatch.setenv("ROS_STATIC_PEERS", f"127.0.0.1;{peer}")
+    with pytest.raises(RuntimeError) as raised:
+        join(domain)
+    assert str(raised.value).startswith(
+        f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which is not found"
+    )
+    assert "separated by semicolons" in str(raised.value)
+
+
+@pytest.mark.embedded
+def test_peers_do_not_matter_where_nobody_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    from rclpy._domain import configuration
+
+    monkeypatch.setattr(socket, "gethostbyname", resolve)
+    monkeypatch.setenv("ROS_STATIC_PEERS", "no-such-machine")
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF")
+    assert "Peer" not in configuration()
 
 
 INTERRUPTED = """

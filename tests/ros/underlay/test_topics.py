@@ -15,6 +15,7 @@ from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
 from rclpy.task import Future
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
@@ -101,6 +102,8 @@ def test_message_info(node: Node, spin_until: SpinUntil) -> None:
     node.create_publisher(String, "x", 10).publish(String())
     spin_until(lambda: received)
     assert before <= received[0]["source_timestamp"] <= received[0]["received_timestamp"] <= time.time_ns()
+    assert received[0]["publication_sequence_number"] in (None, 1), "only Fast DDS counts"
+    assert received[0]["reception_sequence_number"] is None
 
 
 def test_serialized_messages(node: Node, spin_until: SpinUntil) -> None:
@@ -122,6 +125,37 @@ def test_busy_topic_does_not_starve_a_quiet_one(node: Node, executor: SingleThre
     for _ in range(2):
         executor.spin_once(timeout_sec=10.0)
     assert sorted(order) == ["busy", "quiet"]
+
+
+@pytest.mark.embedded
+def test_a_topic_without_messages_is_not_looked_at(
+    node: Node, spin_until: SpinUntil, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A node with a hundred subscriptions pays for those that have something."""
+    received: list[Any] = []
+    for i in range(20):
+        node.create_subscription(String, f"x{i}", received.append, 10)
+    publisher = node.create_publisher(String, "x7", 10)
+    looked_at = set()
+    execute = Subscription.execute
+    monkeypatch.setattr(Subscription, "execute", lambda self: (looked_at.add(self.topic), execute(self))[1])
+    for count in range(1, 6):
+        publisher.publish(String())
+        spin_until(lambda count=count: len(received) == count)
+    assert looked_at == {"x7"}
+
+
+def test_a_timer_that_is_due_is_called_by_a_spin_that_does_not_wait(
+    node: Node, executor: SingleThreadedExecutor
+) -> None:
+    called: list[int] = []
+    timer = node.create_timer(0.001, lambda: called.append(1))
+    executor.spin_once(timeout_sec=0)
+    while not timer.is_ready():
+        time.sleep(0.0001)
+    before = len(called)
+    executor.spin_once(timeout_sec=0)
+    assert len(called) == before + 1
 
 
 def test_late_subscription_receives_what_is_kept(node: Node, spin_until: SpinUntil) -> None:
@@ -408,7 +442,7 @@ def test_announcements_of_others_are_taken_in_while_spinning(
     other = Context()
     other.init(args=[])
     Node("other", context=other)
-    spin_until(lambda: node.context.graph._remote)
+    spin_until(lambda: node.context.graph._unread)
     other.shutdown()
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tracemalloc
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
@@ -16,6 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 from rmw_dds_common.msg import NodeEntitiesInfo
+from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import Image, Imu, JointState, Joy
 from std_msgs.msg import ByteMultiArray, Empty, Int8, String, UInt8MultiArray
 from unique_identifier_msgs.msg import UUID
@@ -25,6 +27,7 @@ import tutorial  # noqa: F401
 GOLDEN = json.loads((Path(__file__).parent / "data/golden_cdr.json").read_text())
 LITTLE_ENDIAN = b"\0\1\0\0"
 MILLION = (2**20).to_bytes(4, "little")  # as a length: more than there is, and less than the computer's memory
+BILLIONS = b"\xff\xff\xff\xff"  # as a length: the greatest
 
 zeroed_padding = pytest.mark.skipif(
     rclpy.get_rmw_implementation_identifier() == "rmw_fastrtps_cpp", reason="this RMW leaves garbage in the padding"
@@ -100,6 +103,14 @@ def test_big_endian_bytes() -> None:
     assert deserialize_message(b"\0\0\0\0" + bytes([0, 0, 0, 1, 0, 0, 0, 2]), Time) == Time(sec=1, nanosec=2)
 
 
+@pytest.mark.parametrize("sample", GOLDEN["samples"], ids=lambda sample: sample["label"])
+def test_recorded_values_in_big_endian_bytes(sample: dict[str, Any]) -> None:
+    store, name = get_typestore(Stores.ROS2_JAZZY), sample["type"]
+    message = store.deserialize_cdr(bytes.fromhex(sample["cdr_hex"]), name)
+    received = deserialize_message(bytes(store.serialize_cdr(message, name, little_endian=False)), message_class(name))
+    assert repr(received) == repr(fill(message_class(name)(), sample["value"]))
+
+
 def test_not_a_number_survives() -> None:
     received = deserialize_message(serialize_message(JointState(position=[math.nan, math.inf])), JointState)
     assert math.isnan(received.position[0])
@@ -139,6 +150,15 @@ def test_a_wrong_value_names_its_field(cls: type[Any], field: str, value: object
         (LITTLE_ENDIAN + bytes(8) + MILLION, UInt8MultiArray),
         (LITTLE_ENDIAN + bytes(8) + MILLION, ByteMultiArray),
         (LITTLE_ENDIAN + 2 * b"\1\0\0\0\0\0\0\0" + MILLION, NodeEntitiesInfo),
+        (LITTLE_ENDIAN + BILLIONS, String),
+        (LITTLE_ENDIAN + bytes(8) + BILLIONS, UInt8MultiArray),
+        (LITTLE_ENDIAN + bytes(8) + BILLIONS, ByteMultiArray),
+        (LITTLE_ENDIAN + 2 * b"\1\0\0\0\0\0\0\0" + BILLIONS, NodeEntitiesInfo),
+        (LITTLE_ENDIAN + bytes(8) + b"\1\0\0\0\0\0\0\0" + BILLIONS, JointState),
+        (LITTLE_ENDIAN + bytes(8) + b"\1\0\0\0\0\0\0\0\0\0\0\0" + BILLIONS, JointState),
+        (b"\0\0\0\0" + bytes(8) + BILLIONS, UInt8MultiArray),
+        (LITTLE_ENDIAN + b"\2\0\0\0ab", String),
+        (LITTLE_ENDIAN + b"\3\0\0\0\xff\xfe\0", String),
         (serialize_message(UUID())[:-1], UUID),
         (serialize_message(Image(data=bytes(100)))[:-1], Image),
         (serialize_message(Image(data=bytes(100)))[:-99], Image),
@@ -148,6 +168,19 @@ def test_a_wrong_value_names_its_field(cls: type[Any], field: str, value: object
 def test_what_is_no_message_is_refused(data: bytes, cls: type[Any]) -> None:
     with pytest.raises(RuntimeError, match=f"^failed to deserialize .*: {len(data)} bytes are no {cls.__name__}: ."):
         deserialize_message(data, cls)
+
+
+@pytest.mark.embedded
+@pytest.mark.parametrize("cls", [String, UInt8MultiArray, ByteMultiArray, JointState, Image])
+def test_a_length_takes_no_memory_before_what_it_counts_is_there(cls: type[Any]) -> None:
+    data = LITTLE_ENDIAN + bytes(8) + BILLIONS * 1000
+    with suppress(RuntimeError):
+        deserialize_message(data, cls)  # made at first use: what reads such a message
+    tracemalloc.start()
+    with pytest.raises(RuntimeError, match="no "):
+        deserialize_message(data if cls is not String else data[8:], cls)
+    assert tracemalloc.get_traced_memory()[1] < 20_000
+    tracemalloc.stop()
 
 
 @pytest.mark.embedded

@@ -50,9 +50,11 @@ def nodes() -> dict[str, Any]:
     """Who is in the domain, but for hidden nodes, which this one is; and whether that has stopped changing."""
     ros: Any = importlib.import_module("tutorial.ros.node_thread")
     topics: Any = importlib.import_module("tutorial.ros.topics")
+    names: Any = importlib.import_module("tutorial.ros.topics.names")
     with ros.NodeThread("_doctor") as thread:
         time.sleep(LISTEN)
-        return {"settled": asyncio.run(topics.settled(thread.node)), "nodes": topics.node_names(thread.node)}
+        is_settled = asyncio.run(topics.settled(thread.node))
+        return {"settled": is_settled, "nodes": [names.shown(name) for name in topics.node_names(thread.node)]}
 
 
 if __name__ == "__main__":

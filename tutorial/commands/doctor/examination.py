@@ -17,6 +17,7 @@ from tutorial.commands.doctor.finding import Finding, layout, summary
 from tutorial.commands.doctor.installation import jupyter, mujoco, packages, python, python_home, rendering
 from tutorial.commands.doctor.processes import listeners, ports, processes, running
 from tutorial.commands.doctor.ros import backend, discovery, domain, nodes
+from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError
 from tutorial.ros.backend import choose, real_rclpy_exists
 
@@ -38,9 +39,9 @@ def doctor() -> int:
     """
     findings = []
     for finding in chain.from_iterable(examine(_probes(os.environ))):
-        print(layout(finding), flush=True)  # noqa: T201 - what it is for
+        say(f"{layout(finding)}\n")
         findings.append(finding)
-    print(f"\n{summary(findings)}")  # noqa: T201
+    say(f"\n{summary(findings)}\n")
     return int(any(finding.level == "problem" for finding in findings))
 
 

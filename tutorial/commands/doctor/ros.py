@@ -19,6 +19,7 @@ RANGES = {
     "OFF": "no other node, not even on this machine",
     "SYSTEM_DEFAULT": "what the middleware is configured for",
 }
+MOST_NAMES = 50
 OURS = "the tutorial's own, on Cyclone DDS"
 LAST_DOMAIN, LAST_SAFE_DOMAIN = 232, 101  # above 101 the ports are among those that Linux gives to outgoing connections
 
@@ -91,8 +92,9 @@ def nodes(environment: Mapping[str, str], ask: Ask) -> Iterator[Finding]:
         yield Finding("nodes", "problem", f"a node cannot be made: {error}", mend)
         return
     counts = Counter(answer["nodes"])
-    named = ", ".join(f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items()))
-    text = f"in domain {number}: {named or 'nobody else'}"
+    named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
+    more = [f"and {len(named) - MOST_NAMES:,} more"] if len(named) > MOST_NAMES else []
+    text = f"in domain {number}: {', '.join(named[:MOST_NAMES] + more) or 'nobody else'}"
     twins = [name for name, count in counts.items() if count > 1]
     if twins:
         mend = "give each its own name: tank run step3 --ros-args -r __node:=viewer"

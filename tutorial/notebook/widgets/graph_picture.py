@@ -35,7 +35,7 @@ def picture(topology: Topology) -> tuple[str, str]:
     edges = [(a, b) for a, b in edges if a in shown and b in shown]
     layout = lay_out({key: shape.size for key, shape in shown.items()}, edges)
     width, height = layout.size
-    more = len(shapes) - len(shown)
+    more = len(shapes) - len(shown) + topology.more
     root = svg.new_picture(width + 2 * MARGIN, height + 2 * MARGIN + (20 if more else 0))
     canvas = svg.draw(root, "g", transform=f"translate({MARGIN} {MARGIN})")
     for edge in edges:
@@ -43,7 +43,7 @@ def picture(topology: Topology) -> tuple[str, str]:
     for key, shape in shown.items():
         shape.draw(canvas, layout.places[key])
     if more:
-        svg.write(canvas, 0, height + 20, f"and {more} more, not shown", f"fill:{svg.MUTED}")
+        svg.write(canvas, 0, height + 20, f"and {more:,} more, not shown", f"fill:{svg.MUTED}")
     return svg.to_text(root), _words(topology)
 
 
@@ -156,11 +156,12 @@ def _words(topology: Topology) -> str:
         rate = _rate_text(news.rate)
         label = f"{topic} ({rate})" if rate else topic
         said.append(f"{label}: from {_listed(news.publishers)} to {_listed(news.subscribers)}.")
-    if len(topology.topics) > MOST:
-        said.append(f"And {len(topology.topics) - MOST} more topics.")
+    more = max(0, len(topology.topics) - MOST) + topology.more
+    if more:
+        said.append(f"And {more:,} more topics.")
     return " ".join(said)
 
 
 def _listed(names: Sequence[str]) -> str:
-    shown = [*names[:MOST], *([f"{len(names) - MOST} more"] if len(names) > MOST else [])]
+    shown = [*names[:MOST], *([f"{len(names) - MOST:,} more"] if len(names) > MOST else [])]
     return ", ".join(shown) or "nobody"

@@ -12,11 +12,13 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from tutorial.errors import TutorialError
+from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.listing import topics_with_types
-from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name, is_hidden, message_class
+from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name, is_hidden, is_valid_topic, message_class, shown
 
 __all__ = ["GraphWatch", "TopicNews", "Topology"]
 
+MOST_TOPICS = 40  # that are looked into
 LOOKS_KEPT = 4  # of a topic's count, for its rate
 DEPTH = 100  # messages that may wait for the executor without being lost to the count
 
@@ -40,15 +42,17 @@ class TopicNews:
 
 @dataclass(frozen=True)
 class Topology:
-    """The node graph at one moment, without what is hidden.
+    """The node graph at one moment, without what is hidden; all names are as `shown`.
 
     Attributes:
         nodes: how many nodes have each full name.
         topics: by name.
+        more: how many topics there are beside these, which were not looked into.
     """
 
     nodes: dict[str, int] = field(default_factory=dict)
     topics: dict[str, TopicNews] = field(default_factory=dict)
+    more: int = 0
 
 
 class GraphWatch:
@@ -63,24 +67,30 @@ class GraphWatch:
         self._node = node
         self._rates = rates
         self._meters: dict[str, _RateMeter] = {}
+        self._known: set[str] = set()
 
     def look(self) -> Topology:
-        """Ask for the graph; this takes some milliseconds. The executor's thread."""
+        """Ask for the graph; this takes some milliseconds, or more where there is much. The executor's thread.
+
+        Of very many topics, those that it has looked into before come first, whoever brings others.
+        """
         names = (full_name(name, space) for name, space in self._node.get_node_names_and_namespaces())
-        nodes = Counter(sorted(name for name in names if not is_hidden(name)))
-        topics: dict[str, TopicNews] = {}
-        for topic, types in topics_with_types(self._node).items():
-            if topic in EVERY_NODE_HAS:
-                continue
-            publishers = _visible(self._node.get_publishers_info_by_topic(topic))
-            subscribers = _visible(self._node.get_subscriptions_info_by_topic(topic))
-            if publishers or subscribers:
-                rate = self._rate(topic, types) if publishers and self._rates else None
-                topics[topic] = TopicNews(", ".join(types), rate, publishers, subscribers)
+        nodes = Counter(sorted(shown(name) for name in names if not is_hidden(name)))
+        found = {topic: types for topic, types in topics_with_types(self._node).items() if topic not in EVERY_NODE_HAS}
+        chosen = sorted(sorted(found, key=lambda topic: topic not in self._known)[:MOST_TOPICS])
+        news = {topic: self._news(topic, found[topic]) for topic in chosen}
+        self._known = {topic for topic, each in news.items() if each.publishers or each.subscribers}
         for topic in tuple(self._meters):
-            if topic not in topics or not topics[topic].publishers:
+            if topic not in news or not news[topic].publishers:
                 self._meters.pop(topic).close()
-        return Topology(dict(nodes), topics)
+        topics = {shown(topic): each for topic, each in news.items() if topic in self._known}
+        return Topology(dict(nodes), topics, len(found) - len(chosen))
+
+    def _news(self, topic: str, types: list[str]) -> TopicNews:
+        publishers = _visible(publishers_on(self._node, topic))
+        subscribers = _visible(subscriptions_on(self._node, topic))
+        rate = self._rate(topic, types) if publishers and self._rates else None
+        return TopicNews(", ".join(map(shown, types)), rate, publishers, subscribers)
 
     def _rate(self, topic: str, types: list[str]) -> float | None:
         """How often a topic's messages come; from the first time on that this is asked."""
@@ -101,6 +111,8 @@ class _RateMeter:
             (type_name,) = types
             kind = message_class(type_name)
         except (ValueError, TutorialError):  # several types, or one that is not installed here
+            return
+        if not is_valid_topic(topic):  # no node can subscribe to it
             return
         qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._subscription = node.create_subscription(kind, topic, self._on_message, qos, raw=True)
@@ -124,4 +136,4 @@ class _RateMeter:
 def _visible(infos: list[TopicEndpointInfo]) -> tuple[str, ...]:
     """The full names of the nodes that endpoints belong to, each once."""
     names = {full_name(info.node_name, info.node_namespace) for info in infos}
-    return tuple(sorted(name for name in names if not is_hidden(name)))
+    return tuple(sorted(shown(name) for name in names if not is_hidden(name)))

@@ -7,6 +7,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Iterable, Sequence
+from itertools import islice
 from typing import NamedTuple
 
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -16,6 +17,7 @@ from tutorial.errors import TutorialError
 from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.chart import Axes, Point, thin
 from tutorial.notebook.widgets.live_picture import LivePicture
+from tutorial.ros.topics.names import shown
 
 __all__ = ["JointPlot"]
 
@@ -25,6 +27,7 @@ SHARE = 0.1  # of the main thread's time that drawing takes at most
 SAMPLES_KEPT = 10_000
 POINTS_DRAWN = 600  # of one curve
 MOST_JOINTS = 8
+NAMES_KEPT = 200  # of one message
 MOST_SEGMENTS = 100  # of one curve
 TOO_LARGE = 1e6  # [rad], infinity included
 LEAST_SPAN = 0.02  # [rad] from the bottom to the top
@@ -32,7 +35,7 @@ RESTART = 1.0  # [s] by which the time steps back when its publisher has been st
 
 
 class _Sample(NamedTuple):
-    """What one message said, at its time [s]."""
+    """What one message said, at its time [s]; the joints' names are as `shown`."""
 
     time: float
     positions: dict[str, float]
@@ -114,7 +117,8 @@ class _History:
         self._last_stamp = stamp
         if self._samples and moment < self._samples[-1].time - RESTART:
             self._samples.clear()
-        self._samples.append(_Sample(moment, dict(zip(message.name, message.position))))
+        named = islice(zip(message.name, message.position), NAMES_KEPT)
+        self._samples.append(_Sample(moment, {shown(name): position for name, position in named}))
 
     def recent(self) -> list[_Sample]:
         """The samples of the last seconds."""

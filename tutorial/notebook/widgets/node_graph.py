@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
+from tutorial.errors import printable
+from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.graph_picture import picture
 from tutorial.notebook.widgets.graph_watch import GraphWatch, Topology
 from tutorial.notebook.widgets.live_picture import LivePicture
@@ -12,6 +14,7 @@ from tutorial.notebook.widgets.live_picture import LivePicture
 __all__ = ["NodeGraph"]
 
 LOOK_EVERY = 1.0  # [s]
+BREATH = 10  # times as long as a look took, before the next
 FIRST_LOOKS = (0.2, 0.6)  # [s] after the beginning
 
 
@@ -42,10 +45,19 @@ class NodeGraph(LivePicture):
 
     def _look(self) -> None:
         """Ask for the graph when it is time to, post what there is, and return. The executor's thread."""
-        if time.monotonic() < self._next_looks[0]:
+        began = time.monotonic()
+        if began < self._next_looks[0]:
             return
-        self._next_looks = self._next_looks[1:] or [time.monotonic() + LOOK_EVERY]
-        self.calls.call_latest("graph", self._draw, self._watch.look())
+        try:
+            self.calls.call_latest("graph", self._draw, self._watch.look())
+        except (RuntimeError, UnicodeDecodeError) as error:  # a real one lists nothing while a node's name is empty
+            self.calls.call_latest("graph", self._say, f"ROS 2 says: {printable(str(error))}")
+        took = time.monotonic() - began
+        self._next_looks = self._next_looks[1:] or [time.monotonic() + max(LOOK_EVERY, BREATH * took)]
+
+    def _say(self, text: str) -> None:
+        """Show a sentence in the graph's place. Main thread."""
+        self.show(svg.notice(480, 80, svg.shorten(text, 64)), text)
 
     def _draw(self, topology: Topology) -> None:
         """Draw the graph. Main thread."""

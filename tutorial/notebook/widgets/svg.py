@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-# the characters that XML 1.0 cannot hold
-NOT_IN_XML = re.compile(r"[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+from tutorial.errors import printable
 
 INK = "var(--jp-ui-font-color1, #212121)"
 MUTED = "var(--jp-ui-font-color2, #5f6368)"
@@ -96,10 +94,10 @@ def shorten(text: str, length: int) -> str:
 
 
 def to_text(root: Element) -> str:
-    """Write a picture down. Characters that XML cannot hold become question marks."""
+    """Write a picture down. What is no visible character becomes its escape, as XML cannot hold all of them."""
     for element in root.iter():
         if element.text:
-            element.text = NOT_IN_XML.sub("?", element.text)
+            element.text = printable(element.text)
     return tostring(root, encoding="unicode")
 
 

@@ -19,7 +19,7 @@ from rclpy.qos import QoSProfile
 from tutorial.errors import TutorialError
 from tutorial.handoff import CallQueue
 from tutorial.ros.topics.message_form import MessageForm
-from tutorial.ros.topics.names import message_class
+from tutorial.ros.topics.names import message_class, shown
 from tutorial.ros.topics.qos import reader_qos
 
 __all__ = ["NO_TYPE", "not_published", "topic_echo", "topic_hz", "type_of"]
@@ -193,13 +193,14 @@ def type_of(node: Node, topic: str) -> str | None:
     """
     types = dict(node.get_topic_names_and_types()).get(topic, [])
     if len(types) > 1:
-        raise TutorialError(f"Cannot echo topic '{topic}', as it contains more than one type: [{', '.join(types)}]")
+        names = ", ".join(map(shown, types))
+        raise TutorialError(f"Cannot echo topic '{shown(topic)}', as it contains more than one type: [{names}]")
     return types[0] if types else None
 
 
 def not_published(topic: str) -> str:
     """Say that there is no such topic, in the words of ``ros2``."""
-    return f"WARNING: topic [{topic}] does not appear to be published yet"
+    return f"WARNING: topic [{shown(topic)}] does not appear to be published yet"
 
 
 def _rate_text(intervals: deque[float]) -> str:

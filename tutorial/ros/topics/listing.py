@@ -1,9 +1,12 @@
 """Which topics there are and who is on them: ``ros2 topic list``, ``info``, ``type`` and ``find``, as text.
 
-The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. Names stand in
+the texts as `shown`: ``ros2`` has them as they come.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 from rclpy.duration import Duration, Infinite
 from rclpy.node import Node
@@ -11,7 +14,8 @@ from rclpy.qos import HistoryPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from tutorial.errors import TutorialError
-from tutorial.ros.topics.names import is_hidden
+from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
+from tutorial.ros.topics.names import is_hidden, shown
 
 __all__ = ["topic_find", "topic_info", "topic_list", "topic_type", "topics_with_types"]
 
@@ -42,7 +46,7 @@ def topic_list(node: Node, show_types: bool = False, include_hidden: bool = Fals
     topics = topics_with_types(node, include_hidden)
     if verbose and topics:
         return _counts(node, topics, publishers=True) + _counts(node, topics, publishers=False)
-    return "".join(f"{_with_types(topic, topics) if show_types else topic}\n" for topic in topics)
+    return _lines(_with_types(topic, topics) if show_types else shown(topic) for topic in topics)
 
 
 def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
@@ -58,10 +62,10 @@ def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
     """
     types = topics_with_types(node, include_hidden=True).get(topic)
     if types is None:
-        raise TutorialError(f"Unknown topic '{topic}'")
-    publishers = node.get_publishers_info_by_topic(topic)
-    subscriptions = node.get_subscriptions_info_by_topic(topic)
-    parts = [f"Type: {types[0] if len(types) == 1 else types}", f"Publisher count: {len(publishers)}"]
+        raise TutorialError(f"Unknown topic '{shown(topic)}'")
+    publishers, subscriptions = publishers_on(node, topic), subscriptions_on(node, topic)
+    kind = shown(types[0]) if len(types) == 1 else "[{}]".format(", ".join(f"'{shown(name)}'" for name in types))
+    parts = [f"Type: {kind}", f"Publisher count: {len(publishers)}"]
     parts += [_endpoint_text(info) for info in publishers if verbose]
     parts += [f"Subscription count: {len(subscriptions)}"]
     parts += [_endpoint_text(info) for info in subscriptions if verbose]
@@ -72,25 +76,29 @@ def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
 def topic_type(node: Node, topic: str, include_hidden: bool = False) -> str:
     """Name the types of a topic, one a line, as ``ros2 topic type``; nothing when there is no such topic."""
     types = topics_with_types(node, include_hidden).get(topic, [])
-    return "".join(f"{type_name}\n" for type_name in types)
+    return _lines(map(shown, types))
 
 
 def topic_find(node: Node, type_name: str, include_hidden: bool = False) -> str:
     """List the topics of a type, one a line, as ``ros2 topic find``."""
     topics = topics_with_types(node, include_hidden)
-    return "".join(f"{topic}\n" for topic, types in topics.items() if type_name in types)
+    return _lines(shown(topic) for topic, types in topics.items() if type_name in types)
+
+
+def _lines(texts: Iterable[str]) -> str:
+    return "".join(f"{text}\n" for text in texts)
 
 
 def _with_types(topic: str, topics: dict[str, list[str]]) -> str:
-    return f"{topic} [{', '.join(topics[topic])}]"
+    return f"{shown(topic)} [{', '.join(map(shown, topics[topic]))}]"
 
 
 def _counts(node: Node, topics: dict[str, list[str]], publishers: bool) -> str:
     """One half of ``ros2 topic list -v``."""
-    count_of, who = (node.count_publishers, "publisher") if publishers else (node.count_subscribers, "subscriber")
+    endpoints_on, who = (publishers_on, "publisher") if publishers else (subscriptions_on, "subscriber")
     text = "Published topics:\n" if publishers else "Subscribed topics:\n"
     for topic in topics:
-        count = count_of(topic)
+        count = len(endpoints_on(node, topic))
         if count:
             text += f" * {_with_types(topic, topics)} {count} {who}{'s' if count > 1 else ''}\n"
     return f"{text}\n"
@@ -102,9 +110,9 @@ def _endpoint_text(info: TopicEndpointInfo) -> str:
     depth = f" ({qos.depth})" if qos.history == HistoryPolicy.KEEP_LAST else ""
     return "\n".join(
         (
-            f"Node name: {info.node_name}",
-            f"Node namespace: {info.node_namespace}",
-            f"Topic type: {info.topic_type}",
+            f"Node name: {shown(info.node_name)}",
+            f"Node namespace: {shown(info.node_namespace)}",
+            f"Topic type: {shown(info.topic_type)}",
             f"Topic type hash: {info.topic_type_hash}",
             f"Endpoint type: {info.endpoint_type.name}",
             f"GID: {'.'.join(f'{byte:02x}' for byte in info.endpoint_gid)}",

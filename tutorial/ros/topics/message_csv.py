@@ -7,6 +7,7 @@ from itertools import dropwhile
 from operator import not_
 from typing import Any
 
+from tutorial.errors import printable
 from tutorial.ros.topics.message_yaml import ARRAYS, TRUNCATE_LENGTH, array_summary, ellipsis
 from tutorial.ros.topics.names import is_message
 
@@ -15,6 +16,8 @@ __all__ = ["message_to_csv"]
 
 def message_to_csv(message: Any, truncate_length: int | None = TRUNCATE_LENGTH, no_arr: bool = False) -> str:
     """Write all values of a message in the order of their fields, those of messages in it too, with commas between.
+
+    It is one line, whatever is in the message: a line break is an escape, as all that is not visible.
 
     Args:
         message: of any type.
@@ -34,7 +37,7 @@ def _text(value: Any, length: int | None, no_arr: bool, kind: str = "") -> str:
             return array_summary(value, kind)
         return _joined([_text(element, length, no_arr) for element in value[:length]] + ellipsis(value, length))
     if isinstance(value, str):
-        return "".join([value[:length], *ellipsis(value, length)])
+        return "".join([printable(value[:length]), *ellipsis(value, length)])
     return str(value)
 
 

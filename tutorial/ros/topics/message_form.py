@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, printable
 from tutorial.ros.topics.message_csv import message_to_csv
 from tutorial.ros.topics.message_yaml import TRUNCATE_LENGTH, message_to_yaml
 from tutorial.ros.topics.names import is_message
@@ -40,7 +40,8 @@ class MessageForm:
     def text(self, message: Any) -> str:
         """Write a message, or its field, with what closes it: ``---``, or for CSV nothing but the line's end.
 
-        A field that is no message is written as Python shows it.
+        A field that is no message is written as Python shows it, a string line by line, with what is not visible as
+        escapes.
 
         Raises:
             TutorialError: the message has no such field.
@@ -51,6 +52,8 @@ class MessageForm:
                 value = attrgetter(self._path())(message)
             except AttributeError as error:
                 raise TutorialError(f"Invalid field '{self._path()}': {error}") from None
+        if isinstance(value, str):
+            return "\n".join([*map(printable, value.split("\n")), "---\n"])  # a robot description has many lines
         if not is_message(value):
             return f"{value}\n---\n"
         if self.csv:

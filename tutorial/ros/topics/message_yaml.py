@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from tutorial.errors import printable
 from tutorial.ros.topics.names import is_message
 
 __all__ = ["ARRAYS", "TRUNCATE_LENGTH", "array_summary", "ellipsis", "message_to_yaml"]
@@ -25,6 +26,9 @@ ARRAYS = (list, tuple, array, np.ndarray)
 def message_to_yaml(message: Any, truncate_length: int | None = TRUNCATE_LENGTH, no_arr: bool = False) -> str:
     """Write a message as YAML, its fields in their order.
 
+    A string of visible characters and line breaks stands as ``ros2`` writes it. Any other is in double quotes, where
+    YAML has the escapes that `tutorial.errors.printable` writes: read again, it is the same string.
+
     Args:
         message: of any type.
         truncate_length: how many elements of an array and characters of a string are written, followed by ``...``;
@@ -35,7 +39,10 @@ def message_to_yaml(message: Any, truncate_length: int | None = TRUNCATE_LENGTH,
         Lines, of which the last ends in a line break too.
     """
     plain = _plain(message, truncate_length, no_arr)
-    return str(yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, default_flow_style=False, width=sys.maxsize))
+    text = yaml.dump(
+        plain, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=False, width=sys.maxsize
+    )
+    return "\n".join(map(printable, text.split("\n")))
 
 
 def array_summary(value: Sized, kind: str) -> str:
@@ -53,6 +60,18 @@ def array_summary(value: Sized, kind: str) -> str:
         return f"<array type: {_long(kind)}>"
     element, bound = found.groups()
     return f"<sequence type: {_long(element)}{f'[{bound}]' if bound else ''}, length: {len(value)}>"
+
+
+class _Dumper(yaml.SafeDumper):
+    """Puts strings in double quotes that are not all visible."""
+
+
+def _string(dumper: _Dumper, text: str) -> yaml.ScalarNode:
+    style = None if text.replace("\n", "").isprintable() else '"'
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style)
+
+
+_Dumper.add_representer(str, _string)
 
 
 def _plain(value: Any, length: int | None, no_arr: bool, kind: str = "") -> Any:

@@ -1,17 +1,37 @@
-"""Names of nodes, topics and message types, as ROS 2 has them."""
+"""Names of nodes, topics and message types, as ROS 2 has them, and what other programs have in their place.
+
+ROS 2 checks the names that its own programs use. A program that is DDS alone may call a topic ``//x``, and a node or a
+type whatever it likes.
+"""
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 from rclpy.exceptions import NameValidationException
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, printable
 
-__all__ = ["EVERY_NODE_HAS", "full_name", "full_topic", "is_hidden", "is_message", "message_class", "parted"]
+__all__ = [
+    "EVERY_NODE_HAS",
+    "LONGEST_NAME",
+    "full_name",
+    "full_topic",
+    "is_hidden",
+    "is_message",
+    "is_valid_topic",
+    "message_class",
+    "shown",
+]
+
+LONGEST_NAME = 255
+"""Characters of a name in ROS 2."""
 
 EVERY_NODE_HAS = ("/rosout", "/parameter_events")
 """Topics that are there wherever there is a node."""
@@ -22,10 +42,22 @@ def full_name(name: str, namespace: str) -> str:
     return f"{namespace.rstrip('/')}/{name}"
 
 
-def parted(full_name: str) -> tuple[str, str]:
-    """Part a node's full name into its name and its namespace."""
-    namespace, _, name = full_name.rpartition("/")
-    return name, namespace or "/"
+def shown(name: str) -> str:
+    """Return a name as it may be printed: no more of it than ROS 2's longest, and what is not visible as escapes.
+
+    Args:
+        name: of a node, a topic or a type, whoever has given it.
+    """
+    more = len(name) - LONGEST_NAME
+    return printable(name[:LONGEST_NAME]) + (f"... and {more:,} more characters" if more > 0 else "")
+
+
+def is_valid_topic(name: str) -> bool:
+    """Whether a topic's full name keeps the rules of ROS 2, which answers no question about any other."""
+    try:
+        return bool(validate_full_topic_name(name))
+    except (NameValidationException, ValueError):  # ValueError: half a character
+        return False
 
 
 def full_topic(node: Node, topic: str) -> str:
@@ -67,9 +99,19 @@ def message_class(type_name: str) -> Any:
     found = None
     try:
         package, kind, name = type_name.split("/")
-        found = getattr(import_module(f"{package}.{kind}"), name)
+        if kind == "msg" and _has_messages(package):
+            found = getattr(import_module(f"{package}.msg"), name)
     except (ValueError, TypeError, ImportError, AttributeError):
         pass
     if not is_message(found):
-        raise TutorialError(f"The message type '{type_name}' is invalid")
+        raise TutorialError(f"The message type '{shown(type_name)}' is invalid")
     return found
+
+
+def _has_messages(package: str) -> bool:
+    """Whether a package has messages. It is not imported to find out: that runs code, and the name may be anyone's."""
+    spec = find_spec(package) if package.isidentifier() else None
+    if spec is None or spec.submodule_search_locations is None:
+        return False
+    places = spec.submodule_search_locations
+    return any(finder.find_spec(f"{package}.msg", places) is not None for finder in sys.meta_path)

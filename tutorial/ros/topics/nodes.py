@@ -1,6 +1,7 @@
 """Which nodes there are and what each does: ``ros2 node list`` and ``info``, as text.
 
-The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
+The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. Names stand in
+the texts as `shown`: ``ros2`` has them as they come.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from typing import Any
 
 from rclpy.node import Node
 
-from tutorial.errors import TutorialError
-from tutorial.ros.topics.names import full_name, is_hidden, parted
+from tutorial.errors import TutorialError, printable
+from tutorial.ros.topics.names import full_name, is_hidden, shown
 
 __all__ = ["node_info", "node_names"]
 
@@ -42,11 +43,26 @@ def node_info(node: Node, name: str, include_hidden: bool = False) -> str:
     Raises:
         TutorialError: there is no such node; the text is that of ``ros2``.
     """
-    if name not in node_names(node, include_hidden):
-        raise TutorialError(f"Unable to find node '{name}'")
-    who = parted(name)
+    found = node.get_node_names_and_namespaces()
+    named = [who for who in found if full_name(*who) == name and (include_hidden or not who[0].startswith("_"))]
+    if not named:
+        raise TutorialError(f"Unable to find node '{shown(name)}'")
+    try:
+        sections = _sections(node, named[0])
+    except (RuntimeError, ValueError) as error:  # it has gone, or its name breaks the rules
+        raise TutorialError(f"nothing can be said of node '{shown(name)}': {printable(str(error))}") from error
+    return f"{shown(name)}\n" + "".join(_section(title, has, include_hidden) for title, has in sections.items())
+
+
+def _sections(node: Node, who: tuple[str, str]) -> dict[str, NamesAndTypes]:
+    """What a node has, by the title that it stands below.
+
+    Args:
+        node: that asks.
+        who: the node in question: its name, and its namespace.
+    """
     actions = _actions()
-    sections: dict[str, NamesAndTypes] = {
+    return {
         "Subscribers": node.get_subscriber_names_and_types_by_node(*who),
         "Publishers": node.get_publisher_names_and_types_by_node(*who),
         "Service Servers": _asked(node, "get_service_names_and_types_by_node", *who),
@@ -54,13 +70,12 @@ def node_info(node: Node, name: str, include_hidden: bool = False) -> str:
         "Action Servers": _asked(actions, "get_action_server_names_and_types_by_node", node, *who),
         "Action Clients": _asked(actions, "get_action_client_names_and_types_by_node", node, *who),
     }
-    return f"{name}\n" + "".join(_section(title, has, include_hidden) for title, has in sections.items())
 
 
 def _section(title: str, names_and_types: NamesAndTypes, include_hidden: bool) -> str:
     """One section; an empty one has an empty line."""
-    shown = (item for item in names_and_types if include_hidden or not is_hidden(item[0]))
-    lines = [f"    {name}: {', '.join(types)}" for name, types in shown]
+    told = (item for item in names_and_types if include_hidden or not is_hidden(item[0]))
+    lines = [f"    {shown(name)}: {', '.join(map(shown, types))}" for name, types in told]
     return "\n".join((f"  {title}:", *(lines or [""]))) + "\n"
 
 

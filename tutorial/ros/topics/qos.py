@@ -5,6 +5,8 @@ from __future__ import annotations
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from tutorial.ros.topics.endpoints import publishers_on
+
 __all__ = ["compromises", "offered_qos", "reader_qos", "requested_qos"]
 
 SENSOR_DEPTH = 5  # of rclpy's qos_profile_sensor_data, which ros2 begins with
@@ -18,7 +20,7 @@ def reader_qos(node: Node, topic: str) -> QoSProfile:
         node: that asks.
         topic: its full name.
     """
-    offered = [info.qos_profile for info in node.get_publishers_info_by_topic(topic)]
+    offered = [info.qos_profile for info in publishers_on(node, topic)]
     reliable = bool(offered) and all(qos.reliability == ReliabilityPolicy.RELIABLE for qos in offered)
     lasting = bool(offered) and all(qos.durability == DurabilityPolicy.TRANSIENT_LOCAL for qos in offered)
     return _profile(
@@ -28,7 +30,7 @@ def reader_qos(node: Node, topic: str) -> QoSProfile:
 
 def compromises(node: Node, topic: str) -> str:
     """Say where `reader_qos` asks for less than some publishers offer, in the lines of ``ros2 topic echo``."""
-    offered = [info.qos_profile for info in node.get_publishers_info_by_topic(topic)]
+    offered = [info.qos_profile for info in publishers_on(node, topic)]
     reliable = sum(qos.reliability == ReliabilityPolicy.RELIABLE for qos in offered)
     lasting = sum(qos.durability == DurabilityPolicy.TRANSIENT_LOCAL for qos in offered)
     text = ""

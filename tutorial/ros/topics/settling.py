@@ -5,16 +5,21 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
+from contextlib import suppress
+from itertools import islice
 
 from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
 
+from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name
 
 __all__ = ["met", "settled"]
 
 READ_EVERY = 0.1  # [s] between two looks at the graph
 QUIET_READS = 5  # that have to agree before the graph counts as settled
+NAMELESS_READS = 30  # that have to agree where a name is missing: a program that is DDS alone never tells one
+LOOKED_INTO = 50  # topics, of however many there are, whose publishers and subscriptions are looked at
 PATIENCE = 5.0  # [s] for it to settle
 SHY = 2.0  # [s] that a node or topic that is asked for may take to turn up
 SHY_ON_FAST_DDS = 6.0  # [s]
@@ -37,9 +42,10 @@ async def settled(node: Node, patience: float = PATIENCE) -> bool:
     while True:
         before, seen = seen, _snapshot(node)
         is_complete = all(NAMELESS not in names for names in seen)  # every endpoint has its node's name
-        agreeing = agreeing + 1 if is_complete and seen == before else 0
-        if agreeing >= QUIET_READS or time.monotonic() >= deadline:
-            return agreeing >= QUIET_READS
+        enough = QUIET_READS if is_complete else NAMELESS_READS
+        agreeing = agreeing + 1 if seen == before else 0
+        if agreeing >= enough or time.monotonic() >= deadline:
+            return agreeing >= enough
         await asyncio.sleep(READ_EVERY)
 
 
@@ -63,11 +69,14 @@ async def met(node: Node, wanted: Callable[[], object]) -> bool:
 
 def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:
     """All nodes, and all topics with those who publish and subscribe, where that is of interest."""
-    nodes = sorted(full_name(name, space) for name, space in node.get_node_names_and_namespaces())
-    snapshot = [tuple(nodes)]
-    for topic, types in node.get_topic_names_and_types():
-        snapshot.append((topic, *types))
-        if topic not in EVERY_NODE_HAS:
-            infos = (*node.get_publishers_info_by_topic(topic), *node.get_subscriptions_info_by_topic(topic))
-            snapshot.append(tuple(sorted(info.node_name for info in infos)))
+    snapshot: list[tuple[str, ...]] = []
+    topics: list[tuple[str, list[str]]] = []
+    with suppress(RuntimeError, UnicodeDecodeError):  # a real one names no node while any has an empty name
+        snapshot.append(tuple(sorted(full_name(*names) for names in node.get_node_names_and_namespaces())))
+    with suppress(UnicodeDecodeError):  # nor any topic while one of the names is no text
+        topics = node.get_topic_names_and_types()
+    snapshot += [(topic, *types) for topic, types in topics]
+    for topic in islice((topic for topic, _ in topics if topic not in EVERY_NODE_HAS), LOOKED_INTO):
+        infos = (*publishers_on(node, topic), *subscriptions_on(node, topic))
+        snapshot.append(tuple(sorted(info.node_name for info in infos)))
     return tuple(snapshot)

@@ -1,7 +1,5 @@
 """The checks of ROS 2's message classes, with its texts."""
 
-from __future__ import annotations
-
 from collections import UserString
 from collections.abc import Callable, Iterator, Sequence, Set
 from typing import Any

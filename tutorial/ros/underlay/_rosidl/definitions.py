@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from rosbags.typesys.store import Typestore
-
+from typing import Any
 
 EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
 """IDL knows no empty struct: an empty message has this uint8 on the wire, and nothing in its class."""
@@ -89,15 +85,10 @@ def definition(type_name: str) -> Definition:
     )
 
 
-def wire_description(type_name: str) -> Any:
-    """Return the fields as rosbags describes them: a list of names with their types."""
-    return _store().fielddefs[type_name][1]
-
-
 @cache
 def type_hash(type_name: str) -> str:
     """Return the type's hash (REP 2016), such as ``"RIHS01_a13e..."``; endpoints announce it."""
-    return _store().hash_rihs01(type_name)
+    return str(_store().hash_rihs01(type_name))
 
 
 @cache
@@ -111,7 +102,7 @@ def type_names() -> dict[str, tuple[str, ...]]:
 
 
 @cache
-def _store() -> Typestore:
+def _store() -> Any:
     from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415  (0.1 s, not spent by `import tutorial`)
 
     store = get_typestore(Stores.ROS2_JAZZY)

@@ -4,8 +4,6 @@ As in a real installation, ``sensor_msgs.msg.Joy`` lives in ``sensor_msgs.msg._j
 first asked for.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from collections.abc import Iterable

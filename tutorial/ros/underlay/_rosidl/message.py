@@ -6,13 +6,13 @@ import os
 from array import array
 from collections.abc import Callable
 from importlib import import_module
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, cast
 
 import numpy as np
 
 from _rosidl.checks import checker
 from _rosidl.definitions import Cardinality, Definition, Field, definition
-from _rosidl.values import PRIMITIVES, container, default_factory, field_type, from_wire
+from _rosidl.values import PRIMITIVES, container, default_factory, field_type
 
 CHECK_FIELDS = os.environ.get("ROS_PYTHON_CHECK_FIELDS") == "1"
 
@@ -28,7 +28,6 @@ class Slot(NamedTuple):
         size: how many values an array has, 0 if the field is none.
         default: makes its default value.
         contain: turns what the constructor is given into the container that is kept; None keeps it as it is.
-        from_wire: turns what is decoded into what is kept; None keeps it as it is.
         store: puts a value into a message's slot.
     """
 
@@ -36,7 +35,6 @@ class Slot(NamedTuple):
     size: int
     default: Callable[[], Any]
     contain: Callable[[Any], Any] | None
-    from_wire: Callable[[Any], Any] | None
     store: Callable[[Any, Any], None]
 
 
@@ -76,15 +74,6 @@ class Message:  # noqa: PLW1641  (mutable, so without a hash)
                 slot.store(self, slot.default())
 
     @classmethod
-    def _from_wire(cls, *values: Any) -> Message:
-        """Make a message of decoded fields, past the constructor, because this is done for every message received."""
-        message: Message = object.__new__(cls)
-        message._check_fields = CHECK_FIELDS  # type: ignore[misc]
-        for slot, value in zip(cls._slots_, values):
-            slot.store(message, value if slot.from_wire is None else slot.from_wire(value))
-        return message
-
-    @classmethod
     def get_fields_and_field_types(cls) -> dict[str, str]:
         """Return the fields' types by name: ``{"header": "std_msgs/Header", ...}``."""
         return dict(cls._fields_and_field_types)
@@ -108,8 +97,7 @@ def message_class(type_name: str) -> type[Message]:
         type_name: such as ``"sensor_msgs/msg/Joy"``.
     """
     package, _, name = type_name.split("/")
-    found: type[Message] = getattr(import_module(f"{package}.msg"), name)
-    return found
+    return cast(type[Message], getattr(import_module(f"{package}.msg"), name))
 
 
 def make_message_class(type_name: str, module: str) -> type[Message]:
@@ -129,7 +117,8 @@ def make_message_class(type_name: str, module: str) -> type[Message]:
         "_fields_and_field_types": {field.name: field_type(field) for field in message.fields},
     }
     namespace.update(message.constants)
-    shared = {"__module__": module, **{name: _read_only(value) for name, value in message.constants.items()}}
+    constants = {name: property(lambda _, v=v: v) for name, v in message.constants.items()}  # type: ignore[misc]
+    shared = {"__module__": module, **constants}
     cls: type[Message] = type(f"Metaclass_{name}", (type,), shared)(name, (Message,), namespace)
     cls._slots_ = tuple(_add_field(cls, field) for field in message.fields)
     return cls
@@ -155,11 +144,7 @@ def _add_field(cls: type[Message], field: Field) -> Slot:
     default = DEFAULTS.get((cls._definition.type_name, field.name))
     make_default = default_factory(field, element) if default is None else lambda: default
     size = field.size if field.cardinality is Cardinality.ARRAY else 0
-    return Slot(field.name, size, make_default, kept and kept.make, from_wire(field), slot.__set__)
-
-
-def _read_only(value: Any) -> property:
-    return property(lambda _: value)
+    return Slot(field.name, size, make_default, kept and kept.make, slot.__set__)
 
 
 def _shown(value: Any) -> str:

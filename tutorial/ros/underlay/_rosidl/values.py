@@ -1,7 +1,5 @@
 """What a field may hold: its type, its container and its default."""
 
-from __future__ import annotations
-
 import math
 import sys
 from array import array
@@ -93,20 +91,6 @@ def container(field: Field) -> Container | None:
     if field.cardinality is Cardinality.SEQUENCE:
         return Container(array, lambda value: array(code, value), lambda: array(code))
     return Container(np.ndarray, lambda value: np.array(value, code), lambda: np.zeros(field.size, code))
-
-
-def from_wire(field: Field) -> Callable[[Any], Any] | None:
-    """Return what turns a decoded value into what the field keeps, None if it is that; rosbags has rows in numpy."""
-    is_row = field.cardinality is not Cardinality.SCALAR
-    if field.base == "byte":
-        return (lambda row: [bytes([n]) for n in row.tobytes()]) if is_row else lambda number: bytes([number & 255])
-    if field.base == "bool" and is_row:
-        return lambda row: row.tolist()
-    if not is_row or not (number := number_type(field)):
-        return None
-    if field.cardinality is Cardinality.SEQUENCE:
-        return lambda row: array(number.code, row.tobytes())
-    return lambda row: np.array(row, number.code)
 
 
 def default_factory(field: Field, element: type) -> Callable[[], Any]:

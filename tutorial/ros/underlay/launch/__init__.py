@@ -4,8 +4,6 @@ A launch file is the one list of processes, with and without ROS: ``ros2 launch`
 tutorial's own launcher with this one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from launch.actions import ExecuteProcess

@@ -1,7 +1,5 @@
 """Actions of a launch description."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ It speaks to real ROS 2 programs: same topic names, types, quality of service an
 ``rclpy.exceptions.NeedsRealROSError``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any

@@ -1,7 +1,5 @@
 """What rclpy has and the embedded ROS 2 has not: whoever asks for it learns what needs a real ROS 2."""
 
-from __future__ import annotations
-
 import inspect
 import json
 import sys
@@ -23,23 +21,34 @@ def install() -> None:
     """Have all that the table names refused from now on."""
     sys.meta_path.append(AbsentModules())
     for owner, names in TABLE["attributes"].items():
-        resolve_name(owner).__getattr__ = absent(owner, names)
+        place = resolve_name(owner)
+        if isinstance(place, ModuleType):
+            place.__getattr__ = absent(owner, names)  # type: ignore[method-assign]
+        else:
+            for name in names:
+                setattr(place, name, AbsentAttribute(f"{owner}.{name}"))
 
 
-def absent(owner: str, names: list[str]) -> Callable[..., Any]:
-    """Return a ``__getattr__`` for a module or class that refuses these names.
+class AbsentAttribute:
+    """Stands in a class for what rclpy's has and ours has not.
 
-    Args:
-        owner: what it is, such as ``"rclpy.executors"`` or ``"rclpy.node.Node"``.
-        names: what rclpy's has and ours has not.
+    A ``__getattr__`` of the class would do, too, but with one Python looks up whatever objects have the slow way.
     """
 
-    def refusing(*arguments: Any) -> Any:
-        *instance, name = arguments
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __get__(self, instance: object, owner: type) -> Any:
+        raise AbsentAttributeError(self._name)
+
+
+def absent(module: str, names: list[str]) -> Callable[[str], Any]:
+    """Return a ``__getattr__`` for a module that refuses these names, which rclpy's has and ours has not."""
+
+    def refusing(name: str) -> Any:
         if name in names:
-            raise (AbsentAttributeError if instance else NeedsRealROSError)(f"{owner}.{name}")
-        what = f"{type(instance[0]).__name__!r} object" if instance else f"module {owner!r}"
-        raise AttributeError(f"{what} has no attribute {name!r}")
+            raise NeedsRealROSError(f"{module}.{name}")
+        raise AttributeError(f"module {module!r} has no attribute {name!r}")
 
     return refusing
 

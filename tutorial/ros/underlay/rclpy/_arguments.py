@@ -1,7 +1,5 @@
 """What stands between ``--ros-args`` and ``--`` on a command line: remappings, parameters, log levels."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -128,8 +126,7 @@ class Arguments:
 
 def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
     """Separate a command line into (ROS arguments, the others)."""
-    ros_args: list[str] = []
-    others: list[str] = []
+    ros_args, others = list[str](), list[str]()
     target = others
     for arg in args:
         if arg == "--ros-args":

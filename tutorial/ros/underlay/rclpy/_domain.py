@@ -3,21 +3,24 @@
 By default nobody outside this machine hears it, so that a room full of students don't drive each other's tanks.
 """
 
-from __future__ import annotations
-
 import os
+import socket
 import threading
 from collections import Counter
 from xml.sax.saxutils import quoteattr
 
 from cyclonedds.core import DDSException, Entity
 from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.internal import DDS
 from cyclonedds.qos import Policy, Qos
 from rclpy._rclpy_pybind11 import RCLError
 
 REACHES = ("OFF", "LOCALHOST", "SUBNET", "SYSTEM_DEFAULT")
 MAX_PARTICIPANTS = 32
 MAX_DOMAIN_ID = 232
+FATAL_AND_ERROR = 3
+"""What Cyclone DDS may print. Whoever sends it rubbish causes a warning for each packet, and there is nothing against
+that in its configuration; those about the configuration itself come before."""
 
 _domains: dict[int, Domain] = {}
 _users: Counter[int] = Counter()
@@ -51,10 +54,10 @@ def configuration() -> str:
     says comes on top, as with ROS 2's own use of Cyclone DDS.
 
     Raises:
-        RCLError: the range is none of these.
+        RCLError: the range is none of these, or a peer cannot be found.
     """
     reach = os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "") or "LOCALHOST"
-    peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer]
+    peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer.strip()]
     if reach not in REACHES:
         raise RCLError(
             f"failed to initialize rcl: ROS_AUTOMATIC_DISCOVERY_RANGE is {reach!r}, must be {', '.join(REACHES)}"
@@ -63,24 +66,32 @@ def configuration() -> str:
         return os.environ.get("CYCLONEDDS_URI") or "<CycloneDDS/>"
     outside = reach == "SUBNET" or (reach == "LOCALHOST" and peers)
     interface = 'autodetermine="true"' if outside else 'address="127.0.0.1"'
-    own = (
-        '<CycloneDDS><Domain Id="any"><General>'
-        f"<AllowMulticast>{str(reach == 'SUBNET').lower()}</AllowMulticast>"
-        f"<Interfaces><NetworkInterface {interface}/></Interfaces></General>"
-        f"<Discovery>{_discovery(reach, peers)}</Discovery></Domain></CycloneDDS>"
-    )
-    return ",".join(filter(None, (own, os.environ.get("CYCLONEDDS_URI"))))
+    multicast = f"<AllowMulticast>{str(reach == 'SUBNET').lower()}</AllowMulticast>"
+    general = f"<General>{multicast}<Interfaces><NetworkInterface {interface}/></Interfaces></General>"
+    own = f'<Domain Id="any">{general}<Discovery>{_discovery(reach, peers)}</Discovery></Domain>'
+    return ",".join(filter(None, (f"<CycloneDDS>{own}</CycloneDDS>", os.environ.get("CYCLONEDDS_URI"))))
+
+
+def _address(peer: str) -> str:
+    """Return a peer's address, looked up here: where Cyclone DDS cannot find one it ends the process."""
+    host, colon, port = peer.strip().partition(":")
+    try:
+        if colon and not 0 < int(port) < 65_536:
+            raise ValueError("there is no such port")
+        return socket.gethostbyname(host) + colon + port
+    except (OSError, ValueError) as error:
+        text = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which is not found ({error})."
+        raise RCLError(f"{text} Give addresses such as 192.168.1.20, separated by semicolons.") from None
 
 
 def _discovery(reach: str, peers: list[str]) -> str:
     """Return how to look for others."""
     if reach == "OFF":
         return f"<ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{os.getpid()}</Tag>"
-    listed = "".join(f'<Peer address={quoteattr(peer)} PruneDelay="inf"/>' for peer in ("127.0.0.1", *peers))
-    return (
-        f"<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>{MAX_PARTICIPANTS}</MaxAutoParticipantIndex>"
-        f"<SPDPInterval>1s</SPDPInterval><Peers>{listed}</Peers>"
-    )
+    everyone = ("127.0.0.1", *map(_address, peers))
+    listed = "".join(f'<Peer address={quoteattr(peer)} PruneDelay="inf"/>' for peer in everyone)
+    limit = f"<MaxAutoParticipantIndex>{MAX_PARTICIPANTS}</MaxAutoParticipantIndex>"
+    return f"<ParticipantIndex>auto</ParticipantIndex>{limit}<SPDPInterval>1s</SPDPInterval><Peers>{listed}</Peers>"
 
 
 def join(domain_id: int) -> DomainParticipant:
@@ -99,6 +110,7 @@ def join(domain_id: int) -> DomainParticipant:
         try:
             if domain_id not in _domains:
                 _domains[domain_id] = Domain(domain_id, configuration())
+                DDS._dll_handle.dds_set_log_mask(FATAL_AND_ERROR)
             participant = DomainParticipant(domain_id, Qos(Policy.Userdata(b"enclave=/;")))
         except DDSException as error:
             _close_if_unused(domain_id)

@@ -1,7 +1,5 @@
 """From rclpy's QoS profiles to Cyclone DDS's policies, and back."""
 
-from __future__ import annotations
-
 from _rosidl.definitions import type_hash
 from _rosidl.message import Message
 from cyclonedds.qos import Policy, Qos
@@ -35,7 +33,7 @@ def to_dds(profile: QoSProfile, msg_type: type[Message], *, writer: bool) -> Qos
     manual = profile.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
     liveliness = Policy.Liveliness.ManualByTopic if manual else Policy.Liveliness.Automatic
     policies = [
-        type_hash_policy(msg_type),
+        Policy.Userdata(f"typehash={type_hash(msg_type._definition.type_name)};".encode()),  # or ROS 2 complains
         history,
         Policy.Reliability.BestEffort if best_effort else Policy.Reliability.Reliable(FOREVER),
         Policy.Durability.TransientLocal if kept else Policy.Durability.Volatile,
@@ -47,11 +45,6 @@ def to_dds(profile: QoSProfile, msg_type: type[Message], *, writer: bool) -> Qos
     if writer:
         policies += [Policy.Lifespan(_span(profile.lifespan)), Policy.WriterDataLifecycle(autodispose=False)]
     return Qos(*policies)
-
-
-def type_hash_policy(msg_type: type[Message]) -> Policy.Userdata:
-    """Return what an endpoint announces of its messages' type: ROS 2 complains of one that does not."""
-    return Policy.Userdata(f"typehash={type_hash(msg_type._definition.type_name)};".encode())
 
 
 def from_dds(qos: Qos) -> QoSProfile:

@@ -1,7 +1,5 @@
 """The rules for names: those of rcl and rmw, with their wording, as tables."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 
@@ -11,9 +9,12 @@ Rules = list[list[tuple[str, str]]]
 """Patterns that a name must not match, and what to say then; group 1 is at the place. They are in groups: of the first
 group with a match, the match that comes first in the name counts."""
 
+ONLY = "must not contain characters other than alphanumerics"
+UNBALANCED = "topic name must not have unmatched (unbalanced) curly braces '{}'"
+
 NODE_NAME: Rules = [
     [(r"\A()\Z", "node name must not be empty")],
-    [(r"([^A-Za-z0-9_])", "node name must not contain characters other than alphanumerics or '_'")],
+    [(r"([^A-Za-z0-9_])", f"node name {ONLY} or '_'")],
     [(r"\A([0-9])", "node name must not start with a number")],
     [(r"\A.{254}(.).", "node name length should not exceed '255'")],
 ]
@@ -23,18 +24,12 @@ TOPIC_NAME: Rules = [
     [(r"(/)\Z", "topic name must not end with a forward slash")],
     [
         (r"\{([0-9])", "substitution name must not start with a number"),
-        (
-            r"\{[^{}]*?([^A-Za-z0-9_~}])",
-            "substitution name must not contain characters other than alphanumerics or '_'",
-        ),
+        (r"\{[^{}]*?([^A-Za-z0-9_~}])", f"substitution name {ONLY} or '_'"),
         (r".(~)", "topic name must not have tilde '~' unless it is the first character"),
-        (r"(?:\A|\})[^{}]*(\})", "topic name must not have unmatched (unbalanced) curly braces '{}'"),
-        (
-            r"([^A-Za-z0-9_/~{}])",
-            "topic name must not contain characters other than alphanumerics, '_', '~', '{', or '}'",
-        ),
+        (r"(?:\A|\})[^{}]*(\})", UNBALANCED),
+        (r"([^A-Za-z0-9_/~{}])", f"topic name {ONLY}, '_', '~', '{{', or '}}'"),
     ],
-    [(r"(\{)[^}]*\Z", "topic name must not have unmatched (unbalanced) curly braces '{}'")],
+    [(r"(\{)[^}]*\Z", UNBALANCED)],
     [
         (r"/([0-9])", "topic name token must not start with a number"),
         (r"\A~([^/]).", "topic name must not have a tilde '~' that is not followed by a forward slash '/'"),
@@ -48,7 +43,7 @@ def _absolute(kind: str, unless: str, too_long: tuple[str, str]) -> Rules:
         [(r"\A()\Z", f"{kind} must not be empty")],
         [(r"\A([^/])", f"{kind} must be absolute, it must lead with a '/'")],
         [(r"(/)\Z", f"{kind} must not end with a '/'{unless}")],
-        [(r"([^A-Za-z0-9_/])", f"{kind} must not contain characters other than alphanumerics, '_', or '/'")],
+        [(r"([^A-Za-z0-9_/])", f"{kind} {ONLY}, '_', or '/'")],
         [
             (r"/(/)", f"{kind} must not contain repeated '/'"),
             (r"/([0-9])", f"{kind} must not have a token that starts with a number"),

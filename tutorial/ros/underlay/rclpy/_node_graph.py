@@ -1,10 +1,8 @@
 """What a node tells about itself and asks about the others."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from cyclonedds.core import DDSException
 from cyclonedds.qos import Policy
@@ -12,11 +10,9 @@ from rclpy._endpoint_qos import from_dds
 from rclpy._graph import PUBLISHERS, SUBSCRIPTIONS, DiscoveredEndpoint, Graph
 from rclpy._node_names import NodeNames
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
+from rclpy.context import Context
 from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 from rclpy.type_hash import TypeHash
-
-if TYPE_CHECKING:
-    from rclpy.context import Context
 
 Answer = TypeVar("Answer")
 
@@ -90,13 +86,13 @@ class NodeGraph(NodeNames):
             raise NodeNameNonExistentError(f"cannot get names and types: there is no node {who[0]!r} in {who[1]!r}")
         owners = self._ask(Graph.owners)
         own = {gid for gid, node in owners.items() if (node.node_name, node.node_namespace) == who}
-        return _by_topic([endpoint for endpoint in self._endpoints(kind) if endpoint.key.bytes in own], no_demangle)
+        return _by_topic([endpoint for endpoint in self._endpoints(kind) if endpoint.guid in own], no_demangle)
 
     def _infos(self, kind: Any, topic_name: str, no_mangle: bool) -> list[TopicEndpointInfo]:
         wire_topic = topic_name if no_mangle else f"rt{self._remapped(self._expanded(topic_name))}"
-        endpoints = self._endpoints(kind, wire_topic)
+        endpoints = self._ask(lambda graph: graph.endpoints(kind, wire_topic, full=True))
         owners = self._ask(Graph.owners) if endpoints else {}
-        return [_info(endpoint, kind, owners.get(endpoint.key.bytes)) for endpoint in endpoints]
+        return [_info(endpoint, kind, owners.get(endpoint.guid)) for endpoint in endpoints]
 
 
 def _info(endpoint: DiscoveredEndpoint, kind: Any, owner: Any) -> TopicEndpointInfo:
@@ -108,7 +104,7 @@ def _info(endpoint: DiscoveredEndpoint, kind: Any, owner: Any) -> TopicEndpointI
         topic_type=_type_name(endpoint),
         topic_type_hash=TypeHash(int(found[1]), bytes.fromhex(found[2].decode())) if found else TypeHash(),
         endpoint_type=TopicEndpointTypeEnum.PUBLISHER if kind is PUBLISHERS else TopicEndpointTypeEnum.SUBSCRIPTION,
-        endpoint_gid=list(endpoint.key.bytes),
+        endpoint_gid=list(endpoint.guid),
         qos_profile=from_dds(endpoint.qos),
     )
 

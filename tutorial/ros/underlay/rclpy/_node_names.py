@@ -1,7 +1,5 @@
 """A node's own name, and what it makes of the names of topics."""
 
-from __future__ import annotations
-
 from rclpy import _names
 from rclpy._arguments import Arguments
 from rclpy._rclpy_pybind11 import Destroyable, RCLError

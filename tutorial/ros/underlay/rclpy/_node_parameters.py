@@ -1,7 +1,5 @@
 """What a node keeps of parameters. They are not served to other nodes: that needs services."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Iterable, Sequence

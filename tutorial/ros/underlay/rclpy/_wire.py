@@ -1,7 +1,7 @@
 """From messages to bytes and back.
 
 A message type's wire type, made from its field list, is what topics show to others, and what Cyclone DDS's own codec
-encodes by: it reads the attributes of our messages. Decoding is done by rosbags' compiled code.
+encodes by: it reads the attributes of our messages. Decoding is done by code of our own, which is faster.
 """
 
 from __future__ import annotations
@@ -11,21 +11,16 @@ from functools import cache
 from typing import Any, ClassVar, Self, cast
 
 import msgspec
-from _rosidl import cdr
+from _rosidl import cdr, values
 from _rosidl.definitions import Cardinality, Field, definition
 from _rosidl.message import Message
 from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.internal import SampleInfo
 from rclpy._rclpy_pybind11 import RCLError
 
-PRIMITIVES: dict[str, Any] = {
-    "bool": bool,
-    "byte": types.array[types.uint8, 1],  # rclpy's byte is a bytes of length 1: so Cyclone shows an array of uint8
-    "string": str,
-    **{f"{sign}int{bits}": getattr(types, f"{sign}int{bits}") for sign in ("", "u") for bits in (8, 16, 32, 64)},
-    "float32": types.float32,
-    "float64": types.float64,
-}
+PRIMITIVES: dict[str, Any] = {name: getattr(types, name) for name, of in values.PRIMITIVES.items() if of.code}
+PRIMITIVES |= {"bool": bool, "string": str, "byte": types.array[types.uint8, 1]}
+"""What Cyclone DDS calls them. A byte is a bytes of length 1 in rclpy, so it is shown as an array of uint8."""
 
 _lock = threading.RLock()
 

@@ -1,7 +1,5 @@
 """Clocks that tell the time."""
 
-from __future__ import annotations
-
 import time
 from typing import Any, Self, cast
 

@@ -1,7 +1,5 @@
 """Spans of time."""
 
-from __future__ import annotations
-
 from functools import total_ordering
 from typing import Any, Self
 

@@ -1,7 +1,5 @@
 """rclpy's exceptions, and the one that the underlay adds."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 from rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle  # noqa: PLC0414  (programs find it here)
@@ -108,9 +106,8 @@ class InvalidParameterTypeException(ParameterException):
 
     def __init__(self, desired_parameter: Parameter, expected_type: str) -> None:
         name, value, given = desired_parameter.name, desired_parameter.value, desired_parameter.type_.name
-        super().__init__(
-            f"Trying to set parameter '{name}' to '{value}' of type '{given}', expecting type '{expected_type}'", name
-        )
+        text = f"Trying to set parameter '{name}' to '{value}' of type '{given}', expecting type '{expected_type}'"
+        super().__init__(text, name)
 
 
 class InvalidParameterValueException(ParameterException):

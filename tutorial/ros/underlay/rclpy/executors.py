@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from typing import TYPE_CHECKING, Self
 
-from cyclonedds.core import DDSException, GuardCondition, WaitSet
+from cyclonedds.core import DDSException, Entity, GuardCondition, WaitSet
+from cyclonedds.internal import dds_c_t
 from rclpy._domain import close, lock
+from rclpy._endpoint import Endpoint
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.context import NOT_VALID
-from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 LONGEST_WAIT = 0.1
 """How long to wait at most within Cyclone DDS [s]: Python hears a Ctrl-C only between calls into C."""
+
+FEW = 6
+"""Endpoints, each of which is asked for a message in less time than it takes to ask Cyclone DDS which have one."""
 
 
 class ExternalShutdownException(Exception):  # noqa: N818  (rclpy's name)
@@ -51,9 +54,9 @@ class SingleThreadedExecutor:
         self._wait_set: WaitSet | None = None
         self._nodes: tuple[Node, ...] = ()
         self._timers: list[Timer] = []
-        self._subscriptions: list[Subscription] = []
-        self._publishers: list[Publisher] = []
-        self._ready: deque[Subscription | Timer] = deque()
+        self._endpoints: list[Endpoint] = []
+        self._waited_for: list[Subscription | None] = []
+        self._ready: Iterator[Subscription | Timer] = iter(())
         self._outdated = True
         self._is_shutdown = False
         self._spinning = threading.Lock()
@@ -98,9 +101,7 @@ class SingleThreadedExecutor:
         Raises:
             ExternalShutdownException: the context was shut down instead.
         """
-        with self._spin():
-            while self._context.ok() and not self._is_shutdown:
-                self._run_one()
+        self._spin()
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Wait for one callback to run, and run it.
@@ -112,10 +113,7 @@ class SingleThreadedExecutor:
             ExternalShutdownException: the context was shut down meanwhile.
             RCLError: it had been before.
         """
-        with self._spin():
-            if not self._context.ok() and not self._is_shutdown:
-                raise RCLError(f"failed to initialize wait set: {NOT_VALID}")
-            self._run_one(_deadline(timeout_sec))
+        self._spin(_deadline(timeout_sec), once=True)
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until a future is done or cancelled, or time runs out.
@@ -128,12 +126,8 @@ class SingleThreadedExecutor:
         def finished() -> bool:
             return future.done() or future.cancelled()
 
-        deadline = _deadline(timeout_sec)
-        with self._spin(), future._telling(lambda _: self.wake()):
-            while self._context.ok() and not self._is_shutdown and not finished():
-                self._run_one(deadline, until=finished)
-                if time.monotonic() >= deadline:
-                    return
+        with future._telling(lambda _: self.wake()):
+            self._spin(_deadline(timeout_sec), until=finished)
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002  (rclpy does not wait, either)
         """Stop spinning and give the nodes up; may be called again.
@@ -151,93 +145,94 @@ class SingleThreadedExecutor:
         if self._spinner != threading.get_ident() and self._spinning.acquire(timeout=timeout_sec):
             self._spinning.release()
 
-    @contextmanager
-    def _spin(self) -> Iterator[None]:
-        """Hold the right to spin, which only one caller at a time can have."""
+    def _spin(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False, once: bool = False) -> None:
+        """Run callbacks, or one, to a time [s of the monotonic clock]. Only one caller at a time can."""
         if not self._spinning.acquire(blocking=False):
             raise RuntimeError("Executor is already spinning")
         self._spinner = threading.get_ident()
         try:
-            yield
+            if once and not self._context.ok() and not self._is_shutdown:
+                raise RCLError(f"failed to initialize wait set: {NOT_VALID}")
+            while self._context.ok() and not self._is_shutdown and not until():
+                self._run_one(deadline, until)
+                if once or time.monotonic() >= deadline:
+                    return
         finally:
             self._spinner = None
             self._spinning.release()
             self._close_if_shut_down()
 
-    def _run_one(self, deadline: float = math.inf, until: Callable[[], bool] = lambda: False) -> None:
+    def _run_one(self, deadline: float, until: Callable[[], bool]) -> None:
         """Run one callback, waiting for it if necessary, but only to a time [s of the monotonic clock]."""
-        woken = False
         while not self._is_shutdown and not until():
             if not self._context.ok():
                 raise ExternalShutdownException
             if self._run_ready():
                 return
-            self._look_around()
-            if self._run_ready():
-                return
-            if woken:  # by something else than a message or a timer
-                self._report_events()
+            if self._outdated:
+                self._look_around()
+            if len(self._endpoints) <= FEW:
+                self._ready = iter((*self._timers, *filter(None, self._waited_for)))
+                if self._run_ready():
+                    return
             left = deadline - time.monotonic()
+            self._wait(min(left, LONGEST_WAIT))
             if left <= 0:
+                self._run_ready()
                 return
-            woken = self._wait(min(left, LONGEST_WAIT))
 
     def _run_ready(self) -> bool:
         """Run the first callback of this round that has something to do; False if none has."""
-        while self._ready:
-            entity = self._ready.popleft()
+        for entity in self._ready:  # noqa: SIM110  (a generator for each round would cost more than the round)
             if entity._node in self._nodes and entity.execute():
                 return True
         return False
 
-    def _look_around(self) -> None:
-        """Begin a round, in which everything has one turn, so that a busy topic does not keep the others waiting."""
-        if self._outdated:
-            self._outdated = False
-            self._timers = [timer for node in self._nodes for timer in node.timers]
-            self._subscriptions = [subscription for node in self._nodes for subscription in node.subscriptions]
-            self._publishers = [publisher for node in self._nodes for publisher in node.publishers]
-            self._renew_wait_set()
-        self._ready.extend((*self._timers, *self._subscriptions))
+    def _wait(self, timeout: float) -> None:
+        """Wait for a message, an event, a timer or :meth:`wake`, and begin a round.
 
-    def _wait(self, timeout: float) -> bool:
-        """Wait for a message, an event, a timer or :meth:`wake`; True unless time ran out."""
-        for timer in self._timers:
-            wait_time = timer.wait_time()
-            if wait_time is not None:
-                timeout = min(timeout, wait_time / 1e9)
-        if timeout <= 0 or self._wait_set is None:
-            return False
-        try:
-            return bool(self._wait_set.wait(int(timeout * 1e9)))
-        except DDSException:
-            if self._context.ok() and not self._is_shutdown:
-                raise
-            return False
+        In a round everything that is ready has one turn, so that a busy topic does not keep the others waiting. The
+        rest is not looked at, which matters to a node with a hundred subscriptions.
+        """
+        if self._wait_set is None:
+            return
+        timeout = max(0.0, min([timeout, *(timer.wait_time() for timer in self._timers)]))
+        keys = (dds_c_t.attach * len(self._waited_for))()
+        count = self._wait_set._waitset_wait(self._wait_set._ref, keys, len(keys), int(timeout * 1e9))
+        if count < 0 and self._context.ok() and not self._is_shutdown:
+            raise DDSException(count, "Occurred while waiting")
+        woken_by = [self._waited_for[key] for key in sorted(key or 0 for key in keys[: max(0, count)])]
+        self._ready = iter((*self._timers, *filter(None, woken_by)))
+        if None in woken_by:
+            self._report_events()
 
     def _report_events(self) -> None:
         with suppress(DDSException, RCLError):  # shut down at this moment
             self._guard.take()
             self._context.graph.listen()
-        for endpoint in (*self._publishers, *self._subscriptions):
+        for endpoint in self._endpoints:
             endpoint.report_events()
 
-    def _renew_wait_set(self) -> None:
-        """Wait for what there is now. It is made anew because entities come and go on other threads."""
+    def _look_around(self) -> None:
+        """See what the nodes have. The wait set is made anew because entities come and go on other threads."""
+        self._outdated = False
+        self._timers = [timer for node in self._nodes for timer in node.timers]
+        self._endpoints = [endpoint for node in self._nodes for endpoint in (*node.publishers, *node.subscriptions)]
         self._close_wait_set()
         try:
             with lock:
                 wait_set = self._wait_set = WaitSet(self._context.graph.participant)
-                wait_set.attach(self._guard)
-                wait_set.attach(self._context.graph.changes)
+                sources: list[Entity] = [self._guard, self._context.graph.changes]
         except (DDSException, RCLError):
             if self._context.ok() and not self._is_shutdown:
                 raise
             return
-        for endpoint in (*self._publishers, *self._subscriptions):
-            for source in endpoint.event_sources:
-                with suppress(DDSException):  # destroyed at this moment, which wakes us again
-                    wait_set.attach(source)
+        self._waited_for = [None, None]
+        for endpoint in self._endpoints:
+            sources += endpoint.event_sources
+            self._waited_for += [None, endpoint] if isinstance(endpoint, Subscription) else [None]
+        for key, source in enumerate(sources):  # fails for what is destroyed at this moment, which wakes us again
+            wait_set._waitset_attach(wait_set._ref, source._ref, key)
 
     def _close_wait_set(self) -> None:
         wait_set, self._wait_set = self._wait_set, None
@@ -248,8 +243,8 @@ class SingleThreadedExecutor:
         """Let go of everything, once nobody spins any more: whoever comes last does it."""
         if not self._is_shutdown or not self._spinning.acquire(blocking=False):
             return
-        self._ready.clear()
-        self._timers, self._subscriptions, self._publishers = [], [], []
+        self._ready = iter(())
+        self._timers, self._endpoints, self._waited_for = [], [], []
         self._close_wait_set()
         close(self._guard)
         self._spinning.release()

@@ -1,11 +1,9 @@
 """Parameters: a node's named settings."""
 
-from __future__ import annotations
-
 from array import array
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import Any, Self
 
 PARAMETER_SEPARATOR_STRING = "."
 
@@ -39,7 +37,7 @@ class Parameter:
         STRING_ARRAY = 9
 
         @classmethod
-        def from_parameter_value(cls, parameter_value: Any) -> Parameter.Type:
+        def from_parameter_value(cls, parameter_value: Any) -> Self:
             """Return the type of a value.
 
             Raises:
@@ -58,7 +56,7 @@ class Parameter:
             return isinstance(values, (list, tuple, array)) and all(isinstance(value, element) for value in values)
 
     name: str
-    type_: Parameter.Type = None  # type: ignore[assignment]  # the value's
+    type_: Type = None  # type: ignore[assignment]  # the value's
     value: Any = None
 
     def __post_init__(self) -> None:

@@ -1,7 +1,5 @@
 """Publishers."""
 
-from __future__ import annotations
-
 from _rosidl.message import Message
 from cyclonedds.core import DDSException, DDSStatus
 from cyclonedds.pub import DataWriter

@@ -1,7 +1,5 @@
 """Quality of service: how hard the middleware tries to deliver messages."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import MISSING, dataclass, field, fields
 from enum import Enum, IntEnum
@@ -143,9 +141,7 @@ class QoSProfile:
         return f"{type(self).__name__}({', '.join(f'{name}={getattr(self, name)}' for name in DEFAULTS)})"
 
 
-DEFAULTS: dict[str, Any] = {
-    policy.name: Duration() if policy.default is MISSING else policy.default for policy in fields(QoSProfile)
-}
+DEFAULTS: dict[str, Any] = {p.name: Duration() if p.default is MISSING else p.default for p in fields(QoSProfile)}
 
 
 def _every_policy(name: str, **others: Any) -> QoSProfile:

@@ -1,7 +1,5 @@
 """Messages as bytes."""
 
-from __future__ import annotations
-
 from _rosidl.message import Message
 from rclpy._wire import check_message_type, decode, encode
 

@@ -1,7 +1,5 @@
 """What happens at Ctrl-C (SIGINT) and at a polite kill (SIGTERM)."""
 
-from __future__ import annotations
-
 import signal
 import threading
 from enum import IntFlag

@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 
 Callback = Callable[..., object]
 
-SEQUENCE_NUMBER_UNSUPPORTED = 2**64 - 1
-"""What rmw_cyclonedds, too, says for sequence numbers."""
-
 
 class Subscription(Endpoint):
     """Receives a topic's messages; made by ``Node.create_subscription``.
@@ -115,12 +112,12 @@ class Subscription(Endpoint):
             )
 
 
-def _info(payload: Any) -> dict[str, int]:
+def _info(payload: Any) -> dict[str, int | None]:
     return {
         "source_timestamp": payload.sample_info.source_timestamp,
         "received_timestamp": time.time_ns(),
-        "publication_sequence_number": SEQUENCE_NUMBER_UNSUPPORTED,
-        "reception_sequence_number": SEQUENCE_NUMBER_UNSUPPORTED,
+        "publication_sequence_number": None,  # with Cyclone DDS, as in ROS 2
+        "reception_sequence_number": None,
     }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 from functools import total_ordering
-from typing import Any, Self, overload
+from typing import Any, Self
 
 from builtin_interfaces.msg import Time as TimeMessage
 from rclpy import _rclpy_pybind11
@@ -79,10 +79,6 @@ class Time:  # noqa: PLW1641  (rclpy's has no hash either)
 
     __radd__ = __add__
 
-    @overload
-    def __sub__(self, other: Time) -> Duration: ...
-    @overload
-    def __sub__(self, other: Duration) -> Time: ...
     def __sub__(self, other: Any) -> Any:
         if isinstance(other, Time):
             return Duration(nanoseconds=self._nanoseconds - self._comparable(other, "subtract"))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rclpy._rclpy_pybind11 import Destroyable, RCLError
 from rclpy.clock import Clock
+from rclpy.constants import S_TO_NS
 from rclpy.context import NOT_VALID
 
 if TYPE_CHECKING:
@@ -82,9 +84,9 @@ class Timer(Destroyable):
         """Stop it for good. Called by the node."""
         self._destroyed = True
 
-    def wait_time(self) -> int | None:
-        """Return how long the executor may wait for it [ns]; None: for ever."""
-        return None if self._destroyed or self._canceled else self._next_call - time.monotonic_ns()
+    def wait_time(self) -> float:
+        """Return how long the executor may wait for it [s]; infinite if it will not call any more."""
+        return math.inf if self._destroyed or self._canceled else (self._next_call - time.monotonic_ns()) / S_TO_NS
 
     def execute(self) -> bool:
         """Call back if it is time. Called by the executor.
@@ -92,8 +94,7 @@ class Timer(Destroyable):
         Returns:
             Whether the callback was called.
         """
-        late = self.wait_time()
-        if late is None or late > 0:
+        if self.wait_time() > 0:
             return False
         self._last_call = now = time.monotonic_ns()
         self._next_call += self.timer_period_ns

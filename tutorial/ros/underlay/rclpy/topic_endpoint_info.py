@@ -1,7 +1,5 @@
 """What is known about a publisher or subscription on a topic."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import IntEnum
 

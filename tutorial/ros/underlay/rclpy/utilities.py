@@ -1,7 +1,5 @@
 """Small functions that programs use."""
 
-from __future__ import annotations
-
 import sys
 import threading
 from collections.abc import Sequence

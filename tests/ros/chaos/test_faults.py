@@ -1,0 +1,252 @@
+"""The faults: what each does to a message, that a seed gives them again, and what a matcher makes of them."""
+
+from __future__ import annotations
+
+import math
+from copy import deepcopy
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rclpy.serialization import serialize_message
+from rclpy.utilities import get_rmw_implementation_identifier
+from sensor_msgs.msg import JointState
+
+from tutorial.errors import TutorialError
+from tutorial.joints import JointMatcher
+from tutorial.ros.chaos import FAULTS, Action, Chaos, parse_fault
+from tutorial.ros.chaos.faults import AHEAD_NS, BURST, CHANGES, LATE_NS, stamp_ns
+from tutorial.ros.chaos.stream import JOINTS, swing
+
+ALL = dict.fromkeys(FAULTS, 0.2)
+FIVE = tuple(f"JOINT_{i}" for i in range(5))
+
+
+def as_bytes(action: Action) -> bytes:
+    """What goes over the wire; Fast DDS leaves garbage in the padding."""
+    if action.message is None:
+        return b""
+    if "fastrtps" in get_rmw_implementation_identifier():
+        return repr(action.message).encode()
+    return bytes(serialize_message(action.message))
+
+
+def stream(chaos: Chaos, count: int = 300, joints: tuple[str, ...] = JOINTS) -> list[Action]:
+    return [action for i in range(count) for action in chaos.apply(swing(i, joints))]
+
+
+def hit_by(name: str, number: int = 100) -> tuple[JointState, JointState]:
+    """A good message, and what becomes of it when this fault hits it."""
+    chaos = Chaos()
+    chaos.apply(swing(number - 1, FIVE))
+    chaos.faults = {name: 1}
+    good = swing(number, FIVE)
+    (action,) = chaos.apply(good)
+    assert chaos.made == dict.fromkeys(FAULTS, 0) | {name: 1}
+    assert action.kind == "publish"
+    return good, action.message
+
+
+def entries(message: JointState) -> list[tuple[str, float, float, float]]:
+    return list(zip(message.name, message.position, message.velocity, message.effort))
+
+
+def test_a_seed_gives_the_same_stream_again_byte_for_byte():
+    first, again, other = (
+        [(action.kind, as_bytes(action)) for action in stream(Chaos(ALL, seed))] for seed in (3, 3, 4)
+    )
+    assert first == again
+    assert first != other
+
+
+def test_which_messages_a_fault_hits_does_not_depend_on_the_others():
+    def nans(faults):
+        chaos = Chaos(faults, seed=1)
+        return [any(map(math.isnan, a.message.position)) for i in range(200) for a in chaos.apply(swing(i))]
+
+    alone = nans({"nan": 0.3})
+    assert 30 < sum(alone) < 90
+    assert nans({"shuffle": 0.5, "nan": 0.3}) == alone
+
+
+def test_without_faults_the_stream_passes_as_it_is():
+    good = [swing(i) for i in range(50)]
+    assert [(action.kind, action.message) for action in stream(Chaos(), 50)] == [("publish", each) for each in good]
+
+
+@given(st.dictionaries(st.sampled_from(list(FAULTS)), st.just(1.0)), st.integers(0, 4))
+@settings(deadline=None)
+def test_the_good_message_stays_as_it_is(faults, joints):
+    good = swing(7, FIVE[:joints])
+    before = deepcopy(good)
+    Chaos(faults).apply(good)
+    assert good == before
+
+
+def test_another_order_keeps_each_joints_values():
+    good, shuffled = hit_by("shuffle")
+    assert shuffled.name != good.name
+    assert sorted(entries(shuffled)) == sorted(entries(good))
+
+
+def test_two_joints_are_always_swapped():
+    messages = [action.message.name for action in stream(Chaos({"shuffle": 1}), 20)]
+    assert messages == [["TURRET_P", "TURRET_Y"]] * 20
+
+
+def test_some_of_the_joints_keep_their_order_and_values():
+    good, some = hit_by("subset")
+    assert 0 < len(some.name) < 5
+    assert entries(some) == [each for each in entries(good) if each[0] in some.name]
+
+
+def test_a_mistyped_name_is_nobodys():
+    good, mistyped = hit_by("rename")
+    assert len(set(mistyped.name) - set(good.name)) == 1
+    assert list(mistyped.position) == list(good.position)
+
+
+def test_the_newest_position_of_a_joint_that_comes_twice_is_the_last():
+    good, twice = hit_by("duplicate")
+    assert entries(twice)[1:] == entries(good)
+    assert twice.name[0] in good.name
+    assert twice.position[0] != good.position[good.name.index(twice.name[0])]
+
+
+@pytest.mark.parametrize(
+    ("name", "is_hit"), [("nan", math.isnan), ("infinite", math.isinf), ("huge", lambda value: abs(value) >= 1e12)]
+)
+def test_one_position_is_no_angle(name, is_hit):
+    good, hit = hit_by(name)
+    kept = [value == was for value, was in zip(hit.position, good.position)]
+    assert sorted(kept) == [False, True, True, True, True]
+    assert is_hit(hit.position[kept.index(False)])
+
+
+@pytest.mark.parametrize("name", ["markup", "control"])
+def test_one_more_name_is_hostile(name):
+    good, more = hit_by(name)
+    assert entries(more)[:-1] == entries(good)
+    hostile = more.name[-1]
+    assert any(c in hostile for c in "<&`") if name == "markup" else not hostile.isprintable()
+    assert "\0" not in hostile  # ends a string in C: it would not arrive
+
+
+def test_arrays_are_shorter_or_longer_than_the_names():
+    good, short = hit_by("short")
+    assert 0 < len(short.position) == len(short.velocity) == len(short.effort) < len(short.name) == 5
+    good, long = hit_by("long")
+    assert len(long.name) == 5 < len(long.position) <= 8
+    assert list(long.position)[:5] == list(good.position)
+
+
+def test_a_late_message_comes_after_newer_ones_as_it_was():
+    chaos = Chaos({"late": 0.1})
+    messages = [action.message for action in stream(chaos, 500)]
+    stamps = [stamp_ns(message) for message in messages]
+    back = [before - stamp for before, stamp in pairwise(stamps) if stamp < before]
+    assert len(back) == chaos.made["late"] > 20
+    assert LATE_NS[0] <= min(back) < max(back) <= LATE_NS[1] + stamp_ns(swing(1))
+    assert all(message == swing(round(stamp_ns(message) / stamp_ns(swing(1)))) for message in messages)
+
+
+def test_a_clock_that_is_wrong_is_ahead():
+    good, ahead = hit_by("ahead")
+    assert stamp_ns(good) + AHEAD_NS[0] <= stamp_ns(ahead) <= stamp_ns(good) + AHEAD_NS[1]
+
+
+def test_no_stamp_is_before_the_beginning_and_a_restart_takes_what_is_held_back():
+    chaos = Chaos({"late": 0.5, "restart": 0.05})
+    began = 0
+    for number in range(500):
+        for action in chaos.apply(swing(number)):
+            if action.kind == "restart":
+                began = number
+            else:
+                assert 0 <= stamp_ns(action.message) <= stamp_ns(swing(number - began))
+
+
+def test_a_restarted_publishers_stamps_begin_at_zero():
+    chaos = Chaos({"restart": 1})
+    assert [action.kind for action in chaos.apply(swing(500))] == ["restart", "publish"]
+    chaos.faults = {}
+    assert stamp_ns(chaos.apply(swing(501))[0].message) == stamp_ns(swing(1))
+
+
+def test_what_comes_is_nothing_a_burst_a_second_publishers_or_another_type():
+    assert Chaos({"drop": 1}).apply(swing(0)) == []
+    burst = Chaos({"burst": 1}).apply(swing(0))
+    assert burst == [Action("publish", swing(0))] * BURST
+    good, second = Chaos({"second": 1}).apply(swing(9))
+    assert (good.kind, second.kind) == ("publish", "second")
+    assert (list(second.message.position), second.message.header) == ([0.0, 0.0], swing(9).header)
+    assert [action.kind for action in Chaos({"drop": 1, "type": 1}).apply(swing(0))] == ["type"]
+
+
+@pytest.mark.parametrize("message", [JointState(), JointState(name=["A"]), JointState(position=[1.0])])
+def test_a_message_with_next_to_nothing_in_it_has_no_fault_that_it_cannot_have(message):
+    chaos = Chaos(dict.fromkeys(CHANGES, 1.0))
+    chaos.apply(message)
+    assert chaos.made["shuffle"] == chaos.made["subset"] == chaos.made["duplicate"] == 0
+    assert chaos.made["markup"] == chaos.made["long"] == 1
+
+
+REPORTED = {
+    "rename": "unknown",
+    "markup": "unknown",
+    "control": "unknown",
+    "duplicate": "duplicate",
+    "nan": "non_finite",
+    "infinite": "non_finite",
+    "late": "late",
+}
+"""Under what a matcher counts what a fault does to a message."""
+
+
+@pytest.mark.parametrize("name", [name for name in FAULTS if name != "second"])
+def test_a_matcher_counts_what_was_made(name):
+    chaos, matcher = Chaos({name: 0.3}, seed=2), JointMatcher(FIVE)
+    counts: dict[str, int] = {}
+    for action in stream(chaos, 400, FIVE):
+        if action.message is not None:
+            positions, report = matcher.match(action.message)
+            assert all(map(math.isfinite, positions.values()))
+            for key, count in report.counts().items():
+                counts[key] = counts.get(key, 0) + count
+    assert chaos.made[name] > 30
+    for key in set(REPORTED.values()):
+        assert counts[key] == (chaos.made[name] if REPORTED.get(name) == key else 0), key
+    assert (counts["short"] > 0) == (name == "short")
+
+
+@pytest.mark.parametrize(("text", "fault"), [("nan", ("nan", 1.0)), ("nan:0.1", ("nan", 0.1)), ("drop:1", ("drop", 1))])
+def test_a_fault_is_written_with_its_share(text, fault):
+    assert parse_fault(text) == fault
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("shufle", "there is no fault 'shufle'. Did you mean 'shuffle'?"),
+        ("", "there is no fault ''."),
+        ("\x1b[2J:1", r"there is no fault '\\x1b[2J'."),
+        ("x" * 100_000, "there is no fault 'xxx"),
+        ("nan:2", "'2' is no share of the messages for 'nan': give a number from 0 to 1."),
+        ("nan:", "'' is no share"),
+        ("nan:nan", "'nan' is no share"),
+        ("nan:-0.1", "'-0.1' is no share"),
+    ],
+)
+def test_what_is_no_fault_is_said(text, said):
+    with pytest.raises(TutorialError) as error:
+        parse_fault(text)
+    assert said in str(error.value)
+    assert len(str(error.value)) < 500
+
+
+def test_faults_may_be_replaced_but_not_by_what_there_is_not():
+    chaos = Chaos({"nan": 1})
+    with pytest.raises(Exception, match=r"there is no fault 'nann'\. Did you mean 'nan'\?"):
+        chaos.faults = {"nann": 1}
+    assert chaos.faults == {"nan": 1}

@@ -1,0 +1,95 @@
+"""The stream, between nodes: what is published where."""
+
+import math
+
+import pytest
+from programs import until
+from rclpy.qos import HistoryPolicy, QoSProfile
+from sensor_msgs.msg import JointState
+
+from tutorial.ros.chaos import Chaos
+from tutorial.ros.chaos.stream import TOPIC, ChaosStream, swing
+from tutorial.ros.node_thread import NodeThread
+
+KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL)
+
+
+class Ends:
+    """A node that publishes, and one that listens."""
+
+    def __init__(self):
+        self.chaos, self.listener = NodeThread("chaos"), NodeThread("listener")
+        self.received = []
+        self.listener.node.create_subscription(JointState, TOPIC, self.received.append, KEEP_ALL)
+        self.streams = []
+
+    def start(self, faults, **how):
+        self.streams.append(ChaosStream(self.chaos.node, Chaos(faults), **how))
+        return self.streams[-1]
+
+    def close(self):
+        for each in (*self.streams, self.chaos, self.listener):
+            each.close()
+
+
+@pytest.fixture
+def ends(domain):
+    ends = Ends()
+    yield ends
+    assert ends.chaos.error is ends.listener.error is None
+    ends.close()
+    ends.close()
+
+
+def test_it_swings_steadily_by_itself(ends):
+    stream = ends.start({})
+    until(lambda: len(ends.received) > 10, "messages")
+    assert stream.seconds > 0.2
+    first = ends.received[0].header.stamp
+    number = round(50 * (first.sec + first.nanosec / 1e9))
+    assert [list(message.position) for message in ends.received[:10]] == [
+        list(swing(number + i).position) for i in range(10)
+    ]
+
+
+def test_the_faults_go_to_the_topic_from_where_the_good_stream_comes_elsewhere(ends):
+    ends.start({"nan": 1}, good="good")
+    good = ends.listener.node.create_publisher(JointState, "/good", KEEP_ALL)
+    until(lambda: good.get_subscription_count() and ends.listener.node.count_publishers(TOPIC), "each other")
+
+    def arrives():
+        good.publish(JointState(name=["A"], position=[1.0]))
+        return ends.received
+
+    until(arrives, "a message")
+    assert ends.received[0].name == ["A"]
+    assert math.isnan(ends.received[0].position[0])
+
+
+def test_a_loop_is_refused(ends):
+    with pytest.raises(Exception, match=r"are both on '/Tank/joint_state'\. Have the good stream's publisher publish"):
+        ends.start({}, good=TOPIC[1:])
+
+
+def test_a_second_publisher_another_type_and_a_new_start(ends):
+    """On a real ROS 2, too, a topic of two types needs a participant more, and who is destroyed leaves nothing."""
+    stream = ends.start({"second": 0.5, "type": 0.5})
+    node = ends.listener.node
+    until(lambda: node.count_publishers(TOPIC) == 3, "three publishers")
+    types = ["sensor_msgs/msg/JointState", "std_msgs/msg/String"]
+    until(lambda: dict(node.get_topic_names_and_types()).get(TOPIC) == types, "two types")
+    until(lambda: {message.position[0] == 0 for message in ends.received} == {True, False}, "both publishers' messages")
+    stream.chaos.faults = {"restart": 0.02}
+    until(lambda: stream.chaos.made["restart"] > 1, "a restart")
+    stream.chaos.faults = {}
+    count = len(ends.received)
+    until(lambda: len(ends.received) > count + 5, "messages after the restart")
+    assert node.count_publishers(TOPIC) == 3
+    stream.close()
+    until(lambda: node.count_publishers(TOPIC) == 2, "the end of the other type")
+
+
+def test_faults_go_by_the_time_of_the_stream(ends):
+    stream = ends.start({}, faults_at=lambda seconds: {"subset": 1} if 0.2 <= seconds < 0.5 else {})
+    until(lambda: stream.seconds > 0.6, "its end")
+    assert stream.chaos.made["subset"] == 15

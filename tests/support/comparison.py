@@ -1,0 +1,74 @@
+"""The table of `book/comparison.md`: what this viewer and others show of the same faulty stream.
+
+``python tests/support/comparison.py`` writes it anew into the page; a test says when that is needed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from pathlib import Path
+
+import tutorial  # noqa: F401 - promises an rclpy
+
+# isort: split
+from viewers import VIEWERS, Viewer
+
+from tutorial.ros.chaos import FAULTS, Chaos
+from tutorial.ros.chaos.stream import swing
+
+PAGE = Path(__file__).parents[2] / "book" / "comparison.md"
+TABLE = re.compile(r"(?<=<!-- made by tests/support/comparison.py -->\n).*?(?=<!-- end -->)", re.DOTALL)
+
+MESSAGES = 2000
+RATE = 20  # [Hz], at which robot_state_publisher publishes, too
+SHARE = 0.1
+SEED = 1
+RANGES = {"TURRET_Y": (-6.29, 6.29), "TURRET_P": (-0.18, 0.79)}  # [rad]
+COMPARED = tuple(name for name in FAULTS if name != "type")  # another type does not arrive anywhere
+
+
+def judge(kind: type[Viewer], fault: str) -> str:
+    """Show a stream to a viewer; say how much of the time the pose was not right, and whether that was said.
+
+    A pose is right if each joint is where the good stream has it; stale if those that are not are where they were
+    before; else wrong.
+    """
+    viewer, chaos = kind(RANGES), Chaos(seed=SEED)
+    seen: dict[str, set[float]] = {joint: set() for joint in RANGES}
+    found: Counter[str] = Counter()
+    said = False
+    for number in range(1, 1 + MESSAGES):
+        good = swing(number, tuple(RANGES), RATE)
+        for action in chaos.apply(good):
+            if action.message is not None and not viewer.ended:
+                said |= viewer.take(action.message, action.kind)
+        chaos.faults = {fault: SHARE}  # the first message was good, so every joint has a position
+        true = dict(zip(good.name, good.position))
+        for joint, position in true.items():
+            seen[joint].add(position)
+        known = all(viewer.pose[joint] in seen[joint] for joint in RANGES)
+        found["right" if viewer.pose == true else "stale" if known else "wrong"] += 1
+    return _words(found, said, viewer.ended)
+
+
+def _words(found: Counter[str], said: bool, ended: bool) -> str:
+    bad = [f"{verdict} {_share(found[verdict])}" for verdict in ("stale", "wrong") if found[verdict]]
+    end = ["ends"] if ended else ["said"] if said else ["silent"] if bad else []
+    return ", ".join([*(bad or ["right"]), *end])
+
+
+def _share(count: int) -> str:
+    return f"{100 * count / MESSAGES:.0f} %"
+
+
+def table() -> str:
+    """Make the table, fault by fault."""
+    names = [kind.name for kind in VIEWERS]
+    rows = [["fault", *names], ["---"] * (len(names) + 1)]
+    rows += [[f"`{fault}`", *(judge(kind, fault) for kind in VIEWERS)] for fault in COMPARED]
+    return "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(TABLE.sub(lambda _: table(), PAGE.read_text(encoding="utf-8")), encoding="utf-8")

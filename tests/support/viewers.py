@@ -1,0 +1,167 @@
+"""What others make of a joint state: small models of their handling of one message, in our words, after their sources.
+
+Each holds a pose, takes one message after the other, and says whether anybody was told that something was wrong. What
+they do besides, such as mimic joints, is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite
+from typing import Any
+
+from tutorial.joints import JointMatcher
+from tutorial.ros.chaos.faults import SECOND_NS, stamp_ns
+
+__all__ = ["VIEWERS", "Viewer"]
+
+
+class Viewer:
+    """What is common to all.
+
+    Args:
+        ranges: the robot's joints, in its order, and their ranges [rad].
+
+    Attributes:
+        pose: where each joint is shown [rad].
+        ended: whether an error has ended the program.
+    """
+
+    name = source = ""
+    ended = False
+
+    def __init__(self, ranges: Mapping[str, tuple[float, float]]) -> None:
+        self.pose = dict.fromkeys(ranges, 0.0)
+
+    def take(self, message: Any, publisher: str = "publish") -> bool:
+        """Show a message; return whether anything was said about it.
+
+        Args:
+            message: the `sensor_msgs/JointState`.
+            publisher: which one has sent it, ``"publish"`` or ``"second"``.
+        """
+        raise NotImplementedError
+
+
+class TankTutorial(Viewer):
+    """This tutorial's viewer."""
+
+    name = "this tutorial"
+    source = "`tutorial/joints.py`"
+
+    def __init__(self, ranges: Mapping[str, tuple[float, float]]) -> None:
+        super().__init__(ranges)
+        self._publishers = {"publish"}  # those that there are, as the graph of nodes tells
+        self._matcher = JointMatcher(ranges, lambda: len(self._publishers))
+
+    def take(self, message: Any, publisher: str = "publish") -> bool:
+        self._publishers.add(publisher)
+        positions, report = self._matcher.match(message)
+        self.pose.update(positions)
+        return not report.clean
+
+
+class ChoreonoidTutorial(Viewer):
+    """The original: the i-th entry moves the i-th joint, if the names agree."""
+
+    name = "the original"
+    source = "choreonoid/choreonoid_ros_tank_tutorial, `src/RttJointStateSubscriber.cpp`"
+
+    def take(self, message: Any, publisher: str = "publish") -> bool:
+        for joint, name, position in zip(tuple(self.pose), message.name, message.position):
+            if joint == name:
+                self.pose[joint] = position
+        return False
+
+
+class RobotStatePublisher(Viewer):
+    """robot_state_publisher at its default 20 Hz, and tf2, which keeps what it publishes.
+
+    Messages of uneven lengths are refused. A message counts if it is an interval newer than what was published last of
+    the joint of which that is longest ago, and than now. Of a joint that comes twice the first counts: it is inserted
+    into a map. tf2 refuses what is no number, and shows what has the newest stamp.
+    """
+
+    name = "robot_state_publisher"
+    source = "ros/robot_state_publisher, `src/robot_state_publisher.cpp`; ros2/geometry2, `tf2/src/buffer_core.cpp`"
+    interval_ns = SECOND_NS // 20
+
+    def __init__(self, ranges: Mapping[str, tuple[float, float]]) -> None:
+        super().__init__(ranges)
+        self._published_ns: dict[str, int] = {}
+        self._shown_ns: dict[str, int] = {}
+
+    def take(self, message: Any, publisher: str = "publish") -> bool:
+        if len(message.name) != len(message.position):
+            return True
+        ns = stamp_ns(message)
+        last = min((self._published_ns.get(name, 0) for name in message.name), default=0)
+        if ns < last + self.interval_ns:
+            return False
+        self._published_ns |= dict.fromkeys(message.name, ns)
+        positions = dict(reversed(list(zip(message.name, message.position))))
+        complaints = [self._transform(joint, positions[joint], ns) for joint in self.pose if joint in positions]
+        return any(complaints)
+
+    def _transform(self, joint: str, position: float, ns: int) -> bool:
+        """What tf2 does with a transform; return whether it complains."""
+        if not isfinite(position):  # the sine of an infinite angle is no number, either
+            return True
+        if ns >= self._shown_ns.get(joint, 0):
+            self._shown_ns[joint] = ns
+            self.pose[joint] = position
+        return False
+
+
+class JointStatePublisher(Viewer):
+    """joint_state_publisher with a source_list: by name, and the position of the same index, if there are any.
+
+    An index beyond the positions raises in the callback, which ends the program.
+    """
+
+    name = "joint_state_publisher"
+    source = "ros/joint_state_publisher, `joint_state_publisher/joint_state_publisher/joint_state_publisher.py`"
+
+    def take(self, message: Any, publisher: str = "publish") -> bool:
+        for i, name in enumerate(message.name):
+            if name in self.pose and len(message.position):
+                if i >= len(message.position):
+                    self.ended = True
+                    return True
+                self.pose[name] = message.position[i]
+        return False
+
+
+class Foxglove(Viewer):
+    """The 3D panel of Foxglove Studio: by name; what has no position is at 0. By the time of arrival, not the stamp."""
+
+    name = "Foxglove Studio"
+    source = "foxglove/studio, `packages/studio-base/src/panels/ThreeDeeRender/renderables/Urdfs.ts`"
+
+    def take(self, message: Any, publisher: str = "publish") -> bool:
+        for i, name in enumerate(message.name):
+            if name in self.pose:
+                self.pose[name] = message.position[i] if i < len(message.position) else 0.0
+        return False
+
+
+class PlotJuggler(Viewer):
+    """PlotJuggler, whose newest points are the pose: by name, up to the shorter length; what is no number is skipped.
+
+    By the time of arrival, which is its default.
+    """
+
+    name = "PlotJuggler"
+    source = (
+        "PlotJuggler/PlotJuggler, `plotjuggler_plugins/ParserROS/ros_parser.cpp` since pull request 927, "
+        "`plotjuggler_base/include/PlotJuggler/plotdatabase.h`"
+    )
+
+    def take(self, message: Any, publisher: str = "publish") -> bool:
+        for name, position in zip(message.name, message.position):
+            if name in self.pose and isfinite(position):
+                self.pose[name] = position
+        return False
+
+
+VIEWERS = (TankTutorial, ChoreonoidTutorial, RobotStatePublisher, JointStatePublisher, Foxglove, PlotJuggler)

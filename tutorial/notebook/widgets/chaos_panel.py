@@ -1,0 +1,114 @@
+"""Sliders for the faults in a stream of joint states, which a node of its own publishes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ipywidgets import HTML, Button, FloatSlider, GridBox, Layout, VBox
+
+from tutorial.errors import running_loop
+from tutorial.ros.chaos import FAULTS, Chaos
+from tutorial.ros.chaos.stream import TOPIC, ChaosStream
+from tutorial.ros.node_thread import NodeThread
+
+__all__ = ["ChaosPanel"]
+
+WIDTH = "22em"
+LOOK = 0.5  # [s] between two looks at what has been hit
+NO_LOOP = "a panel is kept up to date by an event loop, and none runs here. Make it in a cell."
+
+
+class ChaosPanel(VBox):  # type: ignore[misc]
+    """A slider for each fault: which share of the messages it hits. Make it on the main thread, while its loop runs.
+
+    Its node, ``chaos``, publishes from a thread of its own, so it goes on while a cell is busy.
+
+    Args:
+        topic: where to publish.
+        good: the topic of the good stream; None for a steady swing.
+        seed: the same one, with the same sliders, gives the same faults again.
+        ros_args: command line arguments, of which ROS 2 takes those after ``--ros-args``.
+
+    Attributes:
+        sliders: by the name of the fault.
+        ended: whether it has been ended.
+
+    Raises:
+        TutorialError: no event loop runs, or the good stream would come from where the faults go.
+    """
+
+    def __init__(
+        self, topic: str = TOPIC, good: str | None = None, seed: int = 0, ros_args: Sequence[str] | None = None
+    ) -> None:
+        loop = running_loop(NO_LOOP)
+        self.ended = False
+        self._ros = NodeThread("chaos", ros_args)
+        try:
+            self._stream = ChaosStream(self._ros.node, Chaos(seed=seed), topic, good)
+        except BaseException:
+            self._ros.close()
+            raise
+        self.sliders = {name: _slider(name, what) for name, what in FAULTS.items()}
+        for slider in self.sliders.values():
+            slider.observe(self._on_share, "value")
+        self._reset = Button(description="no faults", tooltip="Set all sliders to 0")
+        self._reset.on_click(self._on_reset)
+        self._hits = HTML(layout=Layout(width=WIDTH))  # unlike a Label it breaks its line
+        columns = f"repeat(auto-fill, {WIDTH})"
+        grid = GridBox([*self.sliders.values()], layout=Layout(grid_template_columns=columns))
+        super().__init__([grid, self._reset, self._hits])
+        self._loop = loop
+        self._next = loop.call_soon(self._tell)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}()"
+
+    @property
+    def made(self) -> dict[str, int]:
+        """How many messages each fault has hit so far."""
+        return dict(self._stream.chaos.made)
+
+    def end(self) -> None:
+        """Publish no more, and end the node; the sliders stay, and do nothing. Idempotent, main thread."""
+        if self.ended:
+            return
+        self.ended = True
+        self._next.cancel()
+        self._stream.close()
+        self._ros.close()
+        for control in (*self.sliders.values(), self._reset):
+            control.disabled = True
+        self._hits.value = f"ended. {_words(self.made)}"
+
+    def close(self) -> None:
+        """End it, and take it off every page. Idempotent, main thread."""
+        if self.comm is not None:
+            self.end()
+            for child in (*self.sliders.values(), *self.children):
+                child.close()
+        super().close()
+
+    def _on_share(self, _change: object) -> None:
+        """Leave the shares for the node's thread, which takes them with the next message. Any thread."""
+        self._stream.chaos.faults = {name: slider.value for name, slider in self.sliders.items() if slider.value}
+
+    def _on_reset(self, _button: object) -> None:
+        for slider in self.sliders.values():
+            slider.value = 0.0
+
+    def _tell(self) -> None:
+        """Say what has been hit, again and again. Main thread."""
+        self._hits.value = _words(self.made)
+        self._next = self._loop.call_later(LOOK, self._tell)
+
+
+def _slider(name: str, what: str) -> Any:
+    return FloatSlider(
+        max=1.0, step=0.05, description=name, tooltip=what, readout_format=".0%", layout=Layout(width=WIDTH)
+    )
+
+
+def _words(made: dict[str, int]) -> str:
+    hit = ", ".join(f"{name} {count}" for name, count in made.items() if count)
+    return f"messages hit: {hit or 'none'}"

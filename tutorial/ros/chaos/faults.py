@@ -1,0 +1,316 @@
+"""Puts faults into a stream of joint states: a message in, what is to be published out. No thread, no clock, no ROS 2.
+
+Each fault draws from random numbers of its own, so the same seed gives the same stream again, and the messages that one
+fault hits do not depend on whether another is on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import inf, nan
+from random import Random
+from typing import Any, Literal, NamedTuple
+
+from tutorial.errors import TutorialError, did_you_mean, printable
+
+__all__ = ["FAULTS", "Action", "Chaos", "parse_fault", "share_of"]
+
+BURST = 20  # messages in a burst
+SECOND_NS = 1_000_000_000
+LATE_NS = (SECOND_NS // 1000, 3 * SECOND_NS // 10)  # how late a message comes
+AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far a clock that is wrong may be ahead
+
+LONGEST = 60  # of what is repeated in an error [characters]
+
+MARKUP = (
+    "<b>TURRET_Y</b>",
+    "<script>alert(1)</script>",
+    '"><img src=x onerror=alert(1)>',
+    "&lt;TURRET_Y&gt;",
+    "`$(reboot)`{{7*7}}",
+)
+CONTROL = (
+    "\x1b[2J\x1b[HTURRET_Y",  # clears a terminal
+    "TURRET_Y\n[ERROR] all is lost",  # forges a line
+    "\u202eY_TERRUT",  # is read from right to left
+    "TURRET\u200b_Y",  # looks like the joint's own name
+    "\r\x07\x9b31m",
+)
+
+FAULTS = {
+    "shuffle": "the joints come in another order",
+    "subset": "some of the joints only",
+    "rename": "a joint has a mistyped name",
+    "duplicate": "a joint comes twice, first with an earlier position",
+    "nan": "a position is not a number",
+    "infinite": "a position is infinite",
+    "huge": "a position is beyond any range",
+    "markup": "one more name, with HTML in it",
+    "control": "one more name, with control or direction characters in it",
+    "short": "fewer positions than names",
+    "long": "more positions than names",
+    "late": "a message is held back for up to 0.3 s, and comes after newer ones",
+    "ahead": "the stamp is up to an hour ahead",
+    "restart": "the publisher is started again, and its stamps begin at 0",
+    "drop": "the message is lost",
+    "burst": f"the message comes {BURST} times at once",
+    "second": "a second publisher says that all joints are at 0",
+    "type": "a publisher sends another type on the topic",
+}
+"""What each fault does, by name, in the order in which they are applied."""
+
+
+class Action(NamedTuple):
+    """What is to be done next.
+
+    Attributes:
+        kind: ``"publish"`` the message; publish it as a ``"second"`` publisher; ``"restart"`` the publisher; publish
+            something of another ``"type"``.
+        message: the `sensor_msgs/JointState` to publish, if it is one.
+    """
+
+    kind: Literal["publish", "second", "restart", "type"]
+    message: Any = None
+
+
+class Chaos:
+    """Puts faults into a stream of joint states.
+
+    Args:
+        faults: by name, which share of the messages a fault hits, 0 to 1. Several may hit the same message.
+        seed: the same one gives the same faults again.
+
+    Attributes:
+        made: how many messages each fault has hit so far, by name.
+
+    Raises:
+        TutorialError: there is no such fault, or no such share.
+    """
+
+    def __init__(self, faults: Mapping[str, float] | None = None, seed: int = 0) -> None:
+        self.faults = faults or {}
+        self.made = dict.fromkeys(FAULTS, 0)  # complete from the start: another thread may be reading
+        self._random = {name: Random(f"{seed} {name}") for name in FAULTS}
+        self._newest_ns = 0  # the stamp of the last message that was in time
+        self._held: tuple[Any, int] | None = None  # the message that comes late, and by how much [ns]
+        self._began_ns = 0  # which stamp of the good stream is 0 since the last restart
+
+    @property
+    def faults(self) -> Mapping[str, float]:
+        """By name, which share of the messages each fault hits. It may be replaced while the stream runs."""
+        return self._faults
+
+    @faults.setter
+    def faults(self, faults: Mapping[str, float]) -> None:
+        for name, share in faults.items():
+            _check(name, share)
+        self._faults = dict(faults)
+
+    def apply(self, message: Any) -> list[Action]:
+        """Put faults into the next message.
+
+        Args:
+            message: a good `sensor_msgs/JointState`; it stays as it is.
+
+        Returns:
+            What is to be done, in order; nothing for a message that is lost or held back.
+        """
+        hits = [name for name, share in self._faults.items() if self._random[name].random() < share]
+        faulty = _copy(message)
+        for name, change in CHANGES.items():
+            if name in hits and change(self._random[name], faulty):
+                self.made[name] += 1
+        for name in ("restart", "ahead", "drop", "second", "type"):
+            self.made[name] += name in hits
+        actions = []
+        if "restart" in hits:
+            self._began_ns = stamp_ns(message)
+            self._held = None  # what the publisher held back is gone with it
+            actions.append(Action("restart"))
+        ahead_ns = self._random["ahead"].randint(*AHEAD_NS) if "ahead" in hits else 0
+        set_stamp_ns(faulty, stamp_ns(message) - self._began_ns + ahead_ns)
+        actions += self._in_time(faulty, hits)
+        if "second" in hits:
+            actions.append(Action("second", _at_zero(message)))
+        if "type" in hits:
+            actions.append(Action("type"))
+        return actions
+
+    def _in_time(self, message: Any, hits: list[str]) -> list[Action]:
+        """Publish a message now, or later, or never, or many times; and what is due of those before."""
+        actions = []
+        if "late" in hits and self._held is None:
+            self._held = message, self._random["late"].randint(*LATE_NS)
+        elif "drop" not in hits:
+            self._newest_ns = stamp_ns(message)
+            self.made["burst"] += "burst" in hits
+            actions += [Action("publish", message)] * (BURST if "burst" in hits else 1)
+        if self._held is not None:
+            held, delay_ns = self._held
+            age_ns = self._newest_ns - stamp_ns(held)
+            if age_ns >= delay_ns:
+                self._held = None
+            if delay_ns <= age_ns <= SECOND_NS:  # else the stamps have jumped meanwhile, and it is lost
+                self.made["late"] += 1
+                actions.append(Action("publish", held))
+        return actions
+
+
+def parse_fault(text: str) -> tuple[str, float]:
+    """Read a fault as it is written: ``"nan:0.1"`` hits every tenth message, ``"nan"`` hits all.
+
+    Raises:
+        TutorialError: there is no such fault, or no such share; the text names the nearest.
+    """
+    name, colon, share = text.partition(":")
+    return name, _check(name, share if colon else 1.0)
+
+
+def share_of(share: float) -> str:
+    """Say which share of the messages is hit, such as ``"10 %"``."""
+    return f"{100 * share:g} %"
+
+
+def stamp_ns(message: Any) -> int:
+    """Return a message's stamp [ns]."""
+    stamp = message.header.stamp
+    return int(stamp.sec * SECOND_NS + stamp.nanosec)
+
+
+def set_stamp_ns(message: Any, ns: int) -> None:
+    """Set a message's stamp [ns]."""
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(ns, SECOND_NS)
+
+
+def _check(name: str, share: float | str) -> float:
+    """Return a fault's share as a number between 0 and 1."""
+    if name not in FAULTS:
+        raise TutorialError(f"there is no fault {printable(name[:LONGEST])!r}.{did_you_mean(name, FAULTS)}")
+    try:
+        number = float(share)
+    except ValueError:
+        number = nan
+    if not 0 <= number <= 1:
+        given = printable(str(share)[:LONGEST])
+        raise TutorialError(f"{given!r} is no share of the messages for {name!r}: give a number from 0 to 1.")
+    return number
+
+
+def _copy(message: Any) -> Any:
+    """Copy a joint state, so that what was given stays as it is."""
+    copy = type(message)()
+    copy.header.frame_id = message.header.frame_id
+    set_stamp_ns(copy, stamp_ns(message))
+    for field in ("name", "position", "velocity", "effort"):
+        setattr(copy, field, list(getattr(message, field)))
+    return copy
+
+
+def _at_zero(message: Any) -> Any:
+    """Make what a publisher sends whose robot has never moved."""
+    still = _copy(message)
+    still.position = [0.0] * len(message.name)
+    still.velocity, still.effort = [], []
+    return still
+
+
+# What changes a message's content. Each returns whether it could: a message of one joint has no other order.
+
+
+def _reorder(message: Any, order: list[int]) -> None:
+    """Keep these entries, in this order, of every list that has one for each name."""
+    count = len(message.name)
+    for field in ("position", "velocity", "effort", "name"):
+        values = getattr(message, field)
+        if len(values) == count:
+            setattr(message, field, [values[i] for i in order])
+
+
+def _shuffle(random: Random, message: Any) -> bool:
+    count = len(message.name)
+    order = random.sample(range(count), count)
+    _reorder(message, order if order != sorted(order) else order[::-1])
+    return count > 1
+
+
+def _subset(random: Random, message: Any) -> bool:
+    count = len(message.name)
+    if count > 1:
+        _reorder(message, sorted(random.sample(range(count), random.randrange(1, count))))
+    return count > 1
+
+
+def _rename(random: Random, message: Any) -> bool:
+    if not message.name:
+        return False
+    i = random.randrange(len(message.name))
+    k = random.randrange(len(message.name[i]) + 1)
+    mistyped = message.name[i][:k] + message.name[i][k + 1 :]  # a character is missing
+    while mistyped in message.name:
+        mistyped += "_"
+    message.name = [*message.name[:i], mistyped, *message.name[i + 1 :]]
+    return True
+
+
+def _duplicate(random: Random, message: Any) -> bool:
+    if not 0 < len(message.name) == len(message.position):
+        return False
+    i = random.randrange(len(message.name))
+    _reorder(message, [i, *range(len(message.name))])
+    message.position[0] += random.uniform(0.1, 0.5)
+    return True
+
+
+def _put(value: Callable[[Random], float]) -> Callable[[Random, Any], bool]:
+    """Make a change that replaces one position."""
+
+    def change(random: Random, message: Any) -> bool:
+        if len(message.position):
+            message.position[random.randrange(len(message.position))] = value(random)
+        return len(message.position) > 0
+
+    return change
+
+
+def _add(names: tuple[str, ...]) -> Callable[[Random, Any], bool]:
+    """Make a change that adds an entry of one of these names."""
+
+    def change(random: Random, message: Any) -> bool:
+        count = len(message.name)
+        for field in ("position", "velocity", "effort"):
+            values = list(getattr(message, field))
+            if len(values) == count:
+                setattr(message, field, [*values, 0.1])
+        message.name = [*message.name, random.choice(names)]
+        return True
+
+    return change
+
+
+def _short(random: Random, message: Any) -> bool:
+    count = len(message.position)
+    if count > 1:
+        kept = random.randrange(1, count)
+        for field in ("position", "velocity", "effort"):
+            setattr(message, field, getattr(message, field)[:kept])
+    return count > 1
+
+
+def _long(random: Random, message: Any) -> bool:
+    message.position = [*message.position, *(random.uniform(-1, 1) for _ in range(random.randint(1, 3)))]
+    return True
+
+
+CHANGES: dict[str, Callable[[Random, Any], bool]] = {
+    "shuffle": _shuffle,
+    "subset": _subset,
+    "rename": _rename,
+    "duplicate": _duplicate,
+    "nan": _put(lambda _: nan),
+    "infinite": _put(lambda random: random.choice((-inf, inf))),
+    "huge": _put(lambda random: random.choice((-1, 1)) * 10.0 ** random.randint(12, 300)),
+    "markup": _add(MARKUP),
+    "control": _add(CONTROL),
+    "short": _short,
+    "long": _long,
+}

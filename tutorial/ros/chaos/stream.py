@@ -1,0 +1,134 @@
+"""Publishes joint states with faults in them."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from tutorial.errors import TutorialError
+from tutorial.ros.chaos.faults import Action, Chaos, set_stamp_ns
+from tutorial.ros.node_thread import NodeThread
+
+__all__ = ["JOINTS", "RATE", "TOPIC", "ChaosStream", "swing"]
+
+JOINTS = ("TURRET_Y", "TURRET_P")
+RATE = 50  # [Hz]
+TOPIC = "/Tank/joint_state"
+DEPTH = 100  # holds a burst
+
+FaultsAt = Callable[[float], Mapping[str, float]]
+"""Says which faults hold at a time [s] since the beginning."""
+
+
+def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> JointState:
+    """Make a good message: all joints swing steadily between 0.15 and 0.65 rad, each more slowly than the one before.
+
+    Args:
+        number: of the message, from 0; it decides everything.
+        joints: their names.
+        rate: how often they come [Hz], by their stamps.
+    """
+    message = JointState(name=list(joints))
+    set_stamp_ns(message, round(number * 1e9 / rate))
+    omegas = [2 * math.pi / (4 + 2 * i) for i in range(len(joints))]  # [rad/s]
+    seconds = number / rate
+    message.position = [0.4 + 0.25 * math.sin(omega * seconds) for omega in omegas]
+    message.velocity = [0.25 * omega * math.cos(omega * seconds) for omega in omegas]
+    message.effort = [0.0] * len(joints)
+    return message
+
+
+class ChaosStream:
+    """Publishes a good stream of joint states with faults in it, on the thread that spins its node.
+
+    Args:
+        node: that publishes.
+        chaos: which puts in the faults.
+        topic: where to publish.
+        good: the topic of the good stream; None for the steady `swing`.
+        faults_at: which faults hold at which time; None for those of `chaos`, whatever the time.
+
+    Attributes:
+        chaos: as given.
+
+    Raises:
+        TutorialError: the good stream would come from where the faults go.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        chaos: Chaos,
+        topic: str = TOPIC,
+        good: str | None = None,
+        faults_at: FaultsAt | None = None,
+    ) -> None:
+        self.chaos = chaos
+        self._node: Any = node
+        self._faults_at = faults_at
+        self._number = 0
+        self._began = time.monotonic() if good is not None else None
+        self._sending = threading.Lock()
+        self._closed = False
+        self._stranger: NodeThread | None = None
+        self._publishers: dict[str, Any] = {"publish": node.create_publisher(JointState, topic, DEPTH)}
+        self._topic: str = self._publishers["publish"].topic_name
+        if good is None:
+            node.create_timer(1 / RATE, self._swing)
+            return
+        subscription = node.create_subscription(JointState, good, self._send, DEPTH)
+        if subscription.topic_name == self._topic:
+            raise TutorialError(
+                f"the good stream and the faults are both on {self._topic!r}. Have the good stream's publisher publish "
+                f"elsewhere, --ros-args -r {self._topic}:=/good, and take it from there: --from /good."
+            )
+
+    @property
+    def seconds(self) -> float:
+        """How long the stream has run [s]; of the steady swing, by its stamps."""
+        return self._number / RATE if self._began is None else time.monotonic() - self._began
+
+    def close(self) -> None:
+        """Publish no more, and end what does not end with the node. Idempotent, any thread but the node's."""
+        with self._sending:
+            self._closed = True
+        if self._stranger is not None:
+            self._stranger.close()
+
+    def _swing(self) -> None:
+        self._send(swing(self._number))
+        self._number += 1
+
+    def _send(self, message: JointState) -> None:
+        """Put the faults of this time into a message, and publish what comes of it."""
+        if self._faults_at is not None:
+            self.chaos.faults = self._faults_at(self.seconds)
+        with self._sending:
+            if self._closed:
+                return
+            for action in self.chaos.apply(message):
+                self._do(action)
+
+    def _do(self, action: Action) -> None:
+        if action.kind == "restart":
+            self._node.destroy_publisher(self._publishers.pop("publish"))
+            self._publisher("publish")
+        else:
+            self._publisher(action.kind).publish(action.message or String(data="no joint state"))
+
+    def _publisher(self, kind: str) -> Any:
+        """Return the publisher for a kind of action, which is made when it is first needed."""
+        if kind not in self._publishers and kind == "type":
+            # A participant of its own, because Fast DDS has only one type on a topic in each.
+            self._stranger = NodeThread(f"{self._node.get_name()}_of_another_type")
+            self._publishers[kind] = self._stranger.node.create_publisher(String, self._topic, DEPTH)
+        elif kind not in self._publishers:
+            self._publishers[kind] = self._node.create_publisher(JointState, self._topic, DEPTH)
+        return self._publishers[kind]

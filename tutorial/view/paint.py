@@ -1,0 +1,58 @@
+"""Takes the colour from what stale joints move, and gives it back."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+import mujoco
+
+from tutorial.view import shapes
+
+__all__ = ["Paint"]
+
+STALE = [0.72, 0.73, 0.75]
+"""Red, green and blue, each 0 to 1: a grey that none of the tutorial's models has."""
+
+
+class Paint:
+    """The colours of one model's geoms, by the joints that move them.
+
+    A joint moves the geoms of its own MuJoCo body, and of the bodies that are fixed to that. What further joints move
+    has theirs.
+
+    Args:
+        name: of the body that is drawn: its joints are called ``name/joint`` in the model.
+        model: what is drawn.
+        drawings: by the geom's number, where it is drawn, and as what.
+    """
+
+    def __init__(self, name: str, model: mujoco.MjModel, drawings: dict[int, tuple[str, shapes.Json]]) -> None:
+        self._geoms: list[tuple[frozenset[str], str, list[float]]] = []  # the joints, the path, the own colour
+        self._stale: frozenset[str] = frozenset()
+        for geom, (path, drawing) in drawings.items():
+            (material,) = drawing["materials"]
+            colour = [(material["color"] >> shift & 0xFF) / 255 for shift in (16, 8, 0)]
+            joints = frozenset(joint.removeprefix(f"{name}/") for joint in _moved_by(model, geom))
+            self._geoms.append((joints, f"{path}/<object>", [*colour, material["opacity"]]))
+
+    def stale(self, joints: Collection[str]) -> Iterator[tuple[str, list[float]]]:
+        """Yield what changes when these joints are stale, and no others: (path, [red, green, blue, opacity])."""
+        if not joints and not self._stale:
+            return
+        before, self._stale = self._stale, frozenset(joints)
+        if before == self._stale:
+            return
+        for movers, path, colour in self._geoms:
+            is_grey = not movers.isdisjoint(self._stale)
+            if is_grey == movers.isdisjoint(before):
+                yield path, [*STALE, colour[3]] if is_grey else colour
+
+
+def _moved_by(model: mujoco.MjModel, geom: int) -> list[str]:
+    """The joints of the nearest body above a geom that has any."""
+    body = int(model.geom_bodyid[geom])
+    while body and not model.body_jntnum[body]:
+        body = int(model.body_parentid[body])
+    first = int(model.body_jntadr[body])
+    numbers = range(first, first + int(model.body_jntnum[body]))
+    return [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, number) or "" for number in numbers]
