@@ -96,3 +96,25 @@ def test_a_tank_that_is_deleted_while_pictures_are_taken_leaves_nothing(project)
     heard = asyncio.run(run())
     assert all(stamp % 100 == 0 for stamp in stamps_ms(heard))
     assert not any(thread.name == "camera" for thread in threading.enumerate())
+
+
+def test_what_a_receiver_of_pictures_raises_is_the_programs_error(project):
+    need_pictures()
+
+    class Broken(CameraPublisher):
+        def publish(self, pixels, time_ns):
+            raise ZeroDivisionError
+
+    async def run():
+        async with Host(project.with_controllers("Tank", Broken)) as host:
+            host.simulation.start()
+            async with asyncio.timeout(PATIENCE):
+                while host.error is None:
+                    await asyncio.sleep(0.01)
+            assert isinstance(host.error, ZeroDivisionError)
+            assert host.simulation.running
+            host.simulation.stop()
+            host.forget_errors()
+            assert host.error is None
+
+    asyncio.run(run())

@@ -31,8 +31,9 @@ MISSED = 10  # pictures of a camera that have to be missed before it is said
 ON_LINUX = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
 """What renders without a screen, by MuJoCo's name for it; the first that there is is taken."""
 SWITCHED_OFF = ("disable", "disabled", "off", "false", "0")  # MuJoCo's words
-NO_PICTURES = "cameras take no pictures, all else goes on: nothing renders here (%s). %s"
-MENDS = {"Linux": "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it, or libosmesa6."}
+NO_PICTURES = "cameras take no pictures, all else goes on: nothing renders here (%s). %s."
+ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it, or libosmesa6"
+ELSEWHERE = "MuJoCo's documentation of rendering in Python says what this system needs"
 
 Pixels = NDArray[np.uint8]
 
@@ -231,8 +232,7 @@ class CameraRenderer:
         text = printable(f"{type(error).__name__}: {error}")[:200]
         with self._changed:
             self.problem = text
-        mend = MENDS.get(platform.system(), "MuJoCo's page on rendering says what this system needs.")
-        _log.warning(NO_PICTURES, text, mend)
+        _log.warning(NO_PICTURES, text, _mend())
 
     def _drop_all(self) -> None:
         """Nobody has to wait any more."""
@@ -300,9 +300,19 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         return np.ascontiguousarray(pixels[::-1])  # OpenGL counts rows from the bottom
 
 
+def _mend() -> str:
+    if _wanted() in SWITCHED_OFF:
+        return "Unset MUJOCO_GL"
+    return ON_DEBIAN if platform.system() == "Linux" else ELSEWHERE
+
+
+def _wanted() -> str:
+    return os.environ.get("MUJOCO_GL", "").lower().strip()
+
+
 def _gl_context(width: int, height: int) -> Any:
     """Make an OpenGL context. On Linux it is one that needs no screen, of two the one that MUJOCO_GL names."""
-    wanted = os.environ.get("MUJOCO_GL", "").lower().strip()
+    wanted = _wanted()
     if wanted in SWITCHED_OFF:
         raise ImportError(f"MUJOCO_GL={wanted} switches it off")
     if platform.system() != "Linux":

@@ -19,7 +19,7 @@ from tutorial.notebook.widgets.cell_widget import CellWidget, understood
 from tutorial.ros.node_thread import NodeThread
 from tutorial.view.assets import read_static
 
-__all__ = ["ImageView"]
+__all__ = ["Frame", "ImageView"]
 
 CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1}  # what is shown, with the bytes of a pixel
 LARGEST = 1920 * 1080  # [pixels]
@@ -38,8 +38,15 @@ class _Words(msgspec.Struct):
 
 
 @dataclass(frozen=True)
-class _Frame:
-    """A picture, as it is sent to a page: in rows from the top, nothing between them."""
+class Frame:
+    """A picture, as it is sent to a page.
+
+    Attributes:
+        pixels: the bytes, row by row from the top, nothing between them.
+        width, height: of the picture [px].
+        encoding: what a pixel is, such as ``"rgb8"``.
+        line: what stands below it.
+    """
 
     pixels: bytes
     width: int
@@ -59,6 +66,7 @@ class ImageView(CellWidget):
         ros_args: command line arguments, of which ROS 2 takes those after ``--ros-args``.
 
     Attributes:
+        newest: the newest picture; None before the first.
         ignored: how many messages were no pictures that can be shown.
 
     Raises:
@@ -76,7 +84,7 @@ class ImageView(CellWidget):
         self._loop = running_loop(NO_LOOP)
         super().__init__(title=topic, line=f"nothing has come on {topic} yet")
         self.ignored = 0
-        self._frame: _Frame | None = None
+        self.newest: Frame | None = None
         self._number = 0  # of the last frame that was sent
         self._is_newer = False  # a frame has come since
         self._views: set[str] = set()
@@ -115,14 +123,14 @@ class ImageView(CellWidget):
         frame = _frame(message)
         self._scope.call_latest("image", self._take, frame)
 
-    def _take(self, frame: _Frame | str) -> None:
+    def _take(self, frame: Frame | str) -> None:
         """Keep the newest picture, and send it when the pages have drawn the last one. Main thread."""
         if isinstance(frame, str):
             self.ignored += 1
             if self.ignored == 1:
                 self.line = frame
             return
-        self._frame, self._is_newer = frame, True
+        self.newest, self._is_newer = frame, True
         if not self._awaited:
             self._send_frame()
 
@@ -140,7 +148,7 @@ class ImageView(CellWidget):
         if len(self._views) >= MOST_VIEWS and view not in self._views:
             return
         self._views.add(view)
-        self._is_newer = self._frame is not None  # to this one, at least
+        self._is_newer = self.newest is not None  # to this one, at least
         if self._is_newer and not self._awaited:
             self._send_frame()
 
@@ -161,13 +169,13 @@ class ImageView(CellWidget):
     def _send_frame(self) -> None:
         """Send the newest picture to every page. Main thread."""
         self._cancel_timer()
-        if self._frame is None or not self._views:
+        if self.newest is None or not self._views:
             return
         self._number += 1
         self._is_newer = False
         self._awaited = set(self._views)
         self._timer = self._loop.call_later(PATIENCE, self._give_up)
-        f = self._frame
+        f = self.newest
         size = {"width": f.width, "height": f.height, "encoding": f.encoding}
         self.say("frame", [f.pixels], frame=self._number, line=f.line, **size)
 
@@ -184,7 +192,7 @@ class ImageView(CellWidget):
             self._timer = None
 
 
-def _frame(message: Image) -> _Frame | str:
+def _frame(message: Image) -> Frame | str:
     """Take a picture out of a message, or say why it is none that can be shown."""
     width, height, step, encoding = message.width, message.height, message.step, message.encoding
     if encoding not in CHANNELS:
@@ -197,4 +205,4 @@ def _frame(message: Image) -> _Frame | str:
     rows = np.frombuffer(message.data, np.uint8, step * height).reshape(height, step)
     stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1e9
     line = f"{width} x {height}, {encoding}, {step * height / 1000:.1f} kB, at {stamp:.3f} s"
-    return _Frame(rows[:, :row].tobytes(), width, height, encoding, line)
+    return Frame(rows[:, :row].tobytes(), width, height, encoding, line)
