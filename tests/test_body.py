@@ -6,6 +6,7 @@ import math
 import threading
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tutorial.body import Body
@@ -45,6 +46,23 @@ def test_positions_are_set_by_name_and_the_links_follow(tank):
     assert not (tank.data.xquat == before).all()
 
 
+@pytest.mark.parametrize(("model", "root"), [("tank", "CHASSIS"), ("crane", "BASE")])
+def test_its_position_is_its_roots_whether_that_is_free_or_fixed(model, root):
+    body = Body.displayed(Placement("Robot", MODELS / f"{model}.xml", (1.0, 2.0, 3.0)))
+    assert body.position.tolist() == body.data.body(f"Robot/{root}").xpos.tolist() == [1.0, 2.0, 3.0]
+    before = body.data.xpos[1:].copy()
+    body.position += (0.5, 0.0, -0.25)
+    assert (body.data.xpos[1:] == before).all()
+    body.calc_forward_kinematics()
+    assert body.data.xpos[1:] - before == pytest.approx(np.tile([0.5, 0.0, -0.25], (len(before), 1)))
+
+
+def test_a_body_without_links_stands_where_the_world_does(tmp_path):
+    model = tmp_path / "floor.xml"
+    model.write_text("<mujoco><worldbody><geom type='plane' size='1 1 1'/></worldbody></mujoco>")
+    assert Body.displayed(Placement("Floor", model)).position.tolist() == [0.0, 0.0, 0.0]
+
+
 def test_an_unknown_joint_is_named_with_the_nearest(tank):
     with pytest.raises(TutorialError, match=r"the body 'Tank' has no joint 'TURET_Y'\. Did you mean 'TURRET_Y'\?"):
         tank.joint("TURET_Y")
@@ -71,6 +89,7 @@ def test_observers_hear_of_a_change(tank):
         ("calc_forward_kinematics", lambda body: body.calc_forward_kinematics()),
         ("notify_change", lambda body: body.notify_change()),
         ("Joint.position", lambda body: setattr(body.joint("TURRET_Y"), "position", 1.0)),
+        ("Body.position", lambda body: setattr(body, "position", (1.0, 0.0, 0.0))),
     ],
 )
 def test_another_thread_may_not_touch_it(tank, action, touch):

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 __all__ = ["Actuator", "Body", "Joint", "Sensor"]
 
 SHOWN_GROUPS = 3  # MuJoCo's convention: groups 0 to 2 are shown, the others are inner workings
-DRIVES_JOINT = int(mujoco.mjtTrn.mjTRN_JOINT)
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 
 
@@ -47,7 +46,8 @@ class Joint:
         self._qvel: NDArray[np.float64] = data.qvel
         self._effort: NDArray[np.float64] = data.qfrc_actuator
         self._ctrl: NDArray[np.float64] = data.ctrl
-        motors = np.flatnonzero((model.actuator_trntype == DRIVES_JOINT) & (model.actuator_trnid[:, 0] == joint_id))
+        moves_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
+        motors = np.flatnonzero(moves_joint & (model.actuator_trnid[:, 0] == joint_id))
         self._ctrl_adr = int(motors[0]) if len(motors) else None
 
     @property
@@ -140,6 +140,7 @@ class Body:
 
     A displayed body has a model and a state of its own and belongs to the thread that made it, the main thread. A
     simulated body is a part of the world that the simulation has composed, and belongs to whoever steps that.
+    What moves a displayed body raises WrongThreadError on any other thread.
 
     Args:
         name: the body's name. Its elements are called ``name/element`` in the model.
@@ -164,13 +165,14 @@ class Body:
         self.data = data
         self._guard = guard
         self._prefix = f"{name}/"
+        self._joint_ids = [i for i in range(model.njnt) if model.joint(i).name.startswith(self._prefix)]
         self.joints = tuple(self._find_joints())
         self.joint_names = tuple(joint.name for joint in self.joints)
         self.joint_ranges: Mapping[str, tuple[float, float]] = {joint.name: joint.range for joint in self.joints}
         self.qpos_slice = self._find_qpos()
         self.qpos: NDArray[np.float64] = data.qpos[self.qpos_slice]
+        self._root_position = self._find_root_position()
         self._all_qpos = data.qpos
-        self._qpos_adr = {joint.name: joint.qpos_adr for joint in self.joints}
         self._by_name = {joint.name: joint for joint in self.joints}
         self.find_camera: Callable[[Body, str], Any] | None = None
         self._observers: list[Callable[[Any], object]] = []
@@ -227,6 +229,16 @@ class Body:
             raise TutorialError(f"no pictures are taken of the body {self.name!r}: ask the simulated one, io.body.")
         return self.find_camera(self, name)
 
+    @property
+    def position(self) -> NDArray[np.float64]:
+        """Where its root, the first of its links, stands [m], a copy, shape (3,). Setting it moves a displayed body."""
+        return self._root_position.copy()
+
+    @position.setter
+    def position(self, value: ArrayLike) -> None:
+        self._check("Body.position")
+        self._root_position[:] = value
+
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body; the others stay where they are.
 
@@ -234,23 +246,18 @@ class Body:
             positions: by joint name [rad or m].
 
         Raises:
-            WrongThreadError: called on another thread than the main thread.
             TutorialError: there is no such joint.
         """
         self._check("set_joint_positions")
-        qpos, adr = self._all_qpos, self._qpos_adr
+        qpos, joints = self._all_qpos, self._by_name
         try:
             for name, position in positions.items():
-                qpos[adr[name]] = position
+                qpos[joints[name].qpos_adr] = position
         except KeyError:
             self.joint(name)  # says that there is none, and which is nearest
 
     def calc_forward_kinematics(self) -> None:
-        """Compute where the links are, from the joints' positions.
-
-        Raises:
-            WrongThreadError: called on another thread than the main thread.
-        """
+        """Compute where the links are, from the root's position and the joints'."""
         self._check("calc_forward_kinematics")
         mujoco.mj_kinematics(self.model, self.data)
 
@@ -259,9 +266,6 @@ class Body:
 
         Args:
             report: what they should know of it, such as what joint matching made of the message that changed it.
-
-        Raises:
-            WrongThreadError: called on another thread than the main thread.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):
@@ -283,22 +287,24 @@ class Body:
             raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, mine)}")
         return numbers[self._prefix + name]
 
-    def _joint_ids(self) -> list[int]:
-        return [i for i in range(self.model.njnt) if self.model.joint(i).name.startswith(self._prefix)]
-
     def _find_joints(self) -> list[Joint]:
         model = self.model
         return [
             Joint(model.joint(i).name.removeprefix(self._prefix), model, self.data, i, self._guard)
-            for i in self._joint_ids()
+            for i in self._joint_ids
             if int(model.jnt_type[i]) in ONE_DOF and model.jnt_group[i] < SHOWN_GROUPS
         ]
 
     def _find_qpos(self) -> slice:
         """MuJoCo numbers an attached body's joints in one run, so its part of ``qpos`` is one slice."""
-        ids = self._joint_ids()
-        if not ids:
-            return slice(0, 0)
-        adr = self.model.jnt_qposadr
-        end = adr[ids[-1] + 1] if ids[-1] + 1 < self.model.njnt else self.model.nq
-        return slice(int(adr[ids[0]]), int(end))
+        ids = self._joint_ids
+        bounds = [*self.model.jnt_qposadr.tolist(), self.model.nq]
+        return slice(bounds[ids[0]], bounds[ids[-1] + 1]) if ids else slice(0, 0)
+
+    def _find_root_position(self) -> NDArray[np.float64]:
+        """A view on where MuJoCo keeps it: with a free joint in ``qpos``, else in the model."""
+        model, ids = self.model, self._joint_ids
+        if ids and model.jnt_type[ids[0]] == mujoco.mjtJoint.mjJNT_FREE:
+            return self.qpos[:3]
+        root = next((i for i in range(model.nbody) if model.body(i).name.startswith(self._prefix)), 0)
+        return np.asarray(model.body_pos[root])

@@ -34,6 +34,8 @@ AFTER_WARNING = {
 }
 """What MuJoCo does and does not say."""
 
+WIDE_SPACES = "\u00a0\u3000"  # not breaking, and as wide as a Japanese character: Python takes them for unprintable
+
 _log = logging.getLogger(__name__)
 
 
@@ -82,7 +84,9 @@ def printable(text: str) -> str:
     """
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+    return "".join(
+        c if c.isprintable() or c in WIDE_SPACES else c.encode("unicode_escape").decode("ascii") for c in text
+    )
 
 
 def printable_lines(text: str) -> str:

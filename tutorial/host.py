@@ -305,14 +305,14 @@ class Host:
             if item.take_dirty():
                 self._view.update(name, item.body.data)
             self._view.show_stale(name, item.stale())
-        self._view.line("  |  ".join(filter(None, (self._trouble(), *self._lines()))))
+        self._view.line("  |  ".join(filter(None, (self._trouble(), *self._lines(self._view)))))
         self._view.flush()
 
-    def _lines(self) -> list[str]:
+    def _lines(self, view: View) -> list[str]:
         """What is known of each body's messages; of a fleet how many are well, and of a few what is wrong with them."""
         items = [item for item in self._items.values() if item.joint_topics or item.in_order]
         if len(items) <= FEW:
-            return [item.line() for item in self._items.values()]
+            return [text for name, item in self._items.items() for text in (item.line(), view.readings(name))]
         others = [item for item in items if not item.in_order]
         count = f"{len(items) - len(others)} of {len(items)} bodies follow their messages"
         return [count, *(item.line() for item in others[:FEW])]

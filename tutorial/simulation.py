@@ -211,7 +211,10 @@ class Simulation:
         """Block until nobody steps the simulation any more: it has come to its end, was stopped, or was abandoned.
 
         Args:
-            timeout: how long to wait at most [s], before it returns False; None for ever.
+            timeout: how long to wait at most [s]; None for ever.
+
+        Returns:
+            Whether it is so.
         """
         self._check_caller("wait()")
         run = self._run
@@ -238,10 +241,13 @@ class Simulation:
             self._check_abandoned()
 
     def copy_to(self, bodies: Iterable[Body]) -> float:
-        """Move displayed bodies to where the newest snapshot has them; return its time [s]. Main thread, any state.
+        """Move displayed bodies to where the newest snapshot has them. Main thread, in every state.
 
         Args:
             bodies: displayed bodies; those that are not simulated stay as they are.
+
+        Returns:
+            The simulated time that they show now [s].
         """
         snapshot = self.snapshot.get()
         for body in bodies:

@@ -45,6 +45,9 @@ PICTURE_DUE = DUE.replace("message", "picture")
 GRAY = "self.publisher = self.node.create_publisher(Image, f'{{config.body.name}}/camera/gray', {})"
 GYRO = "self.publisher = self.node.create_publisher(Imu, f'{{config.body.name}}/gyro', {})"
 
+BLOW = "if hypot(a.x, a.y) > 20:"
+BLOWS = "self.subscription = self.node.create_subscription(Imu, f'{{self.body.name}}/imu', self.on_imu, {})"
+
 
 def as_even(line: str, rate: str) -> tuple[str, ...]:
     """The changes of the number of steps per message, and of the condition, that the remainder does not mind."""
@@ -179,6 +182,26 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         EVEN: as_even(PER_TENTH, "10"),
         FIRST: becomes(DUE, DUE.replace("0", "1")),
         DEPTH: becomes(GYRO.format(1), GYRO.format(2), GYRO.format(0)),
+    },
+    "hop": {
+        UNRELATED: (
+            *exchanged(
+                "self.body = config.body",
+                "self.node = config.node",
+                "self.call_later = config.call_later",
+                "self.timer = None",
+            ),
+            *exchanged("self.node.destroy_subscription(self.subscription)", "self.land()"),
+            *exchanged("timer.cancel()", "self.move(self.place)"),
+            *exchanged(
+                "self.move((x, y, z + 0.1))", "self.timer = asyncio.get_running_loop().call_later(0.5, self.land)"
+            ),
+        ),
+        "what is posted runs on the main thread, and so not before configure has ended": exchanged(
+            "self.timer = None", BLOWS.format(10)
+        ),
+        "a length is the same in either order": becomes(BLOW, BLOW.replace("a.x, a.y", "a.y, a.x")),
+        DEPTH: becomes(BLOWS.format(10), BLOWS.format(11), BLOWS.format(9)),
     },
     "gray": {
         UNRELATED: (

@@ -10,7 +10,7 @@ import ast
 import asyncio
 import linecache
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
@@ -33,7 +33,7 @@ class Mutant:
     """A source that differs in one place.
 
     Attributes:
-        change: the lines that differ, before and after: ``"q = 1 → q = 2"``.
+        change: the lines that differ, before and after: ``"q = 1 → q = 2"``; a number tells apart what differs alike.
         source: the whole.
     """
 
@@ -55,6 +55,7 @@ def mutants(source: str) -> list[Mutant]:
     tree = ast.parse(source)
     original = ast.unparse(tree)
     found: dict[str, Mutant] = {}
+    times = Counter[str]()
     for node, field, value in _edits(tree):
         before = getattr(node, field)
         setattr(node, field, value)
@@ -65,8 +66,10 @@ def mutants(source: str) -> list[Mutant]:
             continue
         finally:
             setattr(node, field, before)
-        if mutated != original:
-            found.setdefault(mutated, Mutant(_change(original, mutated), mutated))
+        if mutated != original and mutated not in found:
+            change = _change(original, mutated)
+            times[change] += 1
+            found[mutated] = Mutant(f"{change} ({times[change]})" if times[change] > 1 else change, mutated)
     return list(found.values())
 
 

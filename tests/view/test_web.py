@@ -311,8 +311,11 @@ async def test_it_serves_no_other_files():
 RED_BOX = """
 <mujoco>
   <worldbody>
-    <body name="box"><freejoint name="box/FREE"/><geom type="box" size="0.3 0.3 0.3" rgba="0.9 0.05 0.05 1"/></body>
+    <body name="box">
+      <freejoint name="box/FREE"/><geom type="box" size="0.3 0.3 0.3" rgba="0.9 0.05 0.05 1"/><site name="imu"/>
+    </body>
   </worldbody>
+  <sensor><gyro site="imu"/></sensor>
 </mujoco>
 """
 DISTANCE = 4.0
@@ -341,6 +344,28 @@ class RedBox:
         mujoco.mj_kinematics(self.model, self.data)
         self.view.update("box", self.data)
         self.view.flush()
+
+    async def turn(self, page, velocity):
+        """Have the gyroscope say something [rad/s], and wait until the blue arrow above the box is as long as that."""
+        self.data.sensordata[2] = velocity
+        self.view.update("box", self.data)
+        for _ in range(40):  # it is smoothed
+            self.view.flush()
+
+        async def is_there():
+            picture = await pixels(page, "#pane")
+            height, width, _ = picture.shape
+            rows, columns = np.nonzero(picture[..., 2] - picture[..., 0] > 80)
+            if not velocity or not len(rows):
+                return not velocity and not len(rows)
+            scale = height / 2 / HALF_ANGLE / DISTANCE
+            x, z = self.data.qpos[[0, 2]] - self.middle
+            ends = height / 2 - scale * (z + 0.45 + 0.1 * velocity), height / 2 - scale * (z + 0.45)
+            found = rows.min(), rows.max()
+            off = *(a - b for a, b in zip(found, ends, strict=True)), columns.mean() - width / 2 - scale * x
+            return max(map(abs, off)) < 0.05 * height
+
+        await until(is_there, f"the blue arrow says {velocity} rad/s")
 
     async def is_seen(self, page):
         """Wait until the red spot is where the box is, to 5 % of the picture's height."""
@@ -372,6 +397,8 @@ def test_a_browser_shows_the_scene_as_it_is_and_after_a_restart():
                 for place in [(0.8, 0), (0, 0.7), (-0.8, -0.5)]:  # to the right, up, to the left and down
                     box.move(*place)
                     await box.is_seen(page)
+                for velocity in (8.0, 4.0, 0.0):
+                    await box.turn(page, velocity)
                 box.scene.line("<b>5 %</b>")
                 box.scene.flush()
                 await page.get_by_text("<b>5 %</b>", exact=True).wait_for()

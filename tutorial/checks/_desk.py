@@ -75,6 +75,8 @@ class Desk(Stage):
         while_drawn: what is called, once, by an observer of the body, while it is being drawn; None for nothing.
     """
 
+    make_loop: Callable[[], asyncio.AbstractEventLoop] = staticmethod(asyncio.new_event_loop)
+
     def __init__(self, controller_class: type[SimpleController], model: str, name: str) -> None:
         self.guard = _Witness(f"the body {name!r}")
         self.body = Body.displayed(Placement(name, MODELS / f"{model}.xml"), self.guard)
@@ -86,7 +88,7 @@ class Desk(Stage):
         self.while_drawn: Callable[[], object] | None = None
         self._posted = ""
         self._failures: list[Failure] = []
-        self._loop = asyncio.new_event_loop()
+        self._loop = self.make_loop()
         self._calls = CallQueue(self._loop)
         self._scope = self._calls.scope(name)
 

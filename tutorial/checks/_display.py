@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from math import degrees, nan, radians
+from typing import Any
 
 from sensor_msgs.msg import JointState
 
@@ -18,7 +19,7 @@ from tutorial.checks._watch import Failure, watch
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 
-__all__ = ["LATEST", "SHARED", "judge_show", "judge_two", "judge_viewer", "rounded"]
+__all__ = ["LATEST", "SHARED", "judge_show", "judge_thread", "judge_two", "judge_viewer", "rounded"]
 
 Publish = Callable[[JointState], None]
 
@@ -142,7 +143,7 @@ def _judge_motion(
     names = desk.body.joint_names
     wanted = tuple(0.1 * (i + 1) for i in range(len(names)))
     message = joint_state(names[::-1], wanted[::-1], 100_001)
-    thread = _judge_thread(desk, publish, message, post)
+    thread = judge_thread(desk, publish, message, post)
     yield thread
     if not thread.right:
         return
@@ -184,7 +185,7 @@ def _not_there(desk: Desk, publish: Publish, when: str, wanted: tuple[float, ...
     return wrong("a message comes, and the joints stay where they are", NOT_MOVED)
 
 
-def _judge_thread(desk: Desk, publish: Publish, message: JointState, post: str) -> Finding:
+def judge_thread(desk: Desk, publish: Callable[[Any], None], message: Any, post: str) -> Finding:
     """Look whether the callback only posts, and why not."""
     desk.guard.lenient = True
     try:
@@ -200,7 +201,7 @@ def _judge_thread(desk: Desk, publish: Publish, message: JointState, post: str) 
     return _judge_posting(desk, publish, message, post)
 
 
-def _judge_posting(desk: Desk, publish: Publish, message: JointState, post: str) -> Finding:
+def _judge_posting(desk: Desk, publish: Callable[[Any], None], message: Any, post: str) -> Finding:
     """Look what the callback has posted."""
     if desk.keyless:
         return wrong("call_latest is called without a key", NO_KEY)
@@ -216,7 +217,7 @@ def _judge_posting(desk: Desk, publish: Publish, message: JointState, post: str)
     return right("the callback posts, and leaves the body alone")
 
 
-def _happens_later(publish: Publish, message: JointState, happened: Callable[[], object]) -> bool:
+def _happens_later(publish: Callable[[Any], None], message: Any, happened: Callable[[], object]) -> bool:
     """Look whether something happens when a message comes again, a little later."""
     for _ in range(TRIES):
         time.sleep(PAUSE)

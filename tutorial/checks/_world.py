@@ -93,7 +93,7 @@ class Stage:
         self.ros = CheckThread()
         self.ros.node.moment = self.moment
         try:
-            self.learner.configure(self.config())
+            self.join()
         except BaseException:
             self.close()
             raise
@@ -101,6 +101,10 @@ class Stage:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def join(self) -> None:
+        """Have the learner's controller join the body."""
+        self.learner.configure(self.config())
 
     def config(self) -> ControllerConfig:
         """Return what the controller is given."""

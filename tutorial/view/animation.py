@@ -125,11 +125,14 @@ class _Track:
         """Say it as meshcat does, the numbers in one row."""
         times = np.array(self.times)
         positions = np.array([matrix[12:15] for matrix in self.matrices])
+        scales = np.array([_scale(matrix) for matrix in self.matrices])
         quaternions = np.array([_quaternion(matrix) for matrix in self.matrices])
         tracks = [
             {"name": ".position", "type": "vector3", "times": times, "values": positions},
             {"name": ".quaternion", "type": "quaternion", "times": times, "values": quaternions},
         ]
+        if np.ptp(scales, axis=0).max() > 1e-6:  # float32: what is rigid has not exactly 1
+            tracks.append({"name": ".scale", "type": "vector3", "times": times, "values": scales})
         return {"path": path, "clip": {"fps": 1, "name": "run", "tracks": tracks}}
 
 
@@ -153,5 +156,12 @@ class _Sight:
 def _quaternion(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     """The turn of a matrix, whose 16 numbers are column by column, as three.js has it: (4,), xyzw."""
     quaternion = np.empty(4)
-    mujoco.mju_mat2Quat(quaternion, matrix.reshape(4, 4)[:3, :3].T.reshape(9))
+    axes = matrix.reshape(4, 4)[:3, :3] / _scale(matrix)[:, np.newaxis]
+    mujoco.mju_mat2Quat(quaternion, axes.T.reshape(9))
     return np.roll(quaternion, -1)
+
+
+def _scale(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How long the axes of a matrix are: (3,)."""
+    lengths: NDArray[np.float64] = np.linalg.norm(matrix.reshape(4, 4)[:3, :3], axis=1)
+    return lengths

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import ThreadGuard
 from tutorial.view import shapes
+from tutorial.view.arrows import Arrow, arrows_of
 from tutorial.view.paint import Paint
 from tutorial.view.scene import MESHCATS_LIGHTS, Scene, Vector, pack_command
 
@@ -59,6 +60,8 @@ class View:
         self._guard = ThreadGuard("the 3D view")
         self._scene = scene
         self._bodies: dict[str, _Poses] = {}
+        self._arrows: dict[str, tuple[Arrow, ...]] = {}
+        self._measuring: dict[str, tuple[Arrow, ...]] = {}  # of those whose sensors have said something
         self._paints: dict[str, Paint] = {}
         self._furnish()
 
@@ -87,6 +90,7 @@ class View:
             self.remove(name)
         paths, drawings = self._draw(f"{ROOT}/{name}", model)
         self._bodies[name] = _Poses(paths, model)
+        self._arrows[name] = tuple(arrows_of(f"{ROOT}/{name}", model))
         self._paints[name] = Paint(name, model, drawings)
         self._show_grid_without_floor()
         data = mujoco.MjData(model)
@@ -95,6 +99,8 @@ class View:
 
     def update(self, name: str, data: mujoco.MjData) -> None:
         """Move the bodies that have moved since the last time. What stands still costs next to nothing.
+
+        What the data's inertial sensors have measured is shown by arrows, a little smoothed from `flush` to `flush`.
 
         Args:
             name: as given to `add`.
@@ -107,6 +113,21 @@ class View:
         self._guard.check("View.update")
         for key, command in self._find(name).moved(name, data):
             self._scene.send_packed(key, command)
+        if name not in self._measuring and data.sensordata.any():
+            self._measuring[name] = self._arrows[name]
+        for arrow in self._measuring.get(name, ()):
+            arrow.aim(data)
+
+    def readings(self, name: str) -> str:
+        """Say in numbers, with units, what the arrows of something show; nothing where nothing was measured.
+
+        Raises:
+            TutorialError: there is nothing of this name.
+            WrongThreadError: called on another thread than the view's.
+        """
+        self._guard.check("View.readings")
+        self._find(name)
+        return ", ".join(filter(None, (arrow.reading() for arrow in self._measuring.get(name, ()))))
 
     def show_stale(self, name: str, joints: Collection[str]) -> None:
         """Draw in grey what these joints move, and everything else in its own colours.
@@ -133,7 +154,8 @@ class View:
         """
         self._guard.check("View.remove")
         self._find(name)
-        del self._bodies[name], self._paints[name]
+        del self._bodies[name], self._arrows[name], self._paints[name]
+        self._measuring.pop(name, None)
         self._scene.send_message({"type": "delete", "path": f"{ROOT}/{name}"})
         self._show_grid_without_floor()
 
@@ -191,7 +213,20 @@ class View:
             WrongThreadError: called on another thread than the view's.
         """
         self._guard.check("View.flush")
+        for arrows in self._measuring.values():
+            for arrow in arrows:
+                self._move(arrow)
         self._scene.flush()
+
+    def _move(self, arrow: Arrow) -> None:
+        """Have an arrow go on by a frame. It is drawn when there is something to see for the first time."""
+        matrix = arrow.step()
+        if matrix is None:
+            return
+        if not arrow.drawn:
+            self._set_object(arrow.path, shapes.draw_arrow(arrow.path, arrow.style.colour))
+            arrow.drawn = True
+        self._scene.send_message({"type": "set_transform", "path": arrow.path, "matrix": matrix})
 
     def _show_grid_without_floor(self) -> None:
         self.show_grid(not any(poses.has_floor for poses in self._bodies.values()))

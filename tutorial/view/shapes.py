@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["draw_geom", "is_drawn", "light"]
+__all__ = ["draw_arrow", "draw_geom", "is_drawn", "light"]
 
 Json = dict[str, Any]
 Array = NDArray[np.float64]
@@ -58,18 +58,22 @@ def draw_geom(model: mujoco.MjModel, geom: int, uuid: str) -> Json:
     geometry, basis = _SHAPES[int(model.geom_type[geom])](model, geom)
     rotation = np.empty(9)
     mujoco.mju_quat2Mat(rotation, model.geom_quat[geom])
-    return {
-        "metadata": {"version": 4.5, "type": "Object"},
-        "geometries": [{"uuid": f"{uuid} geometry", **geometry}],
-        "materials": [{"uuid": f"{uuid} material", **_material(model, geom)}],
-        "object": {
-            "uuid": uuid,
-            "type": "Mesh",
-            "geometry": f"{uuid} geometry",
-            "material": f"{uuid} material",
-            "matrix": _matrix(rotation.reshape(3, 3) @ basis, model.geom_pos[geom]),
-        },
-    }
+    matrix = _matrix(rotation.reshape(3, 3) @ basis, model.geom_pos[geom])
+    return _mesh_object(uuid, geometry, _material(model, geom), matrix)
+
+
+def draw_arrow(uuid: str, colour: int) -> Json:
+    """Write an arrow, 1 m long along z, as the object of a ``set_object`` command.
+
+    Args:
+        uuid: a name for the object that nothing else in the scene has.
+        colour: as 0xRRGGBB.
+    """
+    outline = ((0.0, 0.0), (0.012, 0.0), (0.012, 0.75), (0.035, 0.75), (0.0, 1.0))  # from the axis, and along it [m]
+    points = [{"x": x, "y": y} for x, y in outline]
+    geometry = {"type": "LatheGeometry", "points": points, "segments": 24, "phiStart": 0.0, "phiLength": 2 * np.pi}
+    material = {"type": "MeshPhongMaterial", "color": colour, "emissive": colour // 2 & 0x7F7F7F, "side": BOTH}
+    return _mesh_object(uuid, geometry, material, _matrix(_Y_TO_Z, np.zeros(3)))
 
 
 def light(kind: str, position: tuple[float, float, float] = (0.0, 0.0, 0.0), **settings: Any) -> Json:
@@ -83,6 +87,21 @@ def light(kind: str, position: tuple[float, float, float] = (0.0, 0.0, 0.0), **s
     return {
         "metadata": {"version": 4.5, "type": "Object"},
         "object": {"uuid": kind, "type": kind, "matrix": _matrix(_AS_IT_IS, position), **settings},
+    }
+
+
+def _mesh_object(uuid: str, geometry: Json, material: Json, matrix: list[float]) -> Json:
+    return {
+        "metadata": {"version": 4.5, "type": "Object"},
+        "geometries": [{"uuid": f"{uuid} geometry", **geometry}],
+        "materials": [{"uuid": f"{uuid} material", **material}],
+        "object": {
+            "uuid": uuid,
+            "type": "Mesh",
+            "geometry": f"{uuid} geometry",
+            "material": f"{uuid} material",
+            "matrix": matrix,
+        },
     }
 
 

@@ -1,0 +1,129 @@
+"""The arrows of inertial sensors: where they point, when they are there, and what is said of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tutorial.body import Body
+from tutorial.paths import HOME
+from tutorial.view.animation import Frame, animated
+from tutorial.view.bodies import View
+from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
+from tutorial.world import Placement
+
+RED, BLUE = "/Bodies/Tank/acceleration", "/Bodies/Tank/angular velocity"
+FRAMES = 40  # after which what is smoothed has come to rest
+
+
+class Stage:
+    """A displayed tank, turned by 90 degrees to the left, in a view."""
+
+    def __init__(self):
+        half = math.sqrt(0.5)
+        model = HOME / "project" / "models" / "tank.xml"
+        self.body = Body.displayed(Placement("Tank", model, (1.0, 2.0, 0.1), (half, 0.0, 0.0, half)))
+        self.scene = Scene()
+        self.view = View(self.scene)
+        self.view.add("Tank", self.body.model)
+        self.messages = []
+        self.scene.attach(self.messages.append)
+
+    def measure(self, acceleration=(0.0, 0.0, 9.80665), velocity=(0.0, 0.0, 0.0), frames=FRAMES):
+        self.body.sensor("ACCEL_SENSOR").value = acceleration
+        self.body.sensor("GYRO").value = velocity
+        self.view.update("Tank", self.body.data)
+        for _ in range(frames):
+            self.view.flush()
+
+    def commands(self):
+        records = (record for message in self.messages for record in unpack_records(message))
+        return [unpack_command(payload) for kind, payload in records if kind is Record.COMMAND]
+
+    def arrows(self, path):
+        """The matrices that were sent."""
+        moved = [each for each in self.commands() if each["type"] == "set_transform" and each["path"] == path]
+        return [np.array(each["matrix"]).reshape(4, 4).T for each in moved]
+
+
+@pytest.fixture
+def stage():
+    return Stage()
+
+
+def test_where_nothing_was_measured_there_is_no_arrow(stage):
+    stage.view.update("Tank", stage.body.data)
+    stage.view.flush()
+    assert not stage.messages or not stage.arrows(RED) + stage.arrows(BLUE)
+    assert stage.view.readings("Tank") == ""
+
+
+def test_at_rest_gravity_is_taken_off(stage):
+    stage.measure()
+    assert not stage.arrows(RED)
+    assert stage.view.readings("Tank") == "acceleration 0.00 0.00 9.81 m/s² (red arrow, without gravity)"
+
+
+def test_arrows_point_as_the_body_is_turned_from_above_the_sensor(stage):
+    stage.measure((4.0, 0.0, 9.80665), (0.0, 0.0, -2.0))
+    red, blue = stage.arrows(RED)[-1], stage.arrows(BLUE)[-1]
+    assert red[:3, 3] == pytest.approx([1.0, 2.0, 0.1 + 0.35])
+    assert blue[:3, 3] == pytest.approx([1.0, 2.0, 0.1 + 0.45])
+    assert red[:3, 2] == pytest.approx([0.0, 0.2, 0.0], abs=1e-9)  # ahead is y, 0.05 m for each m/s^2
+    assert blue[:3, 2] == pytest.approx([0.0, 0.0, -0.2], abs=1e-9)
+    assert "angular velocity 0.00 0.00 -2.00 rad/s (blue arrow)" in stage.view.readings("Tank")
+
+
+def test_it_grows_and_shrinks_smoothly_and_follows_the_body(stage):
+    stage.measure((10.0, 0.0, 9.80665))
+    stage.measure(frames=1)
+    stage.measure(frames=FRAMES)
+    lengths = [np.linalg.norm(matrix[:3, 2]) for matrix in stage.arrows(RED)]
+    top = lengths.index(max(lengths))
+    assert max(lengths) == pytest.approx(0.5)
+    assert lengths == sorted(lengths[: top + 1]) + sorted(lengths[top + 1 :], reverse=True)
+    assert np.abs(np.diff(lengths)).max() < 0.2
+    assert lengths[-1] < 0.01  # what is too short is not seen
+    sent = len(stage.messages)
+    stage.view.flush()
+    assert len(stage.messages) == sent  # and costs nothing
+    arrows = len(stage.arrows(RED))
+    stage.body.position = (0.0, 0.0, 0.5)
+    stage.body.calc_forward_kinematics()
+    stage.measure()
+    assert len(stage.arrows(RED)) == arrows
+    stage.measure((10.0, 0.0, 9.80665))
+    assert stage.arrows(RED)[-1][:3, 3] == pytest.approx([0.0, 0.0, 0.85])
+
+
+@pytest.mark.parametrize("value", [1e300, -1e300, math.inf, math.nan])
+def test_no_message_makes_an_arrow_that_is_endless(stage, value):
+    stage.measure((value, 0.0, 0.0), (0.0, value, 0.0))
+    for path in (RED, BLUE):
+        for matrix in stage.arrows(path):
+            assert np.isfinite(matrix).all()
+            assert np.linalg.norm(matrix[:3, 2]) <= 1.0 + 1e-9
+    assert len(stage.view.readings("Tank")) < 200
+
+
+def test_it_goes_with_the_body(stage):
+    stage.measure((4.0, 0.0, 9.80665))
+    stage.view.remove("Tank")
+    stage.view.flush()
+    assert RED not in str(unpack_records(stage.scene.snapshot()))
+
+
+def test_a_replay_has_its_length(stage):
+    stage.measure((10.0, 0.0, 9.80665))
+    before = b"".join(stage.messages)
+    stage.messages.clear()
+    stage.measure(frames=3)
+    film = animated([Frame(0.0, before, {}), Frame(1.0, b"".join(stage.messages), {})])
+    commands = [unpack_command(payload) for kind, payload in unpack_records(film) if kind is Record.COMMAND]
+    clips = {each["path"]: each["clip"] for each in commands[-1]["animations"]}
+    scales = next(track["values"] for track in clips[RED]["tracks"] if track["name"] == ".scale")
+    lengths = scales.reshape(-1, 3)[:, 2]
+    assert lengths[0] == pytest.approx(0.05 * 3.0, rel=1e-3)
+    assert lengths.max() == pytest.approx(0.5, rel=1e-3)

@@ -1,0 +1,159 @@
+"""What a body's inertial sensors say: arrows in the scene that follow the body, and numbers for the line below it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Arrow", "Style", "arrows_of"]
+
+LONGEST = 1.0
+"""No arrow is longer [m], whatever is published."""
+
+LARGEST = 1e6
+"""What is larger is written as that, so that the line stays a line."""
+
+SMOOTHNESS = 0.7
+"""What remains of the difference between what is shown and what was measured from one frame to the next."""
+
+UNSEEN = 1e-3
+"""How large an arrow is drawn that is not to be seen: a matrix has to have an inverse."""
+
+
+@dataclass(frozen=True)
+class Style:
+    """How one kind of sensor is shown.
+
+    Attributes:
+        name, unit: of what it measures.
+        legend: what the arrow looks like.
+        colour: as 0xRRGGBB.
+        scale: the arrow's length [m] for one unit.
+        threshold: what is smaller has no arrow, in the unit.
+        offset: how far above the sensor the arrow begins [m].
+    """
+
+    name: str
+    unit: str
+    legend: str
+    colour: int
+    scale: float
+    threshold: float
+    offset: float
+
+
+STYLES = {
+    int(mujoco.mjtSensor.mjSENS_ACCELEROMETER): Style(
+        "acceleration", "m/s²", "red arrow, without gravity", 0xD0342C, scale=0.05, threshold=0.5, offset=0.35
+    ),
+    int(mujoco.mjtSensor.mjSENS_GYRO): Style(
+        "angular velocity", "rad/s", "blue arrow", 0x2C5FD0, scale=0.1, threshold=0.05, offset=0.45
+    ),
+}
+
+
+class Arrow:
+    """One sensor's arrow. It is drawn in the world, from above the sensor into the direction of what was measured.
+
+    Args:
+        path: of the arrow in the scene.
+        model: the body's.
+        sensor: the number of an accelerometer or a gyroscope; what it measures is along the axes of its site.
+        style: how to show it.
+
+    Attributes:
+        path, style: as given.
+        drawn: whether the scene has it; to be set by who draws.
+    """
+
+    def __init__(self, path: str, model: mujoco.MjModel, sensor: int, style: Style) -> None:
+        self.path = path
+        self.style = style
+        self.drawn = False
+        self._site = int(model.sensor_objid[sensor])
+        self._adr = int(model.sensor_adr[sensor])
+        takes_off_gravity = model.sensor_type[sensor] == mujoco.mjtSensor.mjSENS_ACCELEROMETER
+        self._gravity: NDArray[np.float64] = model.opt.gravity * takes_off_gravity
+        self._measured: NDArray[np.float64] = np.zeros(3)
+        self._target: NDArray[np.float64] = np.zeros(3)  # in the world, in the unit
+        self._shown: NDArray[np.float64] = np.zeros(3)
+        self._origin: NDArray[np.float64] = np.zeros(3)
+        self._sent: NDArray[np.float64] = np.zeros(16)
+        self._was_seen = False
+
+    def aim(self, data: mujoco.MjData) -> None:
+        """Take over what was measured, and where the sensor is.
+
+        Three zeros mean that nothing was measured, for an accelerometer at rest says 9.8; a number that is not finite
+        has no arrow.
+        """
+        self._measured = data.sensordata[self._adr : self._adr + 3].copy()
+        self._origin = data.site_xpos[self._site] + (0.0, 0.0, self.style.offset)
+        if self._measured.any() and np.isfinite(self._measured).all():
+            turned = data.site_xmat[self._site].reshape(3, 3) @ np.clip(self._measured, -LARGEST, LARGEST)
+            self._target = turned + self._gravity
+        else:
+            self._target = np.zeros(3)
+
+    def step(self) -> NDArray[np.float64] | None:
+        """Go on by a frame, towards what was measured.
+
+        Returns:
+            Where the arrow is now, as a 4 x 4 matrix, column by column; None if nothing has changed that is seen.
+        """
+        difference = self._target - self._shown
+        still = np.abs(difference).max() < 0.01 * self.style.threshold
+        self._shown = self._target.copy() if still else self._target - SMOOTHNESS * difference
+        is_seen = self._is_seen
+        if not (is_seen or self._was_seen):
+            return None
+        self._was_seen = is_seen
+        matrix = self._matrix()
+        if (matrix == self._sent).all():
+            return None
+        self._sent = matrix
+        return matrix
+
+    def reading(self) -> str:
+        """Say what was measured, in numbers; nothing where nothing was."""
+        if not self._measured.any():
+            return ""
+        numbers = " ".join(f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))
+        return f"{self.style.name} {numbers} {self.style.unit} ({self.style.legend})"
+
+    @property
+    def _is_seen(self) -> bool:
+        """Whether it is long enough to be seen."""
+        return float(np.linalg.norm(self._shown)) >= self.style.threshold
+
+    def _matrix(self) -> NDArray[np.float64]:
+        """The arrow is drawn 1 m long, along z."""
+        turn, quaternion, scale = np.empty(9), np.empty(4), np.full(3, UNSEEN)
+        direction = np.array([0.0, 0.0, 1.0])
+        if self._is_seen:
+            length = float(np.linalg.norm(self._shown))
+            direction = self._shown / length
+            scale = np.array([1.0, 1.0, min(self.style.scale * length, LONGEST)])
+        mujoco.mju_quatZ2Vec(quaternion, direction)
+        mujoco.mju_quat2Mat(turn, quaternion)
+        matrix = np.eye(4)
+        matrix[:3, :3] = turn.reshape(3, 3) * scale
+        matrix[:3, 3] = self._origin
+        return matrix.T.reshape(16)
+
+
+def arrows_of(root: str, model: mujoco.MjModel) -> Iterator[Arrow]:
+    """Make the arrows of a model: for its first accelerometer, and for its first gyroscope.
+
+    Args:
+        root: the path that they are below.
+        model: the body's.
+    """
+    types = model.sensor_type.tolist()
+    for kind, style in STYLES.items():
+        if kind in types:
+            yield Arrow(f"{root}/{style.name}", model, types.index(kind), style)
