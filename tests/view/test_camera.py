@@ -112,6 +112,16 @@ def test_that_many_pictures_are_missed_is_said_once(stage, eye, caplog):
     ]
 
 
+def test_that_the_first_picture_takes_long_is_not_said(stage, eye, monkeypatch, caplog):
+    begin, make = threading.Event(), camera._gl_context
+    monkeypatch.setattr(camera, "_gl_context", lambda *size: begin.wait(PATIENCE) and make(*size))
+    for _ in range(20):
+        stage.elsewhere(eye.capture, lambda _: None)
+    begin.set()
+    eye.capture(lambda _: None)
+    assert (eye.missed, caplog.text) == (0, "")
+
+
 def test_in_lockstep_a_receivers_error_is_the_controllers(tmp_path):
     need_pictures()
 

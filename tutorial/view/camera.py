@@ -52,7 +52,7 @@ class Camera:
     Attributes:
         name: as given.
         width, height: of its pictures [px].
-        missed: how many pictures a newer one has replaced before they were rendered.
+        missed: how many pictures a newer one has replaced before they were rendered, once OpenGL has begun.
     """
 
     def __init__(self, renderer: CameraRenderer, name: str, number: int, size: tuple[int, int]) -> None:
@@ -121,6 +121,7 @@ class CameraRenderer:
         self._requests: dict[Camera, _Request] = {}  # the newest of each camera
         self._at_work: tuple[Camera, _Request] | None = None
         self._thread: threading.Thread | None = None
+        self._has_begun = False  # OpenGL, which may take a second or two
         self._closed = False
 
     def camera(self, body: Body, name: str) -> Camera:
@@ -147,7 +148,7 @@ class CameraRenderer:
         with self._changed:
             if self._closed or self.problem:
                 return
-            if camera in self._requests:
+            if camera in self._requests and self._has_begun:
                 self._miss(camera)
             self._requests[camera] = request
             if self._thread is None:
@@ -188,6 +189,7 @@ class CameraRenderer:
         """The renderer's thread, the only one that knows of OpenGL."""
         try:
             with Offscreen(self._model) as offscreen:
+                self._has_begun = True
                 atexit.register(self.close)  # before OpenGL's own end, which comes after what was registered earlier
                 try:
                     while self._take(offscreen):
@@ -262,7 +264,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         self._gl.make_current()
         self._context = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        self._scene = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + 100)
+        self._scene = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + self._model.nsite + 1000)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
         self._option = mujoco.MjvOption()
         self._view = mujoco.MjvCamera()
