@@ -7,7 +7,7 @@ from pathlib import Path
 import mujoco
 import pytest
 
-from tutorial.view.camera import Offscreen
+from tutorial.view.offscreen import Offscreen
 
 RED_BLOCK = """
 <mujoco model="Block">

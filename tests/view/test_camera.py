@@ -12,7 +12,7 @@ from tutorial.body import Body
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.simulation import Simulation
-from tutorial.view import camera
+from tutorial.view import offscreen
 from tutorial.view.camera import CameraRenderer
 from tutorial.world import Placement
 
@@ -113,8 +113,8 @@ def test_that_many_pictures_are_missed_is_said_once(stage, eye, caplog):
 
 
 def test_that_the_first_picture_takes_long_is_not_said(stage, eye, monkeypatch, caplog):
-    begin, make = threading.Event(), camera._gl_context
-    monkeypatch.setattr(camera, "_gl_context", lambda *size: begin.wait(PATIENCE) and make(*size))
+    begin, make = threading.Event(), offscreen._gl_context
+    monkeypatch.setattr(offscreen, "_gl_context", lambda *size: begin.wait(PATIENCE) and make(*size))
     for _ in range(20):
         stage.elsewhere(eye.capture, lambda _: None)
     begin.set()
@@ -122,7 +122,7 @@ def test_that_the_first_picture_takes_long_is_not_said(stage, eye, monkeypatch, 
     assert (eye.missed, caplog.text) == (0, "")
 
 
-def test_in_lockstep_a_receivers_error_is_the_controllers(tmp_path):
+def test_in_lockstep_a_receivers_error_is_the_controllers(tmp_path, caplog):
     need_pictures()
 
     class Broken(SimpleController):
@@ -135,6 +135,7 @@ def test_in_lockstep_a_receivers_error_is_the_controllers(tmp_path):
     stage = Stage(tmp_path, [Broken()])
     with pytest.raises(TutorialError, match=r"Broken failed at 0\.000 s"):
         stage.simulation.advance(0.002)
+    assert (stage.renderer.error, caplog.text) == (None, "")  # it is the simulation's, and said there
     stage.renderer.close()
 
 
@@ -184,8 +185,8 @@ def test_after_close_nothing_is_taken(stage, eye):
 
 
 def test_where_nothing_renders_it_is_said_once_and_all_else_goes_on(stage, monkeypatch, caplog):
-    monkeypatch.setattr(camera, "ON_LINUX", {"egl": "libNoSuchEGL.so.1", "osmesa": "libNoSuchOSMesa.so.8"})
-    monkeypatch.setattr(camera.platform, "system", lambda: "Linux")
+    monkeypatch.setattr(offscreen, "ON_LINUX", {"egl": "libNoSuchEGL.so.1", "osmesa": "libNoSuchOSMesa.so.8"})
+    monkeypatch.setattr(offscreen.platform, "system", lambda: "Linux")
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     taken = []
     for name in ("CAMERA", "CAMERA", "SMALL"):

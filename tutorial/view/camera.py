@@ -3,17 +3,10 @@
 from __future__ import annotations
 
 import atexit
-import copy
-import ctypes
-import importlib
 import logging
-import os
-import platform
 import threading
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from typing import Any, Self
 
 import mujoco
 import numpy as np
@@ -21,22 +14,13 @@ from numpy.typing import NDArray
 
 from tutorial.body import Body
 from tutorial.errors import TutorialError, did_you_mean, printable
+from tutorial.view.offscreen import LARGEST, USUAL, Offscreen, mend
 
-__all__ = ["Camera", "CameraRenderer", "Offscreen"]
+__all__ = ["Camera", "CameraRenderer"]
 
-USUAL = (320, 240)  # [px] of a camera whose model does not say its resolution
-LARGEST = (1920, 1080)  # [px]; a picture of this size is 6 MB
 PATIENCE = 30.0  # [s] that a picture may take in lockstep, the first one's OpenGL included
 MISSED = 10  # pictures of a camera that have to be missed before it is said
-ON_LINUX = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
-"""What renders without a screen, by MuJoCo's name for it; the first that there is is taken."""
-SWITCHED_OFF = ("disable", "disabled", "off", "false", "0")  # MuJoCo's words
 NO_PICTURES = "cameras take no pictures, all else goes on: nothing renders here (%s). %s."
-ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it, or libosmesa6"
-ELSEWHERE = "MuJoCo's documentation of rendering in Python says what this system needs"
-
-Pixels = NDArray[np.uint8]
-
 _log = logging.getLogger(__name__)
 
 
@@ -92,6 +76,7 @@ class _Request:
     qpos: NDArray[np.float64]
     deliver: Callable[..., object]
     args: tuple[object, ...]
+    is_awaited: bool  # in lockstep
     error: BaseException | None = None
     done: threading.Event = field(default_factory=threading.Event)
 
@@ -144,7 +129,8 @@ class CameraRenderer:
 
     def request(self, camera: Camera, deliver: Callable[..., object], args: tuple[object, ...]) -> None:
         """Have a picture taken; see `Camera.capture`."""
-        request = _Request(self._data.qpos.copy(), deliver, args)
+        is_awaited = threading.current_thread() is self._owner
+        request = _Request(self._data.qpos.copy(), deliver, args, is_awaited)
         with self._changed:
             if self._closed or self.problem:
                 return
@@ -155,7 +141,7 @@ class CameraRenderer:
                 self._thread = threading.Thread(target=self._main, name="camera", daemon=True)
                 self._thread.start()
             self._changed.notify_all()
-        if threading.current_thread() is self._owner:
+        if is_awaited:
             if not request.done.wait(PATIENCE):
                 raise TutorialError(f"the picture of {camera.name!r} has not come for {PATIENCE:g} s.")
             if request.error is not None:
@@ -226,7 +212,9 @@ class CameraRenderer:
     def _failed(self, request: _Request, error: BaseException) -> None:
         """Keep what a receiver has raised. In lockstep it is raised there; else it is logged, the first time."""
         request.error = error
-        if threading.current_thread() is not self._owner and self.error is None:
+        if request.is_awaited:
+            return
+        if self.error is None:
             _log.error("a receiver of pictures failed; the others go on", exc_info=error)
         self.error = error
 
@@ -234,7 +222,7 @@ class CameraRenderer:
         text = printable(f"{type(error).__name__}: {error}")[:200]
         with self._changed:
             self.problem = text
-        _log.warning(NO_PICTURES, text, _mend())
+        _log.warning(NO_PICTURES, text, mend())
 
     def _drop_all(self) -> None:
         """Nobody has to wait any more."""
@@ -242,94 +230,3 @@ class CameraRenderer:
             for request in self._requests.values():
                 request.done.set()
             self._requests.clear()
-
-
-class Offscreen(AbstractContextManager["Offscreen"]):
-    """OpenGL without a screen, for pictures of one model. It belongs to the thread that makes it.
-
-    Args:
-        model: what is rendered. Of it there is a copy: shadows and smooth edges, which cost most, are left out.
-
-    Raises:
-        Exception: nothing renders here.
-    """
-
-    def __init__(self, model: mujoco.MjModel) -> None:
-        self._model = copy.copy(model)
-        width, height = np.clip(np.max([USUAL, *model.cam_resolution.tolist()], axis=0), 1, LARGEST).tolist()
-        self._model.vis.global_.offwidth, self._model.vis.global_.offheight = width, height
-        self._model.vis.quality.offsamples = self._model.vis.quality.shadowsize = 0
-        self._data = mujoco.MjData(self._model)
-        self._gl = _gl_context(width, height)
-        self._gl.make_current()
-        self._context = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        self._scene = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + self._model.nsite + 1000)
-        self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
-        self._option = mujoco.MjvOption()
-        self._view = mujoco.MjvCamera()
-        self._view.type = mujoco.mjtCamera.mjCAMERA_FIXED
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._context.free()
-        self._gl.free()
-
-    def render(self, qpos: NDArray[np.float64], camera: int, width: int, height: int) -> Pixels:
-        """Render what a camera sees.
-
-        Args:
-            qpos: the state of the world, shape (nq,).
-            camera: its number.
-            width, height: of the picture [px].
-
-        Returns:
-            Shape (height, width, 3), the topmost row first.
-        """
-        model, data = self._model, self._data
-        data.qpos[:] = qpos
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_camlight(model, data)
-        self._view.fixedcamid = camera
-        every = mujoco.mjtCatBit.mjCAT_ALL
-        mujoco.mjv_updateScene(model, data, self._option, None, self._view, every, self._scene)
-        whole, pixels = mujoco.MjrRect(0, 0, width, height), np.empty((height, width, 3), np.uint8)
-        mujoco.mjr_render(whole, self._scene, self._context)
-        mujoco.mjr_readPixels(pixels, None, whole, self._context)
-        return np.ascontiguousarray(pixels[::-1])  # OpenGL counts rows from the bottom
-
-
-def _mend() -> str:
-    if _wanted() in SWITCHED_OFF:
-        return "Unset MUJOCO_GL"
-    return ON_DEBIAN if platform.system() == "Linux" else ELSEWHERE
-
-
-def _wanted() -> str:
-    return os.environ.get("MUJOCO_GL", "").lower().strip()
-
-
-def _gl_context(width: int, height: int) -> Any:
-    """Make an OpenGL context. On Linux it is one that needs no screen, of two the one that MUJOCO_GL names."""
-    wanted = _wanted()
-    if wanted in SWITCHED_OFF:
-        raise ImportError(f"MUJOCO_GL={wanted} switches it off")
-    if platform.system() != "Linux":
-        return importlib.import_module("mujoco.gl_context").GLContext(width, height)
-    if wanted not in ON_LINUX:
-        wanted = next((name for name, library in ON_LINUX.items() if _is_there(library)), "")
-    if not wanted:
-        raise ImportError(f"there is neither {' nor '.join(ON_LINUX.values())}")
-    logging.getLogger("OpenGL").setLevel(logging.WARNING)  # at its import it says what it does without
-    return importlib.import_module(f"mujoco.{wanted}").GLContext(width, height)
-
-
-def _is_there(library: str) -> bool:
-    try:
-        ctypes.CDLL(library)
-    except OSError:
-        return False
-    return True
