@@ -6,17 +6,21 @@ widget that a notebook displays is kept as ``n.html``.
 
 from __future__ import annotations
 
+import base64
 import html
 import re
+import struct
+import zlib
 from pathlib import Path
 from typing import Any
 
 FOLDER = Path(__file__).parent / "shown"
-WIDGET = re.compile(r"(SceneView|SideBySide|NodeGraph|JointPlot|Picture)\(")
+WIDGET = re.compile(r"(SceneView|SideBySide|NodeGraph|JointPlot|Picture|ImageView)\(")
 """How the text of a widget begins that something is kept of."""
 
 LONGEST_PAUSE = 1.0  # [s] in a replay
 PICTURE = '<figure class="tank-picture" role="img" aria-label="{alt}">{svg}</figure>'
+IMAGE = '<figure class="tank-picture"><img alt="{alt}" src="data:image/png;base64,{image}"></figure>'
 BESIDE = "<p><em>In the notebook, there is {} beside it.</em></p>"
 BESIDES = {"ChaosPanel": "a slider for each fault", "Joystick": "a joystick", "SceneView": "another view"}
 
@@ -26,6 +30,7 @@ def keep(folder: Path) -> None:
     from IPython.core.getipython import get_ipython  # noqa: PLC0415  (the book itself needs none of these)
 
     from tutorial.notebook.program import Program  # noqa: PLC0415
+    from tutorial.notebook.widgets.image_view import ImageView  # noqa: PLC0415
     from tutorial.notebook.widgets.picture import Picture  # noqa: PLC0415
     from tutorial.notebook.widgets.scene_view import SceneView  # noqa: PLC0415
     from tutorial.notebook.widgets.side_by_side import SideBySide  # noqa: PLC0415
@@ -38,6 +43,7 @@ def keep(folder: Path) -> None:
     _before(SceneView, "end", kept.stop)
     for kind in (SceneView, Picture, SideBySide):
         _before(kind, "_repr_mimebundle_", kept.show)
+    _before(ImageView, "_repr_mimebundle_", kept.show_images)
     get_ipython().events.register("post_run_cell", lambda _: kept.draw())
 
 
@@ -51,6 +57,7 @@ class _Kept:
         self._running: dict[Any, tuple[int, Any, str]] = {}
         self._pictures: dict[int, Any] = {}
         self._drawn: dict[int, int] = {}
+        self._image_views: dict[int, Any] = {}
 
     def know(self, program: Any) -> None:
         """Note whose view it is."""
@@ -73,6 +80,11 @@ class _Kept:
         recorder = Recorder(view.scene, host.shown_at, host.joint_positions, LONGEST_PAUSE)
         self._running[view] = self._count, recorder, end
 
+    def show_images(self, view: Any) -> None:
+        """Begin to keep the newest picture of a topic."""
+        self._count += 1
+        self._image_views[self._count] = view
+
     def stop(self, view: Any) -> None:
         """Write what a view has shown."""
         if view in self._running:
@@ -85,6 +97,10 @@ class _Kept:
             if len(picture.svg) > self._drawn.get(number, 0):
                 self._drawn[number] = len(picture.svg)
                 self._write(number, PICTURE.format(alt=html.escape(picture.alt), svg=picture.svg))
+        for number, view in self._image_views.items():
+            if view.newest is not None:
+                image = base64.b64encode(png(view.newest)).decode()
+                self._write(number, IMAGE.format(alt=html.escape(f"what came on {view.title}"), image=image))
 
     def _write(self, number: int, text: str) -> None:
         (self._folder / f"{number}.html").write_text(text + "\n", encoding="utf-8")
@@ -109,3 +125,13 @@ def _after(kind: type, name: str, call: Any) -> None:
         return result
 
     setattr(kind, name, both)
+
+
+def png(frame: Any) -> bytes:
+    """Make a PNG file of a frame of an `ImageView` in colour."""
+    row = 3 * frame.width
+    lines = b"".join(b"\0" + frame.pixels[i : i + row] for i in range(0, row * frame.height, row))
+    head = struct.pack(">IIBBBBB", frame.width, frame.height, 8, 2, 0, 0, 0)  # 8 bits each of red, green and blue
+    chunks = ((b"IHDR", head), (b"IDAT", zlib.compress(lines, 9)), (b"IEND", b""))
+    packed = (struct.pack(">I", len(c)) + k + c + struct.pack(">I", zlib.crc32(k + c)) for k, c in chunks)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(packed)

@@ -156,6 +156,7 @@ class Body:
         joint_ranges: a mapping from their names to their ranges ``(lower, upper)`` [rad or m].
         qpos_slice: which part of MuJoCo's ``qpos`` is this body's.
         qpos: a view on it, shape (nq,).
+        find_camera: given by whoever renders pictures of a simulated body: ``find_camera(body, name)``; else None.
     """
 
     def __init__(self, name: str, model: mujoco.MjModel, data: mujoco.MjData, guard: ThreadGuard | None = None) -> None:
@@ -173,6 +174,7 @@ class Body:
         self._root_position = self._find_root_position()
         self._all_qpos = data.qpos
         self._by_name = {joint.name: joint for joint in self.joints}
+        self.find_camera: Callable[[Body, str], Any] | None = None
         self._observers: list[Callable[[Any], object]] = []
 
     @classmethod
@@ -220,6 +222,12 @@ class Body:
         """
         number = self._find("sensor", self.model.sensor, self.model.nsensor, name)
         return Sensor(name, self.data.sensor(number).data, self._guard)
+
+    def camera(self, name: str) -> Any:
+        """Find a camera of a simulated body by name, a `tutorial.view.camera.Camera`; raises what `sensor` does."""
+        if self.find_camera is None:
+            raise TutorialError(f"no pictures are taken of the body {self.name!r}: ask the simulated one, io.body.")
+        return self.find_camera(self, name)
 
     @property
     def position(self) -> NDArray[np.float64]:

@@ -94,11 +94,7 @@ class CallQueue:
         return len(self._waiting)
 
     def scope(self, owner: str) -> CallScope:
-        """Make a front for one poster, which can be closed without closing the queue.
-
-        Args:
-            owner: who will post, for the log.
-        """
+        """Make a front for one poster, the owner, as the log calls it; it is closed without closing the queue."""
         return CallScope(self, owner)
 
     def close(self) -> None:

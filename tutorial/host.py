@@ -16,6 +16,7 @@ from tutorial.item import Item
 from tutorial.record import make_record
 from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import Simulation, State
+from tutorial.view.camera import CameraRenderer
 
 if TYPE_CHECKING:
     from tutorial.project import BodyItem, Project
@@ -71,6 +72,7 @@ class Host:
         self._items: dict[str, Item] = {}
         self._removed: dict[str, Item] = {}  # the last of each name, for the record
         self.simulation: Simulation | None = None
+        self._cameras: CameraRenderer | None = None
         self._ros = NodeThread("tank", ros_args)
         self.node = self._ros.node
         self.node.trace = trace
@@ -92,6 +94,9 @@ class Host:
                 controllers = [(name, each) for name, item in self._items.items() for each in item.controllers]
                 placements = [item.placement for item in project.bodies]
                 self.simulation = Simulation(placements, controllers, project.time_step)
+                self._cameras = CameraRenderer(self.simulation.model, self.simulation.data)
+                for body in self.simulation.bodies.values():
+                    body.find_camera = self._cameras.camera
         except BaseException:
             self.close()
             raise
@@ -120,12 +125,15 @@ class Host:
     @property
     def error(self) -> BaseException | None:
         """What the simulation, a callback or a posted call raised last since the last start; None when nothing did."""
-        posted = (item.error for item in self._items.values())
-        return (self.simulation and self.simulation.error) or self._ros.error or next(filter(None, posted), None)
+        pictures = self._cameras.error if self._cameras is not None else None
+        others = (self._ros.error, pictures, *(item.error for item in self._items.values()))
+        return (self.simulation and self.simulation.error) or next((e for e in others if e is not None), None)
 
     def forget_errors(self) -> None:
         """What callbacks and posted calls raised before does not count any more. `run` does it. Main thread."""
         self._ros.error = None
+        if self._cameras is not None:
+            self._cameras.error = None
         for item in self._items.values():
             item.forget_errors()
 
@@ -236,6 +244,8 @@ class Host:
             if self.simulation is not None:
                 self.simulation.stop()
         finally:
+            if self._cameras is not None:
+                self._cameras.close()
             for item in self._items.values():
                 item.close()
             self._calls.close()

@@ -135,11 +135,7 @@ class HandoffTrace:
             self._current.message = outer
 
     def post(self) -> Handoff:
-        """A call is posted on this thread, now.
-
-        Returns:
-            What is to be told of the call's further way: `Handoff.apply` or `Handoff.supersede`.
-        """
+        """A call is posted here and now. Return what is to be told of its further way: `apply` or `supersede`."""
         message: Handoff | None = getattr(self._current, "message", None)
         if message is not None and message.posted is None:
             message.posted = Moment.now()

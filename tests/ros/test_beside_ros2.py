@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import pytest
 import yaml
 from domains import reserved_domain
+from pictures import is_red, need_pictures, red_block
 from programs import PATIENCE, TANK, until
 
 from tutorial.paths import HOME
@@ -25,6 +26,14 @@ from tutorial.paths import HOME
 REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
 PROJECT = HOME / "project" / "step2.yaml"
 JOINTS, JOY = "/Tank/joint_state", "/joy"
+CAMERA = "/Tank/camera/image"
+BLOCK = """
+simulator: {{}}
+bodies:
+  - {{name: Labo, model: {models}/labo.xml}}
+  - {{name: Tank, model: {models}/tank.xml, position: [-2.0, -0.5, 0.1], controllers: [CameraPublisher]}}
+  - {{name: Block, model: block.xml, position: [-2.5, -0.5, 0.35]}}
+"""
 JOINT_STATE, STICK_TO_THE_RIGHT = "sensor_msgs/msg/JointState", "{axes: [0, 0, 0.3, 0]}"
 
 pytestmark = pytest.mark.timeout(300)
@@ -167,3 +176,27 @@ def test_a_killed_node_leaves_the_graph(beside):
     os.killpg(beside.simulation.pid, signal.SIGKILL)
     until(lambda: "/tank" not in beside.say("node", "list").splitlines(), "the node is gone")
     until(lambda: JOINTS not in beside.say("topic", "list"), "its topic is gone")
+
+
+def test_a_red_block_before_the_camera_is_red_in_a_real_topic_echo(rmw, tmp_path):
+    need_pictures()
+    project = tmp_path / "block.yaml"
+    project.write_text(BLOCK.format(models=HOME / "project" / "models"), encoding="utf-8")
+    red_block(tmp_path)
+    with reserved_domain() as domain:
+        environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": rmw}
+        arguments, quiet = [TANK, "run", str(project), "--headless"], subprocess.DEVNULL
+        simulation = subprocess.Popen(arguments, env=environment, stdout=quiet, start_new_session=True)
+        beside = Beside(simulation, [*REAL, "ros2"], environment)
+        try:
+            beside.says(CAMERA, "topic", "list")
+            said = beside.says(
+                "data: '<sequence type: uint8, length: 230400>'", "topic", "echo", "--once", "--no-arr", CAMERA
+            )
+            assert {"encoding: rgb8", "step: 960", "  frame_id: CAMERA"} <= set(said.splitlines())
+            values = beside.say("topic", "echo", "--once", "--field", "data", "--full-length", CAMERA)
+            numbers = re.findall(r"\d+", values)
+            middle = 3 * (120 * 320 + 160)
+            assert is_red(numbers[middle : middle + 3])
+        finally:
+            beside.clear()

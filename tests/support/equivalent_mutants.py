@@ -40,6 +40,9 @@ NOT_DUE = "if self.io.step % self.steps_per_look:"
 
 PER_TENTH = PER_MESSAGE.replace("25", "10")
 VECTOR = "velocity.x, velocity.y, velocity.z = np.mean(self.samples, axis=0).tolist()"
+PER_PICTURE = PER_MESSAGE.replace("25", "5").replace("message", "picture")
+PICTURE_DUE = DUE.replace("message", "picture")
+GRAY = "self.publisher = self.node.create_publisher(Image, f'{{config.body.name}}/camera/gray', {})"
 GYRO = "self.publisher = self.node.create_publisher(Imu, f'{{config.body.name}}/gyro', {})"
 
 BLOW = "if hypot(a.x, a.y) > 20:"
@@ -199,5 +202,21 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         ),
         "a length is the same in either order": becomes(BLOW, BLOW.replace("a.x, a.y", "a.y, a.x")),
         DEPTH: becomes(BLOWS.format(10), BLOWS.format(11), BLOWS.format(9)),
+    },
+    "gray": {
+        UNRELATED: (
+            *exchanged("self.io = io", "self.camera = io.body.camera('CAMERA')", PER_PICTURE),
+            *exchanged(
+                "message.header.stamp = Time(nanoseconds=time_ns).to_msg()",
+                "message.header.frame_id = self.camera.name",
+                "message.height, message.width, _ = pixels.shape",
+                "message.encoding = 'mono8'",
+                "message.step = message.width",
+                "message.data = array('B', pixels.mean(axis=2).astype(np.uint8).tobytes())",
+            ),
+        ),
+        EVEN: tuple(each.replace("message", "picture") for each in as_even(PER_MESSAGE.replace("25", "5"), "5")),
+        FIRST: becomes(PICTURE_DUE, PICTURE_DUE.replace("0", "1")),
+        DEPTH: becomes(GRAY.format(1), GRAY.format(2), GRAY.format(0)),
     },
 }

@@ -15,10 +15,12 @@ sys.modules["rfc3987_syntax"] = None  # takes a second to import, and checks a k
 import pytest
 from domains import reserved_domain
 from nbval.plugin import IPyNbFile
+from pictures import need_pictures
 
 from tutorial import ros_backend
 
 FAST_DDS = ("rmw_fastrtps_cpp", "rmw_fastrtps_dynamic_cpp")
+WITH_PICTURES = ("6_camera_publisher",)
 UNTOLD = """
 
 [what Fast DDS does not tell of others]
@@ -40,6 +42,12 @@ def pytest_configure(config: pytest.Config) -> None:
             file.write(usual + UNTOLD)
         config.add_cleanup(Path(file.name).unlink)
         config.option.nbval_sanitize_with = file.name
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip the cells of a notebook that waits for pictures, where nothing renders."""
+    if isinstance(item.parent, IPyNbFile) and item.parent.path.stem in WITH_PICTURES:
+        need_pictures()
 
 
 @pytest.hookimpl(wrapper=True)

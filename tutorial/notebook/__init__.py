@@ -8,6 +8,7 @@ from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, log, until
 from tutorial.notebook.opening import (
     chaos_panel,
+    image_view,
     joint_plot,
     joystick,
     node_graph,
@@ -28,6 +29,7 @@ __all__ = [
     "Program",
     "chaos_panel",
     "close_all",
+    "image_view",
     "joint_plot",
     "joystick",
     "line_plot",

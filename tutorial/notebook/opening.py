@@ -8,6 +8,7 @@ from tutorial.notebook.command import Command
 from tutorial.notebook.desk import keep
 from tutorial.notebook.program import Program
 from tutorial.notebook.widgets.chaos_panel import ChaosPanel
+from tutorial.notebook.widgets.image_view import ImageView
 from tutorial.notebook.widgets.joint_plot import JointPlot
 from tutorial.notebook.widgets.joystick import Joystick
 from tutorial.notebook.widgets.node_graph import NodeGraph
@@ -20,6 +21,7 @@ from tutorial.ros.node_thread import MeteredNode, NodeThread
 
 __all__ = [
     "chaos_panel",
+    "image_view",
     "joint_plot",
     "joystick",
     "node_graph",
@@ -92,6 +94,15 @@ def chaos_panel(topic: str = "/Tank/joint_state", good: str | None = None, seed:
         TutorialError: the good stream would come from where the faults go.
     """
     return keep("chaos panel", lambda: ChaosPanel(topic, good, seed), ChaosPanel.end)
+
+
+def image_view(topic: str = "/Tank/camera/image") -> ImageView:
+    """Show the pictures of a topic, as rqt_image_view does.
+
+    Args:
+        topic: of type ``sensor_msgs/msg/Image``.
+    """
+    return keep(f"pictures of {topic}", lambda: ImageView(topic), ImageView.end)
 
 
 def node_graph() -> NodeGraph:

@@ -7,6 +7,7 @@ from tutorial.commands.terminal import say
 from tutorial.notebook.desk import keep_once
 from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread
+from tutorial.ros.topics.message_form import MessageForm
 from tutorial.ros.topics.names import full_name
 
 __all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
@@ -36,20 +37,20 @@ async def topic_info(topic: str, verbose: bool = False) -> None:
     say(topics.topic_info(await _settled(topic), topic, verbose))
 
 
-async def topic_echo(topic: str, once: bool = False, field: str | None = None) -> None:
+async def topic_echo(topic: str, once: bool = False, field: str | None = None, no_arr: bool = False) -> None:
     """Print messages as they come, as ``ros2 topic echo`` does; to interrupt the kernel ends it.
 
     Args:
         topic: its full name.
         once: print one message, as with ``--once``.
         field: print only this field, as with ``--field``, for instance ``"position"``.
+        no_arr: print of each array only what it is, as with ``--no-arr``.
 
     Raises:
         TutorialError: there is no such topic or field, or nobody publishes on it for 10 s.
     """
-    await say_all(
-        topics.topic_echo(await _settled(topic), topic, count=1 if once else None, field=field, timeout=PATIENCE)
-    )
+    count, form = 1 if once else None, MessageForm(field, no_arr=no_arr)
+    await say_all(topics.topic_echo(await _settled(topic), topic, count=count, timeout=PATIENCE, form=form))
 
 
 async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:

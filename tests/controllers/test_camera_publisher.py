@@ -1,0 +1,120 @@
+"""What the tank publishes of its camera."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pictures import is_red, need_pictures, red_block
+from programs import PATIENCE
+from sensor_msgs.msg import Image
+
+from tutorial.controllers.camera_publisher import CameraPublisher, image
+from tutorial.host import Host
+from tutorial.paths import find_project
+from tutorial.project import Project
+from tutorial.world import Placement
+
+
+@pytest.fixture
+def project(domain, tmp_path):
+    """The tank of step 6, with nothing but its camera, before a red block."""
+    loaded = Project.load(find_project("step6")).with_controllers("Tank", CameraPublisher)
+    block = Placement("Block", red_block(tmp_path), position=(-2.5, -0.5, 0.35))
+    item = replace(loaded.bodies[0], placement=block, controllers=())
+    return replace(loaded, bodies=(*loaded.bodies, item))
+
+
+class Ear:
+    def __init__(self, host):
+        self.heard = []
+        self.subscription = host.node.create_subscription(Image, "/Tank/camera/image", self.heard.append, 30)
+
+    async def hear(self, count):
+        async with asyncio.timeout(PATIENCE):
+            while len(self.heard) < count:
+                await asyncio.sleep(0.01)
+
+
+def stamps_ms(messages):
+    return [m.header.stamp.sec * 1000 + m.header.stamp.nanosec // 1_000_000 for m in messages]
+
+
+def test_an_image_holds_its_pixels_row_by_row():
+    pixels = np.arange(2 * 5 * 3, dtype=np.uint8).reshape(2, 5, 3)
+    message = image(pixels)
+    assert (message.height, message.width, message.encoding, message.step) == (2, 5, "rgb8", 15)
+    assert message.is_bigendian == 0
+    assert list(message.data) == list(range(30))
+    assert list(image(pixels[::-1]).data) == [*range(15, 30), *range(15)]
+
+
+def test_what_is_before_the_tank_arrives_in_lockstep_ten_times_a_second(project):
+    need_pictures()
+
+    async def run():
+        async with Host(project) as host:
+            ear = Ear(host)
+            async with asyncio.timeout(PATIENCE):
+                while not ear.subscription.get_publisher_count():
+                    await asyncio.sleep(0.01)
+            host.simulation.advance(1.001)
+            await ear.hear(11)
+            host.simulation.restart()
+            host.simulation.advance(0.101)
+            await ear.hear(13)
+            assert host.error is None
+            return ear.heard
+
+    heard = asyncio.run(run())
+    assert stamps_ms(heard) == [*range(0, 1001, 100), 0, 100]
+    message = heard[10]
+    assert (message.header.frame_id, message.encoding) == ("CAMERA", "rgb8")
+    assert (message.width, message.height, message.step, len(message.data)) == (320, 240, 960, 230_400)
+    pixels = np.frombuffer(bytes(message.data), np.uint8).reshape(240, 320, 3)
+    assert is_red(pixels[120, 160])
+    assert not is_red(pixels[10, 10])
+
+
+def test_a_tank_that_is_deleted_while_pictures_are_taken_leaves_nothing(project):
+    need_pictures()
+
+    async def run():
+        async with Host(project) as host:
+            ear = Ear(host)
+            host.simulation.start()
+            await ear.hear(2)
+            host.remove("Tank")
+            assert host.simulation.running
+            assert host.error is None
+            host.simulation.stop()
+        return ear.heard
+
+    heard = asyncio.run(run())
+    assert all(stamp % 100 == 0 for stamp in stamps_ms(heard))
+    assert not any(thread.name == "camera" for thread in threading.enumerate())
+
+
+def test_what_a_receiver_of_pictures_raises_is_the_programs_error(project):
+    need_pictures()
+
+    class Broken(CameraPublisher):
+        def publish(self, pixels, time_ns):
+            raise ZeroDivisionError
+
+    async def run():
+        async with Host(project.with_controllers("Tank", Broken)) as host:
+            host.simulation.start()
+            async with asyncio.timeout(PATIENCE):
+                while host.error is None:
+                    await asyncio.sleep(0.01)
+            assert isinstance(host.error, ZeroDivisionError)
+            assert host.simulation.running
+            host.simulation.stop()
+            host.forget_errors()
+            assert host.error is None
+
+    asyncio.run(run())

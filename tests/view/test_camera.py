@@ -1,0 +1,225 @@
+"""Pictures from the cameras of a simulated world: what is on them, and who waits for them."""
+
+from __future__ import annotations
+
+import logging
+import threading
+
+import pytest
+from pictures import is_red, need_pictures, red_block
+
+from tutorial.body import Body
+from tutorial.controller import SimpleController
+from tutorial.errors import TutorialError
+from tutorial.simulation import Simulation
+from tutorial.view import offscreen
+from tutorial.view.camera import CameraRenderer
+from tutorial.world import Placement
+
+PATIENCE = 60.0
+
+
+class Stage:
+    """A world with a red block before a camera, and its renderer."""
+
+    def __init__(self, folder, controllers=()):
+        self.placement = Placement("Eye", red_block(folder))
+        self.simulation = Simulation([self.placement], [("Eye", each) for each in controllers])
+        self.renderer = CameraRenderer(self.simulation.model, self.simulation.data)
+        self.body = self.simulation.bodies["Eye"]
+        self.body.find_camera = self.renderer.camera
+
+    def move(self, aside):
+        self.simulation.data.qpos[0] = aside
+
+    def elsewhere(self, function, *args):
+        """Call a function as the simulation's thread does, which does not wait for pictures."""
+        thread = threading.Thread(target=function, args=args)
+        thread.start()
+        thread.join(PATIENCE)
+        assert not thread.is_alive()
+
+
+@pytest.fixture
+def stage(tmp_path):
+    made = Stage(tmp_path)
+    yield made
+    made.renderer.close()
+    assert not any(thread.name == "camera" for thread in threading.enumerate())
+
+
+@pytest.fixture
+def eye(stage):
+    need_pictures()
+    return stage.body.camera("CAMERA")
+
+
+def middle(pixels):
+    height, width, _ = pixels.shape
+    return pixels[height // 2, width // 2]
+
+
+def test_a_red_block_is_red_where_it_stands(stage, eye):
+    taken = []
+    eye.capture(taken.append)  # on the renderer's own thread: in lockstep
+    stage.move(0.9)  # to the left
+    eye.capture(taken.append)
+    straight, aside = taken
+    assert straight.shape == aside.shape == (240, 320, 3)
+    assert is_red(middle(straight))
+    assert not is_red(middle(aside))
+    assert is_red(aside[120, 40])
+    assert not is_red(aside[120, 280])
+
+
+def test_the_topmost_row_comes_first(stage, eye):
+    stage.simulation.model.geom_pos[stage.simulation.model.geom("Eye/WALL").id, 2] = -4.0  # it reaches to the middle
+    taken = []
+    eye.capture(taken.append)
+    assert taken[0][230, 10, 2] > taken[0][10, 10, 2] + 50
+
+
+def test_the_world_goes_on_while_a_picture_is_delivered_and_the_newest_replaces_what_waits(stage, eye):
+    taken, entered, leave = [], threading.Event(), threading.Event()
+
+    def slow(pixels):
+        entered.set()
+        assert leave.wait(PATIENCE)
+        taken.append(pixels)
+
+    stage.elsewhere(eye.capture, slow)
+    assert entered.wait(PATIENCE)
+    for aside in (0.9, 0.9, 0.0):
+        stage.move(aside)
+        stage.elsewhere(eye.capture, taken.append)
+    stage.move(0.9)  # after the copies were made
+    assert eye.missed == 2
+    leave.set()
+    stage.body.camera("CAMERA").capture(lambda _: None)  # comes after them
+    assert len(taken) == 2
+    assert is_red(middle(taken[1]))
+
+
+def test_that_many_pictures_are_missed_is_said_once(stage, eye, caplog):
+    entered, leave = threading.Event(), threading.Event()
+    stage.elsewhere(eye.capture, lambda _: (entered.set(), leave.wait(PATIENCE)))
+    assert entered.wait(PATIENCE)
+    for _ in range(40):
+        stage.elsewhere(eye.capture, lambda _: None)
+    leave.set()
+    assert [record.getMessage() for record in caplog.records] == [
+        "the camera 'CAMERA' has missed 10 pictures: rendering takes too long here"
+    ]
+
+
+def test_that_the_first_picture_takes_long_is_not_said(stage, eye, monkeypatch, caplog):
+    begin, make = threading.Event(), offscreen._gl_context
+    monkeypatch.setattr(offscreen, "_gl_context", lambda *size: begin.wait(PATIENCE) and make(*size))
+    for _ in range(20):
+        stage.elsewhere(eye.capture, lambda _: None)
+    begin.set()
+    eye.capture(lambda _: None)
+    assert (eye.missed, caplog.text) == (0, "")
+
+
+def test_in_lockstep_a_receivers_error_is_the_controllers(tmp_path, caplog):
+    need_pictures()
+
+    class Broken(SimpleController):
+        def initialize(self, io):
+            self.camera = io.body.camera("SMALL")
+
+        def control(self):
+            self.camera.capture(lambda pixels: pixels.shape[7])
+
+    stage = Stage(tmp_path, [Broken()])
+    with pytest.raises(TutorialError, match=r"Broken failed at 0\.000 s"):
+        stage.simulation.advance(0.002)
+    assert (stage.renderer.error, caplog.text) == (None, "")  # it is the simulation's, and said there
+    stage.renderer.close()
+
+
+def test_elsewhere_a_receivers_error_is_kept_and_logged_once(stage, eye, caplog):
+    def broken(_):
+        raise SystemExit("no")
+
+    for _ in range(3):
+        stage.elsewhere(eye.capture, broken)
+        stage.body.camera("SMALL").capture(lambda _: None)  # comes after it
+    assert isinstance(stage.renderer.error, SystemExit)
+    assert [record.getMessage() for record in caplog.records] == ["a receiver of pictures failed; the others go on"]
+
+
+def test_a_closed_camera_delivers_nothing_more(stage, eye):
+    taken, entered, leave = [], threading.Event(), threading.Event()
+
+    def slow(_):
+        entered.set()
+        assert leave.wait(PATIENCE)
+        taken.append("first")
+
+    stage.elsewhere(eye.capture, slow)
+    assert entered.wait(PATIENCE)
+    stage.elsewhere(eye.capture, taken.append)
+    closing = threading.Thread(target=eye.close)
+    closing.start()
+    leave.set()
+    closing.join(PATIENCE)
+    assert taken == ["first"]  # what was being delivered has come to its end before close() returns
+    stage.body.camera("SMALL").capture(lambda _: None)
+    assert taken == ["first"]
+    eye.close()
+
+
+def test_a_receiver_may_close_its_camera(stage, eye):
+    eye.capture(lambda _: eye.close())
+
+
+def test_after_close_nothing_is_taken(stage, eye):
+    taken = []
+    eye.capture(taken.append)
+    stage.renderer.close()
+    stage.renderer.close()
+    eye.capture(taken.append)
+    assert len(taken) == 1
+
+
+def test_where_nothing_renders_it_is_said_once_and_all_else_goes_on(stage, monkeypatch, caplog):
+    monkeypatch.setattr(offscreen, "ON_LINUX", {"egl": "libNoSuchEGL.so.1", "osmesa": "libNoSuchOSMesa.so.8"})
+    monkeypatch.setattr(offscreen.platform, "system", lambda: "Linux")
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+    taken = []
+    for name in ("CAMERA", "CAMERA", "SMALL"):
+        stage.body.camera(name).capture(taken.append)
+    assert taken == []
+    (record,) = caplog.records
+    assert record.levelno == logging.WARNING
+    assert record.getMessage() == (
+        "cameras take no pictures, all else goes on: nothing renders here (ImportError: there is neither "
+        "libNoSuchEGL.so.1 nor libNoSuchOSMesa.so.8). On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends "
+        "it, or libosmesa6."
+    )
+
+
+def test_rendering_that_is_switched_off_is_told_so(stage, monkeypatch, caplog):
+    monkeypatch.setenv("MUJOCO_GL", "off")
+    stage.body.camera("CAMERA").capture(lambda _: None)
+    (record,) = caplog.records
+    assert record.getMessage() == (
+        "cameras take no pictures, all else goes on: nothing renders here "
+        "(ImportError: MUJOCO_GL=off switches it off). Unset MUJOCO_GL."
+    )
+
+
+def test_cameras_have_names_and_sizes(stage):
+    assert repr(stage.body.camera("CAMERA")) == "Camera('CAMERA', 320 x 240)"  # the model does not say it
+    assert repr(stage.body.camera("SMALL")) == "Camera('SMALL', 64 x 48)"
+    with pytest.raises(TutorialError, match=r"the body 'Eye' has no camera 'SMAL'. Did you mean 'SMALL'?"):
+        stage.body.camera("SMAL")
+    with pytest.raises(TutorialError, match=r"the camera 'HUGE' has 5000 x 48 pixels. Give it at most 1920 x 1080."):
+        stage.body.camera("HUGE")
+
+
+def test_a_displayed_body_takes_no_pictures(stage):
+    with pytest.raises(TutorialError, match=r"no pictures are taken of the body 'Eye': ask the simulated one, io.body"):
+        Body.displayed(stage.placement).camera("CAMERA")

@@ -1,0 +1,59 @@
+"""Step 6: publish what the camera of the simulated robot sees."""
+
+from __future__ import annotations
+
+from array import array
+
+import numpy as np
+from numpy.typing import NDArray
+from rclpy.time import Time
+from sensor_msgs.msg import Image
+
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+
+RATE = 10  # [Hz], in simulation time
+
+
+class CameraPublisher(SimpleController):
+    """Publish pictures at 10 Hz. The control loop only presses the button; rendering and sending happen elsewhere."""
+
+    def configure(self, config: ControllerConfig) -> None:  # main thread
+        """Announce the topic, named after the body."""
+        self.node = config.node
+        self.publisher = self.node.create_publisher(Image, f"{config.body.name}/camera/image", 1)
+
+    def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
+        """Look up the camera of the simulated body."""
+        self.io = io
+        self.camera = io.body.camera("CAMERA")
+        self.steps_per_picture = round(1 / (RATE * io.time_step))
+
+    def control(self) -> None:  # simulation thread, every step
+        """Have a picture taken, when it is time to."""
+        if self.io.step % self.steps_per_picture == 0:
+            self.camera.capture(self.publish, self.io.time_ns)
+
+    def publish(self, pixels: NDArray[np.uint8], time_ns: int) -> None:  # camera's thread
+        """Publish a picture, stamped with the time at which it was taken."""
+        message = image(pixels)
+        message.header.stamp = Time(nanoseconds=time_ns).to_msg()
+        message.header.frame_id = self.camera.name
+        self.publisher.publish(message)
+
+    def stop(self) -> None:  # a thread of the simulation's, after the last step
+        """Have no picture delivered any more."""
+        self.camera.close()
+
+    def unconfigure(self) -> None:  # main thread
+        """Take the topic back."""
+        self.node.destroy_publisher(self.publisher)
+
+
+def image(pixels: NDArray[np.uint8]) -> Image:
+    """Write down pixels, shape (height, width, 3), row by row from the top."""
+    message = Image()
+    message.height, message.width, _ = pixels.shape
+    message.encoding = "rgb8"
+    message.step = 3 * message.width
+    message.data = array("B", pixels.tobytes())
+    return message

@@ -1,0 +1,120 @@
+"""Rendering without a screen, by MuJoCo with EGL, OSMesa or what the system has."""
+
+from __future__ import annotations
+
+import copy
+import ctypes
+import importlib
+import logging
+import os
+import platform
+from contextlib import AbstractContextManager
+from typing import Any, Self
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["LARGEST", "USUAL", "Offscreen", "mend"]
+
+USUAL = (320, 240)  # [px] of a camera whose model does not say its resolution
+LARGEST = (1920, 1080)  # [px]; a picture of this size is 6 MB
+ON_LINUX = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
+"""What renders without a screen, by MuJoCo's name for it; the first that there is is taken."""
+SWITCHED_OFF = ("disable", "disabled", "off", "false", "0")  # MuJoCo's words
+ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it, or libosmesa6"
+ELSEWHERE = "MuJoCo's documentation of rendering in Python says what this system needs"
+
+Pixels = NDArray[np.uint8]
+
+
+class Offscreen(AbstractContextManager["Offscreen"]):
+    """OpenGL without a screen, for pictures of one model. It belongs to the thread that makes it.
+
+    Args:
+        model: what is rendered. Of it there is a copy: shadows and smooth edges, which cost most, are left out.
+
+    Raises:
+        Exception: nothing renders here.
+    """
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self._model = copy.copy(model)
+        width, height = np.clip(np.max([USUAL, *model.cam_resolution.tolist()], axis=0), 1, LARGEST).tolist()
+        self._model.vis.global_.offwidth, self._model.vis.global_.offheight = width, height
+        self._model.vis.quality.offsamples = self._model.vis.quality.shadowsize = 0
+        self._data = mujoco.MjData(self._model)
+        self._gl = _gl_context(width, height)
+        self._gl.make_current()
+        self._context = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
+        self._scene = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + self._model.nsite + 1000)
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
+        self._option = mujoco.MjvOption()
+        self._view = mujoco.MjvCamera()
+        self._view.type = mujoco.mjtCamera.mjCAMERA_FIXED
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._context.free()
+        self._gl.free()
+
+    def render(self, qpos: NDArray[np.float64], camera: int, width: int, height: int) -> Pixels:
+        """Render what a camera sees.
+
+        Args:
+            qpos: the state of the world, shape (nq,).
+            camera: its number.
+            width, height: of the picture [px].
+
+        Returns:
+            Shape (height, width, 3), the topmost row first.
+        """
+        model, data = self._model, self._data
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_camlight(model, data)
+        self._view.fixedcamid = camera
+        every = mujoco.mjtCatBit.mjCAT_ALL
+        mujoco.mjv_updateScene(model, data, self._option, None, self._view, every, self._scene)
+        whole, pixels = mujoco.MjrRect(0, 0, width, height), np.empty((height, width, 3), np.uint8)
+        mujoco.mjr_render(whole, self._scene, self._context)
+        mujoco.mjr_readPixels(pixels, None, whole, self._context)
+        return np.ascontiguousarray(pixels[::-1])  # OpenGL counts rows from the bottom
+
+
+def mend() -> str:
+    """Say how this machine is brought to render, as a sentence without its full stop."""
+    if _wanted() in SWITCHED_OFF:
+        return "Unset MUJOCO_GL"
+    return ON_DEBIAN if platform.system() == "Linux" else ELSEWHERE
+
+
+def _wanted() -> str:
+    return os.environ.get("MUJOCO_GL", "").lower().strip()
+
+
+def _gl_context(width: int, height: int) -> Any:
+    """Make an OpenGL context. On Linux it is one that needs no screen, of two the one that MUJOCO_GL names."""
+    wanted = _wanted()
+    if wanted in SWITCHED_OFF:
+        raise ImportError(f"MUJOCO_GL={wanted} switches it off")
+    if platform.system() != "Linux":
+        return importlib.import_module("mujoco.gl_context").GLContext(width, height)
+    if wanted not in ON_LINUX:
+        wanted = next((name for name, library in ON_LINUX.items() if _is_there(library)), "")
+    if not wanted:
+        raise ImportError(f"there is neither {' nor '.join(ON_LINUX.values())}")
+    logging.getLogger("OpenGL").setLevel(logging.WARNING)  # at its import it says what it does without
+    return importlib.import_module(f"mujoco.{wanted}").GLContext(width, height)
+
+
+def _is_there(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True
