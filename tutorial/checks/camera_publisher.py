@@ -75,9 +75,11 @@ gray = Exercise(
     hints=(
         "Look at who does what: control only asks for a picture, in every two hundredth step. What is done with it is "
         "the business of the function that it is delivered to.",
-        "In control call self.camera.capture(self.publish, self.io.time_ns). In publish, which is given the pixels and "
-        "that time, fill the message: height and width from pixels.shape, one byte per pixel in each row.",
-        "message.height, message.width, _ = pixels.shape; message.step = message.width; message.data = "
+        "In control have the camera capture a picture, and hand over the function that is to get it, and the simulated "
+        "time. In that function, which is given the pixels and that time, fill the message: height and width from "
+        "pixels.shape, one byte per pixel in each row.",
+        "self.camera.capture(self.publish, self.io.time_ns); then message.height, message.width, _ = pixels.shape; "
+        "message.step = message.width; message.data = "
         'array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()); the stamp is Time(nanoseconds=time_ns).to_msg().',
     ),
     notice="Notice that the control loop never waits for a picture, and that gray costs a sixth of what colour did.",
