@@ -56,7 +56,7 @@ def is_valid_topic(name: str) -> bool:
     """Whether a topic's full name keeps the rules of ROS 2, which answers no question about any other."""
     try:
         return bool(validate_full_topic_name(name))
-    except (NameValidationException, ValueError):  # ValueError: half a character
+    except (NameValidationException, ValueError, TypeError):  # the last two: half a character
         return False
 
 
