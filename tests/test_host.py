@@ -31,6 +31,13 @@ from tutorial.view.scene import Record, Scene, unpack_records
 from tutorial.world import Placement
 
 
+def run_without_errors(scenario, caplog):
+    """Run a scenario in whose log there is no error in the end."""
+    with caplog.at_level(logging.WARNING):
+        asyncio.run(scenario())
+    assert not [record for record in caplog.records if record.levelno >= logging.ERROR], caplog.text
+
+
 async def until(condition, what="the condition"):
     deadline = asyncio.get_running_loop().time() + PATIENCE
     while not condition():
@@ -169,9 +176,7 @@ def test_a_body_may_be_deleted_while_messages_arrive(step3, caplog):
             with pytest.raises(asyncio.CancelledError):
                 await run
 
-    with caplog.at_level(logging.WARNING):
-        asyncio.run(scenario())
-    assert not [record for record in caplog.records if record.levelno >= logging.ERROR], caplog.text
+    run_without_errors(scenario, caplog)
 
 
 def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog):
@@ -193,9 +198,7 @@ def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog):
             with pytest.raises(asyncio.CancelledError):
                 await run
 
-    with caplog.at_level(logging.WARNING):
-        asyncio.run(scenario())
-    assert not [record for record in caplog.records if record.levelno >= logging.ERROR], caplog.text
+    run_without_errors(scenario, caplog)
 
 
 def test_a_body_is_added_only_where_it_can_be(step3, domain):

@@ -20,6 +20,7 @@ from memory import WARM_UP
 from rich.console import Console
 from rich.table import Table
 from run import Outcome, run
+from verdict import judge
 
 from tutorial.commands.terminal import INTERRUPTED, progress_bar
 
@@ -62,15 +63,6 @@ def show(outcomes: list[Outcome], console: Console) -> None:
     for waiting in (outcome.subscriber["waiting"] for outcome in outcomes if "waiting" in outcome.subscriber):
         thirds = ", ".join(f"{third:.0f}" for third in waiting["thirds"])
         console.print(f"calls that waited for the viewer's main thread: {thirds} by thirds, {waiting['most']} at most")
-
-
-def judge(complaints: list[str], console: Console) -> int:
-    """Say what does not hold; return the exit status."""
-    for complaint in complaints:
-        console.print(f"does not hold: {complaint}", style="red", highlight=False)
-    if not complaints:
-        console.print("all holds")
-    return 1 if complaints else 0
 
 
 def soak(duration: int, kinds: Sequence[str], console: Console) -> int:

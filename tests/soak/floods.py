@@ -25,6 +25,7 @@ import psutil
 from domains import reserved_domain
 from rich.console import Console
 from rich.table import Table
+from verdict import judge
 
 from tutorial.commands.terminal import INTERRUPTED, progress_bar
 
@@ -161,12 +162,9 @@ def show(outcomes: list[Outcome], console: Console) -> int:
     )
     table.caption_justify = "left"
     console.print(table)
-    complaints = [f"{outcome.kind}: {complaint}" for outcome in outcomes for complaint in outcome.complaints()]
-    for complaint in complaints:
-        console.print(f"does not hold: {complaint}", style="red", highlight=False)
-    if not complaints:
-        console.print("all holds")
-    return 1 if complaints else 0
+    return judge(
+        [f"{outcome.kind}: {complaint}" for outcome in outcomes for complaint in outcome.complaints()], console
+    )
 
 
 def floods(duration: int, kinds: Iterable[str], console: Console) -> int:

@@ -132,20 +132,13 @@ def judge_gray(answer: type[SimpleController]) -> Iterator[Finding]:
         yield rate
         all_right = yield from judged(_judge_messages(world.sent(publisher)))
         if not (all_right and rate.right):
-            yield from _judge_step(answer, publisher, rate)
+            other = _Scene(answer, SIZE, name="Rover", time_step=0.002)
+            yield from RATE.judge_step(other, "/Rover/camera/gray", Image, publisher, rate)
             return
         all_right = yield from judged(_judge_crane(answer, world, publisher, shared))
         if all_right:
             yield _judge_restart(world, publisher)
         yield from _judge_leaving(answer, world, publisher)
-
-
-def _judge_step(answer: type[SimpleController], usual: WatchedPublisher, rate: Finding) -> Iterator[Finding]:
-    with _Scene(answer, SIZE, name="Rover", time_step=0.002) as world:
-        world.advance(600)
-        publisher = endpoint(world.ros.node, WatchedPublisher, "/Rover/camera/gray", Image)
-    if publisher is not None:
-        yield from RATE.judge_step(publisher, rate, usual, 0.002)
 
 
 def _judge_messages(sent: Sent) -> Iterator[Finding]:

@@ -117,20 +117,13 @@ def judge_gyro(answer: type[SimpleController]) -> Iterator[Finding]:
             return
         all_right = yield from judged(_judge_messages(publisher, recorder.samples, "Rover"))
         if not (all_right and rate.right):
-            yield from _judge_step(answer, publisher, rate)
+            other = World(answer, name="Rover", time_step=0.002, before=[_Shaker()])
+            yield from RATE.judge_step(other, "/Rover/gyro", Imu, publisher, rate)
             return
         all_right = yield from judged(_judge_crane(answer, world, publisher, recorder, shared))
         if all_right:
             yield _judge_restart(world, publisher, recorder)
         yield judge_leaving(answer, world.leave, publisher)
-
-
-def _judge_step(answer: type[SimpleController], usual: WatchedPublisher, rate: Finding) -> Iterator[Finding]:
-    with World(answer, name="Rover", time_step=0.002, before=[_Shaker()]) as world:
-        world.advance(600)
-        publisher = endpoint(world.ros.node, WatchedPublisher, "/Rover/gyro", Imu)
-    if publisher is not None:
-        yield from RATE.judge_step(publisher, rate, usual, 0.002)
 
 
 def _judge_messages(publisher: WatchedPublisher, samples: Samples, body: str) -> Iterator[Finding]:

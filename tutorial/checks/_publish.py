@@ -90,20 +90,12 @@ def judge_publish(answer: type[SimpleController]) -> Iterator[Finding]:
         findings = [rate, *(_judge_messages(publisher.sent, NAMES, world.displayed) if publisher.sent else ())]
         yield from findings
         if publisher.sent:
-            yield from _judge_step(answer, publisher, rate)
+            other = World(answer, name="Rover", time_step=0.002)
+            yield from RATE.judge_step(other, "/Rover/turret", JointState, publisher, rate)
         if all(finding.right for finding in findings):
             yield from _judge_crane(answer, world, publisher, shared)
             yield _judge_restart(world, publisher)
         yield judge_leaving(answer, world.leave, publisher)
-
-
-def _judge_step(answer: type[SimpleController], usual: WatchedPublisher, rate: Finding) -> Iterator[Finding]:
-    """Look whether the rate is the same with another time step, be it the right one or not."""
-    with World(answer, name="Rover", time_step=0.002) as world:
-        world.advance(600)
-        publisher = endpoint(world.ros.node, WatchedPublisher, "/Rover/turret", JointState)
-    if publisher is not None:
-        yield from RATE.judge_step(publisher, rate, usual, 0.002)
 
 
 def _judge_crane(

@@ -9,6 +9,7 @@ from typing import Any
 
 from tutorial.checks._answer import missing
 from tutorial.checks._node import WatchedPublisher
+from tutorial.checks._topics import endpoint
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import watch
 from tutorial.checks._world import Moment, World
@@ -94,16 +95,22 @@ class Rate:
         return round(exact) if round(exact) != self.hz or abs(exact - self.hz) < 0.05 else round(exact, 1)
 
     def judge_step(
-        self, publisher: WatchedPublisher, finding: Finding, usual: WatchedPublisher, time_step: float
+        self, world: World, topic: str, message_type: type, usual: WatchedPublisher, finding: Finding
     ) -> Iterator[Finding]:
         """Look whether the rate is the same with another time step, be it the right one or not.
 
         Args:
-            publisher: which has published with the other time step.
-            finding: what was found with steps of 1 ms.
-            usual: the publisher that was looked at then.
-            time_step: the other one [s].
+            world: with the other time step, not entered yet; 600 steps of it pass.
+            topic, message_type: of the publisher to look at; where there is none, nothing is said.
+            usual: the publisher that was looked at with steps of 1 ms.
+            finding: what was found then.
         """
+        time_step = world.simulation.time_step
+        with world:
+            world.advance(600)
+            publisher = endpoint(world.ros.node, WatchedPublisher, topic, message_type)
+        if publisher is None:
+            return
         other = self.judge(publisher, time_step)
         when = f"with steps of {time_step * 1000:g} ms"
         if finding.right:
