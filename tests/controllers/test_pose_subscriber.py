@@ -18,7 +18,6 @@ from tf2_msgs.msg import TFMessage
 from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.controllers.pose_subscriber import ALONE, MOST_WAITING, REPEATED, PoseSubscriber, StampPairs
-from tutorial.handoff import Latest
 from tutorial.host import Host
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
@@ -266,6 +265,17 @@ class Witness(SimpleController):
             self.joints[tuple(joints)] = self.io.time_ns
 
 
+class Stick:
+    """In place of the newest message: a wide turn, while the turret goes to and fro, so that it never rests."""
+
+    def __init__(self, simulation):
+        self.simulation = simulation
+
+    def get(self):
+        way = 1.0 if self.simulation.time % 8.0 < 4.0 else -1.0
+        return Joy(axes=[0.3, 0.25, 0.8 * way, 0.3 * way])
+
+
 async def until(condition):
     async with asyncio.timeout(60):
         while not condition():
@@ -288,14 +298,13 @@ async def drive_and_watch(seconds, hold=0.1):
     frames, scene = [], Scene()
     project = Project.load(find_project("step7"))
     controllers = {type_.__name__: type_ for item in project.bodies for type_ in item.controllers}
-    project = project.with_controllers("Tank", *controllers.values(), Witness)
+    project = project.with_controllers("Tank", Witness, *controllers.values())  # it writes before others publish
     async with (
         Host(project, ["--ros-args", "-r", "__node:=simulation"]) as simulation,
         Host(Project.load(find_project("step7_viewer")), ["--ros-args", "-r", "__node:=viewer"], View(scene)) as viewer,
     ):
         shown, witness = viewer.bodies["Tank"], simulation.controllers["Witness"]
-        driver = simulation.controllers["TankController"]
-        driver.joy = Latest(Joy(axes=[0.3, 0.25, 1.0, 0.3]))  # a wide turn, and the turret follows
+        simulation.controllers["TankController"].joy = Stick(simulation.simulation)
         names = "JointStatePublisher", "PosePublisher"
         states, poses = (simulation.controllers[name] for name in names)
         subscriber = viewer.controllers["PoseSubscriber"]
