@@ -17,7 +17,7 @@ __all__ = ["where"]
 def turned(q: Quaternion, point: ArrayLike) -> NDArray[np.float64]:
     """Turn a point about the origin."""
     axis, point = np.array([q.x, q.y, q.z]), np.array(point, float)
-    return point + 2 * np.cross(axis, np.cross(axis, point) + q.w * point)
+    return np.asarray(point + 2 * np.cross(axis, np.cross(axis, point) + q.w * point))
 
 
 def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayLike:
