@@ -180,6 +180,16 @@ class NoLimit(Queues):
         self.queues = {"joints": deque(), "pose": deque()}
 
 
+class TooEarly(Queues):
+    def __init__(self):
+        self.queues = {"joints": deque(maxlen=49), "pose": deque(maxlen=49)}
+
+
+class TooLate(Queues):
+    def __init__(self):
+        self.queues = {"joints": deque(maxlen=51), "pose": deque(maxlen=51)}
+
+
 class SmallestGivesWay(NoLimit):
     def keep(self, queue, message):
         queue.append(message)
@@ -266,6 +276,8 @@ WRONG = [
     (Stays, "a pair goes on waiting after it was returned"),
     (OnlyOne, "only one message of a stream is kept"),
     (NoLimit, "there is no limit to what waits"),
+    (TooEarly, "one gives way too early"),
+    (TooLate, "one gives way too late"),
     (SmallestGivesWay, "the smallest stamp gives way"),
     (AllGiveWay, "of more than 50 all are dropped"),
     (NoRoom, "what comes when 50 wait is not kept"),

@@ -48,6 +48,13 @@ GYRO = "self.publisher = self.node.create_publisher(Imu, f'{{config.body.name}}/
 BLOW = "if hypot(a.x, a.y) > 20:"
 BLOWS = "self.subscription = self.node.create_subscription(Imu, f'{{self.body.name}}/imu', self.on_imu, {})"
 
+STAMP = "stamp = (message.header.stamp.sec, message.header.stamp.nanosec)"
+STAMP_TURNED = "stamp = (message.header.stamp.nanosec, message.header.stamp.sec)"
+TWO = "if len(together) == 2:"
+DROP = "del self.waiting[next(iter(self.waiting))]"
+COMPLETE = f"{TWO}; while stamp in self.waiting:; {DROP}; return (together['joints'], together['pose'])"
+TOO_MANY = f"if len(self.waiting) > 50:; {DROP}"
+
 
 def as_even(line: str, rate: str) -> tuple[str, ...]:
     """The changes of the number of steps per message, and of the condition, that the remainder does not mind."""
@@ -202,6 +209,15 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         ),
         "a length is the same in either order": becomes(BLOW, BLOW.replace("a.x, a.y", "a.y, a.x")),
         DEPTH: becomes(BLOWS.format(10), BLOWS.format(11), BLOWS.format(9)),
+    },
+    "pair": {
+        "a function without a return returns None": (
+            "return None → nothing",
+            *becomes("return None", "return"),
+        ),
+        "a key is a key in either order": becomes(STAMP, STAMP_TURNED),
+        "of a stamp there are never more than two": becomes(TWO, TWO.replace("==", ">=")),
+        "a message that completes a pair makes no more wait": (f"{COMPLETE}; {TOO_MANY} → {TOO_MANY}; {COMPLETE}",),
     },
     "gray": {
         UNRELATED: (

@@ -77,6 +77,8 @@ CASES = (
     _Case("started again, from 0", [*in_turn(5000, 5020), *in_turn(0, 20)]),
     _Case("40 joint states, then their poses", [*alone(JOINTS, 40), *alone(POSE, 40)]),
     _Case("60 joint states, then the poses of the last 40", [*alone(JOINTS, 60), *alone(POSE, 40, 400)]),
+    _Case("50 joint states, then the pose of the first", [*alone(JOINTS, 50), (POSE, 0)]),
+    _Case("51 joint states, then the pose of the first", [*alone(JOINTS, 51), (POSE, 0)]),
     _Case("200 without a partner, then the pose of the first", [*alone(JOINTS, 200), (POSE, 0)]),
     _Case("200 without a partner, then the pose of the last", [*alone(JOINTS, 200), (POSE, 3980)]),
     _Case("200 without a partner, then started again", [*alone(JOINTS, 200, 9000), *in_turn(0, 20)]),
@@ -98,6 +100,8 @@ MISTAKES = (
     Mistake("taken", "stays", "a pair goes on waiting after it was returned: take it out, pop."),
     Mistake("keep", 1, "only one message of a stream is kept: more may wait, up to 50."),
     Mistake("keep", inf, "there is no limit to what waits: of more than 50, the one that came first gives way."),
+    Mistake("keep", 49, "one gives way too early: 50 may wait."),
+    Mistake("keep", 51, "one gives way too late: of 51, one is too many."),
     Mistake("keep", "smallest", "the smallest stamp gives way, and after a new start that is the newest message: the "
             "one that came first has to."),
     Mistake("keep", "none", "of more than 50 all are dropped: only the one that came first gives way."),
