@@ -120,7 +120,7 @@ class Item:
     def line(self) -> str:
         """What stands below the view: the last report, who else publishes, stale joints, and the age of the data."""
         if self._report is None:
-            return f"{self.body.name}: nothing has come on {self.joint_topics[0]} yet" if self.joint_topics else ""
+            return f"{self.body.name}: {self._nothing_yet(self.joint_topics[0])}" if self.joint_topics else ""
         said = [str(self._report)]
         if time.monotonic() - self._contested_at < CONTESTED_FOR:
             said.append(self._publishers)
@@ -160,6 +160,13 @@ class Item:
         if not report.clean and now - self._complained_at >= COMPLAIN_EVERY:
             self._complained_at = now
             _log.warning("%s: %s", self.body.name, report)
+
+    def _nothing_yet(self, topic: str) -> str:
+        """Say whether nothing has come on a topic, or nothing of it was shown: a controller may wait for more."""
+        meters = self._node.meters if self._node is not None else []
+        if any(meter.count for meter in meters if meter.topic == topic and meter.direction == "received"):
+            return f"nothing of what has come on {topic} could be shown yet"
+        return f"nothing has come on {topic} yet"
 
     def _count(self, report: JointReport) -> None:
         if report is not self._last:  # the usual one is the same object each time, and counted in the end

@@ -21,6 +21,7 @@ from tutorial.controllers.pose_subscriber import ALONE, MOST_WAITING, REPEATED, 
 from tutorial.host import Host
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
+from tutorial.ros.node_thread import NodeThread
 from tutorial.view.bodies import View
 from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 from tutorial.world import Placement
@@ -265,6 +266,25 @@ def test_two_streams_in_order_lose_nothing_however_they_are_interleaved(turns):
             found.append(sent[stream])
     assert found == list(range(1, min(sent.values()) + 1))
     assert not left_out
+
+
+def test_the_line_below_the_view_says_that_joints_alone_are_not_shown(domain):
+    async def scenario():
+        scene = Scene()
+        async with Host(Project.load(find_project("step7_viewer")), view=View(scene)) as host:
+
+            def line():
+                host.refresh()
+                return next(text.decode() for kind, text in unpack_records(scene.snapshot()) if kind is Record.LINE)
+
+            assert line() == "Tank: nothing has come on /Tank/joint_state yet"
+            with NodeThread("tester") as tester:
+                publisher = tester.node.create_publisher(JointState, "/Tank/joint_state", 10)
+                await until(publisher.get_subscription_count)
+                publisher.publish(joint_state(20, 0.5))
+                await until(lambda: line() == "Tank: nothing of what has come on /Tank/joint_state could be shown yet")
+
+    asyncio.run(scenario())
 
 
 class Witness(SimpleController):

@@ -81,6 +81,18 @@ def test_the_launched_step_3_drives_publishes_and_is_seen(program, listen, tmp_p
     assert max(turned) > 0.01 or max(raised) > 0.02, "the turret has moved"
 
 
+def test_the_launched_step_7_shows_pose_and_joints_together(program, tmp_path):
+    running = program("launch", "step7", "--duration", 3, "--headless", "--report", tmp_path)
+    assert running.ends() == 0, running.output
+    records = read(tmp_path)
+    simulation, viewer = (records[name] for name in ("simulation", "viewer"))
+    assert {simulation["topics"][topic]["published"] for topic in ("/tf", "/Tank/odom", "/Tank/joint_state")} == {150}
+    joints, transforms = (viewer["topics"][topic] for topic in ("/Tank/joint_state", "/tf"))
+    assert 50 < joints["applied"] <= min(joints["received"], transforms["received"])
+    assert viewer["joints"] == simulation["joints"]
+    assert "not shown" not in running.output
+
+
 def test_the_turret_moves_with_the_right_stick(program, listen, tmp_path):
     drive = tmp_path / "drive.yaml"
     drive.write_text("drive:\n  - {time: 0.2, axes: [0, 0, 1, 1]}\n  - {time: 0.7, axes: [0, 0, 0, 0]}\n")
