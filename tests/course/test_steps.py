@@ -82,11 +82,11 @@ def test_the_launched_step_3_drives_publishes_and_is_seen(program, listen, tmp_p
 
 
 def test_the_launched_step_7_shows_pose_and_joints_together(program, tmp_path):
-    running = program("launch", "step7", "--duration", 3, "--headless", "--report", tmp_path)
+    running = program("launch", "step7", "--duration", 6, "--headless", "--report", tmp_path)
     assert running.ends() == 0, running.output
     records = read(tmp_path)
     simulation, viewer = (records[name] for name in ("simulation", "viewer"))
-    assert {simulation["topics"][topic]["published"] for topic in ("/tf", "/Tank/odom", "/Tank/joint_state")} == {150}
+    assert {simulation["topics"][topic]["published"] for topic in ("/tf", "/Tank/odom", "/Tank/joint_state")} == {300}
     joints, transforms = (viewer["topics"][topic] for topic in ("/Tank/joint_state", "/tf"))
     assert 50 < joints["applied"] <= min(joints["received"], transforms["received"])
     assert viewer["joints"] == simulation["joints"]
