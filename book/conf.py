@@ -64,8 +64,10 @@ def add_controllers(_app: Any, page: str, source: list[str]) -> None:
     if page == "controllers":
         for path in sorted((BOOK.parent / "notebooks").glob("[1-9]_*.ipynb")):
             number, name = path.stem.split("_", 1)
-            source[0] += f"\n## Step {number}: `{name}.py`\n\n"
-            source[0] += f"```{{literalinclude}} ../tutorial/controllers/{name}.py\n:language: python\n```\n"
+            files = (BOOK.parent / "tutorial" / "controllers").glob(f"{name}*.py")
+            for file in sorted(file.name for file in files if f"{file.stem}_".startswith(f"{name}_")):
+                source[0] += f"\n## Step {number}: `{file}`\n\n"
+                source[0] += f"```{{literalinclude}} ../tutorial/controllers/{file}\n:language: python\n```\n"
 
 
 def add_player(app: Any, _page: str, _template: str, context: dict[str, Any], _tree: Any) -> None:
