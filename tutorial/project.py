@@ -25,7 +25,7 @@ from tutorial.paths import is_file
 from tutorial.world import Placement, compose
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["BodyItem", "Project", "controller_names", "find_controller", "load_controllers"]
+__all__ = ["BodyItem", "Project", "check_model", "controller_names", "find_controller", "load_controllers"]
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 Point = tuple[Coordinate, Coordinate, Coordinate]
@@ -126,7 +126,7 @@ class Project:
                 f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
             )
         name = model.stem.capitalize()
-        _check_model(model)
+        check_model(model)
         if unfit := _unfit(name):
             raise TutorialError(f"{model}: the body is called after the file, and {unfit}")
         placement = replace(robots[0].placement, name=name, model=model)
@@ -292,13 +292,16 @@ def _check_models(file: YamlFile[_ProjectFile]) -> None:
         if body.model not in checked:
             checked.add(body.model)
             try:
-                _check_model(file.path.parent / body.model)
+                check_model(file.path.parent / body.model)
             except TutorialError as error:
                 raise file.error(("bodies", i, "model"), str(error)) from None
 
 
-def _check_model(path: Path) -> None:
+def check_model(path: Path) -> None:
     """See to it that a model can be simulated.
+
+    Args:
+        path: an MJCF file.
 
     Raises:
         TutorialError: it does not load, is larger than one writes, or has values that are no numbers or far too large.

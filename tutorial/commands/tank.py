@@ -23,6 +23,7 @@ from tutorial.commands.options import duration_option, headless_option, linger_o
 from tutorial.commands.progress import progress
 from tutorial.commands.terminal import INTERRUPTED, heed, prepare_output, progress_bar, say, until_asked, with_bar
 from tutorial.commands.topic import topic
+from tutorial.commands.urdf import urdf
 from tutorial.errors import TutorialError, printable
 
 if TYPE_CHECKING:
@@ -184,6 +185,7 @@ tank.add_command(check)
 tank.add_command(node)
 tank.add_command(progress)
 tank.add_command(topic)
+tank.add_command(urdf)
 
 
 def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:

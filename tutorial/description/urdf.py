@@ -75,7 +75,10 @@ class _Writer:
             self._add_geom(geom)
         self._say_what_is_missing()
         ElementTree.indent(self.robot)
-        return f'<?xml version="1.0"?>\n{ElementTree.tostring(self.robot, encoding="unicode")}\n'
+        text = ElementTree.tostring(
+            self.robot, encoding="us-ascii", xml_declaration=False
+        )  # other characters as &#8364;
+        return f'<?xml version="1.0"?>\n{text.decode("ascii")}\n'
 
     def _add_body(self, number: int) -> None:
         """Add a body's link, and what joins it to its parent's."""
