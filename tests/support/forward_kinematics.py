@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import asin, cos, hypot, pi, sin
+from math import asin, atan2, cos, hypot, pi, sin
 from xml.etree import ElementTree
 
 import numpy as np
@@ -13,6 +13,13 @@ def rotation_about(axis, angle):
     x, y, z = np.asarray(axis) / np.linalg.norm(axis)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + sin(angle) * cross + (1 - cos(angle)) * cross @ cross
+
+
+def rotation_of(w, x, y, z):
+    """The matrix of a unit quaternion."""
+    half = np.array([x, y, z])
+    sine = np.linalg.norm(half)
+    return rotation_about(half / sine, 2 * atan2(sine, w)) if sine else np.eye(3)
 
 
 def angle(rotation):
