@@ -42,6 +42,7 @@ MAGNITUDES = ("qpos0", "body_pos", "body_quat", "body_mass", "body_inertia", "ge
 
 class _Simulator(msgspec.Struct, forbid_unknown_fields=True):
     time_step: Annotated[float, msgspec.Meta(ge=0.0001, le=0.01)] = 0.001  # [s]
+    clock: bool = False
 
 
 class _Body(msgspec.Struct, forbid_unknown_fields=True):
@@ -86,11 +87,13 @@ class Project:
         path: the file that it comes from.
         bodies: its bodies.
         time_step: of the simulation [s]; None for a program that only displays.
+        clock: whether the simulation publishes its time on ``/clock``.
     """
 
     path: Path
     bodies: tuple[BodyItem, ...]
     time_step: float | None = None
+    clock: bool = False
 
     @classmethod
     def load(cls, path: str | Path) -> Project:
@@ -108,7 +111,9 @@ class Project:
         items = tuple(item for i, body in enumerate(file.data.bodies) for item in _body_items(file, i, body))
         _check_models(file)
         simulator = file.data.simulator
-        return cls(file.path, items, None if simulator is msgspec.UNSET else simulator.time_step)
+        if simulator is msgspec.UNSET:
+            return cls(file.path, items)
+        return cls(file.path, items, simulator.time_step, simulator.clock)
 
     def with_robot(self, model: Path) -> Project:
         """Put another model in the place of the body that carries the controllers.
@@ -180,7 +185,7 @@ class Project:
             lines.append(f"{indent}+ {first.placement.name}{last}")
             lines += [f"{indent}  - {controller.__name__}{_origin(controller)}" for controller in first.controllers]
         if self.time_step is not None:
-            lines = ["+ World", *lines, f"{indent}+ Simulator ({self.time_step * 1000:g} ms)"]
+            lines = ["+ World", *lines, f"{indent}+ Simulator ({self.time_step * 1000:g} ms{', /clock' * self.clock})"]
         return "\n".join(lines)
 
     def _with(self, change: Callable[[BodyItem], BodyItem]) -> Project:
