@@ -57,6 +57,24 @@ def test_its_position_is_its_roots_whether_that_is_free_or_fixed(model, root):
     assert body.data.xpos[1:] - before == pytest.approx(np.tile([0.5, 0.0, -0.25], (len(before), 1)))
 
 
+@pytest.mark.parametrize("model", ["tank", "crane"])
+def test_its_orientation_is_its_roots_and_in_mujocos_order(model):
+    quarter = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # to the left; w comes first
+    body = Body.displayed(Placement("Robot", MODELS / f"{model}.xml", (1.0, 2.0, 3.0), quarter))
+    assert body.orientation_wxyz.tolist() == pytest.approx(quarter)
+    body.orientation_wxyz = (0.0, 0.0, 0.0, 1.0)
+    body.calc_forward_kinematics()
+    assert body.data.xmat[1].reshape(3, 3)[:, 0] == pytest.approx([-1.0, 0.0, 0.0])
+    assert body.data.xpos[1].tolist() == body.position.tolist() == [1.0, 2.0, 3.0]
+
+
+def test_its_twist_is_along_its_own_axes(tank):
+    tank.orientation_wxyz = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
+    tank.data.qvel[:6] = (0.0, 2.0, 3.0, 0.1, 0.2, 0.3)  # north in the world is ahead of who looks there
+    assert tank.twist == pytest.approx([2.0, 0.0, 3.0, 0.1, 0.2, 0.3])
+    assert not Body.displayed(Placement("Crane", MODELS / "crane.xml")).twist.any()
+
+
 def test_a_body_without_links_stands_where_the_world_does(tmp_path):
     model = tmp_path / "floor.xml"
     model.write_text("<mujoco><worldbody><geom type='plane' size='1 1 1'/></worldbody></mujoco>")
@@ -90,6 +108,7 @@ def test_observers_hear_of_a_change(tank):
         ("notify_change", lambda body: body.notify_change()),
         ("Joint.position", lambda body: setattr(body.joint("TURRET_Y"), "position", 1.0)),
         ("Body.position", lambda body: setattr(body, "position", (1.0, 0.0, 0.0))),
+        ("Body.orientation_wxyz", lambda body: setattr(body, "orientation_wxyz", (0.0, 0.0, 0.0, 1.0))),
     ],
 )
 def test_another_thread_may_not_touch_it(tank, action, touch):

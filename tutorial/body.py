@@ -171,8 +171,7 @@ class Body:
         self.joint_ranges: Mapping[str, tuple[float, float]] = {joint.name: joint.range for joint in self.joints}
         self.qpos_slice = self._find_qpos()
         self.qpos: NDArray[np.float64] = data.qpos[self.qpos_slice]
-        self._root_position = self._find_root_position()
-        self._all_qpos = data.qpos
+        self._root_position, self._root_wxyz, self._root_velocity = self._find_root()
         self._by_name = {joint.name: joint for joint in self.joints}
         self.find_camera: Callable[[Body, str], Any] | None = None
         self._observers: list[Callable[[Any], object]] = []
@@ -207,24 +206,16 @@ class Body:
         return self._by_name[name]
 
     def actuator(self, name: str) -> Actuator:
-        """Find an actuator by name.
-
-        Raises:
-            TutorialError: the body has no such actuator; the text names the nearest.
-        """
+        """Find an actuator by name; raises what `joint` does."""
         return Actuator(name, self.data, self._find("actuator", self.model.actuator, self.model.nu, name))
 
     def sensor(self, name: str) -> Sensor:
-        """Find a sensor by name.
-
-        Raises:
-            TutorialError: the body has no such sensor; the text names the nearest.
-        """
+        """Find a sensor by name; raises what `joint` does."""
         number = self._find("sensor", self.model.sensor, self.model.nsensor, name)
         return Sensor(name, self.data.sensor(number).data, self._guard)
 
     def camera(self, name: str) -> Any:
-        """Find a camera of a simulated body by name, a `tutorial.view.camera.Camera`; raises what `sensor` does."""
+        """Find a camera of a simulated body by name, a `tutorial.view.camera.Camera`; raises what `joint` does."""
         if self.find_camera is None:
             raise TutorialError(f"no pictures are taken of the body {self.name!r}: ask the simulated one, io.body.")
         return self.find_camera(self, name)
@@ -239,6 +230,23 @@ class Body:
         self._check("Body.position")
         self._root_position[:] = value
 
+    @property
+    def orientation_wxyz(self) -> NDArray[np.float64]:
+        """How its root is turned, as a unit quaternion, a copy, shape (4,). Setting it turns a displayed body."""
+        return self._root_wxyz.copy()
+
+    @orientation_wxyz.setter
+    def orientation_wxyz(self, value: ArrayLike) -> None:
+        self._check("Body.orientation_wxyz")
+        self._root_wxyz[:] = value
+
+    @property
+    def twist(self) -> NDArray[np.float64]:
+        """How its root moves: linear [m/s], then angular [rad/s], along the root's own axes, a copy, shape (6,)."""
+        linear, inverse = np.empty(3), self._root_wxyz * (1.0, -1.0, -1.0, -1.0)
+        mujoco.mju_rotVecQuat(linear, self._root_velocity[:3], inverse)  # which MuJoCo has along the world's axes
+        return np.concatenate([linear, self._root_velocity[3:]])
+
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body; the others stay where they are.
 
@@ -249,12 +257,9 @@ class Body:
             TutorialError: there is no such joint.
         """
         self._check("set_joint_positions")
-        qpos, joints = self._all_qpos, self._by_name
-        try:
-            for name, position in positions.items():
-                qpos[joints[name].qpos_adr] = position
-        except KeyError:
-            self.joint(name)  # says that there is none, and which is nearest
+        qpos = self.data.qpos
+        for name, position in positions.items():
+            qpos[self.joint(name).qpos_adr] = position
 
     def calc_forward_kinematics(self) -> None:
         """Compute where the links are, from the root's position and the joints'."""
@@ -301,10 +306,11 @@ class Body:
         bounds = [*self.model.jnt_qposadr.tolist(), self.model.nq]
         return slice(bounds[ids[0]], bounds[ids[-1] + 1]) if ids else slice(0, 0)
 
-    def _find_root_position(self) -> NDArray[np.float64]:
-        """A view on where MuJoCo keeps it: with a free joint in ``qpos``, else in the model."""
+    def _find_root(self) -> tuple[NDArray[np.float64], ...]:
+        """Views on where MuJoCo keeps its root's position, orientation and velocity: with a free joint in the state."""
         model, ids = self.model, self._joint_ids
         if ids and model.jnt_type[ids[0]] == mujoco.mjtJoint.mjJNT_FREE:
-            return self.qpos[:3]
+            dof = int(model.jnt_dofadr[ids[0]])
+            return self.qpos[:3], self.qpos[3:7], self.data.qvel[dof : dof + 6]
         root = next((i for i in range(model.nbody) if model.body(i).name.startswith(self._prefix)), 0)
-        return np.asarray(model.body_pos[root])
+        return model.body_pos[root], model.body_quat[root], np.zeros(6)

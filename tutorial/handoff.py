@@ -191,13 +191,7 @@ class CallScope:
         self._queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno))
 
     def call_latest(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
-        """As `call_later`, but a waiting call of the same key is replaced, and keeps its place in the queue.
-
-        Args:
-            key: what the call is about, for instance the name of a body; not None.
-            function: what to run.
-            args: what to run it with.
-        """
+        """As `call_later`, but a waiting call of the same key, such as a body's name, is replaced, in its place."""
         frame = sys._getframe(1)
         self._queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), key)
 

@@ -95,9 +95,8 @@ class Host:
                 self._show(item)
             for item in project.bodies:  # last, as messages come from now on, and wait until the loop runs
                 self._attach(item, project.time_step is not None)
-            if view is not None and (project.time_step is None or len(self._items) == 1):
-                robots = [name for name, item in self._items.items() if item.controllers]
-                view.look_at_bodies(*(robots or self._items))
+            if view is not None and (len(self._items) == 1 or (project.time_step is None and self._all_alike())):
+                view.look_at_bodies(*self._items)  # else it shows where they move, such as a laboratory
             if project.time_step is not None:
                 controllers: list[tuple[str, SimpleController]] = []
                 if project.clock:
@@ -274,6 +273,10 @@ class Host:
             if not simulates and controller_class.control is not SimpleController.control:
                 name = controller_class.__name__
                 _log.warning("%s is never asked for control: this project has no 'simulator'", name)
+
+    def _all_alike(self) -> bool:
+        """Whether all bodies are robots, which carry controllers, or none is."""
+        return len({bool(item.controllers) for item in self._items.values()}) == 1
 
     def _over(self, began: float, duration: float | None, linger: float) -> bool:
         if self._closed:

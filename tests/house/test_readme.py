@@ -34,11 +34,15 @@ READERS_OWN = "mine"
 STEPS = {
     "notebook": "notebooks/[0-9]_*.ipynb",
     "controller": "tutorial/controllers/[a-z]*.py",
-    "check": "tutorial/checks/[a-z]*_*.py",
+    "check": "tutorial/checks/[a-z]*.py",
     "project": "project/step*.yaml",
     "launch file": "launch_py/step*.launch.py",
 }
 """What a step consists of, by the column of the tables."""
+
+NO_STEPS = {f"tutorial/checks/{name}.py" for name in ("catalogue", "exercise", "overview", "progress")}
+NO_STEPS |= {f"tutorial/controllers/{name}.py" for name in BESIDE}
+"""What all exercises have in common, and what no notebook builds."""
 
 TABLES = [
     *(("README.md", column, STEPS[column]) for column in ("notebook", "controller", "project", "launch file")),
@@ -182,10 +186,15 @@ def steps(page):
     return [dict(zip(head, row, strict=True)) for row in rows]
 
 
+def links(cell):
+    """What a cell of a table links to, one thing or several, each with the words of the link."""
+    found = [re.fullmatch(r"\[`?(.+?)`?\]\((.+)\)", link) for link in cell.split(", ") if link]
+    return [(link[2], link[1]) for link in found]
+
+
 def linked(cell):
-    """What a cell of a table links to, and the words of the link."""
-    link = re.fullmatch(r"\[`?(.+?)`?\]\((.+)\)", cell)
-    return (link[2], link[1]) if link else (None, None)
+    """What a cell of a table links to first, and the words of the link."""
+    return next(iter(links(cell)), (None, None))
 
 
 def committed(pattern):
@@ -199,9 +208,9 @@ def committed(pattern):
 
 @pytest.mark.parametrize(("page", "column", "pattern"), TABLES)
 def test_the_tables_of_steps_have_all_files_and_no_others(page, column, pattern):
-    named = [linked(row[column])[0] for row in steps(page) if row[column]]
+    named = [target for row in steps(page) for target, _ in links(row[column])]
     assert len(named) == len(set(named))
-    assert {path for path in committed(pattern) if Path(path).stem not in BESIDE} <= set(named)
+    assert committed(pattern) - NO_STEPS <= set(named)
     assert set(named) <= {path.relative_to(HOME).as_posix() for path in HOME.glob(pattern)}
 
 
@@ -210,12 +219,12 @@ def test_each_row_is_of_one_step(page):
     for number, row in enumerate(steps(page)):
         assert row["step"] == str(number)
         for column in STEPS.keys() & row.keys():
-            target, words = linked(row[column])
-            assert target is None or words in (Path(target).name, Path(target).stem)
+            for target, words in links(row[column]):
+                assert words in (Path(target).name, Path(target).stem)
         name = linked(row["notebook"])[1].removeprefix(f"{number}_")
-        assert linked(row["controller"])[1] in (f"{name}.py", None)
-        assert linked(row["project"])[1] in (f"step{number}.yaml", None)
-        assert linked(row["launch file"])[1] in (f"step{number}.launch.py", None)
+        for column, begins in (("controller", name), ("project", f"step{number}"), ("launch file", f"step{number}")):
+            for _, words in links(row[column]):
+                assert re.fullmatch(rf"{begins}(_\w+)?", words.partition(".")[0]), "a step may have two, of its name"
         others = [row[column] for column in STEPS.keys() & row.keys() - {"notebook"}]
         assert all(others) if number else not any(others), "step 0 builds nothing, the others have all files"
 

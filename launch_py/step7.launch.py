@@ -1,0 +1,30 @@
+"""Step 7: a simulation that publishes where the tank is, and a viewer in a program of its own that shows it there."""
+
+from pathlib import Path
+
+from launch import LaunchDescription
+from launch.actions import ExecuteProcess
+
+PROJECT = Path(__file__).resolve().parent.parent / "project"
+
+
+def generate_launch_description():
+    return LaunchDescription(
+        [
+            ExecuteProcess(
+                name="joystick",
+                cmd=["tank", "joy", "--ros-args", "-r", "__node:=joystick"],
+                output="screen",
+            ),
+            ExecuteProcess(
+                name="simulation",
+                cmd=["tank", "run", str(PROJECT / "step7.yaml"), "--ros-args", "-r", "__node:=simulation"],
+                output="screen",
+            ),
+            ExecuteProcess(
+                name="viewer",
+                cmd=["tank", "run", str(PROJECT / "step7_viewer.yaml"), "--ros-args", "-r", "__node:=viewer"],
+                output="screen",
+            ),
+        ]
+    )

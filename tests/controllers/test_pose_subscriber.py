@@ -1,0 +1,343 @@
+"""Step 7's viewer: pose and joints of one moment together, or not at all."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import TransformStamped
+from hypothesis import given
+from hypothesis import strategies as st
+from sensor_msgs.msg import JointState, Joy
+from tf2_msgs.msg import TFMessage
+
+from tutorial.body import Body
+from tutorial.controller import ControllerConfig, SimpleController
+from tutorial.controllers.pose_subscriber import ALONE, MOST_WAITING, REPEATED, PoseSubscriber, StampPairs
+from tutorial.host import Host
+from tutorial.paths import HOME, find_project
+from tutorial.project import Project
+from tutorial.view.bodies import View
+from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
+from tutorial.world import Placement
+
+PLACE = (1.0, 2.0, 3.0)
+LEFT = (math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))  # w first: a quarter of a turn
+
+
+def stamped(message, milliseconds):
+    seconds, rest = divmod(milliseconds, 1000)
+    message.header.stamp.sec, message.header.stamp.nanosec = seconds, rest * 1_000_000
+    return message
+
+
+def joint_state(milliseconds, position=0.0, name="TURRET_Y"):
+    return stamped(JointState(name=[name], position=[position]), milliseconds)
+
+
+def transform(milliseconds, x=0.0, wxyz=(1.0, 0.0, 0.0, 0.0), parent="odom", child="Robot/base_link"):
+    message = stamped(TransformStamped(child_frame_id=child), milliseconds)
+    message.header.frame_id = parent
+    message.transform.translation.x = x
+    q = message.transform.rotation
+    q.w, q.x, q.y, q.z = wxyz
+    return message
+
+
+class Silent:
+    """A node on which nothing arrives, and the lines of its log."""
+
+    def __init__(self):
+        self.topics, self.said = [], []
+
+    def create_subscription(self, message_type, topic, callback, depth):
+        self.topics.append(topic)
+        return SimpleNamespace(topic=topic, get_publisher_count=lambda: 1)
+
+    def destroy_subscription(self, subscription):
+        self.topics.remove(subscription.topic)
+
+    def get_logger(self):
+        return SimpleNamespace(warning=lambda text, **_: self.said.append(text))
+
+
+class Viewer:
+    """A `PoseSubscriber` on a displayed body."""
+
+    def __init__(self, model="tank"):
+        self.node, self.posted, self.reports = Silent(), 0, []
+        self.body = Body.displayed(Placement("Robot", HOME / "project" / "models" / f"{model}.xml", PLACE))
+        self.body.on_change(self.reports.append)
+        self.controller = PoseSubscriber()
+        self.controller.configure(ControllerConfig(self.body, self.node, self.post, None))
+
+    def post(self, function, *args):
+        self.posted += 1
+        function(*args)
+
+    def hear(self, *messages):
+        for message in messages:
+            if isinstance(message, JointState):
+                self.controller.on_joint_state(message)
+            else:
+                self.controller.on_tf(TFMessage(transforms=[message]))
+        return self.body.position[0], self.body.joints[0].position
+
+    @property
+    def left_out(self):
+        return dict(self.controller.display.left_out)
+
+
+@pytest.fixture
+def viewer():
+    return Viewer()
+
+
+def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(viewer):
+    assert viewer.hear(joint_state(20, 0.25)) == (1.0, 0.0)
+    assert viewer.hear(transform(20, 5.0, LEFT)) == (5.0, 0.25)
+    assert viewer.body.data.xpos[1].tolist() == [5.0, 0.0, 0.0]
+    assert viewer.body.data.xmat[1].reshape(3, 3)[:, 0] == pytest.approx([0.0, 1.0, 0.0])
+    assert viewer.hear(transform(40, 6.0)) == (5.0, 0.25)
+    assert viewer.hear(joint_state(40, 0.5)) == (6.0, 0.5)
+    assert list(map(str, viewer.reports)) == ["1 joint shown"] * 2
+    assert viewer.left_out == {}
+
+
+def test_what_is_fixed_to_the_ground_is_moved_too():
+    viewer = Viewer("crane")
+    viewer.hear(transform(20, 5.0, LEFT), joint_state(20, 0.5, "SLEW"))
+    assert viewer.body.position.tolist() == viewer.body.data.xpos[1].tolist() == [5.0, 0.0, 0.0]
+    assert viewer.body.joint("SLEW").position == 0.5
+
+
+@pytest.mark.parametrize("missing", [joint_state, transform])
+def test_a_message_whose_partner_is_missing_is_never_shown_but_counted(viewer, missing):
+    viewer.hear(transform(20, 5.0), joint_state(20, 0.25))
+    other = transform if missing is joint_state else joint_state
+    assert viewer.hear(other(40, 0.75)) == (5.0, 0.25)
+    assert viewer.hear(transform(60, 6.0), joint_state(60, 0.5)) == (6.0, 0.5)
+    assert viewer.left_out == {ALONE: 1}
+    assert viewer.hear(missing(40, 0.125)) == (6.0, 0.5), "its partner comes too late"
+    assert len(viewer.reports) == 2
+    assert viewer.node.said == [f"Robot: messages not shown so far: 1 {ALONE}"]
+
+
+def test_what_came_before_both_topics_were_heard_is_nothing_to_complain_about(viewer):
+    viewer.hear(*(joint_state(20 * i) for i in range(5)), transform(80, 5.0))
+    assert len(viewer.reports) == 1
+    assert viewer.node.said == []
+
+
+def test_joints_without_any_pose_are_not_shown_and_do_not_pile_up(viewer):
+    viewer.hear(*(joint_state(20 * i, 0.1) for i in range(2 * MOST_WAITING)))
+    assert viewer.node.said == []
+    viewer.hear(*(joint_state(20 * i, 0.1) for i in range(2 * MOST_WAITING, 500)))
+    assert viewer.node.said[-1] == f"Robot: messages not shown so far: {500 - MOST_WAITING} {ALONE}"
+    assert viewer.left_out == {ALONE: 500 - MOST_WAITING}
+    assert len(viewer.controller.pairs.waiting) == MOST_WAITING
+    assert not viewer.reports
+
+
+def test_a_publisher_that_was_started_again_is_shown_at_once(viewer):
+    for i in range(1000, 1010):
+        viewer.hear(joint_state(20 * i, 0.25), transform(20 * i, 5.0))
+    viewer.hear(*(joint_state(20 * i, 0.75) for i in range(1010, 1050)))  # the transforms stop earlier
+    for i in range(10):
+        assert viewer.hear(transform(20 * i, 0.1 * i), joint_state(20 * i, 0.01 * i)) == (0.1 * i, 0.01 * i)
+    assert str(viewer.reports[10]) == "1 joint shown; the publisher was started again"
+    assert viewer.left_out == {ALONE: 40}
+
+
+def test_a_pair_of_a_moment_ago_is_late_and_moves_nothing(viewer):
+    viewer.hear(joint_state(500, 0.5), transform(500, 5.0))
+    assert viewer.hear(joint_state(400, 0.25), transform(400, 4.0)) == (5.0, 0.5)
+    assert viewer.reports[-1].late
+
+
+def test_messages_that_nobody_stamps_are_no_pairs(viewer):
+    assert viewer.hear(joint_state(0, 0.5), transform(0, 5.0)) == (5.0, 0.5)
+    assert viewer.hear(joint_state(0, 0.75), transform(0, 6.0), transform(0, 7.0)) == (5.0, 0.5)
+    assert viewer.left_out == {REPEATED: 3}
+
+
+def test_of_two_messages_of_one_stamp_the_last_is_shown(viewer):
+    viewer.hear(joint_state(20, 0.5))
+    assert viewer.hear(joint_state(20, 0.25), transform(20, 5.0)) == (5.0, 0.25)
+    assert viewer.left_out == {REPEATED: 1}
+
+
+NAN, FAR = math.nan, 1e300
+UNFIT = [
+    ("another parent than odom", transform(20, 5.0, parent="map")),
+    ("another parent than odom", transform(20, 5.0, parent="\x1b[2J" * 1_000_000)),
+    ("a place that is not finite", transform(20, NAN)),
+    ("a place that is not finite", transform(20, -math.inf)),
+    ("a place that is not finite", transform(20, FAR)),
+    ("no unit quaternion", transform(20, 5.0, (0.0, 0.0, 0.0, 0.0))),
+    ("no unit quaternion", transform(20, 5.0, (1.0, NAN, 0.0, 0.0))),
+    ("no unit quaternion", transform(20, 5.0, (math.inf, 0.0, 0.0, 0.0))),
+    ("no unit quaternion", transform(20, 5.0, (FAR, 0.0, 0.0, 0.0))),
+    ("no unit quaternion", transform(20, 5.0, (1.0, 0.0, 0.0, 0.2))),
+]
+
+
+@pytest.mark.parametrize(("why", "message"), UNFIT)
+def test_what_is_no_pose_is_never_shown_but_counted(viewer, why, message):
+    assert viewer.hear(message, joint_state(20, 0.5)) == (1.0, 0.0)
+    assert not viewer.reports
+    assert viewer.hear(transform(40, 5.0), joint_state(40, 0.5)) == (5.0, 0.5)
+    message.header.stamp.nanosec += 40_000_000
+    assert viewer.hear(message, joint_state(60, 0.25)) == (5.0, 0.5)
+    message.header.stamp.nanosec -= 40_000_000
+    ((said, count),) = viewer.left_out.items()
+    assert why in said
+    assert count == 2
+    assert viewer.node.said == [f"Robot: messages not shown so far: 2 {said}"]
+
+
+def test_a_quaternion_that_is_a_little_too_long_is_shown_as_a_rotation(viewer):
+    viewer.hear(transform(20, 5.0, tuple(1.004 * q for q in LEFT)), joint_state(20))
+    assert np.linalg.det(viewer.body.data.xmat[1].reshape(3, 3)) == pytest.approx(1.0)
+
+
+def test_only_its_own_transform_reaches_the_main_thread(viewer):
+    others = [transform(20, child=f"Robot_{i}/base_link") for i in range(9_000)]
+    viewer.controller.on_tf(TFMessage(transforms=others))
+    assert viewer.posted == 0
+    viewer.controller.on_tf(TFMessage(transforms=[*others, transform(20, 5.0), transform(20, 6.0)]))
+    assert viewer.posted == 1
+    viewer.controller.on_tf(TFMessage(transforms=2 * others + [transform(40)]))
+    assert viewer.posted == 1, "no robot has so many links"
+
+
+def test_when_it_leaves_nothing_listens(viewer):
+    assert viewer.node.topics == ["Robot/joint_state", "/tf"]
+    viewer.controller.unconfigure()
+    assert viewer.node.topics == []
+
+
+@given(st.lists(st.tuples(st.sampled_from("ab"), st.integers(0, 12)), max_size=60))
+def test_a_pair_is_of_one_stamp_and_each_message_is_in_a_pair_waits_or_is_left_out(arrivals):
+    left_out, paired = [], 0
+    pairs = StampPairs(left_out.append)
+    for count, (stream, at) in enumerate(arrivals, 1):
+        message = stamped(JointState(name=[stream, str(count)]), at)
+        pair = pairs.add(stream, message)
+        if pair is not None:
+            assert {name: each.name[0] for name, each in pair.items()} == {"a": "a", "b": "b"}
+            assert pair[stream] is message
+            assert pair["a"].header.stamp == pair["b"].header.stamp
+            paired += 2
+        assert count == paired + len(pairs.waiting) + len(left_out)
+
+
+@given(st.lists(st.booleans(), min_size=200, max_size=200))
+def test_two_streams_in_order_lose_nothing_however_they_are_interleaved(turns):
+    left_out, found, sent = [], [], {"a": 0, "b": 0}
+    pairs = StampPairs(left_out.append)
+    for turn in turns:
+        ahead = sent["a"] - sent["b"]
+        stream = "ab"[ahead > 0] if abs(ahead) == MOST_WAITING else "ab"[turn]
+        sent[stream] += 1
+        pair = pairs.add(stream, stamped(JointState(), 20 * sent[stream]))
+        if pair is not None:
+            assert sent[stream] == min(sent.values())
+            found.append(sent[stream])
+    assert found == list(range(1, min(sent.values()) + 1))
+    assert not left_out
+
+
+class Witness(SimpleController):
+    """Writes down where the simulated tank and its joints are, by stamp."""
+
+    def initialize(self, io):
+        self.io, self.poses, self.joints = io, {}, {}
+
+    def control(self):
+        if self.io.step % 20 == 0:
+            root, joints = self.io.body.qpos[:7], [joint.position for joint in self.io.body.joints]
+            self.poses[self.io.time_ns] = root.copy()
+            self.joints[tuple(joints)] = self.io.time_ns
+
+
+class Stick:
+    """In place of the newest message: a wide turn, while the turret goes to and fro, so that it never rests."""
+
+    def __init__(self, simulation):
+        self.simulation = simulation
+
+    def get(self):
+        way = 1.0 if self.simulation.time % 8.0 < 4.0 else -1.0
+        return Joy(axes=[0.3, 0.25, 0.8 * way, 0.3 * way])
+
+
+async def until(condition):
+    async with asyncio.timeout(60):
+        while not condition():
+            await asyncio.sleep(0.005)
+
+
+def busy(seconds):
+    """Keep the main thread, and the interpreter."""
+    ends_at = time.perf_counter() + seconds
+    while time.perf_counter() < ends_at:
+        pass
+
+
+async def drive_and_watch(seconds, hold=0.1):
+    """Drive in one program, and show it in another whose main thread is busy nearly all of the time.
+
+    Returns:
+        For each displayed frame where the tank was, as simulated at the stamp of the joints, and as displayed, (n, 7).
+    """
+    frames, scene = [], Scene()
+    project = Project.load(find_project("step7"))
+    controllers = {type_.__name__: type_ for item in project.bodies for type_ in item.controllers}
+    project = project.with_controllers("Tank", Witness, *controllers.values())  # it writes before others publish
+    async with (
+        Host(project, ["--ros-args", "-r", "__node:=simulation"]) as simulation,
+        Host(Project.load(find_project("step7_viewer")), ["--ros-args", "-r", "__node:=viewer"], View(scene)) as viewer,
+    ):
+        shown, witness = viewer.bodies["Tank"], simulation.controllers["Witness"]
+        simulation.controllers["TankController"].joy = Stick(simulation.simulation)
+        names = "JointStatePublisher", "PosePublisher"
+        states, poses = (simulation.controllers[name] for name in names)
+        subscriber = viewer.controllers["PoseSubscriber"]
+        sides = ((states.publisher, subscriber.joint_states), (poses.tf_publisher, subscriber.transforms))
+        await until(lambda: all(p.get_subscription_count() and s.get_publisher_count() for p, s in sides))
+
+        def look(_):
+            stamp = witness.joints[tuple(joint.position for joint in shown.joints)]
+            frames.append((witness.poses[stamp], np.concatenate([shown.position, shown.orientation_wxyz])))
+
+        shown.on_change(look)
+        simulation.simulation.start(seconds)
+        while simulation.simulation.running:
+            busy(hold)
+            viewer.refresh()
+            await asyncio.sleep(0)
+        await until(lambda: not viewer.waiting)
+        viewer.refresh()
+        assert (simulation.error, viewer.error) == (None, None)
+        return np.array(frames), dict(subscriber.display.left_out), scene
+
+
+def drawn_at(scene, path):
+    """Where something is drawn [m]: the transform that the scene keeps."""
+    commands = [unpack_command(payload) for kind, payload in unpack_records(scene.snapshot()) if kind is Record.COMMAND]
+    (matrix,) = [c["matrix"] for c in commands if c["type"] == "set_transform" and c["path"] == path]
+    return np.array(matrix)[12:15]
+
+
+def test_each_frame_is_of_one_moment_while_the_main_thread_is_busy_and_the_view_follows(domain):
+    frames, _, scene = asyncio.run(drive_and_watch(3.0))
+    simulated, displayed = frames.transpose(1, 0, 2)
+    assert len(frames) > 50
+    assert abs(simulated - displayed).max() < 1e-9
+    assert np.linalg.norm(displayed[-1, :2] - (-2.0, -0.5)) > 0.3, "it has driven"
+    assert drawn_at(scene, "/Bodies/Tank/Tank.CHASSIS") == pytest.approx(displayed[-1, :3], abs=1e-6)

@@ -1,0 +1,65 @@
+"""Step 7: publish where the simulated robot is."""
+
+from __future__ import annotations
+
+from geometry_msgs.msg import TransformStamped, Vector3
+from nav_msgs.msg import Odometry
+from rclpy.time import Time
+from tf2_msgs.msg import TFMessage
+
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+
+RATE = 50  # [Hz], in simulation time
+
+
+class PosePublisher(SimpleController):
+    """Publish where the body's root is in the frame ``odom``, at 50 Hz: as a transform, and with its velocity."""
+
+    def configure(self, config: ControllerConfig) -> None:  # main thread
+        """Announce everybody's topic of transforms, and one that is named after the body."""
+        self.node = config.node
+        self.tf_publisher = self.node.create_publisher(TFMessage, "/tf", 100)
+        self.odom_publisher = self.node.create_publisher(Odometry, f"{config.body.name}/odom", 10)
+
+    def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
+        """Take the simulated body."""
+        self.io = io
+        self.steps_per_message = round(1 / (RATE * io.time_step))
+
+    def control(self) -> None:  # simulation thread, every step
+        """Publish, when it is time to."""
+        if self.io.step % self.steps_per_message == 0:
+            message = odometry(self.io)
+            self.odom_publisher.publish(message)
+            self.tf_publisher.publish(TFMessage(transforms=[transform(message)]))
+
+    def unconfigure(self) -> None:  # main thread
+        """Take the topics back."""
+        self.node.destroy_publisher(self.tf_publisher)
+        self.node.destroy_publisher(self.odom_publisher)
+
+
+def odometry(io: ControllerIO) -> Odometry:
+    """Write down where the body's root is and how it moves, stamped with the simulation's time.
+
+    The pose is in the parent frame, the velocity in the child's, as REP 105 and the message have it. The covariances
+    stay zero: a simulator knows both exactly.
+    """
+    message = Odometry()
+    message.header.stamp = Time(nanoseconds=io.time_ns).to_msg()
+    message.header.frame_id, message.child_frame_id = "odom", f"{io.body.name}/base_link"
+    p, q = message.pose.pose.position, message.pose.pose.orientation
+    p.x, p.y, p.z = io.body.position.tolist()
+    q.w, q.x, q.y, q.z = io.body.orientation_wxyz.tolist()
+    v, w = message.twist.twist.linear, message.twist.twist.angular
+    v.x, v.y, v.z, w.x, w.y, w.z = io.body.twist.tolist()
+    return message
+
+
+def transform(message: Odometry) -> TransformStamped:
+    """Write the pose of a message as a transform, from its child frame to the parent."""
+    p, q = message.pose.pose.position, message.pose.pose.orientation
+    stamped = TransformStamped(header=message.header, child_frame_id=message.child_frame_id)
+    stamped.transform.translation = Vector3(x=p.x, y=p.y, z=p.z)
+    stamped.transform.rotation = q
+    return stamped

@@ -1,0 +1,140 @@
+"""Step 7: show where another program's robot is, and its joints, both of the same moment."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import JointState
+from tf2_msgs.msg import TFMessage
+
+from tutorial.controller import ControllerConfig, SimpleController
+from tutorial.joints import JointMatcher
+
+MOST_TRANSFORMS = 10_000  # of a message that are looked through; no robot has so many links
+MOST_WAITING = 50  # messages of a topic: a second of them
+FARTHEST = 1e9  # [m] single precision, with which views draw, still holds its square
+TOLERANCE = 0.01  # by which a quaternion's squared length may differ from 1; tf2 has the same
+ALONE, REPEATED = "without a partner of the same stamp", "of a stamp that was there"
+
+
+class PoseSubscriber(SimpleController):
+    """Show the pose and the joint states that another program publishes: those of one stamp together, or not at all."""
+
+    def configure(self, config: ControllerConfig) -> None:  # main thread
+        """Subscribe to the body's joint states, and to everybody's transforms."""
+        self.node, self.call_later = config.node, config.call_later
+        self.frame = f"{config.body.name}/base_link"
+        topic = f"{config.body.name}/joint_state"
+        self.joint_states = self.node.create_subscription(JointState, topic, self.on_joint_state, 10)
+        self.transforms = self.node.create_subscription(TFMessage, "/tf", self.on_tf, 100)
+        self.display = PoseDisplay(config, self.joint_states.get_publisher_count)
+        self.pairs = StampPairs(self.display.leave_out)
+
+    def on_joint_state(self, message: JointState) -> None:  # executor's thread: post and return
+        """Hand the message to the main thread."""
+        self.call_later(self.update, "joint_state", message)
+
+    def on_tf(self, message: TFMessage) -> None:  # executor's thread
+        """Hand the transform of this body to the main thread; it need not see the others'."""
+        own = [each for each in message.transforms[:MOST_TRANSFORMS] if each.child_frame_id == self.frame]
+        for transform in own[:1]:
+            self.call_later(self.update, "transform", transform)
+
+    def update(self, stream: str, message: JointState | TransformStamped) -> None:  # main thread
+        """Show the message together with the one of the same stamp, if that is there."""
+        pair = self.pairs.add(stream, message)
+        if pair is not None:
+            self.display.show(**pair)
+
+    def unconfigure(self) -> None:  # main thread
+        """Stop listening."""
+        self.node.destroy_subscription(self.joint_states)
+        self.node.destroy_subscription(self.transforms)
+
+
+class StampPairs:
+    """Finds the messages of two streams that have the same stamp, as `message_filters.TimeSynchronizer` does.
+
+    A message waits for its partner. Both streams are in order, so what came before a pair has no partner any more. When
+    too many wait, the one that came first gives way, whatever its stamp: a publisher may be started again, from 0.
+
+    Args:
+        leave_out: called with the reason whenever a message gets no partner.
+    """
+
+    def __init__(self, leave_out: Callable[[str], object]) -> None:
+        self.leave_out = leave_out
+        self.waiting: dict[tuple[int, int], dict[str, Any]] = {}  # by stamp, in the order of arrival; then by stream
+        self.newest: tuple[int, int] | None = None  # the stamp of the last pair
+
+    def add(self, stream: str, message: Any) -> dict[str, Any] | None:
+        """Take the next message of a stream. Returns the pair that it completes, by stream."""
+        stamp = message.header.stamp.sec, message.header.stamp.nanosec
+        if stamp == self.newest:
+            self.leave_out(REPEATED)
+            return None
+        if stream in self.waiting.get(stamp, ()):
+            self.drop(stamp, REPEATED)
+        self.waiting.setdefault(stamp, {})[stream] = message
+        complete = len(self.waiting[stamp]) == 2
+        while (first := next(iter(self.waiting))) != stamp and (complete or len(self.waiting) > MOST_WAITING):
+            self.drop(first, ALONE)
+        self.newest = stamp if complete else self.newest
+        return self.waiting.pop(stamp) if complete else None
+
+    def drop(self, stamp: tuple[int, int], why: str) -> None:
+        """Forget the message of a stamp that waits."""
+        del self.waiting[stamp]
+        self.leave_out(why)
+
+
+class PoseDisplay:
+    """Shows where a body was, and its joints, and counts what cannot be shown. All of it on the main thread.
+
+    Args:
+        config: with the displayed body.
+        publishers: returns how many publish the joint states.
+    """
+
+    def __init__(self, config: ControllerConfig, publishers: Callable[[], int]) -> None:
+        self.body, self.logger = config.body, config.node.get_logger()
+        self.matcher = JointMatcher(self.body.joint_ranges, publishers)
+        self.shown, self.left_out = 0, Counter[str]()
+
+    def show(self, joint_state: JointState, transform: TransformStamped) -> None:
+        """Move the body and its joints to where they were at one moment; what is late moves neither."""
+        if fault := fault_of(transform):
+            self.leave_out(fault)
+            return
+        positions, report = self.matcher.match(joint_state)
+        if not (report.late or report.another):
+            p, q = transform.transform.translation, transform.transform.rotation
+            self.body.position = p.x, p.y, p.z
+            self.body.orientation_wxyz = q.w, q.x, q.y, q.z
+            self.body.set_joint_positions(positions)
+            self.body.calc_forward_kinematics()
+            self.shown += 1
+        self.body.notify_change(report)
+
+    def leave_out(self, why: str) -> None:
+        """Count a message that is not shown. The log says so, once in five seconds, but not of those at the start."""
+        self.left_out[why] += 1
+        if self.shown or self.left_out[why] > MOST_WAITING:
+            counts = ", ".join(f"{count} {why}" for why, count in self.left_out.items())
+            text = f"{self.body.name}: messages not shown so far: {counts}"
+            self.logger.warning(text, throttle_duration_sec=5.0)
+
+
+def fault_of(transform: TransformStamped) -> str:
+    """Say why a transform cannot be shown; empty if it can."""
+    p, q = transform.transform.translation, transform.transform.rotation
+    if transform.header.frame_id != "odom":
+        return "with another parent than odom"
+    if not all(abs(each) <= FARTHEST for each in (p.x, p.y, p.z)):  # NaN is not, either
+        return "with a place that is not finite, or too far away"
+    if not abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) <= TOLERANCE:
+        return "with a rotation that is no unit quaternion"
+    return ""
