@@ -140,23 +140,15 @@ def test_a_real_latecomer_gets_it(node, bodies, environment):
     assert done.stdout.strip().removesuffix("---").strip() == robot_description(bodies["Tank"]).strip()
 
 
-def test_robot_state_publisher_has_every_link_where_mujoco_has_it(node, bodies, environment, tmp_path):
+def test_robot_state_publisher_has_every_link_where_mujoco_has_it(node, bodies, environment):
     transforms, generator = Transforms(node), np.random.default_rng(17)
     publishers = {name: node.create_publisher(JointState, f"{name}/joint_state", 1) for name in bodies}
     with ExitStack() as stack:
         for name, body in bodies.items():
-            path = tmp_path / f"{name}.urdf"
-            path.write_text(robot_description(body), encoding="utf-8")
-            program = ["ros2", "run", "robot_state_publisher", "robot_state_publisher", str(path)]
-            how = [
-                "-r",
-                f"__node:=its_{name}",
-                "-r",
-                f"joint_states:=/{name}/joint_state",
-                "-p",
-                f"frame_prefix:={name}/",
-            ]
-            stack.enter_context(going_on(*program, "--ros-args", *how, environment=environment))
+            program = ["ros2", "run", "robot_state_publisher", "robot_state_publisher", "--ros-args"]
+            remapped = ["-r", f"__node:=its_{name}", "-r", f"joint_states:=/{name}/joint_state"]
+            parameters = ["-p", f"frame_prefix:={name}/", "-p", f"robot_description:={robot_description(body)}"]
+            stack.enter_context(going_on(*program, *remapped, *parameters, environment=environment))
         until(lambda: all(each.get_subscription_count() for each in publishers.values()), "the joints' subscribers")
         until(lambda: {frame.split("/")[0] for frame in transforms.fixed} == set(NAMES), "what does not move")
         for i in range(1, 101):

@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 import pytest
+import yaml
 from forward_kinematics import Robot, angle
 
 from tutorial.body import Body
@@ -141,8 +142,9 @@ def test_every_link_of_a_curious_model_is_where_mujoco_has_it(described):
 def test_what_is_not_as_in_the_model_is_said_at_the_top(described, caplog):
     _, robot = described(CURIOUS)
     said = (
-        " Not as in the MuJoCo model: shapes in no body (1), shapes: ellipsoid (1), ball joints that are fixed (1), "
-        "joints without a name that are fixed (1), bodies that move freely beside others (1) "
+        " Other than in the MuJoCo model are shapes in no body (1), ellipsoid shapes (1), "
+        "ball joints that are fixed (1), joints without a name that are fixed (1), "
+        "bodies that move freely beside others (1) "
     )
     assert robot.comment == said
     (record,) = caplog.records
@@ -154,8 +156,8 @@ def test_what_is_not_as_in_the_model_is_said_at_the_top(described, caplog):
 
 def test_what_the_tank_has_and_urdf_has_not_is_no_warning(caplog):
     assert Robot(robot_description(body_of(MODELS / "tank.xml"))).comment == (
-        " Not as in the MuJoCo model: tendons (2), equalities (8), joints of hidden groups that are fixed (10), "
-        "shapes: ellipsoid (10) "
+        " Other than in the MuJoCo model are tendons (2), equalities (8), joints of hidden groups that are fixed (10), "
+        "ellipsoid shapes (10) "
     )
     assert Robot(robot_description(body_of(MODELS / "crane.xml"))).comment is None
     assert caplog.records == []
@@ -238,7 +240,7 @@ def test_a_mesh_is_the_models_file_where_mujoco_has_it(described, tmp_path):
             <geom type="mesh" mesh="M" pos="1 2 3" euler="10 20 30"/><geom type="mesh" mesh="I"/>
           </body></worldbody>
         </mujoco>""")
-    assert robot.comment == " Not as in the MuJoCo model: shapes: mesh (1) "
+    assert robot.comment == " Other than in the MuJoCo model are mesh shapes (1) "
     (visual,) = robot.links["M"].findall("visual")
     mesh = visual.find("geometry/mesh")
     assert mesh.attrib == {"filename": (tmp_path / "a mesh.obj").as_uri(), "scale": "2 -1 1"}
@@ -265,7 +267,8 @@ def test_a_root_that_is_called_base_link_is_the_root(described):
     assert len(robot.links["base_link"].findall("visual")) == 1
 
 
-def test_it_is_one_document():
+def test_it_is_one_document_and_ros_2_can_take_it_as_a_parameter():
     text = robot_description(body_of(MODELS / "tank.xml", "Tank"))
+    assert isinstance(yaml.safe_load(text), str)  # as which rcl reads it
     assert text.startswith('<?xml version="1.0"?>\n<robot name="Tank">\n')
     assert ElementTree.fromstring(text).get("name") == "Tank"

@@ -30,7 +30,7 @@ def add_shapes(link: Element, model: mujoco.MjModel, geom: int) -> str:
     """Add a geom to a link: as a ``<visual>`` if MuJoCo's viewer shows it, as a ``<collision>`` if it touches.
 
     Returns:
-        What is missing then, such as ``"shapes: ellipsoid"``; empty if nothing is.
+        What is missing then, such as ``"ellipsoid shapes"``; empty if nothing is.
     """
     is_seen = model.geom_group[geom] < SHOWN_GROUPS and colour_of(model, geom)[3] > 0
     touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
@@ -43,7 +43,7 @@ def add_shapes(link: Element, model: mujoco.MjModel, geom: int) -> str:
         SubElement(material, "color", rgba=numbers(colour_of(model, geom).round(4)))
     for shape in shapes if touches else ():
         _add(link, "collision", model, geom, shape)
-    return "" if shapes else f"shapes: {kind.name.removeprefix('mjGEOM_').lower()}"
+    return "" if shapes else f"{kind.name.removeprefix('mjGEOM_').lower()} shapes"
 
 
 def _add(link: Element, tag: str, model: mujoco.MjModel, geom: int, shape: Shape) -> Element:

@@ -197,10 +197,13 @@ class _Writer:
             self.left_out[missing] += 1
 
     def _say_what_is_missing(self) -> None:
-        """Say it at the top of the description, and in the log what makes it move other than the robot."""
+        """Say it at the top of the description, and in the log what makes it move other than the robot.
+
+        Without a colon: ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` reads the description as YAML.
+        """
         missing = +(self.left_out + self.amiss)
         if missing:
-            self.robot.insert(0, Comment(f" Not as in the MuJoCo model: {_counted(missing)} "))
+            self.robot.insert(0, Comment(f" Other than in the MuJoCo model are {_counted(missing)} "))
         if self.amiss:
             others = _counted(self.amiss)
             _log.warning("the robot description of %s does not move as the robot does: %s", self.body.name, others)
