@@ -25,7 +25,7 @@ from tutorial.paths import HOME, find_drive, find_launch_file, find_model, find_
 NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
 PAGES = [HOME / "README.md", HOME / "CONTRIBUTING.md", *sorted((HOME / "book").glob("*.md"))]
 
-FOREIGN = {".", "bash", "export", "pixi", "python", "python3", "ros2", "source", "sudo"}
+FOREIGN = {".", "bash", "export", "pixi", "python", "python3", "ros2", "rviz2", "source", "sudo"}
 """Programs that are not the tutorial's: of their commands only the files that they name are looked for."""
 
 READERS_OWN = "mine"
@@ -86,7 +86,7 @@ def test_a_command_that_the_reader_is_told_to_type_works(words, monkeypatch):
 
 def is_understood(arguments):
     """Have the command line parse it, and run nothing."""
-    rest = list(takewhile(lambda word: word != "--ros-args", arguments))
+    rest = list(takewhile(lambda word: word not in ("--ros-args", ">"), arguments))
     command, context = tank, click.Context(tank, info_name="tank")
     while isinstance(command, click.Group):
         name, command, rest = command.resolve_command(context, rest)
