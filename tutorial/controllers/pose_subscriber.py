@@ -45,8 +45,7 @@ class PoseSubscriber(SimpleController):
 
     def update(self, stream: str, message: JointState | TransformStamped) -> None:  # main thread
         """Show the message together with the one of the same stamp, if that is there."""
-        pair = self.pairs.add(stream, message)
-        if pair is not None:
+        if pair := self.pairs.add(stream, message):
             self.display.show(**pair)
 
     def unconfigure(self) -> None:  # main thread
@@ -124,8 +123,7 @@ class PoseDisplay:
         self.left_out[why] += 1
         if self.shown or self.left_out[why] > MOST_WAITING:
             counts = ", ".join(f"{count} {why}" for why, count in self.left_out.items())
-            text = f"{self.body.name}: messages not shown so far: {counts}"
-            self.logger.warning(text, throttle_duration_sec=5.0)
+            self.logger.warning(f"{self.body.name}: messages not shown so far: {counts}", throttle_duration_sec=5.0)
 
 
 def fault_of(transform: TransformStamped) -> str:
