@@ -20,7 +20,7 @@ from tutorial.description.limits import add_dynamics, add_limit
 from tutorial.description.poses import add_origin, inverse, numbers, pose, shift, turn
 from tutorial.description.shapes import add_shapes
 
-__all__ = ["ROOT", "robot_description"]
+__all__ = ["robot_description"]
 
 ROOT = "base_link"
 """The link that stands where the body's root does. A free joint moves it, and is not in the description."""
@@ -28,9 +28,7 @@ ROOT = "base_link"
 WORLD, FIRST = 0, 1
 """MuJoCo's numbers of the world, which the bodies stand in, and of the root."""
 
-FREE, BALL, SLIDE, HINGE = (
-    int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("FREE", "BALL", "SLIDE", "HINGE")
-)
+FREE, BALL, SLIDE = (int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("FREE", "BALL", "SLIDE"))
 
 Matrix = NDArray[np.float64]
 
@@ -64,10 +62,12 @@ class _Writer:
         self.links = {WORLD: self._add_link(ROOT)}  # by MuJoCo's numbers of bodies
         names = (self._plain(body.model.body(number).name) for number in range(FIRST, body.model.nbody))
         self.names = {"link": {ROOT, *names}, "joint": set(body.joint_names)}
+        self.told = frozenset(body.joint_names)  # by joint states
         self.left_out = Counter(tendons=self.model.ntendon, equalities=self.model.neq)
         self.amiss: Counter[str] = Counter()
 
     def write(self) -> str:
+        """Return the XML."""
         for number in range(FIRST, self.model.nbody):
             if self.model.body_parentid[number] in self.links:
                 self._add_body(number)
@@ -75,9 +75,8 @@ class _Writer:
             self._add_geom(geom)
         self._say_what_is_missing()
         ElementTree.indent(self.robot)
-        text = ElementTree.tostring(
-            self.robot, encoding="us-ascii", xml_declaration=False
-        )  # other characters as &#8364;
+        # in ASCII, where other characters are numbers: so it is the same in every file and on every terminal
+        text = ElementTree.tostring(self.robot, encoding="us-ascii", xml_declaration=False)
         return f'<?xml version="1.0"?>\n{text.decode("ascii")}\n'
 
     def _add_body(self, number: int) -> None:
@@ -134,7 +133,7 @@ class _Writer:
         start = int(model.body_jntadr[number])
         for joint in range(start, start + int(model.body_jntnum[number])):
             kind, name = int(model.jnt_type[joint]), model.joint(joint).name
-            if self._plain(name) in self.body.joint_names:
+            if self._plain(name) in self.told:
                 moving.append(joint)
             elif kind == BALL:
                 self.amiss["ball joints that are fixed"] += 1
