@@ -24,6 +24,7 @@ def here(tmp_path, monkeypatch):
     """The current directory, in which a learner's file with two controllers lies, on a machine that knows its user."""
     (tmp_path / "mine.py").write_text(CONTROLLERS)
     (tmp_path / "gitconfig").write_text('[user]\nname = "Ann \\"A\\" <O\'Hara> & Son"\nemail = ann@example.com\n')
+    monkeypatch.setenv("GIT_CONFIG_NOSYSTEM", "1")
     monkeypatch.setenv("GIT_CONFIG_GLOBAL", str(tmp_path / "gitconfig"))
     monkeypatch.chdir(tmp_path)
     return tmp_path

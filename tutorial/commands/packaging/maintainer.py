@@ -32,9 +32,8 @@ def find_maintainer() -> Maintainer:
 
 
 def _ask_git(setting: str) -> str:
-    command = ["git", "config", setting]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=5, check=False)
+        done = subprocess.run(["git", "config", setting], capture_output=True, timeout=5, check=False)
     except (OSError, subprocess.TimeoutExpired):  # there is no git
         return ""
-    return done.stdout.strip()
+    return done.stdout.decode("utf-8", errors="replace").strip()
