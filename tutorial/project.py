@@ -220,17 +220,19 @@ def find_controller(name: str) -> type[SimpleController]:
     return found[name]
 
 
-def load_controllers(path: Path) -> dict[str, type[SimpleController]]:
+def load_controllers(path: Path, only: str | None = None) -> dict[str, type[SimpleController]]:
     """Run a user's file and take the controllers that it defines.
 
     Args:
         path: a Python file.
+        only: the name of the one to take; None for all.
 
     Returns:
         Their classes by name.
 
     Raises:
-        TutorialError: the file is missing, fails, or defines no controller; the text names the line.
+        TutorialError: the file is missing, fails, or defines no controller, or none of this name; the text names the
+            line, or the nearest.
     """
     if not is_file(path):
         others = [str(other) for other in path.parent.glob("*.py")]
@@ -242,11 +244,13 @@ def load_controllers(path: Path) -> dict[str, type[SimpleController]]:
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
-        raise TutorialError(tell(error, str(path))) from error
+        raise TutorialError(tell(error, str(path.absolute()))) from error  # as the traceback has it
     found = {name: each for name, each in _classes_of(module).items() if issubclass(each, SimpleController)}
     if not found:
         raise TutorialError(f"{path} defines no controller: a class made from SimpleController.")
-    return found
+    if only is not None and only not in found:
+        raise TutorialError(f"{path} defines no controller {only!r}.{did_you_mean(only, found)}")
+    return found if only is None else {only: found[only]}
 
 
 def _classes_of(module: ModuleType) -> dict[str, type]:

@@ -35,6 +35,7 @@ STRING = "std_msgs/msg/String"
 NOT_ASKED = {
     "check": "it judges notebooks, in a domain of their own",
     "lab": "it is JupyterLab's server",
+    "package": "it writes files",
     "progress": "it reads a file",
     "topic type": "it prints what topic info prints",
     "launch": "demo launches",

@@ -25,7 +25,7 @@ from tutorial.paths import HOME, find_drive, find_launch_file, find_model, find_
 NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
 PAGES = [HOME / "README.md", HOME / "CONTRIBUTING.md", *sorted((HOME / "book").glob("*.md"))]
 
-FOREIGN = {".", "bash", "export", "pixi", "python", "python3", "ros2", "rviz2", "source", "sudo"}
+FOREIGN = {".", "bash", "cd", "colcon", "export", "pixi", "python", "python3", "ros2", "rviz2", "source", "sudo"}
 """Programs that are not the tutorial's: of their commands only the files that they name are looked for."""
 
 READERS_OWN = "mine"

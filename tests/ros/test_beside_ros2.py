@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import pytest
 import yaml
 from domains import reserved_domain
+from packages import CONTROLLERS, install
 from pictures import is_red, need_pictures, red_block
 from programs import PATIENCE, TANK, until
 
@@ -198,5 +199,33 @@ def test_a_red_block_before_the_camera_is_red_in_a_real_topic_echo(rmw, tmp_path
             numbers = re.findall(r"\d+", values)
             middle = 3 * (120 * 320 + 160)
             assert is_red(numbers[middle : middle + 3])
+        finally:
+            beside.clear()
+
+
+def test_packages_are_run_and_launched_there(rmw, tmp_path):
+    pytest.importorskip("setuptools", reason="a package is installed by setuptools")
+    (tmp_path / "mine.py").write_text(CONTROLLERS, encoding="utf-8")
+    own = ("--controller", tmp_path / "mine.py:JointStatePublisher")
+    for name, arguments in (("own_tank", own), ("plain_node", ())):
+        subprocess.run([TANK, "package", name, *arguments, "--destination", tmp_path], check=True, capture_output=True)
+        site = install(tmp_path / name, tmp_path / "install")
+    both = 'export AMENT_PREFIX_PATH=$0:$AMENT_PREFIX_PATH PYTHONPATH=$1:$PYTHONPATH; shift; exec "$@"'
+    ros2 = [*REAL, "sh", "-c", both, str(tmp_path / "install"), str(site), "ros2"]  # as after install/setup.bash
+    with reserved_domain() as domain:
+        variables = {"ROS_LOG_DIR": str(tmp_path / "log"), "RCUTILS_LOGGING_USE_STDOUT": "1", "TANK_HEADLESS": "1"}
+        environment = {**os.environ, **variables, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": rmw}
+        launch = [*ros2, "launch", "own_tank", "own_tank.launch.py"]
+        launched = subprocess.Popen(launch, env=environment, stdout=subprocess.PIPE, text=True, start_new_session=True)
+        beside = Beside(launched, ros2, environment)
+        try:
+            assert any("[simulation]: mine publishes" in line for line in launched.stdout)
+            with beside.going_on("run", "plain_node", "listener") as listener:
+                assert any(line.endswith("[listener]: TURRET_Y 0.00, TURRET_P -0.01\n") for line in listener.stdout)
+                embedded = Beside(launched, [TANK], environment)
+                assert {"/listener", "/simulation"} <= set(embedded.says("/listener", "node", "list").splitlines())
+            launched.send_signal(signal.SIGINT)
+            launched.communicate(timeout=PATIENCE)
+            assert launched.returncode == 0
         finally:
             beside.clear()

@@ -19,7 +19,8 @@ from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.chaos import chaos
 from tutorial.commands.check import check
 from tutorial.commands.node import node
-from tutorial.commands.options import duration_option, headless_option, linger_option, report_option
+from tutorial.commands.options import duration_option, headless_option, linger_option, part_class, report_option
+from tutorial.commands.package import package
 from tutorial.commands.progress import progress
 from tutorial.commands.terminal import INTERRUPTED, heed, prepare_output, progress_bar, say, until_asked, with_bar
 from tutorial.commands.topic import topic
@@ -85,12 +86,12 @@ def tank() -> None:
     "--controller",
     "own",
     multiple=True,
-    type=FILE,
-    help="Take the controllers in this Python file in the place of the project's of the same names.",
+    metavar="FILE[:CLASS]",
+    help="Take the controllers in this Python file, or this one, in the place of the project's of the same names.",
 )
 @click.pass_obj
 def run(
-    ros_args: list[str], /, project: str, robot: Path | None, own: tuple[Path, ...], duration: float | None, **how: Any
+    ros_args: list[str], /, project: str, robot: Path | None, own: tuple[str, ...], duration: float | None, **how: Any
 ) -> int:
     """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
     from tutorial.paths import find_project
@@ -99,8 +100,8 @@ def run(
     loaded = Project.load(find_project(project))
     if robot is not None:
         loaded = loaded.with_robot(robot)
-    for path in own:
-        loaded = loaded.with_own(load_controllers(path))
+    for given in own:
+        loaded = loaded.with_own(load_controllers(*part_class(given)))
     return until_asked(_host(loaded, ros_args, duration, **how), duration)
 
 
@@ -183,6 +184,7 @@ def check_up() -> int:
 tank.add_command(chaos)
 tank.add_command(check)
 tank.add_command(node)
+tank.add_command(package)
 tank.add_command(progress)
 tank.add_command(topic)
 tank.add_command(urdf)
