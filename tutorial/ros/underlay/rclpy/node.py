@@ -108,7 +108,7 @@ class Node(NodeGraph, NodeParameters):
         """Return its logger."""
         return self._logger
 
-    def get_clock(self) -> Clock:
+    def get_clock(self) -> ROSClock:
         """Return its clock."""
         return self._clock
 
