@@ -26,6 +26,7 @@ from tutorial.paths import HOME
 
 REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
 PROJECT = HOME / "project" / "step2.yaml"
+CLOCK = "/clock"
 JOINTS, JOY = "/Tank/joint_state", "/joy"
 CAMERA = "/Tank/camera/image"
 BLOCK = """
@@ -47,7 +48,7 @@ class Beside:
     """A simulation with the one ROS 2, and the commands of the other.
 
     Attributes:
-        simulation: that of step 2.
+        simulation: that of step 2, which publishes its time.
         ros2: what starts ``ros2`` with the other.
         environment: of both.
     """
@@ -110,14 +111,23 @@ def rmw(request):
     return request.param
 
 
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    """That of step 2, with a clock."""
+    path = tmp_path_factory.mktemp("project") / "clock.yaml"
+    text = PROJECT.read_text(encoding="utf-8").replace("simulator:", "simulator:\n  clock: true")
+    path.write_text(text.replace("models/", f"{PROJECT.parent}/models/"), encoding="utf-8")
+    return path
+
+
 @pytest.fixture(scope="module", params=["the real one's commands", "the embedded one's commands"])
-def beside(request, rmw):
+def beside(request, rmw, project):
     """The simulation runs, and the other side has seen it."""
     theirs = request.param.startswith("the real")
     start, ros2 = ([TANK], [*REAL, "ros2"]) if theirs else ([*REAL, TANK], [TANK])
     with reserved_domain() as domain:
         environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": rmw}
-        arguments, quiet = [*start, "run", str(PROJECT), "--headless"], subprocess.DEVNULL
+        arguments, quiet = [*start, "run", str(project), "--headless"], subprocess.DEVNULL
         simulation = subprocess.Popen(arguments, env=environment, stdout=quiet, start_new_session=True)
         beside = Beside(simulation, ros2, environment)
         try:
@@ -159,6 +169,13 @@ def test_a_topic_says_who_publishes_it_and_how(beside):
 
 def test_a_message_is_printed(beside):
     assert sorted(beside.joints()) == ["TURRET_P", "TURRET_Y"]
+
+
+def test_the_simulations_time_is_told(beside):
+    times = yaml.safe_load_all(beside.says("---", "topic", "echo", "--once", CLOCK, "rosgraph_msgs/msg/Clock"))
+    clock = next(times)["clock"]
+    assert clock["sec"] >= 0
+    assert clock["nanosec"] % 10_000_000 == 0, "to the step"
 
 
 def test_the_rate_is_measured(beside):

@@ -24,11 +24,9 @@ class Clock:
     """
 
     _clock_type: ClockType
-    _timers: set[Timer]
-    """Those that go by it."""
+    _timers: set[Timer]  # those that go by it
     _is_simulated = False
-    _simulated_ns = 0
-    """What it tells, or would tell, as long as it is simulated."""
+    _simulated_ns = 0  # what it tells while it is simulated
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> Self:
         """Make a clock, which for ROS time is a ROSClock."""
@@ -45,8 +43,7 @@ class Clock:
 
     def now(self) -> Time:
         """Return the time now; while it is simulated, 0 before the first message on ``/clock``."""
-        steady = self._clock_type == ClockType.STEADY_TIME
-        system_ns = time.monotonic_ns() if steady else time.time_ns()
+        system_ns = time.monotonic_ns() if self._clock_type == ClockType.STEADY_TIME else time.time_ns()
         return Time(nanoseconds=self._simulated_ns if self._is_simulated else system_ns, clock_type=self._clock_type)
 
     def _timer_ns(self) -> int:

@@ -65,6 +65,8 @@ class Node(NodeGraph, NodeParameters):
         NameValidationException: the name or the namespace breaks the rules.
     """
 
+    _clock_subscription: Subscription  # there while it uses simulated time
+
     def __init__(
         self,
         node_name: str,
@@ -85,7 +87,7 @@ class Node(NodeGraph, NodeParameters):
         arguments = [Arguments.parse(cli_args or ()), *([self._context.arguments] if use_global_arguments else [])]
         self._init_names(node_name, namespace or "/", arguments)
         self._init_parameters(self._name, arguments, parameter_overrides or ())
-        self._clock, self._clock_subscription = ROSClock(), None
+        self._clock = ROSClock()
         self._logger = get_logger(self._full_name()[1:].replace("/", "."))
         self._executor: weakref.ref[SingleThreadedExecutor] | None = None
         self._entities: tuple[Publisher | Subscription | Timer, ...] = ()
@@ -106,7 +108,7 @@ class Node(NodeGraph, NodeParameters):
         """Return its logger."""
         return self._logger
 
-    def get_clock(self) -> Clock:
+    def get_clock(self) -> ROSClock:
         """Return its clock."""
         return self._clock
 
