@@ -116,6 +116,22 @@ def test_a_message_moves_the_displayed_body_on_the_main_thread(step3):
     assert threads() == before, "no thread is left"
 
 
+@pytest.mark.parametrize(("project", "close_up"), [("step3", True), ("step7_viewer", False), ("step7", False)])
+def test_robots_alone_are_looked_at_closely_and_in_a_laboratory_from_where_all_is_seen(domain, project, close_up):
+    async def camera(*names):
+        scene = Scene()
+        chosen = Project.load(find_project(project))
+        bodies = tuple(item for item in chosen.bodies if item.placement.name in names) or chosen.bodies
+        async with Host(replace(chosen, bodies=bodies), view=View(scene)):
+            return [payload for kind, payload in unpack_records(scene.snapshot()) if kind is Record.CAMERA]
+
+    furnished = Scene()
+    View(furnished)
+    usual = [payload for kind, payload in unpack_records(furnished.snapshot()) if kind is Record.CAMERA]
+    assert (asyncio.run(camera()) != usual) == close_up
+    assert asyncio.run(camera("Tank")) != usual, "the tank alone"
+
+
 def test_of_two_publishers_one_is_followed_until_it_goes_and_both_are_named(step3, caplog):
     topic = "/Tank/joint_state"
 

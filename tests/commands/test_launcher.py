@@ -61,6 +61,7 @@ def test_what_a_process_prints_reaches_no_terminal_raw(launch_file):
         ("step1", ["joystick", "simulation"]),
         ("step2", ["joystick", "simulation"]),
         ("step3", ["joystick", "simulation", "viewer"]),
+        ("step7", ["joystick", "simulation", "viewer"]),
     ],
 )
 def test_the_steps_launch_files_list_their_processes(step, names):

@@ -89,7 +89,7 @@ class Viewer:
 
     @property
     def left_out(self):
-        return dict(self.controller.display.left_out)
+        return dict(self.controller.display.tally.left_out)
 
 
 @pytest.fixture
@@ -139,7 +139,7 @@ def test_joints_without_any_pose_are_not_shown_and_do_not_pile_up(viewer):
     viewer.hear(*(joint_state(20 * i, 0.1) for i in range(2 * MOST_WAITING, 500)))
     assert viewer.node.said[-1] == f"Robot: messages not shown so far: {500 - MOST_WAITING} {ALONE}"
     assert viewer.left_out == {ALONE: 500 - MOST_WAITING}
-    assert len(viewer.controller.pairs.waiting) == MOST_WAITING
+    assert len(viewer.controller.display.pairs.waiting) == MOST_WAITING
     assert not viewer.reports
 
 
@@ -194,10 +194,25 @@ def test_what_is_no_pose_is_never_shown_but_counted(viewer, why, message):
     message.header.stamp.nanosec += 40_000_000
     assert viewer.hear(message, joint_state(60, 0.25)) == (5.0, 0.5)
     message.header.stamp.nanosec -= 40_000_000
-    ((said, count),) = viewer.left_out.items()
+    (said, count), alone = viewer.left_out.items()
     assert why in said
     assert count == 2
-    assert viewer.node.said == [f"Robot: messages not shown so far: 2 {said}"]
+    assert alone == (ALONE, 1)  # the joint states of 20; those of 60 wait
+    assert viewer.node.said == [f"Robot: messages not shown so far: 2 {said}, 1 {ALONE}"]
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        JointState(name=["A"] * 10_001, position=[0.0] * 10_001),
+        JointState(name=["A"], position=[0.0] * 1_000_000),
+        JointState(name=["A" * 1_000_001], position=[0.0]),
+    ],
+)
+def test_what_is_too_large_is_not_kept(viewer, message):
+    viewer.hear(stamped(message, 20), transform(20, 5.0))
+    assert viewer.left_out == {"with more joints than a robot has": 1}
+    assert list(viewer.controller.display.pairs.waiting.values()) == [{"transform": transform(20, 5.0)}]
 
 
 def test_a_quaternion_that_is_a_little_too_long_is_shown_as_a_rotation(viewer):
@@ -324,7 +339,7 @@ async def drive_and_watch(seconds, hold=0.1):
         await until(lambda: not viewer.waiting)
         viewer.refresh()
         assert (simulation.error, viewer.error) == (None, None)
-        return np.array(frames), dict(subscriber.display.left_out), scene
+        return np.array(frames), dict(subscriber.display.tally.left_out), scene
 
 
 def drawn_at(scene, path):

@@ -13,7 +13,8 @@ from tf2_msgs.msg import TFMessage
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import JointMatcher
 
-MOST_TRANSFORMS = 10_000  # of a message that are looked through; no robot has so many links
+MOST = 10_000  # joints, or transforms, of a message; no robot has so many
+LONGEST = 1_000_000  # characters of a message's names
 MOST_WAITING = 50  # messages of a topic: a second of them
 FARTHEST = 1e9  # [m] single precision, with which views draw, still holds its square
 TOLERANCE = 0.01  # by which a quaternion's squared length may differ from 1; tf2 has the same
@@ -31,22 +32,16 @@ class PoseSubscriber(SimpleController):
         self.joint_states = self.node.create_subscription(JointState, topic, self.on_joint_state, 10)
         self.transforms = self.node.create_subscription(TFMessage, "/tf", self.on_tf, 100)
         self.display = PoseDisplay(config, self.joint_states.get_publisher_count)
-        self.pairs = StampPairs(self.display.leave_out)
 
     def on_joint_state(self, message: JointState) -> None:  # executor's thread: post and return
         """Hand the message to the main thread."""
-        self.call_later(self.update, "joint_state", message)
+        self.call_later(self.display.take, "joint_state", message)
 
     def on_tf(self, message: TFMessage) -> None:  # executor's thread
         """Hand the transform of this body to the main thread; it need not see the others'."""
-        own = [each for each in message.transforms[:MOST_TRANSFORMS] if each.child_frame_id == self.frame]
+        own = [each for each in message.transforms[:MOST] if each.child_frame_id == self.frame]
         for transform in own[:1]:
-            self.call_later(self.update, "transform", transform)
-
-    def update(self, stream: str, message: JointState | TransformStamped) -> None:  # main thread
-        """Show the message together with the one of the same stamp, if that is there."""
-        if pair := self.pairs.add(stream, message):
-            self.display.show(**pair)
+            self.call_later(self.display.take, "transform", transform)
 
     def unconfigure(self) -> None:  # main thread
         """Stop listening."""
@@ -91,7 +86,7 @@ class StampPairs:
 
 
 class PoseDisplay:
-    """Shows where a body was, and its joints, and counts what cannot be shown. All of it on the main thread.
+    """Shows where a body was, and its joints. All of it on the main thread.
 
     Args:
         config: with the displayed body.
@@ -99,15 +94,19 @@ class PoseDisplay:
     """
 
     def __init__(self, config: ControllerConfig, publishers: Callable[[], int]) -> None:
-        self.body, self.logger = config.body, config.node.get_logger()
+        self.body, self.tally = config.body, Tally(config)
         self.matcher = JointMatcher(self.body.joint_ranges, publishers)
-        self.shown, self.left_out = 0, Counter[str]()
+        self.pairs = StampPairs(self.tally.leave_out)
+
+    def take(self, stream: str, message: JointState | TransformStamped) -> None:
+        """Show the message together with the one of the same stamp, if that is there."""
+        if fault := fault_of(message):
+            self.tally.leave_out(fault)
+        elif pair := self.pairs.add(stream, message):
+            self.show(**pair)
 
     def show(self, joint_state: JointState, transform: TransformStamped) -> None:
         """Move the body and its joints to where they were at one moment; what is late moves neither."""
-        if fault := fault_of(transform):
-            self.leave_out(fault)
-            return
         positions, report = self.matcher.match(joint_state)
         if not (report.late or report.another):
             p, q = transform.transform.translation, transform.transform.rotation
@@ -115,21 +114,39 @@ class PoseDisplay:
             self.body.orientation_wxyz = q.w, q.x, q.y, q.z
             self.body.set_joint_positions(positions)
             self.body.calc_forward_kinematics()
-            self.shown += 1
+            self.tally.shown += 1
         self.body.notify_change(report)
 
+
+class Tally:
+    """Counts what is shown and what is left out. The log tells, once in five seconds, but not how it all began.
+
+    Attributes:
+        shown: how many pairs.
+        left_out: how many messages, by the reason.
+    """
+
+    def __init__(self, config: ControllerConfig) -> None:
+        self.name, self.logger = config.body.name, config.node.get_logger()
+        self.shown = 0
+        self.left_out = Counter[str]()
+
     def leave_out(self, why: str) -> None:
-        """Count a message that is not shown. The log says so, once in five seconds, but not of those at the start."""
+        """Count a message that is not shown."""
         self.left_out[why] += 1
         if self.shown or self.left_out[why] > MOST_WAITING:
             counts = ", ".join(f"{count} {why}" for why, count in self.left_out.items())
-            self.logger.warning(f"{self.body.name}: messages not shown so far: {counts}", throttle_duration_sec=5.0)
+            self.logger.warning(f"{self.name}: messages not shown so far: {counts}", throttle_duration_sec=5.0)
 
 
-def fault_of(transform: TransformStamped) -> str:
-    """Say why a transform cannot be shown; empty if it can."""
-    p, q = transform.transform.translation, transform.transform.rotation
-    if transform.header.frame_id != "odom":
+def fault_of(message: JointState | TransformStamped) -> str:
+    """Say why a message is nothing to be shown, nor to be kept; empty if it is."""
+    if isinstance(message, JointState):
+        too_many = max(map(len, (message.name, message.position, message.velocity, message.effort))) > MOST
+        too_long = too_many or sum(map(len, (message.header.frame_id, *message.name))) > LONGEST
+        return "with more joints than a robot has" if too_long else ""
+    p, q = message.transform.translation, message.transform.rotation
+    if message.header.frame_id != "odom":
         return "with another parent than odom"
     if not all(abs(each) <= FARTHEST for each in (p.x, p.y, p.z)):  # NaN is not, either
         return "with a place that is not finite, or too far away"
