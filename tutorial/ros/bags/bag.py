@@ -47,7 +47,7 @@ class Bag:
         storage: ``"mcap"`` or ``"sqlite3"``.
         distro: which ROS 2 has written it, such as ``"jazzy"``; empty where it doesn't say.
         channels: what is known of its topics, by name.
-        start: when the first message was received, since 1970 [ns]; 0 without messages.
+        start, end: when the first and the last message was received, since 1970 [ns]; 0 without messages.
 
     Raises:
         TutorialError: there is no bag, or nothing in it can be read.
@@ -61,7 +61,7 @@ class Bag:
         self.storage = next(name for name, suffix in SUFFIXES.items() if suffix == self.files[0].suffix)
         self.channels: dict[str, Channel] = {}
         self._counts: Counter[str] = Counter()
-        self.start = self._end = 0
+        self.start = self.end = 0
         readable = 0
         for file in self.files:
             with self._opened(file) as reader:
@@ -79,7 +79,13 @@ class Bag:
     @property
     def duration(self) -> float:
         """From the first message to the last one [s]."""
-        return (self._end - self.start) / 1e9
+        return (self.end - self.start) / 1e9
+
+    @property
+    def size(self) -> int:
+        """Of all its files [bytes]."""
+        told = self.path / "metadata.yaml"
+        return sum(file.stat().st_size for file in (*self.files, *[told] * is_file(told)))
 
     @property
     def damage(self) -> str:
@@ -150,7 +156,7 @@ class Bag:
             self._counts[channel.topic] += reader.counts.get(number, 0)
         if any(reader.counts.values()):
             self.start = min(self.start or reader.start, reader.start)
-            self._end = max(self._end, reader.end)
+            self.end = max(self.end, reader.end)
 
     @contextmanager
     def _opened(self, file: Path) -> Iterator[FileReader | None]:

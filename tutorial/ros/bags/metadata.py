@@ -164,7 +164,7 @@ def _span(nanoseconds: int) -> dict[str, int]:
     return {"sec": seconds, "nsec": rest}
 
 
-def _profile(words: Any) -> QoSProfile | None:
+def _profile(words: Any) -> QoSProfile:
     """Return a profile; of what is not understood, the default."""
     profile = QoSProfile(depth=DEFAULT_DEPTH)
     if not isinstance(words, dict):

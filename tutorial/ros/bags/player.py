@@ -26,6 +26,8 @@ CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as rclcpp's ClockQoS
 MEET_FOR = 2.0  # [s] at most, that subscriptions are waited for which are there already
 LOOK_EVERY = 0.02  # [s] for these subscriptions
+LONGEST_WAIT = 1.0  # [s] between two looks at how far it is
+LAST_SECOND = 2**31 - 1  # that a time stamp can say
 ACKNOWLEDGED_IN = 1.0  # [s] at most
 
 _log = logging.getLogger(__name__)
@@ -108,15 +110,16 @@ class Player:
     def _play(self, stop: threading.Event, progress: Callable[[float], object]) -> None:
         """Play once."""
         begin = self._bag.start + round(self._offset * 1e9)
-        began = self._tick_at = time.monotonic()
+        began = time.monotonic()
+        self._tick_at = began if self._clock is not None else math.inf
         for topic, time_ns, payload in self._bag.raw_messages(self._qos, self._offset):
             due = began + (time_ns - begin) / 1e9 / self._rate
             while (now := time.monotonic()) < due or now >= self._tick_at:
                 if now >= self._tick_at:
                     self._tick(begin + round((now - began) * self._rate * 1e9))
-                    self._tick_at = max(self._tick_at + self._period, now) if self._clock is not None else math.inf
-                    progress(self._offset + (now - began) * self._rate)
-                if stop.wait(max(0.0, min(due, self._tick_at) - time.monotonic())):
+                    self._tick_at = max(self._tick_at + self._period, now)
+                progress(self._offset + (now - began) * self._rate)
+                if stop.wait(max(0.0, min(due, self._tick_at, now + LONGEST_WAIT) - time.monotonic())):
                     return
             if stop.is_set():
                 return
@@ -125,10 +128,9 @@ class Player:
             progress((time_ns - self._bag.start) / 1e9)
 
     def _tick(self, now_ns: int) -> None:
-        """Publish the time of the bag, where that is wanted."""
-        if self._clock is not None:
-            seconds, rest = divmod(now_ns, 10**9)
-            self._clock.publish(Clock(clock=Time(sec=seconds, nanosec=rest)))
+        """Publish the time of the bag."""
+        seconds, rest = divmod(now_ns, 10**9)
+        self._clock.publish(Clock(clock=Time(sec=min(seconds, LAST_SECOND), nanosec=rest)))
 
     def _meet(self, stop: threading.Event) -> None:
         """Wait until the subscriptions that are on the topics would receive what is published."""

@@ -23,15 +23,17 @@ from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_TOPICS, Channel
 from tutorial.ros.bags.writer import BagWriter
 from tutorial.ros.topics.endpoints import publishers_on
 from tutorial.ros.topics.listing import topics_with_types
-from tutorial.ros.topics.names import full_topic, message_class, shown
+from tutorial.ros.topics.names import full_topic, is_valid_topic, message_class, shown
 from tutorial.ros.topics.qos import reader_qos
 
 __all__ = ["Recorder"]
 
 LOOK_EVERY = 0.1  # [s] for new topics, and for what has been received
+QUIET = 0.1  # [s] without a message, after which nothing more is taken to be on its way
 FLUSH_EVERY = 1.0  # [s]: of a recording that is killed, so much is missing
 DEPTH = 1000  # of the subscriptions, where the publishers' depth would be too little when Python is busy
-MOST_WAITING = 2 * LARGEST_MESSAGE  # of messages that wait to be written [bytes]
+MOST_WAITING = LARGEST_MESSAGE  # of messages that wait to be written [bytes]
+MOST_PROFILES = 100  # of the publishers of one topic
 SAY_EVERY = 5.0  # [s] between two log lines about what is lost
 
 _log = logging.getLogger(__name__)
@@ -51,7 +53,6 @@ class Recorder:
         max_duration: after how long to begin another file [s]; None for one file.
 
     Attributes:
-        lost: how many messages were received and not written, because the disk was too slow, or full.
         error: why nothing is written any more; None while all is well.
 
     Raises:
@@ -67,7 +68,8 @@ class Recorder:
         storage: str = "mcap",
         max_duration: float | None = None,
     ) -> None:
-        self.lost = 0
+        self._overflown = 0  # by the thread that spins
+        self._unwritten = 0  # by the recorder's own
         self.error: OSError | None = None
         self._node = node
         self._wanted = None if topics is None else {full_topic(node, topic) for topic in topics}
@@ -113,6 +115,11 @@ class Recorder:
         return MappingProxyType(dict.fromkeys(self._subscriptions, 0) | self._writer.counts)
 
     @property
+    def lost(self) -> int:
+        """How many messages were received and are not written, because the disk was too slow, or full."""
+        return self._overflown + self._unwritten
+
+    @property
     def duration(self) -> float:
         """From the first message to the last one that is written [s]."""
         return (self._writer.end - self._writer.start) / 1e9
@@ -126,6 +133,7 @@ class Recorder:
         if self._closed:
             return
         self._closed = True
+        self._settle()
         self._stop.set()
         if self._thread.ident is not None:
             self._thread.join()
@@ -143,48 +151,66 @@ class Recorder:
                 f"can be read; {self.lost:,} messages are lost. Make room, or record to another disk."
             ) from self.error
 
+    def _settle(self) -> None:
+        """Wait for what was sent before the end and is on its way: until nothing more comes, for a second at most."""
+        deadline, seen = time.monotonic() + 1.0, -1
+        while seen != self._received_bytes and time.monotonic() < deadline:
+            seen = self._received_bytes
+            time.sleep(QUIET)
+
     def _run(self) -> None:
         """Write and look, until the end."""
         while not self._stop.wait(LOOK_EVERY):
             self._write()
-            try:
+            if self.error is None:
                 self._look()
-            except Exception as error:  # noqa: BLE001 - the graph may be in any state while others come and go
-                _log.warning("the recorder cannot look for new topics: %s", error)
 
     def _look(self) -> None:
         """Subscribe to the topics that are new."""
-        for topic, types in topics_with_types(self._node, include_hidden=self._wanted is not None).items():
-            if topic in self._subscriptions or topic in self._refused:
-                continue
-            if self._wanted is not None and topic not in self._wanted:
-                continue
-            if publishers := publishers_on(self._node, topic):
-                self._subscribe(topic, types, publishers)
-
-    def _subscribe(self, topic: str, types: list[str], publishers: list[Any]) -> None:
         try:
-            if len(types) > 1:
-                raise TutorialError(f"it has several types, {', '.join(map(shown, types))}")
-            if len(self._subscriptions) >= MOST_TOPICS:
-                raise TutorialError(f"there are more than {MOST_TOPICS:,} topics")
-            kind = message_class(types[0])
+            topics = topics_with_types(self._node, include_hidden=self._wanted is not None)
+            for topic in topics.keys() - self._subscriptions.keys() - self._refused:
+                if self._wanted is None or topic in self._wanted:
+                    self._subscribe(topic, topics[topic])
+        except OSError as error:
+            self._fail(error)
+        except (RuntimeError, UnicodeDecodeError):  # the node is gone; or a real one, which names nothing while any
+            return  # name is no text
+
+    def _subscribe(self, topic: str, types: list[str]) -> None:
+        """Record a topic, if somebody publishes it and its messages are of a type that is known here."""
+        publishers = publishers_on(self._node, topic)
+        if not publishers:
+            return
+        try:
+            kind = self._kind(topic, types)
         except TutorialError as error:
             self._refused.add(topic)
             _log.warning("topic %s is not recorded: %s", shown(topic), error)
             return
-        definition, type_hash = _definition(types[0])
         number = len(self._subscriptions) + 1
-        qos = qos_text(info.qos_profile for info in publishers[:100])
-        channel = Channel(
-            number, topic, types[0], "cdr", qos, definition, type_hash or str(publishers[0].topic_type_hash)
-        )
-        self._writer.add_channel(channel)
-        callback = partial(self._on_message, number)
+        qos = qos_text(info.qos_profile for info in publishers[:MOST_PROFILES])
+        definition, type_hash = _definition(types[0])
+        type_hash = type_hash or str(publishers[0].topic_type_hash)
         self._subscriptions[topic] = self._node.create_subscription(
-            kind, topic, callback, self._request(topic), raw=True
+            kind, topic, partial(self._on_message, number), self._request(topic), raw=True
         )
+        self._writer.add_channel(Channel(number, topic, types[0], "cdr", qos, definition, type_hash))
         _log.info("recording %s", shown(topic))
+
+    def _kind(self, topic: str, types: list[str]) -> Any:
+        """Return the class of a topic's messages.
+
+        Raises:
+            TutorialError: it cannot be recorded; the text is the end of a sentence.
+        """
+        if not is_valid_topic(topic):
+            raise TutorialError("its name breaks the rules of ROS 2")
+        if len(types) > 1:
+            raise TutorialError(f"it has several types, {', '.join(map(shown, types[:10]))}")
+        if len(self._subscriptions) >= MOST_TOPICS:
+            raise TutorialError(f"there are more than {MOST_TOPICS:,} topics")
+        return message_class(types[0])
 
     def _request(self, topic: str) -> QoSProfile:
         """What all publishers of a topic fit, with room for what comes while this program is busy."""
@@ -195,7 +221,7 @@ class Recorder:
     def _on_message(self, channel_id: int, payload: bytes, info: Mapping[str, Any]) -> None:
         """Keep the message for the recorder's thread. The thread that spins."""
         if self.error is not None or self._received_bytes - self._taken_bytes > MOST_WAITING:
-            self.lost += 1
+            self._overflown += 1
             return
         self._received_bytes += len(payload)
         received, sent = info["received_timestamp"], info["source_timestamp"]
@@ -209,19 +235,23 @@ class Recorder:
                 message = self._waiting.popleft()
                 self._taken_bytes += len(message[-1])
                 if self.error is not None:
-                    self.lost += 1
+                    self._unwritten += 1
                     continue
                 self._writer.write(*message)
             if now >= self._flush_at and self.error is None:
                 self._writer.flush()
                 self._flush_at = now + FLUSH_EVERY
         except OSError as error:
-            self.error = error
-            self.lost += 1
-            _log.error("the bag %r cannot be written any more: %s", str(self.path), error.strerror)
+            self._unwritten += 1
+            self._fail(error)
         if self.lost > self._said_lost and now >= self._say_lost_at:
             _log.warning("%d messages are lost so far: the disk is too slow, or full", self.lost)
             self._said_lost, self._say_lost_at = self.lost, now + SAY_EVERY
+
+    def _fail(self, error: OSError) -> None:
+        """Write no more."""
+        self.error = error
+        _log.error("the bag %r cannot be written any more: %s", str(self.path), error.strerror)
 
 
 @cache
