@@ -16,14 +16,13 @@ from tutorial.paths import is_file, is_folder
 from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.metadata import read_metadata
 from tutorial.ros.bags.sqlite import SqliteReader
-from tutorial.ros.bags.storage import SUFFIXES, Channel, Damaged, FileReader
+from tutorial.ros.bags.storage import MOST_FAULTS, SUFFIXES, Channel, Damaged, FileReader
 from tutorial.ros.topics.names import message_class, shown
 
 __all__ = ["Bag", "BagTopic"]
 
 READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
 MOST_FILES = 10_000
-MOST_FAULTS = 5  # that are told of
 CDR_HEAD = 4  # bytes that every payload begins with
 
 
@@ -57,6 +56,7 @@ class Bag:
         self.path = Path(path)
         self.distro = ""
         self._faults: list[str] = []
+        self._has_more_faults = False
         self.files = self._find_files()
         self.storage = next(name for name, suffix in SUFFIXES.items() if suffix == self.files[0].suffix)
         self.channels: dict[str, Channel] = {}
@@ -92,9 +92,8 @@ class Bag:
         """A sentence that says what is missing or wrong, as far as the bag has been read; empty when nothing is."""
         if not self._faults:
             return ""
-        more = len(self._faults) - MOST_FAULTS
-        faults = "; ".join(self._faults[:MOST_FAULTS]) + (f"; and {more:,} more" if more > 0 else "")
-        return f"This bag is damaged, and is read as far as it goes: {faults}."
+        more = "; and others" if self._has_more_faults else ""
+        return f"This bag is damaged, and is read as far as it goes: {'; '.join(self._faults)}{more}."
 
     def channel(self, topic: str) -> Channel:
         """Return what is known of a topic.
@@ -173,11 +172,13 @@ class Bag:
         finally:
             if reader is not None:
                 reader.close()
-                if reader.damage:
-                    self._say(f"{_named(file)}: {reader.damage}")
+                for fault in reader.faults:
+                    self._say(f"{_named(file)}: {fault}")
 
     def _say(self, fault: str) -> None:
-        if fault not in self._faults:
+        if len(self._faults) >= MOST_FAULTS and fault not in self._faults:
+            self._has_more_faults = True
+        elif fault not in self._faults:
             self._faults.append(fault)
 
     def _find_files(self) -> list[Path]:
@@ -225,4 +226,4 @@ def _number(path: Path) -> tuple[int, str]:
 
 
 def _named(path: Path) -> str:
-    return repr(printable(str(path)))
+    return f"'{printable(str(path))}'"

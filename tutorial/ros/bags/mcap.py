@@ -20,7 +20,7 @@ from typing import Any
 from lz4.frame import LZ4FrameDecompressor
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_TOPICS, Channel, Damaged, RawMessage
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_FAULTS, MOST_TOPICS, Channel, Damaged, RawMessage
 
 try:
     from compression import zstd
@@ -171,7 +171,7 @@ class McapReader:
         self.channels: dict[int, Channel] = {}
         self.counts: Counter[int] = Counter()
         self.start = self.end = 0
-        self.damage = ""
+        self.faults: list[str] = []
         self._types: dict[int, tuple[str, str]] = {}  # names and definitions by the schema's id
         self._file: BufferedReader = path.open("rb")
         try:
@@ -207,6 +207,10 @@ class McapReader:
             time, _, channel_id, payload = heappop(waiting)
             yield channel_id, time, payload
 
+    def _say(self, fault: str) -> None:
+        if fault not in self.faults and len(self.faults) < MOST_FAULTS:
+            self.faults.append(fault)
+
     def _check_begin(self) -> int:
         """Return where the data begin."""
         begin = self._file.read(len(MAGIC))
@@ -218,7 +222,7 @@ class McapReader:
         except (Damaged, StopIteration):
             profile = "ros2"  # cut off at once
         if profile != "ros2":
-            raise Damaged(f"it is of {printable(profile[:60])!r}, not of 'ros2'")
+            raise Damaged(f"it is of '{printable(profile[:60])}', not of 'ros2'")
         return self._file.tell()
 
     def _read_summary(self) -> bool:
@@ -226,7 +230,7 @@ class McapReader:
         self._file.seek(max(0, self._size - FOOTER_SIZE))
         end = self._file.read(FOOTER_SIZE)
         if not (len(end) == FOOTER_SIZE and end.endswith(MAGIC) and end[0] == FOOTER):
-            self.damage = "its end is missing, as of a recording that was killed or filled the disk"
+            self._say("its end is missing, as of a recording that was killed or filled the disk")
             return False
         begin, last = int.from_bytes(end[9:17], "little"), self._size - FOOTER_SIZE
         self._data_end = last
@@ -274,9 +278,9 @@ class McapReader:
                 else:
                     self._take(opcode, body)
         except Damaged as damaged:
-            self.damage = self.damage or str(damaged)
+            self._say(str(damaged))
         except error:
-            self.damage = self.damage or "a record in it is too short"
+            self._say("a record in it is too short")
 
     def _unpacked(self, words: _Words, size: int, crc: int) -> bytes:
         """Return the records of a chunk, as far as they are there."""
@@ -285,15 +289,15 @@ class McapReader:
             raise Damaged(f"a chunk in it has {size:,} bytes, and {LARGEST_MESSAGE:,} are the most that is read")
         decompressor: Any = {"zstd": zstd.ZstdDecompressor, "lz4": LZ4FrameDecompressor}.get(compression)
         if compression and decompressor is None:
-            raise Damaged(f"a chunk in it is compressed by {printable(compression[:20])!r}, and not by zstd or lz4")
+            raise Damaged(f"a chunk in it is compressed by '{printable(compression[:20])}', and not by zstd or lz4")
         try:
             records = decompressor().decompress(packed, max_length=size) if compression else packed[:size]
         except (zstd.ZstdError, RuntimeError, EOFError, ValueError) as wrong:
             raise Damaged(f"a chunk in it cannot be unpacked: {printable(str(wrong))}") from wrong
         if len(records) == size and crc and zlib.crc32(records) != crc:
-            self.damage = self.damage or "a chunk in it has another checksum than it had when it was written"
+            self._say("a chunk in it has another checksum than it had when it was written")
         elif len(records) < size:
-            self.damage = self.damage or "a chunk in it is incomplete"
+            self._say("a chunk in it is incomplete")
         return bytes(records)
 
     def _messages_in(self, records: bytes) -> Iterator[RawMessage]:
@@ -309,12 +313,15 @@ class McapReader:
                 if channel_id in self.channels and time < 2**63:
                     yield channel_id, time, records[at + _message_head.size : at + size]
                 else:
-                    self.damage = self.damage or "a message in it belongs to no topic"
+                    self._say("a message in it belongs to no topic")
             elif opcode in (SCHEMA, CHANNEL):
-                self._take(opcode, records[at : at + size])
+                try:
+                    self._take(opcode, records[at : at + size])
+                except Damaged as damaged:
+                    self._say(str(damaged))
             at += size
         if at < len(records):
-            self.damage = self.damage or "a chunk in it is incomplete"
+            self._say("a chunk in it is incomplete")
 
     def _records(self, begin: int, end: int) -> Iterator[tuple[int, bytes]]:
         """Yield kind and content of each record that is of interest; of a chunk that is cut off, what is there."""
@@ -356,7 +363,7 @@ class McapReader:
                 qos, type_hash = more.get("offered_qos_profiles", ""), more.get("topic_type_hash", "")
                 self.channels[number] = Channel(number, topic, name, encoding, qos, definition, type_hash)
             else:
-                self.damage = self.damage or f"it has more than {MOST_TOPICS:,} topics; the others are left out"
+                self._say(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
 
 
 class _Words:

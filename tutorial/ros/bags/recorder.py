@@ -169,7 +169,7 @@ class Recorder:
         """Subscribe to the topics that are new."""
         try:
             topics = topics_with_types(self._node, include_hidden=self._wanted is not None)
-            for topic in topics.keys() - self._subscriptions.keys() - self._refused:
+            for topic in sorted(topics.keys() - self._subscriptions.keys() - self._refused):
                 if self._wanted is None or topic in self._wanted:
                     self._subscribe(topic, topics[topic])
         except OSError as error:

@@ -9,7 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_TOPICS, Channel, Damaged, RawMessage
+from tutorial.errors import printable
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_FAULTS, MOST_TOPICS, Channel, Damaged, RawMessage
 
 __all__ = ["SqliteReader", "SqliteWriter"]
 
@@ -26,6 +27,9 @@ TABLES = """
     INSERT INTO schema(schema_version, ros_distro) VALUES (4, 'jazzy');
 """
 """As ros2 bag has them in Jazzy."""
+
+UNREADABLE = (sqlite3.Error, UnicodeDecodeError)
+"""What Python raises of a spoilt file; the second is about SQLite's own words."""
 
 
 class SqliteWriter:
@@ -92,7 +96,7 @@ class SqliteReader:
         self.channels: dict[int, Channel] = {}
         self.counts: Counter[int] = Counter()
         self.start = self.end = 0
-        self.damage = ""
+        self.faults: list[str] = []
         path.open("rb").close()  # says what is wrong better than SQLite does
         self._database = self._opened()
         try:
@@ -110,16 +114,20 @@ class SqliteReader:
         """Yield the messages of these channels in the order of time, from a time on [ns]; of a damaged file, in that
         in which they were written."""
         ids = ", ".join(str(int(number)) for number in wanted)
-        order = "id" if self.damage else "timestamp, id"
+        order = "id" if self.faults else "timestamp, id"
         query = f"SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({ids}) AND timestamp >= ? "
         try:
             for channel_id, time, payload in self._database.execute(f"{query} ORDER BY {order}", (since,)):
                 if isinstance(time, int) and isinstance(payload, bytes) and channel_id in self.channels:
                     yield channel_id, time, payload
                 else:
-                    self.damage = self.damage or "a row in it is no message"
-        except sqlite3.Error as error:
-            self.damage = self.damage or f"SQLite says: {error}"
+                    self._say("a row in it is no message")
+        except UNREADABLE as error:
+            self._say(f"SQLite says: {printable(str(error))}")
+
+    def _say(self, fault: str) -> None:
+        if fault not in self.faults and len(self.faults) < MOST_FAULTS:
+            self.faults.append(fault)
 
     def _opened(self) -> sqlite3.Connection:
         """Open the file without a change to it. What a killed recording has left half done may stand beside it."""
@@ -131,12 +139,12 @@ class SqliteReader:
             try:
                 database.execute("PRAGMA trusted_schema = OFF")
                 tables = database.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchmany(MOST_TOPICS)
-            except sqlite3.Error as error:
+            except UNREADABLE as error:
                 database.close()
-                refusal = f"SQLite says: {error}"
+                refusal = f"SQLite says: {printable(str(error))}"
                 continue
             if how != "mode=ro":
-                self.damage = "its last transaction is incomplete"
+                self._say("its last transaction is incomplete")
             if {("topics",), ("messages",)} <= set(tables):
                 return database
             database.close()
@@ -154,9 +162,9 @@ class SqliteReader:
                 topic, type_name, encoding, qos, type_hash = (str(column.get(word, "")) for word in words)
                 self.channels[number] = Channel(number, topic, type_name, encoding, qos, type_hash=type_hash)
             if len(rows) > MOST_TOPICS:
-                self.damage = f"it has more than {MOST_TOPICS:,} topics; the others are left out"
-        except (sqlite3.Error, KeyError, ValueError, TypeError) as error:
-            raise Damaged(f"its topics cannot be read: {error}") from error
+                self._say(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
+        except (*UNREADABLE, KeyError, ValueError, TypeError) as error:
+            raise Damaged(f"its topics cannot be read: {printable(str(error))}") from error
 
     def _count(self) -> None:
         """Count the messages of each topic; where the file is damaged, those that can be reached."""
@@ -167,8 +175,8 @@ class SqliteReader:
             self.counts = Counter({row[0]: row[1] for row in known})
             self.start = min((row[2] for row in known), default=0)
             self.end = max((row[3] for row in known), default=0)
-        except sqlite3.Error as error:
-            self.damage = self.damage or f"SQLite says: {error}"
+        except UNREADABLE as error:
+            self._say(f"SQLite says: {printable(str(error))}")
             for channel_id, time, _ in self.messages(self.channels, 0):
                 self.start = min(self.start, time) if self.counts else time
                 self.end = max(self.end, time)

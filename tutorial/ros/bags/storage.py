@@ -9,6 +9,7 @@ from typing import Protocol
 
 __all__ = [
     "LARGEST_MESSAGE",
+    "MOST_FAULTS",
     "MOST_TOPICS",
     "SUFFIXES",
     "Channel",
@@ -26,6 +27,9 @@ LARGEST_MESSAGE = 256 * 2**20
 
 MOST_TOPICS = 1000
 """Of a bag. A robot has a hundred."""
+
+MOST_FAULTS = 5
+"""Of a file or a bag, that are told of."""
 
 RawMessage = tuple[int, int, bytes]
 """The id of its channel, when it was received [ns], and its payload."""
@@ -86,7 +90,7 @@ class FileReader(Protocol):
         channels: its topics by id.
         counts: how many messages each has, by id.
         start, end: when its first and its last message was received [ns]; 0 where there are none.
-        damage: what is wrong with the file, as the end of a sentence; empty when nothing is, as far as it was read.
+        faults: what is wrong with the file, as far as it was read, each the end of a sentence.
     """
 
     path: Path
@@ -94,7 +98,7 @@ class FileReader(Protocol):
     counts: dict[int, int]
     start: int
     end: int
-    damage: str
+    faults: list[str]
 
     def messages(self, wanted: Collection[int], since: int) -> Iterator[RawMessage]:
         """Yield the messages of these channels in the order of time, from a time on [ns]."""
