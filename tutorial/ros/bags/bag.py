@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple
@@ -21,7 +21,7 @@ from tutorial.ros.topics.names import message_class, shown
 
 __all__ = ["Bag", "BagTopic"]
 
-READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
+READERS: dict[str, Callable[[Path], FileReader]] = {".mcap": McapReader, ".db3": SqliteReader}
 MOST_FILES = 10_000
 CDR_HEAD = 4  # bytes that every payload begins with
 
@@ -152,7 +152,7 @@ class Bag:
         """Add what a file has."""
         for number, channel in reader.channels.items():
             self.channels.setdefault(channel.topic, channel)
-            self._counts[channel.topic] += reader.counts.get(number, 0)
+            self._counts[channel.topic] += reader.counts[number]
         if any(reader.counts.values()):
             self.start = min(self.start or reader.start, reader.start)
             self.end = max(self.end, reader.end)

@@ -17,15 +17,11 @@ from pathlib import Path
 from struct import Struct, error, pack
 from typing import Any
 
+from backports import zstd
 from lz4.frame import LZ4FrameDecompressor
 
 from tutorial.errors import printable
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_FAULTS, MOST_TOPICS, Channel, Damaged, RawMessage
-
-try:
-    from compression import zstd
-except ImportError:  # before Python 3.14
-    from backports import zstd
 
 __all__ = ["McapReader", "McapWriter"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -95,7 +96,7 @@ class FileReader(Protocol):
 
     path: Path
     channels: dict[int, Channel]
-    counts: dict[int, int]
+    counts: Counter[int]
     start: int
     end: int
     faults: list[str]
