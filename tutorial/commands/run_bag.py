@@ -38,7 +38,7 @@ async def bag_of(host: Host, path: Path) -> AsyncIterator[Recorder]:
         with suppress(TimeoutError):  # one whose type is not known is not recorded, which the log says
             async with asyncio.timeout(MEET_FOR):
                 while not all(
-                    publisher.get_subscription_count() > 0
+                    publisher.get_subscription_count() > 0 and recorder.hears(publisher.topic_name)
                     for publisher in host.node.publishers
                     if publisher.topic_name in published
                 ):

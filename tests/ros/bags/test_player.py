@@ -37,7 +37,8 @@ def make(path, count=30, step=0.01, last=None):
     writer = BagWriter(path)
     for channel in CHANNELS:
         writer.add_channel(channel)
-        writer.write(channel.id, START, START, serialize_message(String(data="first")))
+        first = Clock() if channel.topic == "/clock" else String(data="first")
+        writer.write(channel.id, START, START, serialize_message(first))
     for i in range(count):
         at = START + round((step * i if last is None or i < count - 1 else last) * 1e9)
         writer.write(i % 2 + 1, at, at, serialize_message(String(data=str(i))))
@@ -154,6 +155,29 @@ def test_its_publishers_offer_what_was_offered_then(nodes, heard, tmp_path):
     playing.join(10)
     assert durability == {"/a": DurabilityPolicy.VOLATILE, "/b": DurabilityPolicy.TRANSIENT_LOCAL}
     until(lambda: not nodes[0].get_publishers_info_by_topic("/a"), "the end of the publisher")
+
+
+def test_a_payload_that_ros_2_refuses_is_left_out_and_said_once(nodes, heard, tmp_path, caplog, monkeypatch):
+    """As Fast DDS does with one that is longer than its type can be."""
+    player = Player(nodes[0], make(tmp_path / "bag"), rate=10.0)
+    make_publisher = nodes[0].create_publisher
+
+    def refusing(kind, topic, qos):
+        publisher = make_publisher(kind, topic, qos)
+        if topic == "/a":
+
+            def publish(payload):
+                raise RuntimeError("cannot publish data")
+
+            publisher.publish = publish
+        return publisher
+
+    monkeypatch.setattr(nodes[0], "create_publisher", refusing)
+    player.run(threading.Event())
+    until(lambda: len(heard) == 16, "the messages on /b")
+    assert player.played == 17
+    said = [record.message for record in caplog.records if "is not played, and others like it" in record.message]
+    assert said == ["a message on /a is not played, and others like it: cannot publish data"]
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ __all__ = ["Player"]
 CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as rclcpp's ClockQoS
 MEET_FOR = 2.0  # [s] at most, that subscriptions are waited for which are there already
+THEY_TOO = 0.3  # [s] that a subscription may take longer than the publisher to know of the other, on Fast DDS
 LOOK_EVERY = 0.02  # [s] for these subscriptions
 LONGEST_WAIT = 1.0  # [s] between two looks at how far it is
 LAST_SECOND = 2**31 - 1  # that a time stamp can say
@@ -83,6 +84,7 @@ class Player:
         if not any(counts[topic] for topic in self._qos):
             raise TutorialError("there is nothing to play: the bag has no messages on these topics.")
         self._publishers: dict[str, Any] = {}
+        self._refused: set[str] = set()
         self._clock: Any = None
         self._tick_at = 0.0
 
@@ -123,9 +125,18 @@ class Player:
                     return
             if stop.is_set():
                 return
+            self._publish(topic, payload)
+            progress((time_ns - self._bag.start) / 1e9)
+
+    def _publish(self, topic: str, payload: bytes) -> None:
+        """Publish a message; one that ROS 2 refuses, for it is not of the topic's type, is left out, and said once."""
+        try:
             self._publishers[topic].publish(payload)
             self.played += 1
-            progress((time_ns - self._bag.start) / 1e9)
+        except RuntimeError as error:
+            if topic not in self._refused:
+                self._refused.add(topic)
+                _log.warning("a message on %s is not played, and others like it: %s", shown(topic), error)
 
     def _tick(self, now_ns: int) -> None:
         """Publish the time of the bag."""
@@ -137,6 +148,8 @@ class Player:
         deadline = time.monotonic() + MEET_FOR
         while not self._met() and time.monotonic() < deadline and not stop.wait(LOOK_EVERY):
             pass
+        if any(publisher.get_subscription_count() for publisher in self._publishers.values()):
+            stop.wait(THEY_TOO)
 
     def _met(self) -> bool:
         return all(

@@ -109,6 +109,11 @@ class Recorder:
         """The topics that were asked for by name and that nobody publishes so far."""
         return tuple(sorted((self._wanted or set()) - self._subscriptions.keys()))
 
+    def hears(self, topic: str) -> bool:
+        """Whether the recorder has met who publishes a topic: from now on nothing of it is missing."""
+        subscription = self._subscriptions.get(topic)
+        return subscription is not None and subscription.get_publisher_count() > 0
+
     @property
     def counts(self) -> Mapping[str, int]:
         """How many messages of each topic are written."""
