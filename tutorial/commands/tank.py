@@ -16,6 +16,7 @@ import click
 from tqdm.contrib import DummyTqdmFile
 
 from tutorial.commands.asking import clear_ros_errors, named_node
+from tutorial.commands.bag import bag
 from tutorial.commands.chaos import chaos
 from tutorial.commands.check import check
 from tutorial.commands.node import node
@@ -76,6 +77,12 @@ def tank() -> None:
     "--port", type=click.IntRange(1, 65535), help="Show the 3D view on this port; else the first free from 7000."
 )
 @click.option("--html", type=FILE, help="Keep the run as a page that plays it again; it needs nothing else.")
+@click.option(
+    "--bag",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Record the program's topics into this bag, a folder that must not be there.",
+)
 @click.option(
     "--robot",
     type=FILE,
@@ -181,6 +188,7 @@ def check_up() -> int:
     return doctor()
 
 
+tank.add_command(bag)
 tank.add_command(chaos)
 tank.add_command(check)
 tank.add_command(node)
@@ -213,8 +221,10 @@ async def _host(
     report: Path | None,
     port: int | None,
     html: Path | None,
+    bag: Path | None,
 ) -> None:
     """Run a project on the event loop that is running."""
+    from tutorial.commands.run_bag import bag_of
     from tutorial.host import Host
     from tutorial.view.bodies import View
     from tutorial.view.replay import recorded
@@ -231,6 +241,8 @@ async def _host(
         say(f"{project.tree()}\n")
         if server is not None:
             say(f"look at {server.url}\n")
+        if bag is not None:
+            await stack.enter_async_context(bag_of(host, bag))
         if html is not None:
             stack.enter_context(recorded(scene, html, host.node.get_name(), host.shown_at, host.joint_positions))
         progress = stack.enter_context(progress_bar(duration))
