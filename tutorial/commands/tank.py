@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import os
 import sys
 import tempfile
@@ -55,6 +56,7 @@ def main() -> None:
         status = 1
     except (KeyboardInterrupt, click.Abort):
         status = INTERRUPTED
+    gc.freeze()  # else Python looks for garbage once more, for 0.1 s, in what ends with the process anyway
     sys.exit(status if isinstance(status, int) else 0)
 
 
@@ -229,11 +231,12 @@ async def _host(
     from tutorial.view.bodies import View
     from tutorial.view.replay import recorded
     from tutorial.view.scene import Scene
-    from tutorial.view.web import SceneServer
 
     async with AsyncExitStack() as stack:
         scene, server = Scene(), None
         if not headless:
+            from tutorial.view.web import SceneServer
+
             server = await stack.enter_async_context(SceneServer(scene, port=port, title=project.path.stem))
         view = None if headless and html is None else View(scene)
         with clear_ros_errors():
