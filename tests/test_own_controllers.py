@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from tutorial.commands.options import part_class
 from tutorial.controller import SimpleController
 from tutorial.controllers.joint_state_publisher import JointStatePublisher
 from tutorial.errors import TutorialError
@@ -70,6 +73,34 @@ def test_a_file_that_is_wrong_is_named_with_its_line(own, text, said):
     with pytest.raises(TutorialError) as info:
         load_controllers(own(text))
     assert said in str(info.value)
+
+
+def test_the_line_is_named_whichever_way_the_path_is_given(own, monkeypatch):
+    monkeypatch.chdir(own("x = 1\n1 / 0\n").parent)
+    with pytest.raises(TutorialError, match=r"^mine\.py, line 2: ZeroDivisionError"):
+        load_controllers(Path("mine.py"))
+
+
+def test_one_of_a_files_controllers_is_asked_for(own):
+    two = own(OWN + "class Other(TankController):\n    pass\n")
+    assert list(load_controllers(two)) == ["TankController", "Other"]
+    assert list(load_controllers(two, "Other")) == ["Other"]
+    with pytest.raises(TutorialError, match=r"defines no controller 'Othr'\. Did you mean 'Other'\?"):
+        load_controllers(two, "Othr")
+
+
+@pytest.mark.parametrize(
+    ("given", "file", "controller"),
+    [
+        ("a.py", "a.py", None),
+        ("a.py:B", "a.py", "B"),
+        ("a:b/c.py", "a:b/c.py", None),
+        (":B", ":B", None),
+        ("", "", None),
+    ],
+)
+def test_file_and_controller_are_parted_at_the_last_colon(given, file, controller):
+    assert part_class(given) == (Path(file), controller)
 
 
 def test_a_file_that_there_is_not(own):

@@ -47,6 +47,15 @@ def test_the_item_tree_is_drawn_as_in_the_original():
     ]
 
 
+def test_a_simulation_publishes_its_time_where_its_project_says_so(write):
+    text = "simulator: {clock: %s}\nbodies:\n  - {name: Tank, model: models/tank.xml}"
+    project = Project.load(write(text % "true"))
+    assert (project.clock, project.tree()) == (True, "+ World\n  + Tank\n  + Simulator (1 ms, /clock)")
+    assert not Project.load(write(text % "false")).clock
+    with pytest.raises(TutorialError, match=r"line 1: simulator\.clock: expected true or false, got a whole number\."):
+        Project.load(write(text % "100"))
+
+
 def test_a_fleet_stands_in_a_square_around_its_position(write):
     path = write("""
         bodies:

@@ -14,6 +14,7 @@ from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import CallQueue
 from tutorial.item import Item
 from tutorial.record import make_record
+from tutorial.ros.clock_publisher import CLOCK_TOPIC, ClockPublisher
 from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import Simulation, State
 from tutorial.view.camera import CameraRenderer
@@ -27,12 +28,17 @@ __all__ = ["Host"]
 
 FRAME = 1 / 30  # [s] between two frames of the view
 QUIET = 0.3  # [s] without a message, after which nothing more is taken to be on its way
+LOOK_EVERY = 1.0  # [s] for what others in the domain do
 FEW = 3  # bodies that have a line each below the view
 HUNG = 5.0  # [s] without a step, after which a run that has a duration is not waited for any more
 CLOSED = "this program is closed. Open it again."
 NAMESAKES = (
     "there are %d nodes of the name %s, so nobody can tell them apart. Give one another name, "
     "--ros-args -r __node:=%s_2, or a ROS_DOMAIN_ID of its own"
+)
+CLOCKS = (
+    "there are %d publishers on /clock, so whoever uses simulated time sees it jump. Let one program publish it: leave "
+    "'clock: true' out of the other's project, or give it a ROS_DOMAIN_ID of its own"
 )
 
 _log = logging.getLogger(__name__)
@@ -80,7 +86,9 @@ class Host:
         self._still = 0  # for how many frames there was no step
         self._seen_step = 0
         self._namesakes_said = 1
-        self._namesakes_looked = 0.0
+        self._looked = 0.0
+        self._publishes_clock = project.clock
+        self._clocks_said = 1
         self._closed = False
         try:
             for item in project.bodies:
@@ -90,7 +98,10 @@ class Host:
             if view is not None and (len(self._items) == 1 or (project.time_step is None and self._all_alike())):
                 view.look_at_bodies(*self._items)  # else it shows where they move, such as a laboratory
             if project.time_step is not None:
-                controllers = [(name, each) for name, item in self._items.items() for each in item.controllers]
+                controllers: list[tuple[str, SimpleController]] = []
+                if project.clock:
+                    controllers.append(("", ClockPublisher(self.node)))
+                controllers += [(name, each) for name, item in self._items.items() for each in item.controllers]
                 placements = [item.placement for item in project.bodies]
                 self.simulation = Simulation(placements, controllers, project.time_step)
                 self._cameras = CameraRenderer(self.simulation.model, self.simulation.data)
@@ -299,7 +310,7 @@ class Host:
         """Draw one frame: show what has changed since the last. `run` does it; call it when nothing runs."""
         if self._closed:
             return
-        self._look_for_namesakes()
+        self._look_around()
         if self.simulation is not None:
             self._shown = self.simulation.copy_to(self.bodies.values())
         if self._view is None:
@@ -327,12 +338,17 @@ class Host:
             return ""
         return str(error) if isinstance(error, TutorialError) else f"{type(error).__name__}: {error}"
 
-    def _look_for_namesakes(self) -> None:
-        """Say in plain words when another node has this node's name."""
-        if time.monotonic() - self._namesakes_looked < 1.0:
+    def _look_around(self) -> None:
+        """Say in plain words when another node has this node's name, and when another simulation publishes its time."""
+        if time.monotonic() - self._looked < LOOK_EVERY:
             return
-        self._namesakes_looked = time.monotonic()
+        self._looked = time.monotonic()
         count = self._ros.namesakes()
         if count > self._namesakes_said:
             _log.warning(NAMESAKES, count, self.node.get_fully_qualified_name(), self.node.get_name())
         self._namesakes_said = max(count, 1)
+        if self._publishes_clock:
+            count = self.node.count_publishers(CLOCK_TOPIC)
+            if count > self._clocks_said:
+                _log.warning(CLOCKS, count)
+            self._clocks_said = max(count, 1)

@@ -1,4 +1,4 @@
-"""Where the tutorial's files are: projects, launch files, notebooks, drives.
+"""Where the tutorial's files are: projects, launch files, notebooks, drives, models.
 
 A folder that holds them is a *course folder*. There are three kinds: a checkout; the one within an installed package,
 which is never written to; and a learner's own, which ``tank lab`` copies from that. Which is meant depends on where one
@@ -23,6 +23,7 @@ __all__ = [
     "find_drive",
     "find_home",
     "find_launch_file",
+    "find_model",
     "find_project",
     "is_file",
     "is_folder",
@@ -97,6 +98,16 @@ def find_launch_file(given: str) -> Path:
         TutorialError: there is no such launch file; the text names the nearest.
     """
     return _find(given, HOME / "launch_py", ".launch.py", "launch file")
+
+
+def find_model(given: str) -> Path:
+    """Find a model: a path, or the name of one of the tutorial's own, such as ``tank``, or as bodies have it, ``Tank``.
+
+    Raises:
+        TutorialError: there is no such model; the text names the nearest.
+    """
+    name = given.lower() if given.isidentifier() else given
+    return _find(name, HOME / "project" / "models", ".xml", "model")
 
 
 def with_own_commands(environment: Mapping[str, str]) -> dict[str, str]:

@@ -25,7 +25,7 @@ from tutorial.paths import is_file
 from tutorial.world import Placement, compose
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["BodyItem", "Project", "controller_names", "find_controller", "load_controllers"]
+__all__ = ["BodyItem", "Project", "check_model", "controller_names", "find_controller", "load_controllers"]
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 Point = tuple[Coordinate, Coordinate, Coordinate]
@@ -42,6 +42,7 @@ MAGNITUDES = ("qpos0", "body_pos", "body_quat", "body_mass", "body_inertia", "ge
 
 class _Simulator(msgspec.Struct, forbid_unknown_fields=True):
     time_step: Annotated[float, msgspec.Meta(ge=0.0001, le=0.01)] = 0.001  # [s]
+    clock: bool = False
 
 
 class _Body(msgspec.Struct, forbid_unknown_fields=True):
@@ -86,11 +87,13 @@ class Project:
         path: the file that it comes from.
         bodies: its bodies.
         time_step: of the simulation [s]; None for a program that only displays.
+        clock: whether the simulation publishes its time on ``/clock``.
     """
 
     path: Path
     bodies: tuple[BodyItem, ...]
     time_step: float | None = None
+    clock: bool = False
 
     @classmethod
     def load(cls, path: str | Path) -> Project:
@@ -108,7 +111,9 @@ class Project:
         items = tuple(item for i, body in enumerate(file.data.bodies) for item in _body_items(file, i, body))
         _check_models(file)
         simulator = file.data.simulator
-        return cls(file.path, items, None if simulator is msgspec.UNSET else simulator.time_step)
+        if simulator is msgspec.UNSET:
+            return cls(file.path, items)
+        return cls(file.path, items, simulator.time_step, simulator.clock)
 
     def with_robot(self, model: Path) -> Project:
         """Put another model in the place of the body that carries the controllers.
@@ -126,7 +131,7 @@ class Project:
                 f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
             )
         name = model.stem.capitalize()
-        _check_model(model)
+        check_model(model)
         if unfit := _unfit(name):
             raise TutorialError(f"{model}: the body is called after the file, and {unfit}")
         placement = replace(robots[0].placement, name=name, model=model)
@@ -180,7 +185,7 @@ class Project:
             lines.append(f"{indent}+ {first.placement.name}{last}")
             lines += [f"{indent}  - {controller.__name__}{_origin(controller)}" for controller in first.controllers]
         if self.time_step is not None:
-            lines = ["+ World", *lines, f"{indent}+ Simulator ({self.time_step * 1000:g} ms)"]
+            lines = ["+ World", *lines, f"{indent}+ Simulator ({self.time_step * 1000:g} ms{', /clock' * self.clock})"]
         return "\n".join(lines)
 
     def _with(self, change: Callable[[BodyItem], BodyItem]) -> Project:
@@ -215,17 +220,19 @@ def find_controller(name: str) -> type[SimpleController]:
     return found[name]
 
 
-def load_controllers(path: Path) -> dict[str, type[SimpleController]]:
+def load_controllers(path: Path, only: str | None = None) -> dict[str, type[SimpleController]]:
     """Run a user's file and take the controllers that it defines.
 
     Args:
         path: a Python file.
+        only: the name of the one to take; None for all.
 
     Returns:
         Their classes by name.
 
     Raises:
-        TutorialError: the file is missing, fails, or defines no controller; the text names the line.
+        TutorialError: the file is missing, fails, or defines no controller, or none of this name; the text names the
+            line, or the nearest.
     """
     if not is_file(path):
         others = [str(other) for other in path.parent.glob("*.py")]
@@ -237,11 +244,13 @@ def load_controllers(path: Path) -> dict[str, type[SimpleController]]:
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
-        raise TutorialError(tell(error, str(path))) from error
+        raise TutorialError(tell(error, str(path.absolute()))) from error  # as the traceback has it
     found = {name: each for name, each in _classes_of(module).items() if issubclass(each, SimpleController)}
     if not found:
         raise TutorialError(f"{path} defines no controller: a class made from SimpleController.")
-    return found
+    if only is not None and only not in found:
+        raise TutorialError(f"{path} defines no controller {only!r}.{did_you_mean(only, found)}")
+    return found if only is None else {only: found[only]}
 
 
 def _classes_of(module: ModuleType) -> dict[str, type]:
@@ -292,13 +301,16 @@ def _check_models(file: YamlFile[_ProjectFile]) -> None:
         if body.model not in checked:
             checked.add(body.model)
             try:
-                _check_model(file.path.parent / body.model)
+                check_model(file.path.parent / body.model)
             except TutorialError as error:
                 raise file.error(("bodies", i, "model"), str(error)) from None
 
 
-def _check_model(path: Path) -> None:
+def check_model(path: Path) -> None:
     """See to it that a model can be simulated.
+
+    Args:
+        path: an MJCF file.
 
     Raises:
         TutorialError: it does not load, is larger than one writes, or has values that are no numbers or far too large.

@@ -6,7 +6,7 @@ import logging
 import sys
 import threading
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import Enum
@@ -74,7 +74,7 @@ class Simulation:
 
     Args:
         placements: the bodies.
-        controllers: pairs of a body's name and a controller of it, in the order in which they are asked for control.
+        controllers: pairs of a body's name ("" for the world) and a controller, in the order in which they are asked.
         time_step: [s].
 
     Attributes:
@@ -87,16 +87,16 @@ class Simulation:
 
     def __init__(
         self,
-        placements: Iterable[Placement],
+        placements: Sequence[Placement],
         controllers: Iterable[tuple[str, SimpleController]] = (),
         time_step: float = 0.001,
     ) -> None:
-        self._placements = tuple(placements)
-        self.model = compose(self._placements, time_step)
+        self.model = compose(placements, time_step)
         self.data = mujoco.MjData(self.model)
         self.time_step = time_step
-        self.bodies = {p.name: Body(p.name, self.model, self.data) for p in self._placements}
-        self._controllers = [(each, ControllerIO(self.bodies[name], time_step)) for name, each in controllers]
+        self.bodies = {p.name: Body(p.name, self.model, self.data) for p in placements}
+        places = self.bodies | {"": Body("", self.model, self.data)}
+        self._controllers = [(each, ControllerIO(places[name], time_step)) for name, each in controllers]
         self._step = 0
         self._initialized = False
         self._duration: float | None = None  # of the last start

@@ -35,6 +35,7 @@ STRING = "std_msgs/msg/String"
 NOT_ASKED = {
     "check": "it judges notebooks, in a domain of their own",
     "lab": "it is JupyterLab's server",
+    "package": "it writes files",
     "progress": "it reads a file",
     "topic type": "it prints what topic info prints",
     "launch": "demo launches",
@@ -151,6 +152,23 @@ def test_a_command_prints_names_and_texts_without_obeying_them(hostile, command,
     assert [line for line in lines if line not in terminal.text] == [], terminal.text
 
 
+def test_a_bag_of_what_they_say(hostile, tmp_path):
+    """It is recorded, looked at and played, and what cannot be recorded is named."""
+    record = Terminal(hostile, "bag", "record", "-a", "--duration", "3", "-o", str(tmp_path / "bag"))
+    assert record.ends() == 0, record.text
+    harmless(record.text, WITH_A_BAR)
+    assert "topic //x is not recorded: its name breaks the rules of ROS 2" in record.text
+    assert r"is not recorded: The message type '\x1b[2J\x1b]0;mine\x07/msg/X' is invalid" in record.text
+    info = Terminal(hostile, "bag", "info", str(tmp_path / "bag"))
+    assert info.ends() == 0, info.text
+    harmless(info.text)
+    assert f"Topic: {SAID} | Type: {STRING} | Count: " in info.text
+    with reserved_domain() as domain:
+        play = Terminal(domain, "bag", "play", str(tmp_path / "bag"), "--rate", "10")
+        assert play.ends() == 0, play.text
+    harmless(play.text, WITH_A_BAR)
+
+
 def test_a_node_without_a_name_and_a_topic_whose_name_is_no_text():
     """With which a real ROS 2 lists nothing at all: that is an error, with its words. Others go on."""
     with hostile_domain("nameless", "no_text") as domain:
@@ -175,4 +193,5 @@ def test_the_list_of_commands_is_complete():
         for name, command in group.commands.items():
             yield from names(command, f"{name} ") if isinstance(command, click.Group) else [before + name]
 
-    assert set(names(tank)) == asked | NOT_ASKED.keys() | {"topic hz"}
+    alone = {"bag record", "bag info", "bag play", "topic hz"}  # in tests of their own
+    assert set(names(tank)) == asked | NOT_ASKED.keys() | alone

@@ -22,7 +22,7 @@ from nbformat.sign import NotebookNotary
 from programs import PATIENCE, answer, until
 from tornado.websocket import WebSocketClosedError
 
-from tutorial.commands import lab, lab_server
+from tutorial.commands import lab
 from tutorial.commands.lab import NOTEBOOKS, lab_command, own_course, trust
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME
@@ -115,6 +115,8 @@ def test_ctrl_c_ends_it_and_its_kernels_without_a_word(open_lab):
 
 
 def test_a_page_that_was_closed_is_no_news(caplog):
+    from tutorial.commands import lab_server  # and with it JupyterLab, for a second: not while tests are collected
+
     log = logging.getLogger("asyncio")
     log.addFilter(lab_server._is_news)
     try:

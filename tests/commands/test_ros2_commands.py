@@ -18,7 +18,9 @@ from rclpy.utilities import get_rmw_implementation_identifier
 from recorded import masked, recorded, recorded_status
 from std_msgs.msg import String
 
+from tutorial.commands import asking
 from tutorial.commands.tank import tank
+from tutorial.commands.topic import topic
 from tutorial.ros.node_thread import NodeThread
 from tutorial.ros.topics.populate import passed_class, populated
 
@@ -268,6 +270,14 @@ def test_ctrl_c_ends_it_as_it_ends_ros2(graph, program, command, said):
     running.asks_to_stop()
     assert running.ends() == 2
     assert "Traceback" not in running.output
+
+
+def test_hz_by_simulated_time_has_a_node_that_uses_it(monkeypatch):
+    given = []
+    monkeypatch.setattr(asking, "ask", lambda ros_args, question: given.append(ros_args))
+    for arguments in (["hz", "/x"], ["hz", "-s", "/x"]):
+        CliRunner().invoke(topic, arguments, obj=["--ros-args", "-r", "a:=b"], catch_exceptions=False)
+    assert given[1] == [*given[0], "--ros-args", "-p", "use_sim_time:=true"]
 
 
 def test_nobody_reads_on(graph):

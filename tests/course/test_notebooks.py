@@ -8,6 +8,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
+from steps import BESIDE
 
 from tutorial import controllers
 from tutorial.paths import HOME
@@ -21,7 +22,7 @@ def teaches(notebook, module):
 
 NOTEBOOKS = sorted((HOME / "notebooks").glob("*.ipynb"))
 LONGEST_CELL = 25  # lines
-FILES = sorted(Path(controllers.__path__[0]).glob("[!_]*.py"))
+FILES = sorted(path for path in Path(controllers.__path__[0]).glob("[!_]*.py") if path.stem not in BESIDE)
 LESSONS = [(path, module) for path in NOTEBOOKS for module in FILES if teaches(path, module)]
 OWN = controller_names()
 

@@ -11,7 +11,7 @@ import pytest
 from tutorial.paths import HOME
 
 TUTORIAL, TESTS = HOME / "tutorial", HOME / "tests"
-WINGS = {"controllers", "ros", "view", "notebook", "checks", "commands"}
+WINGS = {"controllers", "description", "ros", "view", "notebook", "checks", "commands"}
 SMALL_LIBRARY = ("controller", "handoff", "trace", "joints", "body", "world", "simulation")
 OUTSIDE = {"MuJoCo", "meshcat", "rclpy"}
 
@@ -25,7 +25,7 @@ def visible():
     return {name for name in modules() if not name.startswith("__")} | {f"{name}/" for name in WINGS}
 
 
-def test_six_wings_and_few_modules_are_all_there_is():
+def test_seven_wings_and_few_modules_are_all_there_is():
     assert len(modules()) <= 16
     assert {path.name for path in TUTORIAL.iterdir() if path.is_dir() and path.name[0] not in "._"} == WINGS
 

@@ -17,14 +17,15 @@ from pathlib import Path
 import click
 import pytest
 from PIL import Image
+from steps import BESIDE
 
 from tutorial.commands.tank import tank
-from tutorial.paths import HOME, find_drive, find_launch_file, find_project
+from tutorial.paths import HOME, find_drive, find_launch_file, find_model, find_project
 
 NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
 PAGES = [HOME / "README.md", HOME / "CONTRIBUTING.md", *sorted((HOME / "book").glob("*.md"))]
 
-FOREIGN = {".", "bash", "export", "pixi", "python", "python3", "ros2", "source", "sudo"}
+FOREIGN = {".", "bash", "cd", "colcon", "export", "pixi", "python", "python3", "ros2", "rviz2", "source", "sudo"}
 """Programs that are not the tutorial's: of their commands only the files that they name are looked for."""
 
 READERS_OWN = "mine"
@@ -40,7 +41,8 @@ STEPS = {
 """What a step consists of, by the column of the tables."""
 
 NO_STEPS = {f"tutorial/checks/{name}.py" for name in ("catalogue", "exercise", "overview", "progress")}
-"""What all exercises have in common."""
+NO_STEPS |= {f"tutorial/controllers/{name}.py" for name in BESIDE}
+"""What all exercises have in common, and what no notebook builds."""
 
 TABLES = [
     *(("README.md", column, STEPS[column]) for column in ("notebook", "controller", "project", "launch file")),
@@ -84,13 +86,18 @@ def test_a_command_that_the_reader_is_told_to_type_works(words, monkeypatch):
 
 def is_understood(arguments):
     """Have the command line parse it, and run nothing."""
-    rest = list(takewhile(lambda word: word != "--ros-args", arguments))
+    rest = list(takewhile(lambda word: word not in ("--ros-args", ">"), arguments))
     command, context = tank, click.Context(tank, info_name="tank")
     while isinstance(command, click.Group):
         name, command, rest = command.resolve_command(context, rest)
         context = click.Context(command, parent=context, info_name=name)
     values = command.make_context(command.name, rest, parent=context.parent).params
-    for option, find in (("project", find_project), ("step", find_launch_file), ("drive", find_drive)):
+    for option, find in (
+        ("project", find_project),
+        ("step", find_launch_file),
+        ("drive", find_drive),
+        ("model", find_model),
+    ):
         if values.get(option, READERS_OWN) not in (READERS_OWN, None):
             find(values[option])
 

@@ -18,7 +18,7 @@ from tutorial.paths import PACKAGE
 
 CHECKOUT = PACKAGE.parent
 COURSE = ("launch_py", "notebooks", "project")
-PAGES = ("book/comparison.md", "book/fleet.md", "book/glossary.md", "book/teaching.md")
+PAGES = ("book/comparison.md", "book/fleet.md", "book/glossary.md", "book/own_package.md", "book/teaching.md")
 JUNK = {"__pycache__", ".ipynb_checkpoints", "MUJOCO_LOG.TXT"}
 LINK = re.compile(r"\]\((\.\.?/[^)#]+)")
 NO_OTHER = """

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import pytest
 import yaml
 from domains import reserved_domain
+from packages import CONTROLLERS, install
 from pictures import is_red, need_pictures, red_block
 from programs import PATIENCE, TANK, until
 
@@ -25,6 +26,7 @@ from tutorial.paths import HOME
 
 REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
 PROJECT = HOME / "project" / "step2.yaml"
+CLOCK = "/clock"
 JOINTS, JOY = "/Tank/joint_state", "/joy"
 CAMERA = "/Tank/camera/image"
 BLOCK = """
@@ -46,7 +48,7 @@ class Beside:
     """A simulation with the one ROS 2, and the commands of the other.
 
     Attributes:
-        simulation: that of step 2.
+        simulation: that of step 2, which publishes its time.
         ros2: what starts ``ros2`` with the other.
         environment: of both.
     """
@@ -109,14 +111,23 @@ def rmw(request):
     return request.param
 
 
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    """That of step 2, with a clock."""
+    path = tmp_path_factory.mktemp("project") / "clock.yaml"
+    text = PROJECT.read_text(encoding="utf-8").replace("simulator:", "simulator:\n  clock: true")
+    path.write_text(text.replace("models/", f"{PROJECT.parent}/models/"), encoding="utf-8")
+    return path
+
+
 @pytest.fixture(scope="module", params=["the real one's commands", "the embedded one's commands"])
-def beside(request, rmw):
+def beside(request, rmw, project):
     """The simulation runs, and the other side has seen it."""
     theirs = request.param.startswith("the real")
     start, ros2 = ([TANK], [*REAL, "ros2"]) if theirs else ([*REAL, TANK], [TANK])
     with reserved_domain() as domain:
         environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": rmw}
-        arguments, quiet = [*start, "run", str(PROJECT), "--headless"], subprocess.DEVNULL
+        arguments, quiet = [*start, "run", str(project), "--headless"], subprocess.DEVNULL
         simulation = subprocess.Popen(arguments, env=environment, stdout=quiet, start_new_session=True)
         beside = Beside(simulation, ros2, environment)
         try:
@@ -160,6 +171,13 @@ def test_a_message_is_printed(beside):
     assert sorted(beside.joints()) == ["TURRET_P", "TURRET_Y"]
 
 
+def test_the_simulations_time_is_told(beside):
+    times = yaml.safe_load_all(beside.says("---", "topic", "echo", "--once", CLOCK, "rosgraph_msgs/msg/Clock"))
+    clock = next(times)["clock"]
+    assert clock["sec"] >= 0
+    assert clock["nanosec"] % 10_000_000 == 0, "to the step"
+
+
 def test_the_rate_is_measured(beside):
     rate = re.compile(r"average rate: (\d+\.\d+)\n")
     said = rate.search("".join(beside.lines("topic", "hz", JOINTS, count=5)))
@@ -198,5 +216,33 @@ def test_a_red_block_before_the_camera_is_red_in_a_real_topic_echo(rmw, tmp_path
             numbers = re.findall(r"\d+", values)
             middle = 3 * (120 * 320 + 160)
             assert is_red(numbers[middle : middle + 3])
+        finally:
+            beside.clear()
+
+
+def test_packages_are_run_and_launched_there(rmw, tmp_path):
+    pytest.importorskip("setuptools", reason="a package is installed by setuptools")
+    (tmp_path / "mine.py").write_text(CONTROLLERS, encoding="utf-8")
+    own = ("--controller", tmp_path / "mine.py:JointStatePublisher")
+    for name, arguments in (("own_tank", own), ("plain_node", ())):
+        subprocess.run([TANK, "package", name, *arguments, "--destination", tmp_path], check=True, capture_output=True)
+        site = install(tmp_path / name, tmp_path / "install")
+    both = 'export AMENT_PREFIX_PATH=$0:$AMENT_PREFIX_PATH PYTHONPATH=$1:$PYTHONPATH; shift; exec "$@"'
+    ros2 = [*REAL, "sh", "-c", both, str(tmp_path / "install"), str(site), "ros2"]  # as after install/setup.bash
+    with reserved_domain() as domain:
+        variables = {"ROS_LOG_DIR": str(tmp_path / "log"), "RCUTILS_LOGGING_USE_STDOUT": "1", "TANK_HEADLESS": "1"}
+        environment = {**os.environ, **variables, "ROS_DOMAIN_ID": str(domain), "RMW_IMPLEMENTATION": rmw}
+        launch = [*ros2, "launch", "own_tank", "own_tank.launch.py"]
+        launched = subprocess.Popen(launch, env=environment, stdout=subprocess.PIPE, text=True, start_new_session=True)
+        beside = Beside(launched, ros2, environment)
+        try:
+            assert any("[simulation]: mine publishes" in line for line in launched.stdout)
+            with beside.going_on("run", "plain_node", "listener") as listener:
+                assert any(line.endswith("[listener]: TURRET_Y 0.00, TURRET_P -0.01\n") for line in listener.stdout)
+                embedded = Beside(launched, [TANK], environment)
+                assert {"/listener", "/simulation"} <= set(embedded.says("/listener", "node", "list").splitlines())
+            launched.send_signal(signal.SIGINT)
+            launched.communicate(timeout=PATIENCE)
+            assert launched.returncode == 0
         finally:
             beside.clear()

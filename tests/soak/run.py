@@ -80,7 +80,7 @@ def run(kind: str, other: str, seconds: float, progress: Callable[[float], objec
     """
     with ExitStack() as stack:
         roles = (other, "publish")
-        ends = [stack.enter_context(_end(role, kind, seconds)) for role in roles]
+        ends = [stack.enter_context(one_end(role, kind, seconds)) for role in roles]
         stack.callback(lambda: [end.stdin.close() for end in ends])  # both are asked before either is waited for
         began = time.monotonic()
         while any(end.poll() is None for end in ends):
@@ -95,7 +95,7 @@ def run(kind: str, other: str, seconds: float, progress: Callable[[float], objec
 
 
 @contextmanager
-def _end(role: str, kind: str, seconds: float) -> Iterator[subprocess.Popen[str]]:
+def one_end(role: str, kind: str, seconds: float) -> Iterator[subprocess.Popen[str]]:
     """Start one end. A group of its own spares it the terminal's Ctrl-C: the end of its input asks it to stop."""
     command = [sys.executable, str(TRAFFIC), role, kind, str(seconds)]
     with subprocess.Popen(

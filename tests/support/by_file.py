@@ -13,17 +13,31 @@ from xdist.scheduler import LoadScopeScheduling
 LONG = ("test_notebooks_in_browser.py", "test_desk_in_browser.py")
 """The files whose tests come first and are shared out one by one: each takes longer than most files."""
 
+SLOW = (
+    *("test_hostile_names.py", "test_ros2_commands.py", "test_soak.py", "test_lab.py", "test_two_machines.py"),
+    *("test_steps.py", "test_processes.py", "test_host.py", "test_contain.py", "test_mutants.py", "test_check.py"),
+)
+"""The files that come next, and with them the notebooks: half a minute each and more, most of which they wait."""
+
+MORE_THAN_CORES = 3  # workers, for tests often wait: for a discovery, a duration, or a process to end
+
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes longest, so that in the end no core waits for another."""
-    items.sort(key=lambda item: (item.path.name not in LONG, item.get_closest_marker("browser") is None))
+    files = (*LONG, *SLOW)
+
+    def turn(item: pytest.Item) -> tuple[int, bool]:
+        by_name = files.index(item.path.name) if item.path.name in files else len(files)
+        return by_name, item.path.suffix != ".ipynb" and item.get_closest_marker("browser") is None
+
+    items.sort(key=turn)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """One more than there are cores: tests often wait, for a discovery, or for a process to end."""
-    return (os.cpu_count() or 1) + 1
+    """Say how many tests run side by side."""
+    return (os.cpu_count() or 1) + MORE_THAN_CORES
 
 
 class _ByFile(LoadScopeScheduling):

@@ -13,6 +13,7 @@ import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import takewhile
 from typing import Any
 
@@ -41,9 +42,10 @@ class Mutant:
     source: str
 
 
-def mutants_of(exercise: Exercise) -> list[Mutant]:
-    """Make every mutant of an exercise's right answer."""
-    return mutants(listing(exercise.right_answer))
+@cache
+def mutants_of(exercise: Exercise) -> tuple[Mutant, ...]:
+    """Make every mutant of an exercise's right answer, once."""
+    return tuple(mutants(listing(exercise.right_answer)))
 
 
 def mutants(source: str) -> list[Mutant]:

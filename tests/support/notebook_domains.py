@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import os
-import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
-sys.modules["rfc3987_syntax"] = None  # takes a second to import, and checks a kind of address that no notebook has
-
-# ruff: noqa: E402
 import pytest
 from domains import reserved_domain
 from nbval.plugin import IPyNbFile

@@ -29,12 +29,16 @@ _log = logging.getLogger(__name__)
 
 
 def asks(question: Callable[..., Awaitable[int | None]]) -> Callable[..., int]:
-    """Make a command's function of a question: what it is given, beside the node, are the command's options."""
+    """Make a command's function of a question: what it is given, beside the node, are the command's options.
+
+    The option ``use_sim_time`` is the node's parameter.
+    """
 
     @click.pass_obj
     @wraps(question)
-    def command(ros_args: list[str], /, **options: Any) -> int:
-        return ask(ros_args, partial(question, **options))
+    def command(ros_args: list[str], /, use_sim_time: bool = False, **options: Any) -> int:
+        given = ["--ros-args", "-p", "use_sim_time:=true"] if use_sim_time else []
+        return ask([*ros_args, *given], partial(question, **options))
 
     return command
 

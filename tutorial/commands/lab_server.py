@@ -19,6 +19,11 @@ import webbrowser
 from types import FrameType
 from typing import Any
 
+sys.modules["rfc3987_syntax"] = None  # type: ignore[assignment]
+"""Whoever imports it is told that it is not installed. It takes more than a second, half of the server's start, and is
+there to check addresses with other than Latin letters, of which Jupyter's schemas have none."""
+
+# ruff: noqa: E402
 from jupyter_server.serverapp import ServerApp
 from jupyterlab.labapp import LabApp
 from tornado.iostream import StreamClosedError

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-__all__ = ["Finite", "Seconds", "duration_option", "headless_option", "linger_option", "report_option"]
+__all__ = ["Finite", "Seconds", "duration_option", "headless_option", "linger_option", "part_class", "report_option"]
 
 
 class Finite(click.FloatRange):
@@ -56,3 +56,9 @@ report_option = click.option(
     help="Write what was measured to DIR/NODE.json.",
 )
 headless_option = click.option("--headless", is_flag=True, envvar="TANK_HEADLESS", help="Show no 3D view.")
+
+
+def part_class(given: str) -> tuple[Path, str | None]:
+    """Part ``FILE:CLASS``, which names a controller in a Python file; ``FILE`` alone names no class."""
+    file, _, name = given.rpartition(":")
+    return (Path(file), name) if file and name.isidentifier() else (Path(given), None)

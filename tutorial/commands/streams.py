@@ -89,6 +89,7 @@ async def echo(
 @click.option(
     "-w", "--window", type=click.IntRange(min=1), default=10_000, show_default=True, help="Of how many messages."
 )
+@click.option("-s", "--use-sim-time", is_flag=True, help="By simulated time, from /clock.")
 @asks
 async def hz(node: MeteredNode, topic_name: str, window: int) -> None:
     """Measure how often messages come on a topic, until Ctrl-C."""

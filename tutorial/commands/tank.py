@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import os
 import sys
 import tempfile
@@ -16,13 +17,16 @@ import click
 from tqdm.contrib import DummyTqdmFile
 
 from tutorial.commands.asking import clear_ros_errors, named_node
+from tutorial.commands.bag import bag
 from tutorial.commands.chaos import chaos
 from tutorial.commands.check import check
 from tutorial.commands.node import node
-from tutorial.commands.options import duration_option, headless_option, linger_option, report_option
+from tutorial.commands.options import duration_option, headless_option, linger_option, part_class, report_option
+from tutorial.commands.package import package
 from tutorial.commands.progress import progress
 from tutorial.commands.terminal import INTERRUPTED, heed, prepare_output, progress_bar, say, until_asked, with_bar
 from tutorial.commands.topic import topic
+from tutorial.commands.urdf import urdf
 from tutorial.errors import TutorialError, printable
 
 if TYPE_CHECKING:
@@ -52,6 +56,7 @@ def main() -> None:
         status = 1
     except (KeyboardInterrupt, click.Abort):
         status = INTERRUPTED
+    gc.freeze()  # else Python looks for garbage once more, for 0.1 s, in what ends with the process anyway
     sys.exit(status if isinstance(status, int) else 0)
 
 
@@ -75,6 +80,12 @@ def tank() -> None:
 )
 @click.option("--html", type=FILE, help="Keep the run as a page that plays it again; it needs nothing else.")
 @click.option(
+    "--bag",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Record the program's topics into this bag, a folder that must not be there.",
+)
+@click.option(
     "--robot",
     type=FILE,
     metavar="MODEL",
@@ -84,12 +95,12 @@ def tank() -> None:
     "--controller",
     "own",
     multiple=True,
-    type=FILE,
-    help="Take the controllers in this Python file in the place of the project's of the same names.",
+    metavar="FILE[:CLASS]",
+    help="Take the controllers in this Python file, or this one, in the place of the project's of the same names.",
 )
 @click.pass_obj
 def run(
-    ros_args: list[str], /, project: str, robot: Path | None, own: tuple[Path, ...], duration: float | None, **how: Any
+    ros_args: list[str], /, project: str, robot: Path | None, own: tuple[str, ...], duration: float | None, **how: Any
 ) -> int:
     """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
     from tutorial.paths import find_project
@@ -98,8 +109,8 @@ def run(
     loaded = Project.load(find_project(project))
     if robot is not None:
         loaded = loaded.with_robot(robot)
-    for path in own:
-        loaded = loaded.with_own(load_controllers(path))
+    for given in own:
+        loaded = loaded.with_own(load_controllers(*part_class(given)))
     return until_asked(_host(loaded, ros_args, duration, **how), duration)
 
 
@@ -179,11 +190,14 @@ def check_up() -> int:
     return doctor()
 
 
+tank.add_command(bag)
 tank.add_command(chaos)
 tank.add_command(check)
 tank.add_command(node)
+tank.add_command(package)
 tank.add_command(progress)
 tank.add_command(topic)
+tank.add_command(urdf)
 
 
 def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -209,17 +223,20 @@ async def _host(
     report: Path | None,
     port: int | None,
     html: Path | None,
+    bag: Path | None,
 ) -> None:
     """Run a project on the event loop that is running."""
+    from tutorial.commands.run_bag import bag_of
     from tutorial.host import Host
     from tutorial.view.bodies import View
     from tutorial.view.replay import recorded
     from tutorial.view.scene import Scene
-    from tutorial.view.web import SceneServer
 
     async with AsyncExitStack() as stack:
         scene, server = Scene(), None
         if not headless:
+            from tutorial.view.web import SceneServer
+
             server = await stack.enter_async_context(SceneServer(scene, port=port, title=project.path.stem))
         view = None if headless and html is None else View(scene)
         with clear_ros_errors():
@@ -227,6 +244,8 @@ async def _host(
         say(f"{project.tree()}\n")
         if server is not None:
             say(f"look at {server.url}\n")
+        if bag is not None:
+            await stack.enter_async_context(bag_of(host, bag))
         if html is not None:
             stack.enter_context(recorded(scene, html, host.node.get_name(), host.shown_at, host.joint_positions))
         progress = stack.enter_context(progress_bar(duration))

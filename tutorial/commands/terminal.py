@@ -21,7 +21,7 @@ from tqdm.contrib.logging import logging_redirect_tqdm
 
 from tutorial.errors import printable_lines
 
-__all__ = ["INTERRUPTED", "heed", "prepare_output", "progress_bar", "say", "until_asked", "with_bar"]
+__all__ = ["INTERRUPTED", "heed", "prepare_output", "progress_bar", "say", "status_line", "until_asked", "with_bar"]
 
 INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
 
@@ -142,6 +142,18 @@ def progress_bar(duration: float | None, shown: bool = False) -> Iterator[Callab
             bar.update(min(seconds, total) - bar.n)
 
         yield progress
+
+
+@contextmanager
+def status_line(shown: bool = True) -> Iterator[Callable[[str], object]]:
+    """Make a line on stderr that says how far it is, where nobody knows when it will end; only on a terminal.
+
+    Args:
+        shown: whether to show it at all.
+    """
+    line = tqdm(bar_format="{desc}", disable=not (shown and sys.stderr.isatty()), leave=False)
+    with line, logging_redirect_tqdm():
+        yield line.set_description_str
 
 
 class _Lines:

@@ -27,6 +27,7 @@ __all__ = ["MeteredNode", "NodeThread", "SpinThread", "TopicMeter"]
 
 LATENCIES_KEPT = 10_000
 LOOK = 0.05  # [s] between two looks whether the thread is to end
+COMPLAIN_EVERY = 5.0  # [s] between two log lines about failures in the same words
 GONE_FOR_GOOD = 1000  # spins in a row, some 0.1 s of them, that fail because of what is destroyed
 
 AnyNode = TypeVar("AnyNode", bound=Node)
@@ -153,6 +154,9 @@ class SpinThread(Generic[AnyNode]):
             raise
         self._stopping = threading.Event()
         self._closed = False
+        self._failure: list[str] = []  # that was logged last, in words
+        self._failed_at = 0.0
+        self._unsaid = 0
         self.alive.add(self)
         self._thread = threading.Thread(target=self._spin, name="executor", daemon=True)
         self._thread.start()
@@ -182,9 +186,19 @@ class SpinThread(Generic[AnyNode]):
         self.alive.discard(self)
 
     def failed(self, error: BaseException) -> None:
-        """Keep what a callback has raised, and log it; the other callbacks go on. Called on the thread."""
+        """Keep what a callback has raised, and log it; the other callbacks go on. Called on the thread.
+
+        What fails again and again in the same words, because a message comes a thousand times a second that no callback
+        can take, is logged now and then, with how often it was not.
+        """
         self.error = error
-        _log.error("a callback of the node %r failed; the others go on", self._name, exc_info=error)
+        failure, now = traceback.format_exception_only(error), time.monotonic()
+        if failure == self._failure and now - self._failed_at < COMPLAIN_EVERY:
+            self._unsaid += 1
+            return
+        more = f" ({self._unsaid} more like the one before)" if self._unsaid else ""
+        self._failure, self._failed_at, self._unsaid = failure, now, 0
+        _log.error("a callback of the node %r failed; the others go on%s", self._name, more, exc_info=error)
 
     def _spin(self) -> None:
         gone = 0  # spins in a row that failed because of what is destroyed

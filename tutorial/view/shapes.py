@@ -13,6 +13,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial.description.colour import colour_of
+
 __all__ = ["draw_arrow", "draw_geom", "is_drawn", "light"]
 
 Json = dict[str, Any]
@@ -27,10 +29,6 @@ ENDLESS = 20.0
 FRONT, BOTH = 0, 2
 """Which sides of a surface three.js draws."""
 
-_UNTOUCHED = (0.5, 0.5, 0.5, 1.0)
-"""The colour of a geom that was given none. MuJoCo then takes the material's (``setMaterial`` in
-``engine_vis_visualize.c``)."""
-
 _BALL = {"type": "SphereGeometry", "widthSegments": 32, "heightSegments": 16}
 
 _AS_IT_IS = np.eye(3)
@@ -40,7 +38,7 @@ _Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 def is_drawn(model: mujoco.MjModel, geom: int) -> bool:
     """Say whether a geom is in a visible group, not fully transparent and of a shape that can be drawn."""
-    visible = model.geom_group[geom] < DRAWN_GROUPS and _colour(model, geom)[3] > 0
+    visible = model.geom_group[geom] < DRAWN_GROUPS and colour_of(model, geom)[3] > 0
     return bool(visible and int(model.geom_type[geom]) in _SHAPES)
 
 
@@ -177,30 +175,9 @@ _SHAPES: dict[int, Callable[[mujoco.MjModel, int], tuple[Json, Array]]] = {
 """Each writes the geometry's JSON and the 3 x 3 matrix that takes it into the geom's own frame."""
 
 
-def _colour(model: mujoco.MjModel, geom: int) -> Array:
-    """The colour that MuJoCo's viewer shows: red, green, blue, opacity, each 0 to 1."""
-    own, material = model.geom_rgba[geom], model.geom_matid[geom]
-    if material < 0 or tuple(own) != _UNTOUCHED:
-        return np.asarray(own, dtype=float)
-    colour = np.array(model.mat_rgba[material], dtype=float)
-    colour[:3] *= _texture_tint(model, material)
-    return colour
-
-
-def _texture_tint(model: mujoco.MjModel, material: int) -> Array:
-    """The mean colour of a material's texture; white if it has none. The pattern itself is not drawn."""
-    texture = model.mat_texid[material, int(mujoco.mjtTextureRole.mjTEXROLE_RGB)]
-    if texture < 0 or model.tex_nchannel[texture] < 3:
-        return np.ones(3)
-    channels = model.tex_nchannel[texture]
-    size = model.tex_height[texture] * model.tex_width[texture] * channels
-    pixels = model.tex_data[model.tex_adr[texture] : model.tex_adr[texture] + size].reshape(-1, channels)
-    return np.asarray(pixels[:, :3].mean(axis=0) / 255)
-
-
 def _material(model: mujoco.MjModel, geom: int) -> Json:
     """Paint as MuJoCo does, roughly: its colour, transparency, gloss and glow."""
-    colour, material = _colour(model, geom), model.geom_matid[geom]
+    colour, material = colour_of(model, geom), model.geom_matid[geom]
     specular, shininess, emission = (
         (model.mat_specular[material], model.mat_shininess[material], model.mat_emission[material])
         if material >= 0

@@ -12,8 +12,12 @@ import pytest
 import rclpy
 import yaml
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
-from programs import until
+from programs import PATIENCE, until
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.time import Time
 from recorded import masked, recorded
 from sensor_msgs.msg import Image, Imu, JointState, Joy
 from std_msgs.msg import Empty, Float32MultiArray, String
@@ -197,6 +201,38 @@ class TestHz:
         assert warning == recorded("ros2 topic hz /nothing").replace("/nothing", "/late")
         assert rate.startswith("average rate: ")
         assert not list(asker.subscriptions)
+
+    def test_simulated_time_counts_and_where_it_jumps_back_it_begins_anew(self, asker):
+        asker.set_parameters([Parameter("use_sim_time", value=True)])
+        publisher = asker.create_publisher(String, "/now_and_then", 1)
+        turns = []  # of the executor's thread: whatever ran before one has ended
+        asker.create_timer(0.01, lambda: turns.append(1), clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+        async def grows(count, before=0):
+            deadline = time.monotonic() + PATIENCE
+            while count() <= before:
+                assert time.monotonic() < deadline, "waited in vain"
+                await asyncio.sleep(0.005)
+
+        async def text(texts, *times):
+            watched = asyncio.create_task(anext(texts))
+            await grows(publisher.get_subscription_count)
+            await grows(list(asker.subscriptions)[-1].get_publisher_count)
+            for seconds in times:
+                asker.get_clock().set_ros_time_override(Time(seconds=seconds))
+                heard = asker.taps[-1].count
+                publisher.publish(String())
+                await grows(lambda: asker.taps[-1].count, heard)
+                await grows(lambda: len(turns), len(turns))
+            return await watched
+
+        async def watch():
+            async with aclosing(topic_hz(asker, "/now_and_then")) as texts:
+                return await text(texts, 0, 10, 10.5, 11), await text(texts, 3, 3.25, 3.5, 3.75, 4)
+
+        assert settle(asker)
+        figures = "average rate: {:.3f}\n\tmin: {:.3f}s max: {:.3f}s std dev: 0.00000s window: {}\n"
+        assert asyncio.run(watch()) == (figures.format(2, 0.5, 0.5, 2), figures.format(4, 0.25, 0.25, 4))
 
     def test_a_topic_or_a_message_that_does_not_come_in_time_is_said(self, simulation, asker):
         async def watch():

@@ -80,10 +80,10 @@ async def topic_hz(
 ) -> AsyncGenerator[str, None]:
     """Measure the rate at which messages come in, as ``ros2 topic hz``; it goes on for ever.
 
-    While nothing new comes, it says nothing.
+    While nothing new comes, it says nothing. Where simulated time jumps back, it begins anew.
 
     Args:
-        node: that subscribes; its thread must spin.
+        node: that subscribes; its thread must spin. Where it uses simulated time, that is what counts.
         topic: its full name. If there is none, a warning is the first text, and the wait for it begins.
         window: how many intervals between messages count, the newest.
         timeout: how long to wait for the topic, and then for each message, at most [s]; None for ever.
@@ -101,10 +101,13 @@ async def topic_hz(
             await asyncio.sleep(LOOK_EVERY)
     intervals: deque[float] = deque(maxlen=window)
     with closing(_Inbox(node, message_class(type_name), topic, kept=window + 1, times_only=True)) as inbox:
-        before, _ = await inbox.next(timeout)
-        told = before
+        before = told = math.inf
         while True:
             now, _ = await inbox.next(timeout)
+            if now < before:
+                intervals.clear()
+                before = told = now if now > 0 else math.inf  # simulated time is 0 before anything is heard of it
+                continue
             intervals.append(now - before)
             before = now
             if now >= told + HZ_EVERY:
@@ -145,7 +148,7 @@ class _Inbox:
         )
 
     async def next(self, timeout: float | None = None) -> tuple[float, Any]:
-        """Wait for the next message; (when it came, of `time.monotonic` [s], the message).
+        """Wait for the next message; (when it came [s], in simulated time or that of `time.monotonic`; the message).
 
         Raises:
             TutorialError: none came in time.
@@ -163,7 +166,9 @@ class _Inbox:
 
     def _on_message(self, message: Any) -> None:
         """Keep the message with its time, post, and return. The thread that spins."""
-        self._messages.append((time.monotonic(), None if self._times_only else message))
+        clock = self._node.get_clock()
+        now = clock.now().nanoseconds / 1e9 if clock.ros_time_is_active else time.monotonic()
+        self._messages.append((now, None if self._times_only else message))
         self._scope.call_latest("news", self._news.set)
 
 

@@ -18,7 +18,7 @@ __all__ = ["met", "settled"]
 
 READ_EVERY = 0.1  # [s] between two looks at the graph
 QUIET_READS = 5  # that have to agree before the graph counts as settled
-NAMELESS_READS = 30  # that have to agree where a name is missing: a program that is DDS alone never tells one
+PATIENT_READS = 30  # where more may be on its way: see `_lacks_something`
 LOOKED_INTO = 50  # topics, of however many there are, whose publishers and subscriptions are looked at
 PATIENCE = 5.0  # [s] for it to settle
 SHY = 2.0  # [s] that a node or topic that is asked for may take to turn up
@@ -41,8 +41,7 @@ async def settled(node: Node, patience: float = PATIENCE) -> bool:
     agreeing = 0  # looks in a row
     while True:
         before, seen = seen, _snapshot(node)
-        is_complete = all(NAMELESS not in names for names in seen)  # every endpoint has its node's name
-        enough = QUIET_READS if is_complete else NAMELESS_READS
+        enough = PATIENT_READS if _lacks_something(node, seen) else QUIET_READS
         agreeing = agreeing + 1 if seen == before else 0
         if agreeing >= enough or time.monotonic() >= deadline:
             return agreeing >= enough
@@ -59,12 +58,22 @@ async def met(node: Node, wanted: Callable[[], object]) -> bool:
     Returns:
         Whether the graph has settled.
     """
-    is_fast_dds = "fastrtps" in get_rmw_implementation_identifier()
-    deadline = time.monotonic() + (SHY_ON_FAST_DDS if is_fast_dds else SHY)
+    deadline = time.monotonic() + (SHY_ON_FAST_DDS if _is_fast_dds() else SHY)
     while True:
         done = await settled(node)
         if wanted() or time.monotonic() >= deadline:
             return done
+
+
+def _lacks_something(node: Node, seen: tuple[tuple[str, ...], ...]) -> bool:
+    """Whether a node's name is missing, which a program that is DDS alone never tells, or Fast DDS has found nobody."""
+    if any(NAMELESS in names for names in seen):
+        return True
+    return _is_fast_dds() and seen[:1] == ((full_name(node.get_name(), node.get_namespace()),),)
+
+
+def _is_fast_dds() -> bool:
+    return "fastrtps" in get_rmw_implementation_identifier()
 
 
 def _snapshot(node: Node) -> tuple[tuple[str, ...], ...]:

@@ -1,1 +1,1 @@
-"""Message classes made on import from rosbags' definitions: what ROS 2 generates at build time (rosidl)."""
+"""Message classes made on import from recorded definitions: what ROS 2 generates at build time (rosidl)."""

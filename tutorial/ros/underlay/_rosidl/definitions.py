@@ -1,11 +1,25 @@
-"""What a message consists of, read from rosbags' store of ROS 2 Jazzy message definitions."""
+"""What a message consists of: the definitions of ROS 2 Jazzy's common interfaces.
+
+They are in ``jazzy.json``, as rosbags' store has them: ``tests/support/record_definitions.py`` writes it. To read the
+store itself takes every program 0.1 s, for it makes the classes of all messages of all distributions up to Jazzy.
+"""
 
 from __future__ import annotations
 
+import json
+import re
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
+from pathlib import Path
 from typing import Any
+
+RECORDED = Path(__file__).with_name("jazzy.json")
+"""By type name the hash, the constants with their types, and the fields with theirs, as a .msg file writes them."""
+
+FIELD_TYPE = re.compile(
+    r"(?P<base>[\w/]+)(<=(?P<string_bound>\d+))?(?P<array>\[(?P<fixed>\d+)\])?(?P<sequence>\[(<=(?P<most>\d+))?\])?"
+)
 
 EMPTY_STRUCTURE_MEMBER = "structure_needs_at_least_one_member"
 """IDL knows no empty struct: an empty message has this uint8 on the wire, and nothing in its class."""
@@ -77,57 +91,38 @@ def definition(type_name: str) -> Definition:
     Raises:
         KeyError: ROS 2 Jazzy's common interfaces have no such message.
     """
-    constants, fields = _store().fielddefs[type_name]
+    recorded = _recorded()[type_name]
     return Definition(
         type_name,
-        {name: bytes([int(value)]) if base == "byte" else value for name, base, value in constants},
-        tuple(_field(name, description) for name, description in fields),
+        {name: bytes([value]) if base == "byte" else value for name, (base, value) in recorded["constants"].items()},
+        tuple(_field(name, written) for name, written in recorded["fields"].items()),
     )
 
 
 @cache
 def type_hash(type_name: str) -> str:
     """Return the type's hash (REP 2016), such as ``"RIHS01_a13e..."``; endpoints announce it."""
-    return str(_store().hash_rihs01(type_name))
+    return str(_recorded()[type_name]["hash"])
 
 
 @cache
 def type_names() -> dict[str, tuple[str, ...]]:
     """Return the names of all messages by package: ``{"sensor_msgs": ("BatteryState", ...), ...}``."""
     packages: dict[str, list[str]] = {}
-    for type_name in _store().fielddefs:
+    for type_name in _recorded():
         package, _, name = type_name.split("/")
         packages.setdefault(package, []).append(name)
     return {package: tuple(sorted(names)) for package, names in packages.items()}
 
 
 @cache
-def _store() -> Any:
-    from rosbags.typesys import Stores, get_typestore  # noqa: PLC0415  (0.1 s, not spent by `import tutorial`)
-
-    store = get_typestore(Stores.ROS2_JAZZY)
-    for constants, fields in store.fielddefs.values():
-        fields[:] = [(name, _without_char(description)) for name, description in fields]
-        constants[:] = [(name, "uint8" if base == "char" else base, value) for name, base, value in constants]
-    return store
+def _recorded() -> dict[str, dict[str, Any]]:
+    return dict(json.loads(RECORDED.read_text(encoding="utf-8")))
 
 
-def _without_char(description: Any) -> Any:
-    """Replace the .msg type char by what ROS 2 makes of it, a uint8: in its class, on the wire and in its hash."""
-    if description == ("char", 0):
-        return ("uint8", 0)
-    if isinstance(description, tuple):
-        return tuple(_without_char(part) for part in description)
-    return description
-
-
-def _field(name: str, description: Any) -> Field:
-    kind, detail = description
-    if kind.name == "BASE":
-        base, bound = detail
-        return Field(name, base, string_bound=bound)
-    if kind.name == "NAME":
-        return Field(name, detail)
-    element, size = detail
-    inner = _field(name, element)
-    return Field(name, inner.base, Cardinality[kind.name], size, inner.string_bound)
+def _field(name: str, written: str) -> Field:
+    """Read a field's type, such as ``"float64[36]"``, ``"std_msgs/msg/Header"`` or ``"string<=255[]"``."""
+    found = FIELD_TYPE.fullmatch(written)
+    assert found is not None, written
+    kind = Cardinality.ARRAY if found["array"] else Cardinality.SEQUENCE if found["sequence"] else Cardinality.SCALAR
+    return Field(name, found["base"], kind, int(found["fixed"] or found["most"] or 0), int(found["string_bound"] or 0))

@@ -1,8 +1,10 @@
 """What stands between ``--ros-args`` and ``--`` on a command line: remappings, parameters, log levels."""
 
+import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from rclpy._names import expand_topic_name
@@ -11,22 +13,12 @@ from rclpy.exceptions import NeedsRealROSError
 from rclpy.logging import LoggingSeverity, get_logger
 
 REMAP, PARAMETER, LOG_LEVEL, PARAMETER_FILE = "remap rule", "parameter override rule", "log level", "parameter file"
-FLAGS = {
-    **dict.fromkeys(("-r", "--remap"), REMAP),
-    **dict.fromkeys(("-p", "--param"), PARAMETER),
-    **dict.fromkeys(("-e", "--enclave"), "enclave"),
-    **dict.fromkeys(("--log-config-file", "--log-file-name"), "file name"),
-    "--params-file": PARAMETER_FILE,
-    "--log-level": LOG_LEVEL,
-}
-"""Flags that take a value, and what that is."""
-SWITCHES = [f"--{able}-{what}-logs" for able in ("enable", "disable") for what in ("rosout", "stdout", "external-lib")]
-
+TABLE = json.loads(Path(__file__).with_name("arguments.json").read_text(encoding="utf-8"))
+"""The flags that take a value, each with what that is; those that take none; and the words for yes and no."""
+FLAGS: dict[str, str] = TABLE["flags"]
 RULE = re.compile(r"(?:(?P<node>\w+):(?!//|=))?(?:rostopic://)?(?P<name>.+?):=(?P<value>.+)", re.DOTALL)
 READABLE = re.compile(r"([\w/~{}*]+:(?!=))?(rostopic://)?[\w/~{}*]*(:=[\w/~{}*]*)?")
 """How far a remapping can be read."""
-YES = [word for yes in ("yes", "true", "on") for word in (yes, yes.title(), yes.upper())] + ["y", "Y"]
-NO = [word for no in ("no", "false", "off") for word in (no, no.title(), no.upper())] + ["n", "N"]
 
 
 class Rule(NamedTuple):
@@ -64,7 +56,7 @@ class Arguments:
         for flag in ros_args:
             if flag in FLAGS:
                 arguments._add(flag, next(ros_args, None))
-            elif flag not in SWITCHES:
+            elif flag not in TABLE["switches"]:
                 unknown.append(flag)
         if unknown:
             raise UnknownROSArgsError(str(unknown))
@@ -100,22 +92,22 @@ class Arguments:
         failure = f"{kind}: '{flag} {text}'. Error:"
         if kind in (REMAP, PARAMETER):
             self._add_rule(kind, text, failure)
-        elif kind is LOG_LEVEL:
+        elif kind == LOG_LEVEL:
             logger, _, level = text.rpartition(":=")
             if level.upper() not in LoggingSeverity.__members__:
                 raise _unreadable(f"{failure} Argument does not use a valid severity level")
             self.log_levels[logger] = LoggingSeverity[level.upper()]
-        elif kind is PARAMETER_FILE:
+        elif kind == PARAMETER_FILE:
             raise NeedsRealROSError(flag)
 
     def _add_rule(self, kind: str, text: str, failure: str) -> None:
         parts, unread = RULE.fullmatch(text), READABLE.sub("", text, count=1)
-        if not parts or (unread and kind is REMAP):
-            lexeme = 22 if kind is PARAMETER else 1 if parts and parts["name"].startswith("__") else 19
+        if not parts or (unread and kind == REMAP):
+            lexeme = 22 if kind == PARAMETER else 1 if parts and parts["name"].startswith("__") else 19
             end = len(text) - len(unread)
             raise _unreadable(f"{failure} Expected lexeme type ({lexeme}) not found, search ended at index {end}")
         node, name, value = parts["node"] or "", parts["name"], parts["value"]
-        if kind is REMAP:
+        if kind == REMAP:
             self.remappings.append(Rule(node, name, value))
             return
         try:
@@ -163,8 +155,8 @@ def parameter_value(text: str) -> Any:
 def _scalar(text: str, style: str | None) -> Any:
     if style:  # quoted
         return text
-    if text in (*YES, *NO):
-        return text in YES
+    if text in (*TABLE["yes"], *TABLE["no"]):
+        return text in TABLE["yes"]
     if re.fullmatch(r"[+-]?([0-9]+|0[xX][0-9a-fA-F]+)", text):
         return int(text, 16 if "x" in text.lower() else 10)
     try:

@@ -54,15 +54,13 @@ def from_dds(qos: Qos) -> QoSProfile:
     reliable = isinstance(qos[Policy.Reliability], Policy.Reliability.Reliable)
     volatile = qos[Policy.Durability] == Policy.Durability.Volatile
     manual = isinstance(liveliness, Policy.Liveliness.ManualByTopic)
-    lifespan = qos[Policy.Lifespan].lifespan if Policy.Lifespan in qos else FOREVER
-    deadline = qos[Policy.Deadline].deadline if Policy.Deadline in qos else FOREVER
     return QoSProfile(
         history=HistoryPolicy.KEEP_LAST if last else HistoryPolicy.KEEP_ALL,
         depth=history.depth if last else 0,
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.VOLATILE if volatile else DurabilityPolicy.TRANSIENT_LOCAL,
-        lifespan=Duration(nanoseconds=lifespan),
-        deadline=Duration(nanoseconds=deadline),
+        lifespan=Duration(nanoseconds=qos[Policy.Lifespan].lifespan if Policy.Lifespan in qos else FOREVER),
+        deadline=Duration(nanoseconds=qos[Policy.Deadline].deadline if Policy.Deadline in qos else FOREVER),
         liveliness=LivelinessPolicy.MANUAL_BY_TOPIC if manual else LivelinessPolicy.AUTOMATIC,
         liveliness_lease_duration=Duration(nanoseconds=liveliness.lease_duration if liveliness else FOREVER),
     )

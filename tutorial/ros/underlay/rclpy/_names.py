@@ -1,59 +1,18 @@
-"""The rules for names: those of rcl and rmw, with their wording, as tables."""
+"""The rules for names: those of rcl and rmw, with their wording."""
 
+import json
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException, InvalidTopicNameException
 
-Rules = list[list[tuple[str, str]]]
-"""Patterns that a name must not match, and what to say then; group 1 is at the place. They are in groups: of the first
-group with a match, the match that comes first in the name counts."""
+Rules = list[list[list[str]]]
+"""Patterns that a name must not match, each with what to say then; group 1 is at the place. They are in groups: of the
+first group with a match, the match that comes first in the name counts."""
 
-ONLY = "must not contain characters other than alphanumerics"
-UNBALANCED = "topic name must not have unmatched (unbalanced) curly braces '{}'"
-
-NODE_NAME: Rules = [
-    [(r"\A()\Z", "node name must not be empty")],
-    [(r"([^A-Za-z0-9_])", f"node name {ONLY} or '_'")],
-    [(r"\A([0-9])", "node name must not start with a number")],
-    [(r"\A.{254}(.).", "node name length should not exceed '255'")],
-]
-TOPIC_NAME: Rules = [
-    [(r"\A()\Z", "topic name must not be empty string")],
-    [(r"\A([0-9])", "topic name token must not start with a number")],
-    [(r"(/)\Z", "topic name must not end with a forward slash")],
-    [
-        (r"\{([0-9])", "substitution name must not start with a number"),
-        (r"\{[^{}]*?([^A-Za-z0-9_~}])", f"substitution name {ONLY} or '_'"),
-        (r".(~)", "topic name must not have tilde '~' unless it is the first character"),
-        (r"(?:\A|\})[^{}]*(\})", UNBALANCED),
-        (r"([^A-Za-z0-9_/~{}])", f"topic name {ONLY}, '_', '~', '{{', or '}}'"),
-    ],
-    [(r"(\{)[^}]*\Z", UNBALANCED)],
-    [
-        (r"/([0-9])", "topic name token must not start with a number"),
-        (r"\A~([^/]).", "topic name must not have a tilde '~' that is not followed by a forward slash '/'"),
-    ],
-]
-
-
-def _absolute(kind: str, unless: str, too_long: tuple[str, str]) -> Rules:
-    """Return the rules for what begins with a slash."""
-    return [
-        [(r"\A()\Z", f"{kind} must not be empty")],
-        [(r"\A([^/])", f"{kind} must be absolute, it must lead with a '/'")],
-        [(r"(/)\Z", f"{kind} must not end with a '/'{unless}")],
-        [(r"([^A-Za-z0-9_/])", f"{kind} {ONLY}, '_', or '/'")],
-        [
-            (r"/(/)", f"{kind} must not contain repeated '/'"),
-            (r"/([0-9])", f"{kind} must not have a token that starts with a number"),
-        ],
-        [too_long],
-    ]
-
-
-FULL_TOPIC_NAME = _absolute("topic name", "", (r"\A.{246}(.).", "topic length should not exceed '255U - 8U'"))
-NAMESPACE = _absolute("namespace", ", unless only a '/'", (r"\A.{244}(.).", "namespace should not exceed '245'"))
+RULES: dict[str, Rules] = json.loads(Path(__file__).with_name("name_rules.json").read_text(encoding="utf-8"))
+NODE_NAME, TOPIC_NAME, FULL_TOPIC_NAME, NAMESPACE = RULES.values()
 
 
 def problem(rules: Rules, name: str) -> tuple[str, int] | None:

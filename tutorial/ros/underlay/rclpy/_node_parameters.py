@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
@@ -22,6 +22,9 @@ class NodeParameters:
 
     PARAM_REL_TOL = 1e-6
 
+    _use_sim_time: Callable[[bool], None]
+    """Has the node's clock go by simulated time from now on, or by the system's."""
+
     def _init_parameters(self, name: str, arguments: list[Arguments], given: Iterable[Parameter]) -> None:
         self._parameters: dict[str, Parameter] = {}
         self._descriptors: dict[str, ParameterDescriptor] = {}
@@ -29,8 +32,7 @@ class NodeParameters:
         for source in reversed(arguments):
             self._overrides.update(source.overrides(name))
         self._overrides.update((parameter.name, parameter.value) for parameter in given)
-        if self.declare_parameter("use_sim_time", False).value:
-            raise exceptions.NeedsRealROSError("simulated time (use_sim_time)")
+        self.declare_parameter("use_sim_time", False)
 
     def declare_parameter(
         self, name: str, value: Any = None, descriptor: ParameterDescriptor | None = None, ignore_override: bool = False
@@ -111,6 +113,8 @@ class NodeParameters:
             self._parameters[name] = parameter
             if parameter.type_ == Parameter.Type.NOT_SET:
                 del self._parameters[name], self._descriptors[name]
+            if name == "use_sim_time":
+                self._use_sim_time(parameter.value)
         return SetParametersResult(successful=not reason, reason=reason)
 
     def _refusal(self, parameter: Parameter, descriptor: ParameterDescriptor) -> str:

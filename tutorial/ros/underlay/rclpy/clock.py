@@ -1,32 +1,40 @@
 """Clocks that tell the time."""
 
+from __future__ import annotations
+
 import time
-from typing import Any, Self, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 from rclpy import _rclpy_pybind11
 from rclpy.clock_type import ClockType
 from rclpy.time import Time
+
+if TYPE_CHECKING:
+    from rclpy.timer import Timer
 
 
 class Clock:
     """Tells the time.
 
     Args:
-        clock_type: which time; ROS time is the system's time here, because the underlay has no simulated time.
+        clock_type: which time; ROS time is the system's, except for a node that uses simulated time.
 
     Raises:
         TypeError: it is no ClockType.
     """
+
+    _clock_type: ClockType
+    _timers: set[Timer]  # those that go by it
+    _is_simulated = False
+    _simulated_ns = 0  # what it tells while it is simulated
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> Self:
         """Make a clock, which for ROS time is a ROSClock."""
         if not isinstance(clock_type, (ClockType, _rclpy_pybind11.ClockType)):
             raise TypeError("Clock type must be a ClockType enum")
         self: Any = object.__new__(ROSClock if clock_type == ClockType.ROS_TIME else cls)
-        self._clock_type = clock_type
+        self._clock_type, self._timers = clock_type, set()
         return cast(Self, self)
-
-    _clock_type: ClockType
 
     @property
     def clock_type(self) -> ClockType:
@@ -34,16 +42,20 @@ class Clock:
         return self._clock_type
 
     def now(self) -> Time:
-        """Return the time now."""
-        steady = self._clock_type == ClockType.STEADY_TIME
-        return Time(nanoseconds=time.monotonic_ns() if steady else time.time_ns(), clock_type=self._clock_type)
+        """Return the time now; while it is simulated, 0 before the first message on ``/clock``."""
+        system_ns = time.monotonic_ns() if self._clock_type == ClockType.STEADY_TIME else time.time_ns()
+        return Time(nanoseconds=self._simulated_ns if self._is_simulated else system_ns, clock_type=self._clock_type)
+
+    def _timer_ns(self) -> int:
+        """Return the time that timers go by [ns]: whoever sets the system's clock does not change their rhythm."""
+        return self._simulated_ns if self._is_simulated else time.monotonic_ns()
 
     def __repr__(self) -> str:
         return f"Clock(clock_type={self._clock_type.name})"
 
 
 class ROSClock(Clock):
-    """A node's clock."""
+    """A node's clock: it tells the system's time or, while the node uses simulated time, what ``/clock`` has said."""
 
     def __new__(cls) -> Self:
         """Make a clock of ROS time."""
@@ -51,5 +63,22 @@ class ROSClock(Clock):
 
     @property
     def ros_time_is_active(self) -> bool:
-        """Whether the time is simulated: never here."""
-        return False
+        """Whether the time is simulated."""
+        return self._is_simulated
+
+    def set_ros_time_override(self, time: Time) -> None:
+        """Set the simulated time.
+
+        Raises:
+            TypeError: it is no Time.
+        """
+        if not isinstance(time, Time):
+            raise TypeError(f"Time must be specified as rclpy.time.Time. Received type: {type(time)}")
+        self._jump(self._is_simulated, time.nanoseconds)
+
+    def _jump(self, is_simulated: bool, simulated_ns: int) -> None:
+        """Tell another time from now on, and have the timers go by it."""
+        before, switched = self._timer_ns(), is_simulated != self._is_simulated
+        self._is_simulated, self._simulated_ns = is_simulated, simulated_ns
+        for timer in tuple(self._timers):
+            timer.clock_has_jumped(before, switched)

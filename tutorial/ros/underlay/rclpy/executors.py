@@ -122,12 +122,8 @@ class SingleThreadedExecutor:
             future: which one.
             timeout_sec: how long to wait [s]; None or negative: without end.
         """
-
-        def finished() -> bool:
-            return future.done() or future.cancelled()
-
         with future._telling(lambda _: self.wake()):
-            self._spin(_deadline(timeout_sec), until=finished)
+            self._spin(_deadline(timeout_sec), until=lambda: future.done() or future.cancelled())
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:  # noqa: ARG002  (rclpy does not wait, either)
         """Stop spinning and give the nodes up; may be called again.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from _rosidl.message import Message
 from cyclonedds.core import DDSException
 from rcl_interfaces.msg import Log, ParameterEvent
-from rclpy import _absent
+from rclpy import _absent, qos
 from rclpy._arguments import Arguments
 from rclpy._names import validate_topic_name
 from rclpy._node_graph import NodeGraph
@@ -27,8 +27,10 @@ from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter  # noqa: F401 
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events, qos_profile_services_default  # noqa: F401
 from rclpy.subscription import Subscription
+from rclpy.time import Time
 from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
+from rosgraph_msgs.msg import Clock as ClockMessage
 
 if TYPE_CHECKING:
     from rclpy.context import Context
@@ -38,10 +40,14 @@ Entity = TypeVar("Entity", Publisher, Subscription, Timer)
 
 HIDDEN_NODE_PREFIX = "_"
 ROSOUT_QOS = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
+CLOCK_QOS = QoSProfile(depth=1, reliability=qos.ReliabilityPolicy.BEST_EFFORT)
 
 
 class Node(NodeGraph, NodeParameters):
     """A member of the node graph: has a name, publishes, subscribes, keeps time. May be used from any thread.
+
+    Its clock, and the timers that go by it, follow the messages on ``/clock`` while its parameter ``use_sim_time`` is
+    true: the time moves when a message's callback runs, so on the thread that spins.
 
     Args:
         node_name: its name; a remapping on the command line wins.
@@ -58,6 +64,8 @@ class Node(NodeGraph, NodeParameters):
         NotInitializedException: ``rclpy.init()`` has not been called.
         NameValidationException: the name or the namespace breaks the rules.
     """
+
+    _clock_subscription: Subscription  # there while it uses simulated time
 
     def __init__(
         self,
@@ -94,12 +102,13 @@ class Node(NodeGraph, NodeParameters):
                 self._rosout = Publisher(self, Log, "/rosout", ROSOUT_QOS)
             listeners[self._logger.name] = self
         self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
+        self._use_sim_time(self.get_parameter("use_sim_time").value)
 
     def get_logger(self) -> RcutilsLogger:
         """Return its logger."""
         return self._logger
 
-    def get_clock(self) -> Clock:
+    def get_clock(self) -> ROSClock:
         """Return its clock."""
         return self._clock
 
@@ -209,7 +218,7 @@ class Node(NodeGraph, NodeParameters):
             timer_period_sec: time between calls [s].
             callback: called without arguments, on the thread that spins.
             callback_group: not in the underlay.
-            clock: which clock; all keep the same pace here.
+            clock: which clock; None takes the node's, so that the timer goes by simulated time where the node does.
             autostart: start at once.
 
         Raises:
@@ -318,10 +327,23 @@ class Node(NodeGraph, NodeParameters):
             self._graph.set_endpoints(self._entry, writers, readers)
         self.wake_executor()
 
+    def _use_sim_time(self, enabled: bool) -> None:
+        """Have its clock go by ``/clock`` from now on, or by the system's time."""
+        if enabled == self._clock.ros_time_is_active:
+            return
+        self._clock._jump(enabled, self._clock._simulated_ns)
+        if enabled:
+            self._clock_subscription = self.create_subscription(ClockMessage, "/clock", self._on_clock, CLOCK_QOS)
+        else:
+            self.destroy_subscription(self._clock_subscription)
+
+    def _on_clock(self, message: ClockMessage) -> None:
+        self._clock.set_ros_time_override(Time.from_msg(message.clock))
+
     def publish_log(self, severity: LoggingSeverity, name: str, text: str) -> None:
         """Publish a log line on ``/rosout``. Called by the logger; a shutdown meanwhile is no error of who logs."""
         rosout = self._rosout
         if rosout is None or not self._context.ok():
             return
         with suppress(RCLError, InvalidHandle):
-            rosout.publish(Log(stamp=self._clock.now().to_msg(), level=int(severity), name=name, msg=text))
+            rosout.publish(Log(stamp=Clock().now().to_msg(), level=int(severity), name=name, msg=text))

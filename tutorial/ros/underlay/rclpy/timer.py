@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -20,7 +19,8 @@ class Timer(Destroyable):
     """Calls back again and again; made by ``Node.create_timer``.
 
     The callback runs on the thread that spins. If that thread is late, calls are skipped rather than made up for, and
-    the rest keep their rhythm, as in ROS 2. Once it is destroyed, its methods raise InvalidHandle.
+    the rest keep their rhythm, as in ROS 2. Where its clock tells simulated time it goes by that: it calls when a
+    message on ``/clock`` has come that far. Once it is destroyed, its methods raise InvalidHandle.
 
     Args:
         node: that it belongs to.
@@ -44,8 +44,9 @@ class Timer(Destroyable):
         self.timer_period_ns = timer_period_ns
         self.clock = clock
         self._canceled = not autostart
-        self._last_call = time.monotonic_ns()
+        self._last_call = clock._timer_ns()
         self._next_call = self._last_call + timer_period_ns
+        clock._timers.add(self)
 
     def is_ready(self) -> bool:
         """Whether it is time to call."""
@@ -83,10 +84,13 @@ class Timer(Destroyable):
     def close(self) -> None:
         """Stop it for good. Called by the node."""
         self._destroyed = True
+        self.clock._timers.discard(self)
 
     def wait_time(self) -> float:
-        """Return how long the executor may wait for it [s]; infinite if it will not call any more."""
-        return math.inf if self._destroyed or self._canceled else (self._next_call - time.monotonic_ns()) / S_TO_NS
+        """Return how long the executor may wait for it [s]; infinite if only a message on ``/clock`` makes it call."""
+        left = self._next_call - self.clock._timer_ns()
+        stands = left > 0 and self.clock._is_simulated
+        return math.inf if self._destroyed or self._canceled or stands else left / S_TO_NS
 
     def execute(self) -> bool:
         """Call back if it is time. Called by the executor.
@@ -96,14 +100,30 @@ class Timer(Destroyable):
         """
         if self.wait_time() > 0:
             return False
-        self._last_call = now = time.monotonic_ns()
+        self._last_call = now = self.clock._timer_ns()
         self._next_call += self.timer_period_ns
         if self._next_call < now:
             self._next_call = now + (self._next_call - now) % (self.timer_period_ns or 1)
         self.callback()
         return True
 
+    def clock_has_jumped(self, before: int, switched: bool) -> None:
+        """Go on as rcl's timers do: from the beginning after a jump back, with what is left after a switch.
+
+        Args:
+            before: what the clock told before [ns].
+            switched: it has been switched between the system's time and simulated time.
+        """
+        now, period = self.clock._timer_ns(), self.timer_period_ns
+        if switched and not now:  # nothing heard on /clock: whatever comes is a jump back
+            self._last_call = self._next_call = 2**63 - 1
+        elif switched and before:
+            self._last_call = now - (self._next_call - before)  # as in rcl, though what is left is the other part
+            self._next_call = self._last_call + period
+        elif switched or now < self._last_call:
+            self._last_call, self._next_call = now, now + period
+
     def _now(self) -> int:
         """Return the time [ns], if the timer still exists."""
         self._require_handle()
-        return time.monotonic_ns()
+        return self.clock._timer_ns()

@@ -1,0 +1,233 @@
+"""`tank package`: what it makes is a ROS 2 package, as REP 149 and colcon want it, and nothing is written over."""
+
+from __future__ import annotations
+
+import errno
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from click.testing import CliRunner
+from packages import CONTROLLERS, install, run
+
+from tutorial.commands.package import package
+from tutorial.commands.packaging.maintainer import NOBODY, Maintainer, find_maintainer
+from tutorial.commands.packaging.naming import check_name
+from tutorial.errors import TutorialError
+from tutorial.paths import HOME
+
+COMMON = {"README.md", "package.xml", "setup.cfg", "setup.py"}
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """The current directory, in which a learner's file with two controllers lies, on a machine that knows its user."""
+    (tmp_path / "mine.py").write_text(CONTROLLERS)
+    (tmp_path / "gitconfig").write_text('[user]\nname = "Ann \\"A\\" <O\'Hara> & Son"\nemail = ann@example.com\n')
+    monkeypatch.setenv("GIT_CONFIG_NOSYSTEM", "1")
+    monkeypatch.setenv("GIT_CONFIG_GLOBAL", str(tmp_path / "gitconfig"))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def make(*arguments):
+    """Make a package in the current directory, and return what is said."""
+    return CliRunner().invoke(package, arguments, catch_exceptions=False).output
+
+
+def files(folder):
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+def depends(folder):
+    return {each.text for each in ElementTree.parse(folder / "package.xml").findall("exec_depend")}
+
+
+def test_a_package_of_the_example(here):
+    said = make("my_listener")
+    folder = here / "my_listener"
+    assert files(folder) == COMMON | {
+        "launch/my_listener.launch.py",
+        "my_listener/__init__.py",
+        "my_listener/listener.py",
+        "resource/my_listener",
+        "test/test_listener.py",
+    }
+    assert (folder / "my_listener" / "listener.py").read_bytes() == (HOME / "notebooks" / "listener.py").read_bytes()
+    assert depends(folder) == {"rclpy", "ros2launch", "sensor_msgs"}
+    assert set(said.splitlines()) >= {"my_listener/package.xml", "    ros2 run my_listener listener"}
+
+
+def test_a_package_of_a_controller_is_around_the_first_step_that_has_it(here):
+    said = make("my_tank", "--controller", "mine.py:JointStatePublisher", "--destination-directory", "src")
+    folder = here / "src" / "my_tank"
+    assert files(folder) == COMMON | {
+        "launch/my_tank.launch.py",
+        "my_tank/__init__.py",
+        "my_tank/joint_state_publisher.py",
+        "my_tank/node.py",
+        "resource/my_tank",
+        "test/test_joint_state_publisher.py",
+    }
+    assert (folder / "my_tank" / "joint_state_publisher.py").read_text() == CONTROLLERS
+    assert '"run", "step2", "--controller"' in (folder / "my_tank" / "node.py").read_text()
+    assert 'name="simulation"' in (folder / "launch" / "my_tank.launch.py").read_text()
+    assert "    ros2 run my_tank joint_state_publisher\n" in said
+
+
+def test_a_viewer_is_called_one_and_its_messages_are_declared(here):
+    source = (HOME / "tutorial" / "controllers" / "imu_subscriber.py").read_text(encoding="utf-8")
+    (here / "mine.py").write_text(source + "\nimport geometry_msgs.msg as g\n", encoding="utf-8")
+    make("my_viewer", "--controller", "mine.py")
+    assert 'name="viewer"' in (here / "my_viewer" / "launch" / "my_viewer.launch.py").read_text()
+    assert depends(here / "my_viewer") == {"geometry_msgs", "rclpy", "ros2launch", "sensor_msgs"}
+
+
+@pytest.mark.parametrize("arguments", [[], ["--controller", "mine.py:TankController"]])
+def test_catkin_pkg_reads_it_without_a_complaint(here, arguments):
+    rep149 = pytest.importorskip("catkin_pkg.package", reason="catkin_pkg is not installed: make install installs it")
+    make("my_tank", *arguments)
+    complaints = []
+    found = rep149.parse_package(str(here / "my_tank"), warnings=complaints)
+    assert complaints == []
+    assert (found.package_format, found.name, found.version) == (3, "my_tank", "0.0.0")
+    assert found.get_build_type() == "ament_python"
+    assert [(each.name, each.email) for each in found.maintainers] == [
+        ('Ann "A" <O\'Hara> & Son', "ann@example.com"),
+    ]
+
+
+def test_it_is_installed_where_ros2_looks(here):
+    pytest.importorskip("setuptools", reason="a package is installed by setuptools, which ROS 2 has")
+    make("my_listener")
+    make("my_tank", "--controller", "mine.py:TankController")
+    prefix = here / "install"
+    for name in ("my_listener", "my_tank"):
+        install(here / name, prefix)
+        assert (prefix / "share" / "ament_index" / "resource_index" / "packages" / name).exists()
+        assert files(prefix / "share" / name) == {"package.xml", f"launch/{name}.launch.py"}
+    starts = (prefix / "lib" / "my_tank" / "tank_controller").read_text().splitlines()[0]
+    assert starts == "#!/usr/bin/env python3"  # of the environment that is active, which has the tutorial
+    assert (prefix / "lib" / "my_listener" / "listener").exists()
+
+
+@pytest.mark.parametrize("arguments", [[], ["--controller", "mine.py:TankController"]])
+def test_the_test_that_it_brings_passes(here, domain, arguments):
+    make("my_tank", *arguments)
+    alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}  # Jazzy's plugins are not for pytest 9
+    assert "1 passed" in run("-m", "pytest", "-p", "tutorial", cwd=here / "my_tank", **alone)
+
+
+def test_its_node_runs_the_learners_controller_and_takes_what_tank_run_takes(here, domain):
+    make("my_tank", "--controller", "mine.py:JointStatePublisher")
+    start = "import sys; from my_tank.node import main; main()"
+    said = run("-c", start, "--headless", "--duration", "0.1", "--ros-args", "-r", "__node:=sim", cwd=here / "my_tank")
+    assert "- TankController\n    - JointStatePublisher (joint_state_publisher.py)\n" in said
+    assert "[sim]: mine publishes" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("My-Tank", "'My-Tank' cannot be a package's name. Did you mean 'my_tank'? Use lowercase letters, digits"),
+        ("MyTank", "Did you mean 'my_tank'?"),
+        ("2nd_tank", "Did you mean 'nd_tank'?"),
+        ("my__tank", "Did you mean 'my_tank'?"),
+        ("tank_", "Did you mean 'tank'?"),
+        ("../tank", "Did you mean 'tank'?"),
+        ("pánzer", "Did you mean 'p_nzer'?"),
+        ("x", "two characters at least"),
+        ("", "two characters at least"),
+        ("tank\n", "Did you mean 'tank'?"),
+        ("tank\x1b[2J", r"'tank\\x1b[2J' cannot be"),
+        ("x" * 61, "has 61 characters. Take a name of 60 at most"),
+        ("lambda", "'lambda' is a keyword of Python, so no module can be called like it. Take another name, such as"),
+        ("test", "Python has a module 'test' already"),
+        ("rclpy", "Python has a module 'rclpy' already"),
+    ],
+)
+def test_a_name_that_no_package_can_have(here, name, said):
+    with pytest.raises(TutorialError) as info:
+        make(name)
+    assert said.replace(r"\\", "\\") in str(info.value)
+    assert files(here) == {"gitconfig", "mine.py"}
+
+
+@pytest.mark.parametrize("name", ["tank", "t2", "my_2nd_tank", "x" * 60])
+def test_a_name_that_a_package_can_have(name):
+    check_name(name)
+
+
+@pytest.mark.parametrize(
+    ("controller", "said"),
+    [
+        ("mien.py", "there is no file 'mien.py'. Did you mean 'mine.py'?"),
+        ("mine.py", "2 controllers. Say which one: mine.py:JointStatePublisher, mine.py:TankController."),
+        ("mine.py:TankControler", "mine.py defines no controller 'TankControler'. Did you mean 'TankController'?"),
+        ("new.py", "no step has a controller 'TankControl'. Did you mean 'TankController'?"),
+        ("broken.py", "broken.py, line 1: ZeroDivisionError"),
+    ],
+)
+def test_a_file_from_which_no_package_can_be_made(here, controller, said):
+    one = CONTROLLERS.partition("class J")[0]
+    (here / "new.py").write_text(one.replace("class TankController", "class TankControl"))
+    (here / "broken.py").write_text("1 / 0\n")
+    with pytest.raises(TutorialError) as info:
+        make("my_tank", "--controller", controller)
+    assert said in str(info.value)
+    assert not (here / "my_tank").exists()
+
+
+def test_a_class_that_the_controller_is_made_from_is_no_second_one(here):
+    helper = CONTROLLERS.partition("class J")[0].replace("class TankController", "class Helper")
+    (here / "mine.py").write_text(f"{helper}class TankController(Helper):\n    pass\n")
+    assert "ros2 run my_tank tank_controller" in make("my_tank", "--controller", "mine.py")
+
+
+@pytest.mark.parametrize("there", ["folder", "file", "dangling link"])
+def test_what_is_there_stays_as_it_is(here, there):
+    path = here / "my_tank"
+    if there == "folder":
+        path.mkdir()
+        (path / "setup.py").write_text("mine")
+    elif there == "file":
+        path.write_text("mine")
+    else:
+        path.symlink_to(here / "nowhere")
+    before = files(here)
+    with pytest.raises(TutorialError, match="there is 'my_tank' already, and it stays as it is"):
+        make("my_tank")
+    assert files(here) == before
+    assert not (here / "nowhere").exists()
+
+
+def test_a_disk_that_is_full_leaves_nothing_behind(here, monkeypatch):
+    def fail(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", fail)
+    with pytest.raises(TutorialError, match="'my_tank' cannot be written: No space left on device"):
+        make("my_tank")
+    assert not (here / "my_tank").exists()
+
+
+@pytest.mark.parametrize(
+    "config", ["", "[user]\nname = Ann\nemail = ann@localhost\n", '[user]\nname = "A\\bB"\nemail = a@b.cd\n']
+)
+def test_whom_git_does_not_know_is_to_be_filled_in(here, config):
+    (here / "gitconfig").write_text(config)
+    assert find_maintainer() == NOBODY
+    assert "Fill in its description, license and maintainer" in make("my_tank")
+
+
+def test_where_there_is_no_git_the_maintainer_is_to_be_filled_in(here, monkeypatch):
+    assert find_maintainer() == Maintainer('Ann "A" <O\'Hara> & Son', "ann@example.com")
+    monkeypatch.setenv("PATH", str(here))
+    assert find_maintainer() == NOBODY
+
+
+def test_one_controller_of_a_file_is_enough_for_a_run(program, here):
+    """`tank run` parts file and class, too."""
+    running = program("run", "step1", "--headless", "--duration", 0.1, "--controller", "mine.py:TankController")
+    assert running.ends() == 0, running.output
+    assert "- TankController (mine.py)" in running.output

@@ -1,0 +1,47 @@
+"""What the tutorial gives to others' tools: all of it is about topics and frames that there are."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+import yaml
+from programs import PATIENCE
+
+from tutorial.host import Host
+from tutorial.paths import HOME, find_project
+from tutorial.project import Project
+
+TYPES = {"RobotModel": "std_msgs/msg/String", "Image": "sensor_msgs/msg/Image"}
+
+
+@pytest.fixture
+def rviz():
+    return yaml.safe_load((HOME / "project" / "rviz" / "tank.rviz").read_text(encoding="utf-8"))[
+        "Visualization Manager"
+    ]
+
+
+def test_rviz_shows_topics_that_the_tank_publishes(rviz, domain):
+    displays = [(each["Class"].partition("/")[2], each) for each in rviz["Displays"]]
+    wanted = {}
+    for kind, display in displays:
+        topic = display.get("Description Topic", display.get("Topic", {})).get("Value")
+        if topic:
+            wanted[topic] = [TYPES[kind]]
+    assert len(wanted) == len(TYPES)
+    wanted["/tf"] = ["tf2_msgs/msg/TFMessage"]  # which rviz2 asks for by itself
+
+    async def scenario():
+        async with Host(Project.load(find_project("tools"))) as host, asyncio.timeout(PATIENCE):
+            while not wanted.items() <= dict(host.node.get_publisher_names_and_types_by_node("tank", "/")).items():
+                await asyncio.sleep(0.01)
+
+    asyncio.run(scenario())
+
+
+def test_rviz_takes_the_frames_by_the_names_that_they_have(rviz):
+    (model,) = (each for each in rviz["Displays"] if each["Class"].endswith("/RobotModel"))
+    assert model["TF Prefix"] == "Tank"  # to which rviz2 adds the slash
+    assert rviz["Global Options"]["Fixed Frame"] == "odom"
+    assert rviz["Views"]["Current"]["Target Frame"] == "Tank/base_link"

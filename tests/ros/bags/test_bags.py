@@ -1,0 +1,413 @@
+"""A bag that was written is read again, by ours and by others; one that was cut off or spoilt, as far as it goes."""
+
+from __future__ import annotations
+
+import random
+import sqlite3
+import struct
+import tracemalloc
+import zlib
+from functools import cache
+
+import pytest
+import yaml
+from backports import zstd
+from lz4 import frame as lz4
+from mcap.reader import make_reader
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import Reader
+from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+
+from tutorial.errors import TutorialError
+from tutorial.ros.bags import Bag, BagTopic, bag_info
+from tutorial.ros.bags.mcap import CHUNK, MAGIC, McapReader
+from tutorial.ros.bags.metadata import offered, qos_text
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, SUFFIXES, Channel, Damaged
+from tutorial.ros.bags.writer import BagWriter
+
+START = 1_700_000_000 * 10**9
+STEP = 20_000_000  # [ns]
+STRING, JOINTS = "std_msgs/msg/String", "sensor_msgs/msg/JointState"
+CHANNELS = (
+    Channel(1, "/said", STRING, qos=qos_text([QoSProfile(depth=3)]), definition="string data\n", type_hash="RIHS01_1"),
+    Channel(2, "/Tank/joint_state", JOINTS, definition="string[] name\n", type_hash="RIHS01_2"),
+    Channel(3, "/silent", STRING),
+)
+
+
+@cache  # Fast DDS leaves whatever it likes in the padding
+def payload(i: int) -> bytes:
+    if i % 2:
+        return serialize_message(JointState(name=["TURRET_Y"], position=[i / 10]))
+    return serialize_message(String(data=f"number {i}"))
+
+
+def messages(count: int) -> list[tuple[str, int, bytes]]:
+    return [(CHANNELS[i % 2].topic, START + i * STEP, payload(i)) for i in range(count)]
+
+
+killed = []  # writers without an end, kept so that nothing closes their files
+
+
+def write(path, count=100, storage="mcap", closed=True, **how) -> list[tuple[str, int, bytes]]:
+    """Write a bag; without an end, it is as a killed recording leaves it."""
+    writer = BagWriter(path, storage, **how)
+    for channel in CHANNELS:
+        writer.add_channel(channel)
+    for i, (_, time, data) in enumerate(messages(count)):
+        writer.write(i % 2 + 1, time, time - 1000, data)
+        if i % 30 == 29:
+            writer.flush()
+    if closed:
+        writer.close()
+    else:
+        killed.append(writer)
+    return messages(count)
+
+
+@pytest.fixture(params=SUFFIXES)
+def storage(request):
+    return request.param
+
+
+def test_what_was_written_is_read(tmp_path, storage):
+    written = write(tmp_path / "bag", storage=storage)
+    bag = Bag(tmp_path / "bag")
+    assert bag.topics == [
+        BagTopic("/Tank/joint_state", JOINTS, 50),
+        BagTopic("/said", STRING, 50),
+        BagTopic("/silent", STRING, 0),
+    ]
+    assert (bag.start, bag.duration, bag.damage, bag.storage, bag.distro) == (START, 1.98, "", storage, "jazzy")
+    assert list(bag.raw_messages()) == written
+    assert [message.data for *_, message in bag.messages(["/said"])] == [f"number {i}" for i in range(0, 100, 2)]
+    assert list(bag.raw_messages(start_offset=1.0)) == written[50:]
+    assert bag.channel("/said").qos == CHANNELS[0].qos
+
+
+def test_one_file_is_a_bag_too(tmp_path, storage):
+    written = write(tmp_path / "bag", storage=storage)
+    bag = Bag(tmp_path / "bag" / f"bag_0{SUFFIXES[storage]}")
+    assert list(bag.raw_messages()) == written
+    assert bag.damage == ""
+
+
+def test_others_read_it(tmp_path, storage):
+    written = write(tmp_path / "bag", storage=storage)
+    with Reader(tmp_path / "bag") as reader:
+        assert [(connection.topic, time, data) for connection, time, data in reader.messages()] == written
+        assert {c.topic: c.digest for c in reader.connections}["/said"] == "RIHS01_1"
+
+
+def test_the_mcap_package_reads_it(tmp_path):
+    written = write(tmp_path / "bag")
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        found = list(reader.iter_messages())
+        assert [(channel.topic, message.log_time, message.data) for _, channel, message in found] == written
+        assert all(message.publish_time == message.log_time - 1000 for *_, message in found)
+        assert {schema.name: schema.data for schema, *_ in found}[STRING] == b"string data\n"
+        summary = reader.get_summary()
+        assert summary.statistics.message_count == 100
+        assert summary.statistics.channel_message_counts == {1: 50, 2: 50}
+        assert len(summary.chunk_indexes) == summary.statistics.chunk_count == 4
+        (metadata,) = reader.iter_metadata()
+        assert yaml.safe_load(metadata.metadata["serialized_metadata"])["rosbag2_bagfile_information"]
+        since = START + 70 * STEP  # by the index
+        assert len(list(reader.iter_messages(topics=["/said"], starting_at=since))) == 15
+
+
+def test_after_the_longest_duration_another_file_begins(tmp_path, storage):
+    written = write(tmp_path / "bag", storage=storage, max_duration=0.5)
+    bag = Bag(tmp_path / "bag")
+    assert [file.name for file in bag.files] == [f"bag_{i}{SUFFIXES[storage]}" for i in range(4)]
+    assert list(bag.raw_messages()) == written
+    told = yaml.safe_load((tmp_path / "bag" / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert [file["message_count"] for file in told["files"]] == [25, 25, 25, 25]
+    assert told["duration"]["nanoseconds"] == 99 * STEP
+    (tmp_path / "bag" / f"bag_2{SUFFIXES[storage]}").unlink()
+    bag = Bag(tmp_path / "bag")
+    assert "1 of its files are missing, the first is bag_2" in bag.damage
+    assert list(bag.raw_messages()) == written[:50] + written[75:]
+
+
+def test_nothing_is_overwritten(tmp_path, storage):
+    (tmp_path / "bag").mkdir()
+    with pytest.raises(TutorialError, match="a bag overwrites nothing"):
+        BagWriter(tmp_path / "bag", storage)
+    assert list((tmp_path / "bag").iterdir()) == []
+
+
+def test_a_recording_that_was_killed_is_read_up_to_its_last_flush(tmp_path, storage):
+    written = write(tmp_path / "bag", storage=storage, closed=False)
+    bag = Bag(tmp_path / "bag")
+    assert list(bag.raw_messages()) == written[:90]
+    assert sum(topic.count for topic in bag.topics) == 90
+    assert "metadata.yaml is missing, as of a recording that was killed" in bag.damage
+
+
+def test_a_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path, storage):
+    written = write(tmp_path / "bag", storage=storage)
+    path = tmp_path / "bag" / f"bag_0{SUFFIXES[storage]}"
+    whole = path.read_bytes()
+    counts = []
+    for size in [*range(0, len(whole), 997), len(whole) - 1]:
+        path.write_bytes(whole[:size])
+        try:
+            bag = Bag(tmp_path / "bag")
+        except TutorialError:  # not even its topics are there
+            assert not counts
+            continue
+        found = list(bag.raw_messages())
+        assert found == written[: len(found)]
+        assert bag.damage or (storage == "sqlite3" and found == written)  # whose last page holds the metadata
+        assert sum(topic.count for topic in bag.topics) - len(found) in ([0] if storage == "mcap" else range(20))
+        counts.append(len(found))
+    assert counts == sorted(counts)
+    assert len(set(counts)) > (8 if storage == "mcap" else 1)  # SQLite writes pages, and not one after the other
+    assert counts[-1] >= 90
+
+
+@pytest.mark.parametrize("pack", [zstd.compress, lz4.compress], ids=["zstd", "lz4"])
+def test_a_compressed_chunk_is_read_whole_and_in_part(tmp_path, pack):
+    written = write(tmp_path / "bag")
+    path = tmp_path / "bag" / "bag_0.mcap"
+    records = b"".join(read_chunks(path.read_bytes()))
+    name = pack.__module__.split(".")[0].replace("backports", "zstd").encode()
+    packed = pack(records)
+    times = struct.pack("<QQQI", START, START + 99 * STEP, len(records), zlib.crc32(records))
+    body = times + struct.pack("<I", len(name)) + name + struct.pack("<Q", len(packed)) + packed
+    whole = path.read_bytes()[: path.read_bytes().index(bytes([CHUNK]), len(MAGIC) + 9)]
+    path.write_bytes(whole + struct.pack("<BQ", CHUNK, len(body)) + body)
+    assert list(Bag(path).raw_messages()) == written
+    path.write_bytes(path.read_bytes()[:-20])
+    bag = Bag(path)
+    found = list(bag.raw_messages())
+    assert found == written[: len(found)]
+    assert bag.damage
+
+
+def read_chunks(data):
+    """The records in each chunk of a file of ours."""
+    at = len(MAGIC)
+    while at < len(data) - len(MAGIC):
+        opcode, size = struct.unpack_from("<BQ", data, at)
+        if opcode == CHUNK:
+            yield data[at + 9 + 40 : at + 9 + size]
+        at += 9 + size
+
+
+def test_whatever_is_in_a_file_the_worst_is_a_clear_error(tmp_path, storage):
+    write(tmp_path / "bag", storage=storage)
+    path = tmp_path / "bag" / f"bag_0{SUFFIXES[storage]}"
+    whole = path.read_bytes()
+    chance = random.Random(1)
+    read, said = 0, ""
+    for _ in range(150):
+        spoilt = bytearray(whole)
+        for _ in range(chance.choice((1, 3, 30))):
+            spoilt[chance.randrange(len(spoilt))] = chance.choice((0, 1, 0x7F, 0xFF, chance.randrange(256)))
+        path.write_bytes(spoilt)
+        try:
+            bag = Bag(path)
+            read += sum(1 for _ in bag.raw_messages())
+            said += bag_info(bag).replace("\n", "") + bag.damage
+        except TutorialError as error:
+            said += str(error)
+    assert said.isprintable()
+    assert read > 1000
+
+
+def record(opcode, body=b"", size=None):
+    return struct.pack("<BQ", opcode, len(body) if size is None else size) + body
+
+
+def text(words):
+    return struct.pack("<I", len(words)) + words
+
+
+HEADER = MAGIC + record(1, text(b"ros2") + text(b"me"))
+BOMB = zstd.compress(bytes(LARGEST_MESSAGE))
+
+
+def chunk(size, packed, compression=b"zstd"):
+    body = struct.pack("<QQQI", 0, 2**63, size, 0) + text(compression) + struct.pack("<Q", len(packed)) + packed
+    return record(6, body)
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"", "it is empty"),
+        (b"PK\x03\x04 a zip", "not as an MCAP file does"),
+        (MAGIC + record(1, text(b"ros1\x1b[2J") + text(b"")), r"it is of 'ros1\x1b[2J', not of 'ros2'"),
+        (HEADER + record(5, size=2**62), "the most that is read"),
+        (HEADER + record(3, size=2**62), "the most that is read"),
+        (HEADER + record(0x7E, size=2**62), "in the middle of a record"),
+        (HEADER + chunk(2**62, b""), "the most that is read"),
+        (HEADER + chunk(1000, BOMB), "end is missing"),
+        (HEADER + chunk(1000, b"no zstd at all"), "cannot be unpacked"),
+        (HEADER + chunk(1000, b"x", b"rar\x1b"), r"compressed by 'rar\x1b'"),
+        (HEADER + record(4, b"\1\0"), "in the middle of a word"),
+        (HEADER + record(5, b"\1\0"), "a record in it is too short"),
+    ],
+    ids=lambda value: "" if isinstance(value, bytes) else value,
+)
+def test_a_hostile_mcap_takes_no_memory(tmp_path, data, said):
+    path = tmp_path / "x.mcap"
+    path.write_bytes(data)
+    tracemalloc.start()
+    try:
+        bag = Bag(path)
+        assert list(bag.raw_messages()) == []
+        damage = bag.damage
+    except TutorialError as error:
+        damage = str(error)
+    finally:
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert said in damage
+    assert peak < 2_000_000
+
+
+@pytest.mark.parametrize(
+    ("script", "said"),
+    [
+        ("CREATE TABLE x(y)", "it has no tables 'topics' and 'messages'"),
+        ("CREATE TABLE topics(x); CREATE VIEW messages AS SELECT 1", "it has no tables"),
+        (
+            "CREATE TABLE topics(x); CREATE TABLE messages(y); INSERT INTO topics VALUES (1)",
+            "its topics cannot be read",
+        ),
+        ("CREATE TABLE topics(id, name, type); CREATE TABLE messages(y)", "no such column"),
+        (
+            "CREATE TABLE topics(id, name, type); CREATE TABLE messages(id, topic_id, timestamp, data);"
+            "INSERT INTO topics VALUES (1, x'1b5b324a', x'ff'); INSERT INTO messages VALUES (1, 1, 'now', 2)",
+            "a row in it is no message",
+        ),
+    ],
+)
+def test_a_hostile_database_is_a_clear_error(tmp_path, script, said):
+    path = tmp_path / "x.db3"
+    database = sqlite3.connect(path)
+    database.executescript(script)
+    database.close()
+    try:
+        bag = Bag(path)
+        list(bag.raw_messages())
+        damage = bag.damage
+        assert bag_info(bag).replace("\n", "").isprintable()
+    except TutorialError as error:
+        damage = str(error)
+    assert said in damage
+
+
+def test_names_in_a_bag_are_shown_as_escapes(tmp_path):
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_channel(Channel(1, "/\x1b[2Jx", "a\n/b\u202e", encoding="c\td"))
+    writer.write(1, START, START, b"\0\1\0\0")
+    writer.close()
+    bag = Bag(tmp_path / "bag")
+    said = bag_info(bag)
+    assert r"Topic: /\x1b[2Jx | Type: a\n/b\u202e | Count: 1 | Serialization Format: c\td" in said
+    with pytest.raises(TutorialError, match=r"The message type .* is invalid"):
+        list(bag.messages())
+    with pytest.raises(TutorialError, match=r"there is no topic '/x' in this bag"):
+        list(bag.messages(["/x"]))
+
+
+def test_what_is_no_message_is_left_out_and_said(tmp_path):
+    writer = BagWriter(tmp_path / "bag")
+    writer.add_channel(CHANNELS[0])
+    for data in (b"", b"\0\1\0\0\xff\xff\xff\xff", payload(0)):
+        writer.write(1, START, START, data)
+    writer.close()
+    bag = Bag(tmp_path / "bag")
+    assert [message.data for *_, message in bag.messages()] == ["number 0"]
+    assert "a message on /said is empty" in bag.damage
+    assert "a message on /said cannot be decoded" in bag.damage
+
+
+def test_messages_come_in_the_order_of_time(tmp_path, storage):
+    """A writer with several threads writes one of them a little late, also over the edge of a chunk."""
+    writer = BagWriter(tmp_path / "bag", storage)
+    writer.add_channel(CHANNELS[0])
+    order = list(range(20))
+    order[4], order[5] = 5, 4
+    for i in order:
+        writer.write(1, START + i, START + i, payload(0))
+        if i == 5:
+            writer.flush()
+    writer.close()
+    assert [time - START for _, time, _ in Bag(tmp_path / "bag").raw_messages()] == list(range(20))
+
+
+@pytest.mark.parametrize("spoilt", ["", "a: [", "[]", "rosbag2_bagfile_information: 3", "&a [*a, *a]", "x" * 2**21])
+def test_metadata_that_say_nothing_are_no_more_than_damage(tmp_path, spoilt):
+    written = write(tmp_path / "bag")
+    (tmp_path / "bag" / "metadata.yaml").write_text(spoilt)
+    bag = Bag(tmp_path / "bag")
+    assert "metadata.yaml: " in bag.damage
+    assert list(bag.raw_messages()) == written
+
+
+def test_a_compressed_bag_is_refused_with_the_mend(tmp_path):
+    write(tmp_path / "bag")
+    path = tmp_path / "bag" / "metadata.yaml"
+    path.write_text(path.read_text().replace("compression_mode: ''", "compression_mode: FILE"))
+    with pytest.raises(TutorialError, match="'ros2 bag convert' makes one of it that is not"):
+        Bag(tmp_path / "bag")
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [("nowhere", "there is no bag"), (".", "there is no .mcap or .db3 file in it"), ("x.txt", "is no bag: its files")],
+)
+def test_what_is_no_bag_is_a_clear_error(tmp_path, monkeypatch, path, said):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "x.txt").write_text("x")
+    with pytest.raises(TutorialError, match=said):
+        Bag(path)
+
+
+def test_quality_of_service_survives_a_bag():
+    profile = QoSProfile(
+        depth=7,
+        reliability=ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL,
+        lifespan=Duration(seconds=10),
+    )
+    found = offered(qos_text([profile, profile]))
+    assert (found.reliability, found.durability) == (profile.reliability, profile.durability)
+    assert (found.lifespan, found.deadline, found.depth) == (Duration(seconds=10), Duration(), 10)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "a: [", "- 3", "- {reliability: 9, deadline: {sec: x}}", qos_text([QoSProfile(depth=1), QoSProfile(depth=2)])],
+)
+def test_the_default_is_offered_for_what_is_not_understood_or_mixed(text):
+    found = offered(text)
+    assert (found.depth, found.reliability, found.durability) == (
+        10,
+        ReliabilityPolicy.RELIABLE,
+        DurabilityPolicy.VOLATILE,
+    )
+
+
+def test_older_bags_have_numbers_for_policies():
+    found = offered(
+        "- {history: 1, depth: 5, reliability: 2, durability: 1, deadline: {sec: 9223372036, nsec: 854775807}}"
+    )
+    assert found.reliability == ReliabilityPolicy.BEST_EFFORT
+    assert found.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    assert found.deadline == Duration()
+
+
+def test_a_reader_of_what_is_no_file_says_so(tmp_path):
+    (tmp_path / "x.mcap").write_bytes(b"\0" * 100)
+    with pytest.raises(Damaged, match="it begins with"):
+        McapReader(tmp_path / "x.mcap")

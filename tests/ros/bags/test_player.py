@@ -1,0 +1,199 @@
+"""A bag is played: the bytes, the order, the times and the quality of service of then."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import pytest
+from programs import until
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import serialize_message
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+
+from tutorial.errors import TutorialError
+from tutorial.ros.bags import Bag, Player
+from tutorial.ros.bags.metadata import qos_text
+from tutorial.ros.bags.storage import Channel
+from tutorial.ros.bags.writer import BagWriter
+from tutorial.ros.node_thread import NodeThread
+
+START = 1_700_000_000 * 10**9
+STRING = "std_msgs/msg/String"
+LATCHED = QoSProfile(depth=9, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+CHANNELS = (
+    Channel(1, "/a", STRING),
+    Channel(2, "/b", STRING, qos=qos_text([LATCHED])),
+    Channel(3, "/clock", "rosgraph_msgs/msg/Clock"),
+    Channel(4, "/alien", "alien_msgs/msg/X"),
+    Channel(5, "/json", STRING, encoding="json"),
+    Channel(6, "/a b", STRING),
+)
+
+
+def make(path, count=30, step=0.01, last=None):
+    """A bag of as many messages, on /a and /b in turn; its last one may be a long time later [s]."""
+    writer = BagWriter(path)
+    for channel in CHANNELS:
+        writer.add_channel(channel)
+        first = Clock() if channel.topic == "/clock" else String(data="first")
+        writer.write(channel.id, START, START, serialize_message(first))
+    for i in range(count):
+        at = START + round((step * i if last is None or i < count - 1 else last) * 1e9)
+        writer.write(i % 2 + 1, at, at, serialize_message(String(data=str(i))))
+    writer.close()
+    return Bag(path)
+
+
+@pytest.fixture
+def nodes(domain):
+    with NodeThread("player") as player, NodeThread("listener") as listener:
+        yield player.node, listener.node
+
+
+@pytest.fixture
+def heard(nodes):
+    """What arrives on /a and /b, with the time at which it did [s]."""
+    got: list[tuple[str, str, float]] = []
+    for topic in ("/a", "/b"):
+        nodes[1].create_subscription(
+            String, topic, lambda message, topic=topic: got.append((topic, message.data, time.monotonic())), 1000
+        )
+    until(lambda: nodes[0].count_subscribers("/a") and nodes[0].count_subscribers("/b"), "the subscriptions")
+    return got
+
+
+def texts(heard, topic):
+    return [data for name, data, _ in heard if name == topic]
+
+
+def test_all_messages_are_played_in_order_at_their_times(nodes, heard, tmp_path):
+    bag = make(tmp_path / "bag", count=60)
+    seconds = []
+    player = Player(nodes[0], bag, rate=2.0)
+    player.run(threading.Event(), seconds.append)
+    until(lambda: len(heard) == 62, "the messages")
+    assert texts(heard, "/a") == ["first", *map(str, range(0, 60, 2))]
+    assert texts(heard, "/b") == ["first", *map(str, range(1, 60, 2))]
+    assert player.played == 63  # with the bag's own /clock
+    took = heard[-1][2] - heard[0][2]
+    assert took > 0.9 * bag.duration / 2  # how much more is the machine's affair
+    assert seconds == sorted(seconds)
+    assert seconds[-1] == pytest.approx(bag.duration)
+
+
+def test_what_cannot_be_played_is_said(nodes, tmp_path, caplog):
+    Player(nodes[0], make(tmp_path / "bag"))
+    said = [record.message for record in caplog.records if "is not played" in record.message]
+    assert said == [
+        "topic /a b is not played: the name breaks the rules of ROS 2",
+        "topic /alien is not played: The message type 'alien_msgs/msg/X' is invalid",
+        "topic /json is not played: its messages are 'json', and not 'cdr'",
+    ]
+
+
+def test_only_some_topics_from_the_middle(nodes, heard, tmp_path):
+    Player(nodes[0], make(tmp_path / "bag"), rate=100.0, topics=["/b"], start_offset=0.2).run(threading.Event())
+    until(lambda: len(heard) == 5, "the messages")
+    assert texts(heard, "/b") == ["21", "23", "25", "27", "29"]
+
+
+def test_it_loops_until_it_is_stopped_also_within_a_long_pause(nodes, heard, tmp_path):
+    stop = threading.Event()
+    player = Player(nodes[0], make(tmp_path / "bag", count=3, last=0.05), rate=10.0, loop=True)
+    playing = threading.Thread(target=player.run, args=(stop,))
+    playing.start()
+    until(lambda: texts(heard, "/a").count("2") > 3, "some rounds")
+    stop.set()
+    playing.join(10)
+    assert not playing.is_alive()
+
+
+def test_centuries_between_two_messages_can_be_interrupted(nodes, heard, tmp_path):
+    stop = threading.Event()
+    player = Player(nodes[0], make(tmp_path / "bag", count=3, last=7e9), rate=1e-9)
+    playing = threading.Thread(target=player.run, args=(stop,))
+    playing.start()
+    until(lambda: texts(heard, "/a") == ["first", "0"], "the first messages")
+    stop.set()
+    playing.join(10)
+    assert not playing.is_alive()
+
+
+def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, heard, tmp_path):
+    clocks = []
+    nodes[1].create_subscription(
+        Clock, "/clock", clocks.append, QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+    )
+    until(lambda: nodes[0].count_subscribers("/clock"), "the subscription")
+    player = Player(nodes[0], make(tmp_path / "bag", count=100), clock=50.0)
+    player.run(threading.Event())
+    until(lambda: len(heard) == 102, "the messages")
+    times = [clock.clock.sec + clock.clock.nanosec / 1e9 - START / 1e9 for clock in clocks]
+    assert player.played == 102
+    assert times == sorted(times)
+    assert -1e-6 < times[0] < 0.9
+    assert times[-1] < 1.0
+    assert 5 < len(times) <= 52
+
+
+def test_its_publishers_offer_what_was_offered_then(nodes, heard, tmp_path):
+    """And they are gone when it has ended."""
+    stop = threading.Event()
+    player = Player(nodes[0], make(tmp_path / "bag", count=3, last=1000.0))
+    playing = threading.Thread(target=player.run, args=(stop,))
+    playing.start()
+    until(lambda: texts(heard, "/b"), "the first message on /b")
+    durability = {
+        topic: nodes[0].get_publishers_info_by_topic(topic)[0].qos_profile.durability for topic in ("/a", "/b")
+    }
+    late = []
+    nodes[1].create_subscription(String, "/b", late.append, LATCHED)
+    until(lambda: late, "what is kept for who comes late")
+    stop.set()
+    playing.join(10)
+    assert durability == {"/a": DurabilityPolicy.VOLATILE, "/b": DurabilityPolicy.TRANSIENT_LOCAL}
+    until(lambda: not nodes[0].get_publishers_info_by_topic("/a"), "the end of the publisher")
+
+
+def test_a_payload_that_ros_2_refuses_is_left_out_and_said_once(nodes, heard, tmp_path, caplog, monkeypatch):
+    """As Fast DDS does with one that is longer than its type can be."""
+    player = Player(nodes[0], make(tmp_path / "bag"), rate=10.0)
+    make_publisher = nodes[0].create_publisher
+
+    def refusing(kind, topic, qos):
+        publisher = make_publisher(kind, topic, qos)
+        if topic == "/a":
+
+            def publish(payload):
+                raise RuntimeError("cannot publish data")
+
+            publisher.publish = publish
+        return publisher
+
+    monkeypatch.setattr(nodes[0], "create_publisher", refusing)
+    player.run(threading.Event())
+    until(lambda: len(heard) == 16, "the messages on /b")
+    assert player.played == 17
+    said = [record.message for record in caplog.records if "is not played, and others like it" in record.message]
+    assert said == ["a message on /a is not played, and others like it: cannot publish data"]
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ({"rate": 0.0}, "the rate is 0; give one above 0, such as 2"),
+        ({"rate": float("nan")}, "the rate is nan"),
+        ({"clock": -1.0}, "the clock's rate is -1 Hz"),
+        ({"start_offset": 5.0}, "the start offset is 5 s, and the bag is 0.290 s long"),
+        ({"topics": ["/aa"]}, "there is no topic '/aa' in this bag. Did you mean '/a'"),
+        ({"topics": ["/alien"]}, "there is nothing to play"),
+        ({"topics": ["/clock"], "clock": 1.0}, "there is nothing to play"),
+    ],
+    ids=str,
+)
+def test_what_makes_no_sense_is_refused_before_anything_is_played(domain, tmp_path, how, said):
+    with NodeThread("player") as thread, pytest.raises(TutorialError) as caught:
+        Player(thread.node, make(tmp_path / "bag"), **how)
+    assert said in str(caught.value)

@@ -1,0 +1,48 @@
+"""ROS 2 packages that ``tank package`` has made, installed as colcon does it, without colcon and without a network."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from programs import PATIENCE
+
+CONTROLLERS = """
+from tutorial.controllers import joint_state_publisher, tank_controller
+
+class TankController(tank_controller.TankController):
+    pass
+
+class JointStatePublisher(joint_state_publisher.JointStatePublisher):
+    def configure(self, config):
+        super().configure(config)
+        config.node.get_logger().info("mine publishes")
+"""
+"""A learner's file: two controllers."""
+
+
+def run(*arguments: object, cwd: Path, **environment: str) -> str:
+    """Run Python somewhere, and return what it prints."""
+    done = subprocess.run(
+        [sys.executable, *map(str, arguments)],
+        cwd=cwd,
+        env={**os.environ, **environment},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=2 * PATIENCE,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+def install(package: Path, prefix: Path) -> Path:
+    """Install a package as ``colcon build`` does, all packages into one prefix; return where Python finds it."""
+    (package / "build").mkdir()
+    how = ("--single-version-externally-managed", "--record", "build/record.txt")
+    run("setup.py", "install", *how, "--prefix", prefix, cwd=package)
+    (module,) = prefix.glob(f"lib/python*/site-packages/{package.name}")
+    return module.parent

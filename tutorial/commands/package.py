@@ -1,0 +1,80 @@
+"""The command ``tank package``: a controller, or a node, as a ROS 2 package of its own."""
+
+# ruff: noqa: PLC0415 - help is to come at once
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+import click
+
+from tutorial.commands.options import part_class
+from tutorial.commands.terminal import say
+from tutorial.errors import TutorialError, printable
+
+__all__ = ["package"]
+
+
+@click.command(short_help="Make a ROS 2 package of a controller of your own.")
+@click.argument("name")
+@click.option(
+    "--controller",
+    "own",
+    metavar="FILE[:CLASS]",
+    help="Make it of the controller in this Python file; CLASS says which one, where there are several.",
+)
+@click.option(
+    "--destination-directory",
+    "--destination",
+    "destination",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path(),
+    help="Make the package's folder in this one; else in the current directory.",
+)
+def package(name: str, own: str | None, destination: Path) -> None:
+    """Make a ROS 2 package NAME, which colcon builds, and ros2 run and ros2 launch start.
+
+    Without a controller it is made of an example, a node that needs nothing of the tutorial.
+    """
+    from tutorial.commands.packaging.contents import controller_node, example_node, package_files
+    from tutorial.commands.packaging.maintainer import NOBODY, find_maintainer
+    from tutorial.commands.packaging.naming import check_name
+
+    folder = destination / name
+    check_name(name)
+    node = example_node() if own is None else controller_node(*part_class(own))
+    maintainer = find_maintainer()
+    files = package_files(name, node, maintainer)
+    _write(folder, files)
+    todo = "description, license and maintainer" if maintainer == NOBODY else "description and license"
+    say("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
+    say(f"\nFill in its {todo}, in package.xml and in setup.py. Its README.md says how to build and run it:\n\n")
+    say(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")
+    say(f"    ros2 run {name} {node.module}\n    ros2 launch {name} {name}.launch.py\n")
+
+
+def _write(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write a package's files into a folder that there is not yet; it is there as a whole, or not at all.
+
+    Raises:
+        TutorialError: something of this name is there already, or cannot be written.
+    """
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir()
+    except FileExistsError as error:
+        text = f"there is {str(error.filename)!r} already, and it stays as it is. Give another name, or destination."
+        raise TutorialError(text) from None
+    except OSError as error:
+        raise TutorialError(f"{str(folder)!r} cannot be made: {error.strerror}") from error
+    try:
+        for path, content in files.items():
+            (folder / path).parent.mkdir(exist_ok=True)
+            (folder / path).write_bytes(content)
+    except BaseException as error:
+        shutil.rmtree(folder, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise TutorialError(f"{str(folder)!r} cannot be written: {error.strerror}") from error
+        raise

@@ -1,0 +1,147 @@
+"""What is in a package: its files, with what they hold."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from string import Template
+from xml.sax.saxutils import escape
+
+from tutorial.commands.packaging.maintainer import Maintainer
+from tutorial.errors import TutorialError, did_you_mean
+from tutorial.paths import HOME, PACKAGE, find_home
+from tutorial.project import Project, controller_names, load_controllers
+
+__all__ = ["Node", "controller_node", "example_node", "package_files"]
+
+TEMPLATES = Path(__file__).parent / "template"
+ROS_MODULES = ("_msgs", "_interfaces", "_srvs")
+"""How the Python modules of ROS 2 packages end that a node sends messages of."""
+
+
+@dataclass(frozen=True)
+class Node:
+    """What the package is made around: the node, and the code in which the learner goes on.
+
+    Attributes:
+        kind: the folder of its templates, ``listener`` or ``controller``.
+        module: the module that holds the code; the executable is called like it.
+        code: what stands in it.
+        main: the module whose ``main()`` is the executable.
+        name: how the launch file calls the node.
+        words: what else stands in its templates.
+    """
+
+    kind: str
+    module: str
+    code: bytes
+    main: str
+    name: str
+    words: Mapping[str, str]
+
+
+def example_node() -> Node:
+    """A node without the course, the last of step 3's notebook."""
+    code = (find_home(PACKAGE) / "notebooks" / "listener.py").read_bytes()
+    return Node("listener", "listener", code, "listener", "listener", {})
+
+
+def controller_node(file: Path, only: str | None) -> Node:
+    """A node that runs a controller in the place of the course's own of the same name.
+
+    Args:
+        file: the Python file that defines it.
+        only: the name of its class; None for the only one that there is.
+
+    Raises:
+        TutorialError: the file is missing or fails, it defines several controllers, or none of this name, or no project
+            of the course has one of this name.
+    """
+    found = load_controllers(file, only)
+    bases = {base for controller in found.values() for base in controller.__mro__[1:]}
+    names = [name for name, controller in found.items() if controller not in bases]
+    if len(names) > 1:
+        which = ", ".join(f"{file}:{name}" for name in sorted(names))
+        raise TutorialError(f"{file} defines {len(names)} controllers. Say which one: {which}.")
+    (name,) = names
+    project = _project_for(name)
+    module = controller_names()[name].rpartition(".")[2]
+    node = "viewer" if project.time_step is None else "simulation"
+    words = {"controller": name, "project": project.path.stem}
+    return Node("controller", module, file.read_bytes(), "node", node, words)
+
+
+def package_files(name: str, node: Node, maintainer: Maintainer) -> dict[str, bytes]:
+    """Write the files of a package.
+
+    Args:
+        name: the package's.
+        node: what it is made around.
+        maintainer: who maintains it.
+
+    Returns:
+        What each file holds, by its path within the package.
+    """
+    words = {
+        **node.words,
+        "package": name,
+        "module": node.module,
+        "main": node.main,
+        "node": node.name,
+        "depends": "\n".join(f"  <exec_depend>{each}</exec_depend>" for each in _needs(node.code)),
+        "maintainer": escape(maintainer.name),
+        "quoted_maintainer": repr(maintainer.name),
+        "email": maintainer.email,
+    }
+
+    def filled(template: str) -> bytes:
+        return Template((TEMPLATES / template).read_text(encoding="utf-8")).substitute(words).encode()
+
+    files = {
+        "README.md": filled(f"{node.kind}/README.md.in"),
+        "package.xml": filled("package.xml.in"),
+        "setup.cfg": filled(f"{node.kind}/setup.cfg.in"),
+        "setup.py": filled("setup.py.in"),
+        f"resource/{name}": b"",
+        f"{name}/__init__.py": b"",
+        f"{name}/{node.module}.py": node.code,
+        f"launch/{name}.launch.py": filled("launch.py.in"),
+        f"test/test_{node.module}.py": filled(f"{node.kind}/test.py.in"),
+    }
+    if node.main != node.module:
+        files[f"{name}/{node.main}.py"] = filled(f"{node.kind}/{node.main}.py.in")
+    return files
+
+
+def _project_for(name: str) -> Project:
+    """Find the course's first project that has a controller of this name.
+
+    Raises:
+        TutorialError: none has.
+    """
+    known: set[str] = set()
+    for path in sorted((HOME / "project").glob("step*.yaml"), key=lambda path: (len(path.stem), path.stem)):
+        project = Project.load(path)
+        names = {each.__name__ for item in project.bodies for each in item.controllers}
+        if name in names:
+            return project
+        known |= names
+    mend = "Yours takes the place of the one that has its name, so call the class like that."
+    raise TutorialError(f"no step has a controller {name!r}.{did_you_mean(name, known)} {mend}")
+
+
+def _needs(code: bytes) -> list[str]:
+    """The ROS 2 packages that some code needs, and those that start it."""
+    imported = {module.partition(".")[0] for module in _imports(code)}
+    return sorted({"rclpy", "ros2launch"} | {module for module in imported if module.endswith(ROS_MODULES)})
+
+
+def _imports(code: bytes) -> Iterator[str]:
+    """Yield the modules that some code imports."""
+    for statement in ast.walk(ast.parse(code)):
+        if isinstance(statement, ast.Import):
+            yield from (alias.name for alias in statement.names)
+        elif isinstance(statement, ast.ImportFrom) and statement.module and not statement.level:
+            yield statement.module

@@ -1,0 +1,46 @@
+"""``tank run --bag``: a program's topics, recorded while it runs."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+
+from tutorial.commands.asking import named_node
+from tutorial.host import Host
+from tutorial.ros.bags import Recorder
+
+__all__ = ["bag_of"]
+
+LOOK_EVERY = 0.02  # [s]
+MEET_FOR = 5.0  # [s] at most, before the program runs
+
+
+@asynccontextmanager
+async def bag_of(host: Host, path: Path) -> AsyncIterator[Recorder]:
+    """Record what a program publishes and receives, for as long as the context lasts.
+
+    The recorder has a node of its own, so that the program's counts are of the program alone. The context begins when
+    that hears all that the program publishes: nothing of the run is missing.
+
+    Args:
+        host: the program.
+        path: the bag's folder, which must not be there.
+
+    Raises:
+        TutorialError: the bag cannot be written.
+    """
+    topics = {meter.topic for meter in host.node.meters}
+    with named_node(f"_tank_bag_{os.getpid()}", ()) as thread, Recorder(thread.node, path, topics) as recorder:
+        published = {meter.topic for meter in host.node.meters if meter.direction == "published"}
+        with suppress(TimeoutError):  # one whose type is not known is not recorded, which the log says
+            async with asyncio.timeout(MEET_FOR):
+                while not all(
+                    publisher.get_subscription_count() > 0 and recorder.hears(publisher.topic_name)
+                    for publisher in host.node.publishers
+                    if publisher.topic_name in published
+                ):
+                    await asyncio.sleep(LOOK_EVERY)
+        yield recorder

@@ -1,0 +1,29 @@
+"""The command ``tank urdf``: a robot's description, for whoever reads it from a file."""
+
+# ruff: noqa: PLC0415 - MuJoCo takes a moment, and help is to come at once
+
+from __future__ import annotations
+
+import click
+
+from tutorial.commands.terminal import say
+
+__all__ = ["urdf"]
+
+
+@click.command(short_help="Print a robot's description, a URDF.")
+@click.argument("model")
+def urdf(model: str) -> None:
+    """Print MODEL as URDF: an MJCF file, or the name of one of the tutorial's, such as tank.
+
+    It is what RobotDescriptionPublisher publishes: tank urdf tank > tank.urdf.
+    """
+    from tutorial.body import Body
+    from tutorial.description.urdf import robot_description
+    from tutorial.paths import find_model
+    from tutorial.project import check_model
+    from tutorial.world import Placement
+
+    path = find_model(model)
+    check_model(path)
+    say(robot_description(Body.displayed(Placement(path.stem.capitalize(), path))))

@@ -1,0 +1,41 @@
+"""The colour in which MuJoCo's own viewer shows a geom."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["colour_of", "takes_material"]
+
+Array = NDArray[np.float64]
+
+_UNTOUCHED = (0.5, 0.5, 0.5, 1.0)
+"""The colour of a geom that was given none. MuJoCo then takes the material's (``setMaterial`` in
+``engine_vis_visualize.c``)."""
+
+
+def takes_material(model: mujoco.MjModel, geom: int) -> bool:
+    """Say whether a geom has the colour of its material, and not one of its own."""
+    return bool(model.geom_matid[geom] >= 0 and tuple(model.geom_rgba[geom]) == _UNTOUCHED)
+
+
+def colour_of(model: mujoco.MjModel, geom: int) -> Array:
+    """Return red, green, blue and opacity of a geom, each 0 to 1, shape (4,)."""
+    if not takes_material(model, geom):
+        return np.asarray(model.geom_rgba[geom], dtype=float)
+    material = model.geom_matid[geom]
+    colour = np.array(model.mat_rgba[material], dtype=float)
+    colour[:3] *= _texture_tint(model, material)
+    return colour
+
+
+def _texture_tint(model: mujoco.MjModel, material: int) -> Array:
+    """The mean colour of a material's texture; white if it has none. The pattern itself is not drawn."""
+    texture = model.mat_texid[material, int(mujoco.mjtTextureRole.mjTEXROLE_RGB)]
+    if texture < 0 or model.tex_nchannel[texture] < 3:
+        return np.ones(3)
+    channels = model.tex_nchannel[texture]
+    size = model.tex_height[texture] * model.tex_width[texture] * channels
+    pixels = model.tex_data[model.tex_adr[texture] : model.tex_adr[texture] + size].reshape(-1, channels)
+    return np.asarray(pixels[:, :3].mean(axis=0) / 255)

@@ -1,0 +1,74 @@
+"""Poses as 4 x 4 matrices, and how URDF writes them: a position, and roll, pitch and yaw."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import atan2, hypot
+from xml.etree.ElementTree import Element, SubElement
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["add_origin", "inverse", "numbers", "pose", "shift", "turn"]
+
+Matrix = NDArray[np.float64]
+
+NOTHING = 1e-12
+"""What is smaller [m] or [rad] comes from rounding, and is written as 0."""
+GIMBAL_LOCK = 1e-9
+"""Where the cosine of the pitch is smaller, roll and yaw turn about the same axis: yaw counts as 0."""
+
+
+def pose(position: ArrayLike, orientation_wxyz: ArrayLike) -> Matrix:
+    """Make a pose of a position (3,) [m] and a unit quaternion (4,) in MuJoCo's order, w first."""
+    rotation = np.empty(9)
+    mujoco.mju_quat2Mat(rotation, np.asarray(orientation_wxyz, dtype=float))
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation.reshape(3, 3)
+    matrix[:3, 3] = position
+    return matrix
+
+
+def shift(by: ArrayLike) -> Matrix:
+    """Make the pose of what stands off by (3,) [m], and is not turned."""
+    matrix = np.eye(4)
+    matrix[:3, 3] = by
+    return matrix
+
+
+def turn(axis: ArrayLike, angle: float) -> Matrix:
+    """Make the pose of what is turned by an angle [rad] about an axis through the origin, (3,)."""
+    quaternion = np.empty(4)
+    mujoco.mju_axisAngle2Quat(quaternion, np.asarray(axis, dtype=float), angle)
+    return pose((0.0, 0.0, 0.0), quaternion)
+
+
+def inverse(matrix: Matrix) -> Matrix:
+    """Return the pose that undoes one."""
+    rotation = matrix[:3, :3].T
+    undone = np.eye(4)
+    undone[:3, :3] = rotation
+    undone[:3, 3] = -rotation @ matrix[:3, 3]
+    return undone
+
+
+def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:
+    """Return the angles [rad] about the fixed axes x, y and z, in this order, that make a rotation (3, 3)."""
+    (r00, _, _), (r10, r11, r12), (r20, r21, r22) = rotation[:, :3].tolist()
+    cosine = hypot(r00, r10)
+    if cosine < GIMBAL_LOCK:
+        return atan2(-r12, r11), atan2(-r20, cosine), 0.0
+    return atan2(r21, r22), atan2(-r20, cosine), atan2(r10, r00)
+
+
+def add_origin(parent: Element, matrix: Matrix) -> None:
+    """Say in an ``<origin>`` where something is; URDF takes it to be at its parent's where there is none."""
+    if np.abs(matrix - np.eye(4)).max() > NOTHING:
+        angles = roll_pitch_yaw(matrix[:3, :3])
+        SubElement(parent, "origin", xyz=numbers(matrix[:3, 3]), rpy=numbers(angles))
+
+
+def numbers(values: Iterable[float]) -> str:
+    """Write numbers side by side, with twelve digits: far below a micrometre at the size of a robot."""
+    return " ".join("0" if abs(value) < NOTHING else f"{value:.12g}" for value in values)

@@ -1,0 +1,223 @@
+"""A body's MuJoCo model as URDF, the robot description that rviz2, robot_state_publisher and others read.
+
+The links are the model's bodies, in the same places, and the joints that move are those that joint states speak of.
+Names are the model's, without the body's before them: robot_state_publisher adds that (``frame_prefix``).
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import Counter
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Comment, Element, SubElement
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial.body import Body
+from tutorial.description.limits import add_dynamics, add_limit
+from tutorial.description.poses import add_origin, inverse, numbers, pose, shift, turn
+from tutorial.description.shapes import add_shapes
+
+__all__ = ["robot_description"]
+
+ROOT = "base_link"
+"""The link that stands where the body's root does. A free joint moves it, and is not in the description."""
+
+WORLD, FIRST = 0, 1
+"""MuJoCo's numbers of the world, which the bodies stand in, and of the root."""
+
+FREE, BALL, SLIDE = (int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("FREE", "BALL", "SLIDE"))
+
+Matrix = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
+
+
+def robot_description(body: Body) -> str:
+    """Write the URDF of a body.
+
+    What URDF does not have is left out, such as tendons, equalities and ellipsoids. Joints that joint states do not
+    speak of are fixed as the model begins: those of a group that MuJoCo hides, ball joints, joints without a name. A
+    comment at the top says how many there are of each; what makes the description move other than the robot is a
+    warning in the log, too.
+
+    Args:
+        body: a displayed body: its model has nothing else in it.
+
+    Returns:
+        The XML. Lengths are in m, angles in rad, inertias in kg.m^2.
+    """
+    return _Writer(body).write()
+
+
+class _Writer:
+    """Writes one robot description, parents before children, as MuJoCo numbers them."""
+
+    def __init__(self, body: Body) -> None:
+        self.body = body
+        self.model = body.model
+        self.robot = Element("robot", name=body.name)
+        self.links = {WORLD: self._add_link(ROOT)}  # by MuJoCo's numbers of bodies
+        names = (self._plain(body.model.body(number).name) for number in range(FIRST, body.model.nbody))
+        self.names = {"link": {ROOT, *names}, "joint": set(body.joint_names)}
+        self.told = frozenset(body.joint_names)  # by joint states
+        self.left_out = Counter(tendons=self.model.ntendon, equalities=self.model.neq)
+        self.amiss: Counter[str] = Counter()
+
+    def write(self) -> str:
+        """Return the XML."""
+        for number in range(FIRST, self.model.nbody):
+            if self.model.body_parentid[number] in self.links:
+                self._add_body(number)
+        for geom in range(self.model.ngeom):
+            self._add_geom(geom)
+        self._say_what_is_missing()
+        ElementTree.indent(self.robot)
+        # in ASCII, where other characters are numbers: so it is the same in every file and on every terminal
+        text = ElementTree.tostring(self.robot, encoding="us-ascii", xml_declaration=False)
+        return f'<?xml version="1.0"?>\n{text.decode("ascii")}\n'
+
+    def _add_body(self, number: int) -> None:
+        """Add a body's link, and what joins it to its parent's."""
+        place = self._place(number)
+        if place is None:
+            self.amiss["bodies that move freely beside others"] += 1
+            return
+        parent = self.links[int(self.model.body_parentid[number])]
+        name, joints = self._plain(self.model.body(number).name), self._joints(number)
+        if name == ROOT and number == FIRST and not joints:
+            self.links[number] = parent
+        else:
+            own = name if name and name != ROOT else self._unused("link", name or f"body_{number}")
+            self.links[number] = self._lead(parent, joints, place, own)
+        self._add_inertia(self.links[number], number)
+
+    def _place(self, number: int) -> Matrix | None:
+        """Where a body stands in its parent, with its joints at rest; None if it moves there as no joint state says.
+
+        The root link is where the root stands, wherever that is in the world.
+        """
+        model = self.model
+        place = pose(model.body_pos[number], model.body_quat[number])
+        if model.body_parentid[number] != WORLD:
+            return place
+        if number != FIRST and (self._is_free(number) or self._is_free(FIRST)):
+            return None
+        return inverse(pose(model.body_pos[FIRST], model.body_quat[FIRST])) @ place
+
+    def _lead(self, parent: Element, joints: list[int], place: Matrix, name: str) -> Element:
+        """Add a link, and the joints that lead to it.
+
+        URDF has one joint between two links, and its axis goes through the child's frame. So a link without a mass
+        stands between two joints, and on an axis that does not meet the body's frame.
+        """
+        for joint in joints:
+            anchor = self._anchor(joint)
+            here, place = place @ anchor @ self._at_zero(joint), inverse(anchor)
+            ends = joint == joints[-1] and not place[:3, 3].any()
+            joint_name = self._plain(self.model.joint(joint).name)
+            link = self._add_link(name if ends else self._unused("link", f"{joint_name}_axis"))
+            self._add_moving_joint(joint, joint_name, parent, link, here)
+            if ends:
+                return link
+            parent = link
+        link = self._add_link(name)
+        self._add_joint(self._unused("joint", f"{name}_fixed"), "fixed", parent, link, place)
+        return link
+
+    def _joints(self, number: int) -> list[int]:
+        """Return MuJoCo's numbers of a body's joints that joint states speak of; count those that are fixed."""
+        model, moving = self.model, []
+        start = int(model.body_jntadr[number])
+        for joint in range(start, start + int(model.body_jntnum[number])):
+            kind, name = int(model.jnt_type[joint]), model.joint(joint).name
+            if self._plain(name) in self.told:
+                moving.append(joint)
+            elif kind == BALL:
+                self.amiss["ball joints that are fixed"] += 1
+            elif kind != FREE and not name:
+                self.amiss["joints without a name that are fixed"] += 1
+            elif kind != FREE:
+                self.left_out["joints of hidden groups that are fixed"] += 1
+        return moving
+
+    def _is_free(self, number: int) -> bool:
+        joint = self.model.body_jntadr[number]
+        return bool(joint >= 0 and self.model.jnt_type[joint] == FREE)
+
+    def _anchor(self, joint: int) -> Matrix:
+        """Where a joint's axis is in its body; that of one that slides has no place."""
+        slides = self.model.jnt_type[joint] == SLIDE
+        return shift((0.0, 0.0, 0.0) if slides else self.model.jnt_pos[joint])
+
+    def _at_zero(self, joint: int) -> Matrix:
+        """How a joint stands at 0, seen from where the model begins: that need not be 0 (``ref`` in MJCF)."""
+        axis, begins = self.model.jnt_axis[joint], float(self.model.qpos0[self.model.jnt_qposadr[joint]])
+        return shift(-begins * axis) if self.model.jnt_type[joint] == SLIDE else turn(axis, -begins)
+
+    def _add_link(self, name: str) -> Element:
+        return SubElement(self.robot, "link", name=name)
+
+    def _add_joint(self, name: str, kind: str, parent: Element, child: Element, place: Matrix) -> Element:
+        element = SubElement(self.robot, "joint", name=name, type=kind)
+        add_origin(element, place)
+        SubElement(element, "parent", link=parent.attrib["name"])
+        SubElement(element, "child", link=child.attrib["name"])
+        return element
+
+    def _add_moving_joint(self, joint: int, name: str, parent: Element, child: Element, place: Matrix) -> None:
+        turns = "revolute" if self.model.jnt_limited[joint] else "continuous"
+        kind = "prismatic" if self.model.jnt_type[joint] == SLIDE else turns
+        element = self._add_joint(name, kind, parent, child, place)
+        SubElement(element, "axis", xyz=numbers(self.model.jnt_axis[joint]))
+        add_limit(element, self.model, joint)
+        add_dynamics(element, self.model, joint)
+
+    def _add_inertia(self, link: Element, number: int) -> None:
+        """Add mass and inertia: MuJoCo has it along its principal axes, URDF along the link's."""
+        model = self.model
+        if not model.body_mass[number]:
+            return
+        element = SubElement(link, "inertial")
+        add_origin(element, shift(model.body_ipos[number]))
+        SubElement(element, "mass", value=numbers([model.body_mass[number]]))
+        axes = pose((0.0, 0.0, 0.0), model.body_iquat[number])[:3, :3]
+        tensor = axes @ np.diag(model.body_inertia[number]) @ axes.T
+        parts = {f"i{'xyz'[i]}{'xyz'[j]}": numbers([tensor[i, j]]) for i in range(3) for j in range(i, 3)}
+        SubElement(element, "inertia", parts)
+
+    def _add_geom(self, geom: int) -> None:
+        number = int(self.model.geom_bodyid[geom])
+        if number == WORLD:
+            self.left_out["shapes in no body"] += 1
+        elif number in self.links and (missing := add_shapes(self.links[number], self.model, geom)):
+            self.left_out[missing] += 1
+
+    def _say_what_is_missing(self) -> None:
+        """Say it at the top of the description, and in the log what makes it move other than the robot.
+
+        Without a colon: ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` reads the description as YAML.
+        """
+        missing = +(self.left_out + self.amiss)
+        if missing:
+            self.robot.insert(0, Comment(f" Other than in the MuJoCo model are {_counted(missing)} "))
+        if self.amiss:
+            others = _counted(self.amiss)
+            _log.warning("the robot description of %s does not move as the robot does: %s", self.body.name, others)
+
+    def _plain(self, name: str) -> str:
+        """A name as the model's file has it, without the body's before it."""
+        return name.removeprefix(f"{self.body.name}/")
+
+    def _unused(self, kind: str, name: str) -> str:
+        """A name that no other link, or no other joint, has: this one, or one made from it."""
+        while name in self.names[kind]:
+            name += "_"
+        self.names[kind].add(name)
+        return name
+
+
+def _counted(what: Counter[str]) -> str:
+    return ", ".join(f"{name} ({count})" for name, count in what.items())

@@ -1,0 +1,56 @@
+"""What a bag holds, in the lines of ``ros2 bag info``."""
+
+from __future__ import annotations
+
+import time
+
+from tutorial.errors import printable
+from tutorial.ros.bags.bag import Bag
+from tutorial.ros.topics.names import shown
+
+__all__ = ["bag_info"]
+
+INDENT = " " * 19
+UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
+
+
+def bag_info(bag: Bag) -> str:
+    """Return what ``ros2 bag info`` prints; the topics are in the order of their names."""
+    topics = [
+        f"Topic: {shown(topic.name)} | Type: {shown(topic.type)} | Count: {topic.count} | "
+        f"Serialization Format: {shown(bag.channels[topic.name].encoding)}"
+        for topic in bag.topics
+    ]
+    lines = {
+        "Files": f"\n{INDENT}".join(printable(file.name) for file in bag.files),
+        "Bag size": _size(bag.size),
+        "Storage id": bag.storage,
+        "ROS Distro": bag.distro,
+        "Duration": f"{_seconds(bag.end - bag.start)}s",
+        "Start": _moment(bag.start),
+        "End": _moment(bag.end),
+        "Messages": str(sum(topic.count for topic in bag.topics)),
+        "Topic information": f"\n{INDENT}".join(topics),
+        "Service": "0",
+    }
+    return "\n" + "".join(f"{f'{name}:':<19}{value}\n" for name, value in lines.items()) + "Service information: \n"
+
+
+def _size(count: float) -> str:
+    """Write a number of bytes with one decimal."""
+    power = 0
+    while count >= 1024 and power < len(UNITS) - 1:
+        count, power = count / 1024, power + 1
+    return f"{count:.1f} {UNITS[power]}"
+
+
+def _seconds(nanoseconds: int) -> str:
+    seconds, rest = divmod(nanoseconds, 10**9)
+    return f"{seconds}.{rest:09d}"
+
+
+def _moment(nanoseconds: int) -> str:
+    """Write a time as the day and the hour here, and as seconds since 1970."""
+    local = time.localtime(min(nanoseconds // 10**9, 2**35))
+    text = time.strftime("%b %e %Y %H:%M:%S", local)
+    return f"{text}.{nanoseconds % 10**9:09d} ({_seconds(nanoseconds)})"

@@ -1,0 +1,189 @@
+"""Playing: the messages of a bag are published again, at the times at which they were received."""
+
+from __future__ import annotations
+
+import logging
+import math
+import threading
+import time
+from collections.abc import Callable, Collection
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
+
+from tutorial.errors import TutorialError
+from tutorial.ros.bags.bag import Bag
+from tutorial.ros.bags.metadata import offered
+from tutorial.ros.topics.names import is_valid_topic, message_class, shown
+
+__all__ = ["Player"]
+
+CLOCK = "/clock"
+CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as rclcpp's ClockQoS
+MEET_FOR = 2.0  # [s] at most, that subscriptions are waited for which are there already
+THEY_TOO = 0.3  # [s] that a subscription may take longer than the publisher to know of the other, on Fast DDS
+LOOK_EVERY = 0.02  # [s] for these subscriptions
+LONGEST_WAIT = 1.0  # [s] between two looks at how far it is
+LAST_SECOND = 2**31 - 1  # that a time stamp can say
+ACKNOWLEDGED_IN = 1.0  # [s] at most
+
+_log = logging.getLogger(__name__)
+
+
+class Player:
+    """Plays a bag: byte for byte what was recorded, with the quality of service that was offered then.
+
+    Args:
+        node: that publishes.
+        bag: what to play.
+        rate: how fast, 2 for twice as fast.
+        loop: begin anew at the end, until stopped.
+        start_offset: how much to leave out at the beginning [s].
+        topics: only those; None for all.
+        clock: how often to publish the time of the bag on ``/clock`` [Hz]; 0 for never. The bag's own ``/clock`` is
+            left out then.
+
+    Attributes:
+        played: how many messages have been published.
+
+    Raises:
+        TutorialError: there is no such topic, nothing to play, or a number makes no sense.
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        bag: Bag,
+        rate: float = 1.0,
+        loop: bool = False,
+        start_offset: float = 0.0,
+        topics: Collection[str] | None = None,
+        clock: float = 0.0,
+    ) -> None:
+        if not (math.isfinite(rate) and rate > 0):
+            raise TutorialError(f"the rate is {rate:g}; give one above 0, such as 2 for twice as fast.")
+        if not (math.isfinite(clock) and clock >= 0):
+            raise TutorialError(f"the clock's rate is {clock:g} Hz; give one above 0, or 0 for none.")
+        if not 0 <= start_offset <= bag.duration:
+            raise TutorialError(
+                f"the start offset is {start_offset:g} s, and the bag is {bag.duration:.3f} s long. Begin within it."
+            )
+        self.played = 0
+        self._node = node
+        self._bag = bag
+        self._rate = rate
+        self._loop = loop
+        self._offset = start_offset
+        self._period = 1 / clock if clock else math.inf
+        self._qos = self._playable(topics)
+        counts = {topic.name: topic.count for topic in bag.topics}
+        if not any(counts[topic] for topic in self._qos):
+            raise TutorialError("there is nothing to play: the bag has no messages on these topics.")
+        self._publishers: dict[str, Any] = {}
+        self._refused: set[str] = set()
+        self._clock: Any = None
+        self._tick_at = 0.0
+
+    def run(self, stop: threading.Event, progress: Callable[[float], object] = lambda seconds: None) -> None:  # noqa: ARG005
+        """Play to the end, or until stopped. Any thread; it blocks.
+
+        It begins when the subscriptions that are there already have met its publishers, or after 2 s.
+
+        Args:
+            stop: set it to stop, from any thread.
+            progress: called with the seconds of the bag that are played.
+        """
+        try:
+            for topic, (kind, qos) in self._qos.items():
+                self._publishers[topic] = self._node.create_publisher(kind, topic, qos)
+            if self._period < math.inf:
+                self._clock = self._node.create_publisher(Clock, CLOCK, CLOCK_QOS)
+            self._meet(stop)
+            self._play(stop, progress)
+            while self._loop and not stop.is_set():
+                self._play(stop, progress)
+        finally:
+            self._close(stop)
+
+    def _play(self, stop: threading.Event, progress: Callable[[float], object]) -> None:
+        """Play once."""
+        begin = self._bag.start + round(self._offset * 1e9)
+        began = time.monotonic()
+        self._tick_at = began if self._clock is not None else math.inf
+        for topic, time_ns, payload in self._bag.raw_messages(self._qos, self._offset):
+            due = began + (time_ns - begin) / 1e9 / self._rate
+            while (now := time.monotonic()) < due or now >= self._tick_at:
+                if now >= self._tick_at:
+                    self._tick(begin + round((now - began) * self._rate * 1e9))
+                    self._tick_at = max(self._tick_at + self._period, now)
+                progress(self._offset + (now - began) * self._rate)
+                if stop.wait(max(0.0, min(due, self._tick_at, now + LONGEST_WAIT) - time.monotonic())):
+                    return
+            if stop.is_set():
+                return
+            self._publish(topic, payload)
+            progress((time_ns - self._bag.start) / 1e9)
+
+    def _publish(self, topic: str, payload: bytes) -> None:
+        """Publish a message; one that ROS 2 refuses, for it is not of the topic's type, is left out, and said once."""
+        try:
+            self._publishers[topic].publish(payload)
+            self.played += 1
+        except RuntimeError as error:
+            if topic not in self._refused:
+                self._refused.add(topic)
+                _log.warning("a message on %s is not played, and others like it: %s", shown(topic), error)
+
+    def _tick(self, now_ns: int) -> None:
+        """Publish the time of the bag."""
+        seconds, rest = divmod(now_ns, 10**9)
+        self._clock.publish(Clock(clock=Time(sec=min(seconds, LAST_SECOND), nanosec=rest)))
+
+    def _meet(self, stop: threading.Event) -> None:
+        """Wait until the subscriptions that are on the topics would receive what is published."""
+        deadline = time.monotonic() + MEET_FOR
+        while not self._met() and time.monotonic() < deadline and not stop.wait(LOOK_EVERY):
+            pass
+        if any(publisher.get_subscription_count() for publisher in self._publishers.values()):
+            stop.wait(THEY_TOO)
+
+    def _met(self) -> bool:
+        return all(
+            publisher.get_subscription_count() >= self._node.count_subscribers(topic)
+            for topic, publisher in self._publishers.items()
+        )
+
+    def _close(self, stop: threading.Event) -> None:
+        """Take the publishers back, when what they have sent has arrived."""
+        deadline = time.monotonic() + ACKNOWLEDGED_IN
+        while self._publishers:
+            _, publisher = self._publishers.popitem()
+            left = deadline - time.monotonic()
+            if left > 0 and not stop.is_set():
+                publisher.wait_for_all_acked(Duration(seconds=left))
+            self._node.destroy_publisher(publisher)
+        if self._clock is not None:
+            self._node.destroy_publisher(self._clock)
+            self._clock = None
+
+    def _playable(self, topics: Collection[str] | None) -> dict[str, tuple[Any, QoSProfile]]:
+        """Return class and quality of service of each topic that can be played, and say which cannot."""
+        wanted = self._bag.channels if topics is None else topics
+        playable = {}
+        for topic in sorted(wanted):
+            channel = self._bag.channel(topic)
+            if topic == CLOCK and self._period < math.inf:
+                continue
+            try:
+                if not is_valid_topic(topic):
+                    raise TutorialError("the name breaks the rules of ROS 2")
+                if channel.encoding != "cdr":
+                    raise TutorialError(f"its messages are {shown(channel.encoding)!r}, and not 'cdr'")
+                playable[topic] = message_class(channel.type_name), offered(channel.qos)
+            except TutorialError as error:
+                _log.warning("topic %s is not played: %s", shown(topic), error)
+        return playable

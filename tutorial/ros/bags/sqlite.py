@@ -1,0 +1,192 @@
+"""SQLite files, which ``ros2 bag`` writes with ``-s sqlite3``."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections import Counter
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from tutorial.errors import printable
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_FAULTS, MOST_TOPICS, Channel, Damaged, RawMessage
+
+__all__ = ["SqliteReader", "SqliteWriter"]
+
+TABLES = """
+    CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);
+    CREATE TABLE metadata(id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL, metadata TEXT NOT NULL);
+    CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
+        serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL, type_description_hash TEXT NOT NULL);
+    CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL, encoding TEXT NOT NULL,
+        encoded_message_definition TEXT NOT NULL, type_description_hash TEXT NOT NULL);
+    CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL,
+        data BLOB NOT NULL);
+    CREATE INDEX timestamp_idx ON messages (timestamp ASC);
+    INSERT INTO schema(schema_version, ros_distro) VALUES (4, 'jazzy');
+"""
+"""As ros2 bag has them in Jazzy."""
+
+UNREADABLE = (sqlite3.Error, UnicodeDecodeError)
+"""What Python raises of a spoilt file; the second is about SQLite's own words."""
+
+
+class SqliteWriter:
+    """Writes an SQLite file. One thread.
+
+    Args:
+        path: the file, which must not be there.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        path.touch(exist_ok=False)
+        with _as_os_error():
+            self._database = sqlite3.connect(path, check_same_thread=False)
+            self._database.executescript(TABLES)
+        self._types: set[str] = set()
+
+    def add_channel(self, channel: Channel) -> None:
+        """Make a topic known before its first message."""
+        with _as_os_error():
+            if channel.type_name not in self._types:
+                self._types.add(channel.type_name)
+                self._insert(
+                    "message_definitions", None, channel.type_name, "ros2msg", channel.definition, channel.type_hash
+                )
+            c = channel
+            self._insert("topics", c.id, c.topic, c.type_name, c.encoding, c.qos, c.type_hash)
+
+    def write(self, channel_id: int, received_ns: int, sent_ns: int, payload: bytes) -> None:  # noqa: ARG002
+        """Write a message, for which the file has one time only: when it was received."""
+        with _as_os_error():
+            self._insert("messages", None, channel_id, received_ns, payload)
+
+    def flush(self) -> None:
+        """Commit what is written."""
+        with _as_os_error():
+            self._database.commit()
+
+    def close(self, metadata: str) -> None:
+        """Complete the file."""
+        with _as_os_error():
+            try:
+                self._insert("metadata", None, 9, metadata)
+                self._database.commit()
+            finally:
+                self._database.close()
+
+    def _insert(self, table: str, *values: Any) -> None:
+        self._database.execute(f"INSERT INTO {table} VALUES ({', '.join('?' * len(values))})", values)
+
+
+class SqliteReader:
+    """Reads an SQLite file, as far as it goes. See `tutorial.ros.bags.storage.FileReader`.
+
+    Raises:
+        Damaged: it is no such file.
+        OSError: it cannot be read.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.channels: dict[int, Channel] = {}
+        self.counts: Counter[int] = Counter()
+        self.start = self.end = 0
+        self.faults: list[str] = []
+        path.open("rb").close()  # says what is wrong better than SQLite does
+        self._database = self._opened()
+        try:
+            self._learn_topics()
+            self._count()
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Close the file. Idempotent."""
+        self._database.close()
+
+    def messages(self, wanted: Collection[int], since: int) -> Iterator[RawMessage]:
+        """Yield the messages of these channels in the order of time, from a time on [ns]; of a damaged file, in that
+        in which they were written."""
+        ids = ", ".join(str(int(number)) for number in wanted)
+        order = "id" if self.faults else "timestamp, id"
+        query = f"SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({ids}) AND timestamp >= ? "
+        try:
+            for channel_id, time, payload in self._database.execute(f"{query} ORDER BY {order}", (since,)):
+                if isinstance(time, int) and isinstance(payload, bytes) and channel_id in self.channels:
+                    yield channel_id, time, payload
+                else:
+                    self._say("a row in it is no message")
+        except UNREADABLE as error:
+            self._say(f"SQLite says: {printable(str(error))}")
+
+    def _say(self, fault: str) -> None:
+        if fault not in self.faults and len(self.faults) < MOST_FAULTS:
+            self.faults.append(fault)
+
+    def _opened(self) -> sqlite3.Connection:
+        """Open the file without a change to it. What a killed recording has left half done may stand beside it."""
+        address = self.path.absolute().as_uri()
+        for how in ("mode=ro", "immutable=1"):
+            database = sqlite3.connect(f"{address}?{how}", uri=True, check_same_thread=False)
+            database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)
+            database.text_factory = lambda data: data.decode("utf-8", "backslashreplace")
+            try:
+                database.execute("PRAGMA trusted_schema = OFF")
+                tables = database.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchmany(MOST_TOPICS)
+            except UNREADABLE as error:
+                database.close()
+                refusal = f"SQLite says: {printable(str(error))}"
+                continue
+            if how != "mode=ro":
+                self._say("its last transaction is incomplete")
+            if {("topics",), ("messages",)} <= set(tables):
+                return database
+            database.close()
+            refusal = "it has no tables 'topics' and 'messages'"
+        raise Damaged(refusal)
+
+    def _learn_topics(self) -> None:
+        try:
+            columns = [row[1] for row in self._database.execute("PRAGMA table_info(topics)")]
+            rows = self._database.execute("SELECT * FROM topics ORDER BY id").fetchmany(MOST_TOPICS + 1)
+            for row in rows[:MOST_TOPICS]:
+                column = dict(zip(columns, row))
+                number = int(column["id"])
+                words = ("name", "type", "serialization_format", "offered_qos_profiles", "type_description_hash")
+                topic, type_name, encoding, qos, type_hash = (str(column.get(word, "")) for word in words)
+                self.channels[number] = Channel(number, topic, type_name, encoding, qos, type_hash=type_hash)
+            if len(rows) > MOST_TOPICS:
+                self._say(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
+        except (*UNREADABLE, KeyError, ValueError, TypeError) as error:
+            raise Damaged(f"its topics cannot be read: {printable(str(error))}") from error
+
+    def _count(self) -> None:
+        """Count the messages of each topic; where the file is damaged, those that can be reached."""
+        query = "SELECT topic_id, count(*), min(timestamp), max(timestamp) FROM messages GROUP BY topic_id"
+        try:
+            rows = self._database.execute(query).fetchmany(MOST_TOPICS)
+            known = [row for row in rows if row[0] in self.channels and isinstance(row[2], int)]
+            self.counts = Counter({row[0]: row[1] for row in known})
+            self.start = min((row[2] for row in known), default=0)
+            self.end = max((row[3] for row in known), default=0)
+        except UNREADABLE as error:
+            self._say(f"SQLite says: {printable(str(error))}")
+            for channel_id, time, _ in self.messages(self.channels, 0):
+                self.start = min(self.start, time) if self.counts else time
+                self.end = max(self.end, time)
+                self.counts[channel_id] += 1
+
+
+@contextmanager
+def _as_os_error() -> Iterator[None]:
+    """Turn SQLite's errors into what they are to whoever writes: errors of the disk."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise OSError(0, str(error)) from error

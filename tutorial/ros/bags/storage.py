@@ -1,0 +1,108 @@
+"""What the two kinds of file that a bag is made of, MCAP and SQLite, have in common."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+__all__ = [
+    "LARGEST_MESSAGE",
+    "MOST_FAULTS",
+    "MOST_TOPICS",
+    "SUFFIXES",
+    "Channel",
+    "Damaged",
+    "FileReader",
+    "FileWriter",
+    "RawMessage",
+]
+
+SUFFIXES = {"mcap": ".mcap", "sqlite3": ".db3"}
+"""Of the files, by the name that ``ros2 bag`` has for a kind of storage."""
+
+LARGEST_MESSAGE = 256 * 2**20
+"""Of a message, or of a chunk of messages, when it is unpacked [bytes]: some twenty pictures of the largest cameras."""
+
+MOST_TOPICS = 1000
+"""Of a bag. A robot has a hundred."""
+
+MOST_FAULTS = 5
+"""Of a file or a bag, that are told of."""
+
+RawMessage = tuple[int, int, bytes]
+"""The id of its channel, when it was received [ns], and its payload."""
+
+
+class Damaged(Exception):  # noqa: N818 - it says what is the case, and is no error of anybody's program
+    """From here on a file is not what it ought to be; the text is the end of a sentence."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A topic in a file.
+
+    Attributes:
+        id: what the file calls it.
+        topic: its full name.
+        type_name: such as ``"sensor_msgs/msg/Joy"``.
+        encoding: of its payloads; ``"cdr"`` in ROS 2.
+        qos: what its publishers offered, as YAML.
+        definition: the message type's, with those that it is made of, as text.
+        type_hash: of the message type (REP 2016).
+    """
+
+    id: int
+    topic: str
+    type_name: str
+    encoding: str = "cdr"
+    qos: str = ""
+    definition: str = ""
+    type_hash: str = ""
+
+
+class FileWriter(Protocol):
+    """Writes one file of a bag."""
+
+    def add_channel(self, channel: Channel) -> None:
+        """Make a topic known before its first message."""
+
+    def write(self, channel_id: int, received_ns: int, sent_ns: int, payload: bytes) -> None:
+        """Write a message."""
+
+    def flush(self) -> None:
+        """Give what is written to the operating system: it outlives this process."""
+
+    def close(self, metadata: str) -> None:
+        """Complete the file.
+
+        Args:
+            metadata: of the bag, so far, as YAML.
+        """
+
+
+class FileReader(Protocol):
+    """Reads one file of a bag, as far as it goes.
+
+    Attributes:
+        path: the file.
+        channels: its topics by id.
+        counts: how many messages each has, by id.
+        start, end: when its first and its last message was received [ns]; 0 where there are none.
+        faults: what is wrong with the file, as far as it was read, each the end of a sentence.
+    """
+
+    path: Path
+    channels: dict[int, Channel]
+    counts: Counter[int]
+    start: int
+    end: int
+    faults: list[str]
+
+    def messages(self, wanted: Collection[int], since: int) -> Iterator[RawMessage]:
+        """Yield the messages of these channels in the order of time, from a time on [ns]."""
+
+    def close(self) -> None:
+        """Close the file. Idempotent."""
