@@ -17,7 +17,7 @@ MOST = 10_000  # joints, or transforms, of a message; no robot has so many
 LONGEST = 1_000_000  # characters of a message's names
 MOST_WAITING = 50  # messages of a topic: a second of them
 FARTHEST = 1e9  # [m] single precision, with which views draw, still holds its square
-TOLERANCE = 0.01  # by which a quaternion's squared length may differ from 1; tf2 has the same
+TOLERANCE = 0.01  # by which a quaternion's squared length may differ from 1
 ALONE, REPEATED = "without a partner of the same stamp", "of a stamp that was there"
 
 
