@@ -52,12 +52,14 @@ def transform(milliseconds, x=0.0, wxyz=(1.0, 0.0, 0.0, 0.0), parent="odom", chi
 class Silent:
     """A node on which nothing arrives, and the lines of its log."""
 
+    publishers = 1
+
     def __init__(self):
         self.topics, self.said = [], []
 
     def create_subscription(self, message_type, topic, callback, depth):
         self.topics.append(topic)
-        return SimpleNamespace(topic=topic, get_publisher_count=lambda: 1)
+        return SimpleNamespace(topic=topic, get_publisher_count=lambda: self.publishers)
 
     def destroy_subscription(self, subscription):
         self.topics.remove(subscription.topic)
@@ -158,6 +160,16 @@ def test_a_pair_of_a_moment_ago_is_late_and_moves_nothing(viewer):
     viewer.hear(joint_state(500, 0.5), transform(500, 5.0))
     assert viewer.hear(joint_state(400, 0.25), transform(400, 4.0)) == (5.0, 0.5)
     assert viewer.reports[-1].late
+
+
+def test_of_two_publishers_one_is_followed_with_its_pose(viewer):
+    viewer.node.publishers = 2
+    for i in range(10):
+        first, second = 100_000 + 20 * i, 3_000 + 20 * i
+        viewer.hear(joint_state(first, 0.01 * i), joint_state(second, -0.5))
+        assert viewer.hear(transform(first, 5.0 + i), transform(second, -5.0)) == (5.0 + i, 0.01 * i)
+    assert sum(report.another for report in viewer.reports) == 10
+    assert viewer.left_out == {}
 
 
 def test_messages_that_nobody_stamps_are_no_pairs(viewer):
