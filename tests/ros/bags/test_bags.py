@@ -131,6 +131,7 @@ def test_after_the_longest_duration_another_file_begins(tmp_path, storage):
     (tmp_path / "bag" / f"bag_2{SUFFIXES[storage]}").unlink()
     bag = Bag(tmp_path / "bag")
     assert "1 of its files are missing, the first is bag_2" in bag.damage
+    assert "metadata.yaml tells of 100 messages, and 75 are there" in bag.damage
     assert list(bag.raw_messages()) == written[:50] + written[75:]
 
 

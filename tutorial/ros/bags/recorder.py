@@ -153,7 +153,8 @@ class Recorder:
         if self.error is not None:
             raise TutorialError(
                 f"the bag {str(self.path)!r} could not be written to its end: {self.error.strerror}. What is in it "
-                f"can be read; {self.lost:,} messages are lost. Make room, or record to another disk."
+                f"can be read; {self.lost:,} messages and those of the second before are lost. Make room, or record to "
+                "another disk."
             ) from self.error
 
     def _settle(self) -> None:
