@@ -25,7 +25,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.bags import Bag, BagTopic, bag_info
 from tutorial.ros.bags.mcap import CHUNK, MAGIC, McapReader
 from tutorial.ros.bags.metadata import offered, qos_text
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, SUFFIXES, Channel, Damaged
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_TOPICS, SUFFIXES, Channel, Damaged
 from tutorial.ros.bags.writer import BagWriter
 
 START = 1_700_000_000 * 10**9
@@ -318,6 +318,19 @@ def test_names_in_a_bag_are_shown_as_escapes(tmp_path):
         list(bag.messages())
     with pytest.raises(TutorialError, match=r"there is no topic '/x' in this bag"):
         list(bag.messages(["/x"]))
+
+
+def test_topics_have_bounds_in_number_and_length(tmp_path, storage):
+    writer = BagWriter(tmp_path / "bag", storage)
+    for number in range(1, MOST_TOPICS + 10):
+        writer.add_channel(Channel(number, f"/t{number:04}", STRING))
+    writer.add_channel(Channel(5000, "/" + 10**6 * "x", STRING, qos=10**6 * "-", definition=10**6 * "#"))
+    writer.write(1, START, START, payload(0))
+    writer.close()
+    bag = Bag(tmp_path / "bag")
+    assert len(bag.topics) == MOST_TOPICS
+    assert "it has more than 1,000 topics; the others are left out" in bag.damage
+    assert list(bag.raw_messages()) == [("/t0001", START, payload(0))]
 
 
 def test_what_is_no_message_is_left_out_and_said(tmp_path):

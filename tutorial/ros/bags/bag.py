@@ -105,7 +105,7 @@ class Bag:
         """
         if topic not in self.channels:
             known = [shown(name) for name in self.channels]
-            raise TutorialError(f"there is no topic {shown(topic)!r} in this bag.{did_you_mean(topic, known)}")
+            raise TutorialError(f"there is no topic '{shown(topic)}' in this bag.{did_you_mean(topic, known)}")
         return self.channels[topic]
 
     def messages(

@@ -21,7 +21,16 @@ from backports import zstd
 from lz4.frame import LZ4FrameDecompressor
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_FAULTS, MOST_TOPICS, Channel, Damaged, RawMessage
+from tutorial.ros.bags.storage import (
+    LARGEST_MESSAGE,
+    LONGEST_NAME,
+    LONGEST_QOS,
+    MOST_FAULTS,
+    MOST_TOPICS,
+    Channel,
+    Damaged,
+    RawMessage,
+)
 
 __all__ = ["McapReader", "McapWriter"]
 
@@ -168,7 +177,7 @@ class McapReader:
         self.counts: Counter[int] = Counter()
         self.start = self.end = 0
         self.faults: list[str] = []
-        self._types: dict[int, tuple[str, str]] = {}  # names and definitions by the schema's id
+        self._types: dict[int, str] = {}  # names by the schema's id
         self._file: BufferedReader = path.open("rb")
         try:
             self._size = self._data_end = path.stat().st_size
@@ -311,10 +320,7 @@ class McapReader:
                 else:
                     self._say("a message in it belongs to no topic")
             elif opcode in (SCHEMA, CHANNEL):
-                try:
-                    self._take(opcode, records[at : at + size])
-                except Damaged as damaged:
-                    self._say(str(damaged))
+                self._take(opcode, records[at : at + size])
             at += size
         if at < len(records):
             self._say("a chunk in it is incomplete")
@@ -343,23 +349,27 @@ class McapReader:
                 raise Damaged("it ends in the middle of a record")
 
     def _take(self, opcode: int, body: bytes) -> None:
-        """Learn a topic, or what its messages are."""
-        if opcode == SCHEMA:
-            number, words = int.from_bytes(body[:2], "little"), _Words(body[2:])
-            name, _encoding, definition = words.text(), words.text(), words.text()
-            if len(self._types) < MOST_TOPICS:
-                self._types[number] = name, definition
-        elif opcode == CHANNEL:
-            number, schema = (int.from_bytes(body[i : i + 2], "little") for i in (0, 2))
-            words = _Words(body[4:])
-            topic, encoding = words.text(), words.text()
-            more = dict(words.texts())
-            name, definition = self._types.get(schema, ("", ""))
-            if len(self.channels) < MOST_TOPICS or number in self.channels:
-                qos, type_hash = more.get("offered_qos_profiles", ""), more.get("topic_type_hash", "")
-                self.channels[number] = Channel(number, topic, name, encoding, qos, definition, type_hash)
-            else:
-                self._say(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
+        """Learn a topic, or what its messages are; what cannot be read is said, and left out."""
+        try:
+            if opcode == SCHEMA and len(self._types) < MOST_TOPICS:
+                self._types[int.from_bytes(body[:2], "little")] = _Words(body[2:]).text(LONGEST_NAME)
+            elif opcode == CHANNEL:
+                self._take_channel(body)
+        except Damaged as damaged:
+            self._say(str(damaged))
+
+    def _take_channel(self, body: bytes) -> None:
+        number, schema = (int.from_bytes(body[i : i + 2], "little") for i in (0, 2))
+        if len(self.channels) >= MOST_TOPICS and number not in self.channels:
+            raise Damaged(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
+        words = _Words(body[4:])
+        topic, encoding = words.text(LONGEST_NAME), words.text(LONGEST_NAME)
+        more = dict(words.texts())
+        qos, type_hash = more.get("offered_qos_profiles", ""), more.get("topic_type_hash", "")
+        type_name = self._types.get(schema, "")
+        self.channels[number] = Channel(
+            number, topic, type_name, encoding, qos[:LONGEST_QOS], type_hash=type_hash[:LONGEST_NAME]
+        )
 
 
 class _Words:
@@ -375,11 +385,13 @@ class _Words:
         self._at = begin + int.from_bytes(self._data[self._at : begin], "little")
         return self._data[begin : self._at]
 
-    def text(self) -> str:
+    def text(self, longest: int = LARGEST_TEXT) -> str:
         """Take a text."""
         taken = self.rest()
         if self._at > len(self._data):
             raise Damaged("a record in it ends in the middle of a word")
+        if len(taken) > longest:
+            raise Damaged(f"a name in it has {len(taken):,} characters, and {longest:,} are the most that is read")
         return taken.decode("utf-8", "backslashreplace")
 
     def texts(self) -> Iterator[tuple[str, str]]:
