@@ -99,9 +99,9 @@ class BagWriter:
         Raises:
             OSError: it cannot be written.
         """
-        self._file.close(self._metadata())
-        text = f"{TITLE}:\n{indent(self._metadata(), '  ')}"
-        (self.path / "metadata.yaml").write_text(text, encoding="utf-8")
+        metadata = self._metadata()
+        self._file.close(metadata)
+        (self.path / "metadata.yaml").write_text(f"{TITLE}:\n{indent(metadata, '  ')}", encoding="utf-8")
 
     def _add(self, channel: Channel) -> None:
         self._file.add_channel(channel)
