@@ -155,7 +155,7 @@ def test_a_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path, storage):
     path = tmp_path / "bag" / f"bag_0{SUFFIXES[storage]}"
     whole = path.read_bytes()
     counts = []
-    for size in [*range(0, len(whole), 997), len(whole) - 1]:
+    for size in [*range(0, len(whole), 997), len(whole) - 100, len(whole) - 1]:
         path.write_bytes(whole[:size])
         try:
             bag = Bag(tmp_path / "bag")
@@ -163,8 +163,11 @@ def test_a_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path, storage):
             assert not counts
             continue
         found = list(bag.raw_messages())
-        assert found == written[: len(found)]
-        assert bag.damage or (storage == "sqlite3" and found == written)  # whose last page holds the metadata
+        assert bag.damage
+        if "its last page is incomplete" in bag.damage:  # for which SQLite reads zeros
+            assert len(set(found) - set(written)) <= 2
+        else:
+            assert found == written[: len(found)]
         assert sum(topic.count for topic in bag.topics) - len(found) in ([0] if storage == "mcap" else range(20))
         counts.append(len(found))
     assert counts == sorted(counts)

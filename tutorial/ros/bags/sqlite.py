@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 from collections import Counter
 from collections.abc import Collection, Iterator
@@ -116,7 +117,7 @@ class SqliteReader:
         self.counts: Counter[int] = Counter()
         self.start = self.end = 0
         self.faults: list[str] = []
-        path.open("rb").close()  # says what is wrong better than SQLite does
+        self._check_size()
         self._database = self._opened()
         try:
             self._learn_topics()
@@ -147,6 +148,16 @@ class SqliteReader:
     def _say(self, fault: str) -> None:
         if fault not in self.faults and len(self.faults) < MOST_FAULTS:
             self.faults.append(fault)
+
+    def _check_size(self) -> None:
+        """Say when the last page is incomplete: SQLite reads zeros for what is missing of it, without a word."""
+        with self.path.open("rb") as file:
+            head = file.read(18)
+            size = file.seek(0, os.SEEK_END)
+        page = int.from_bytes(head[16:], "big") or 1
+        page = 65536 if page == 1 else page  # which two bytes cannot say
+        if size % page:
+            self._say("its last page is incomplete, so messages there may be wrong")
 
     def _opened(self) -> sqlite3.Connection:
         """Open the file without a change to it. What a killed recording has left half done may stand beside it."""
