@@ -277,6 +277,30 @@ def test_a_hostile_mcap_takes_no_memory(tmp_path, data, said):
     assert peak < 2_000_000
 
 
+def test_behind_a_chunk_that_cannot_be_unpacked_it_goes_on(tmp_path):
+    written = write(tmp_path / "bag", closed=False)
+    path = tmp_path / "bag" / "bag_0.mcap"
+    whole = path.read_bytes()
+    path.write_bytes(HEADER + chunk(1000, b"x", b"rar") + whole[whole.index(bytes([CHUNK]), len(MAGIC) + 9) :])
+    bag = Bag(path)
+    assert list(bag.raw_messages()) == written[:90]
+    assert "compressed by 'rar'" in bag.damage
+
+
+def test_statistics_that_cannot_be_are_not_believed(tmp_path):
+    written = write(tmp_path / "bag")
+    path = tmp_path / "bag" / "bag_0.mcap"
+    whole = path.read_bytes()
+    times = struct.pack("<QQ", START, START + 99 * STEP)
+    assert whole.rindex(times) > whole.rindex(b"rosbag2")  # those of the statistics
+    path.write_bytes(
+        whole[: whole.rindex(times)] + struct.pack("<QQ", 2**64 - 1, 0) + whole[whole.rindex(times) + 16 :]
+    )
+    bag = Bag(path)
+    assert (bag.start, bag.duration) == (START, 1.98)
+    assert list(bag.raw_messages()) == written
+
+
 @pytest.mark.parametrize(
     ("script", "said"),
     [

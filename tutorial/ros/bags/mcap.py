@@ -250,7 +250,7 @@ class McapReader:
                     total, *_, self.start, self.end = _statistics.unpack_from(body)
                     pairs = _Words(body[_statistics.size :]).pairs()
                     self.counts = Counter({i: n for i, n in pairs if i in self.channels})
-                    complete = total == sum(self.counts.values())
+                    complete = total == sum(self.counts.values()) and 0 <= self.start <= self.end < 2**63
         except (Damaged, error):
             complete = False
         if not complete:
@@ -276,8 +276,8 @@ class McapReader:
             for opcode, body in self._records(self._data_start, self._data_end):
                 if opcode == CHUNK:
                     start, end, size, crc = _chunk_head.unpack_from(body)
-                    if end >= since:
-                        yield start, self._unpacked(_Words(body[_chunk_head.size :]), size, crc)
+                    if end >= since and (records := self._unpacked(_Words(body[_chunk_head.size :]), size, crc)):
+                        yield start, records
                 elif opcode == MESSAGE:
                     yield _message_head.unpack_from(body)[2], _record(opcode, body)
                 else:
@@ -288,22 +288,20 @@ class McapReader:
             self._say("a record in it is too short")
 
     def _unpacked(self, words: _Words, size: int, crc: int) -> bytes:
-        """Return the records of a chunk, as far as they are there."""
-        compression, packed = words.text(), words.rest(8)
-        if size > LARGEST_MESSAGE:
-            raise Damaged(f"a chunk in it has {size:,} bytes, and {LARGEST_MESSAGE:,} are the most that is read")
-        decompressor: Any = {"zstd": zstd.ZstdDecompressor, "lz4": LZ4FrameDecompressor}.get(compression)
-        if compression and decompressor is None:
-            raise Damaged(f"a chunk in it is compressed by '{printable(compression[:20])}', and not by zstd or lz4")
+        """Return the records of a chunk, as far as they are there; none where they cannot be unpacked."""
         try:
-            records = decompressor().decompress(packed, max_length=size) if compression else packed[:size]
-        except (zstd.ZstdError, RuntimeError, EOFError, ValueError) as wrong:
-            raise Damaged(f"a chunk in it cannot be unpacked: {printable(str(wrong))}") from wrong
+            compression, packed = words.text(LONGEST_NAME), words.rest(8)
+            if size > LARGEST_MESSAGE:
+                raise Damaged(f"a chunk in it has {size:,} bytes, and {LARGEST_MESSAGE:,} are the most that is read")
+            records = _decompressed(compression, packed, size)
+        except Damaged as damaged:
+            self._say(str(damaged))
+            return b""
         if len(records) == size and crc and zlib.crc32(records) != crc:
             self._say("a chunk in it has another checksum than it had when it was written")
         elif len(records) < size:
             self._say("a chunk in it is incomplete")
-        return bytes(records)
+        return records
 
     def _messages_in(self, records: bytes) -> Iterator[RawMessage]:
         """Yield the messages of a chunk, up to where it is cut off, and learn its topics."""
@@ -403,6 +401,19 @@ class _Words:
     def pairs(self) -> Iterator[tuple[int, int]]:
         """Take a map from channels to numbers."""
         yield from Struct("<HQ").iter_unpack(self.rest())
+
+
+def _decompressed(compression: str, packed: bytes, size: int) -> bytes:
+    """Return so many bytes at most, or those that are there of data that are cut off."""
+    if not compression:
+        return packed[:size]
+    decompressor: Any = {"zstd": zstd.ZstdDecompressor, "lz4": LZ4FrameDecompressor}.get(compression)
+    if decompressor is None:
+        raise Damaged(f"a chunk in it is compressed by '{printable(compression[:20])}', and not by zstd or lz4")
+    try:
+        return bytes(decompressor().decompress(packed, max_length=size))
+    except (zstd.ZstdError, RuntimeError, EOFError, ValueError) as wrong:
+        raise Damaged(f"a chunk in it cannot be unpacked: {printable(str(wrong))}") from wrong
 
 
 def _record(opcode: int, body: bytes) -> bytes:
