@@ -72,6 +72,13 @@ def test_a_drive_is_recorded_and_played_into_the_same_final_joints(program, tmp_
     assert "200 messages played\n" in player.output
     assert report(tmp_path / "again", "viewer")["joints"] == report(tmp_path, "viewer")["joints"]
 
+    endless = program("bag", "play", tmp_path / "run", "--loop", "--rate", 100)
+    endless.says("Ctrl-C ends it")
+    endless.asks_to_stop()
+    assert endless.ends() == 0
+    assert "messages played\n" in endless.output
+    assert "Traceback" not in endless.output + player.output
+
 
 def test_a_topic_that_nobody_publishes_is_waited_for_and_said(program, tmp_path):
     running = program("bag", "record", "/nobody", "-o", tmp_path / "bag", "-s", "sqlite3")

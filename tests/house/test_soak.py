@@ -63,6 +63,14 @@ def test_a_short_run_says_what_arrived_and_what_does_not_hold(soak):
     assert "displayed where no number is" not in output
 
 
+def test_a_bag_has_what_was_sent(soak):
+    running = soak(1, part="bags.py")
+    status = running.ends()
+    running.leaves_nothing()
+    assert "1,000 sent, 1,000 in the bag, 0 missing" in running.output, running.output
+    assert status == ("does not hold" in running.output)
+
+
 @pytest.mark.parametrize("kind", ["reliable", "hand-off"])
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
 def test_it_leaves_nothing_when_it_is_stopped(soak, kind, number, status):

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from pathlib import Path
@@ -23,6 +24,8 @@ __all__ = ["bag"]
 LOOK = 0.2  # [s] between two looks at how far it has come
 SHY = 2.0  # [s] that a topic may take to turn up before it is said that it is not there
 CLOCK_RATE = 40.0  # [Hz], as of ros2 bag
+
+_log = logging.getLogger(__name__)
 
 bag_argument = click.argument("bag", type=click.Path(path_type=Path), metavar="BAG")
 
@@ -132,13 +135,11 @@ def play(
     opened = Bag(bag)
     stop = threading.Event()
     heed(stop.set)
-    with (
-        named_node("rosbag2_player", ros_args) as thread,
-        progress_bar(opened.duration) as progress,
-        clear_ros_errors(),
-    ):
+    with named_node("rosbag2_player", ros_args) as thread, clear_ros_errors():
         player = Player(thread.node, opened, rate, loop, start_offset, (*topics, *more) or None, clock or 0.0)
-        player.run(stop, progress)
+        say(f"playing {bag}, {opened.duration:.1f} s; Ctrl-C ends it\n")
+        with progress_bar(opened.duration) as progress:
+            player.run(stop, progress)
     say(f"{player.played:,} messages played\n")
     _say_damage(opened)
     return INTERRUPTED if stop.is_set() and not loop else 0
@@ -156,7 +157,7 @@ def _watch(recorder: Recorder, duration: float | None, stop: threading.Event) ->
             if seconds >= SHY and recorder.missing != said:
                 said = recorder.missing
                 if said:
-                    say(f"waiting for {', '.join(said)}, which nobody publishes yet\n", err=True)
+                    _log.warning("waiting for %s, which nobody publishes yet", ", ".join(said))
             progress(seconds)
             status(f"{seconds:.0f} s, {sum(recorder.counts.values()):,} messages of {len(recorder.topics):,} topics")
 

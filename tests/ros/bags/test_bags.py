@@ -25,7 +25,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.bags import Bag, BagTopic, bag_info
 from tutorial.ros.bags.mcap import CHUNK, MAGIC, McapReader
 from tutorial.ros.bags.metadata import offered, qos_text
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, SUFFIXES, Channel, Damaged
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_TOPICS, SUFFIXES, Channel, Damaged
 from tutorial.ros.bags.writer import BagWriter
 
 START = 1_700_000_000 * 10**9
@@ -115,7 +115,7 @@ def test_the_mcap_package_reads_it(tmp_path):
         assert summary.statistics.channel_message_counts == {1: 50, 2: 50}
         assert len(summary.chunk_indexes) == summary.statistics.chunk_count == 4
         (metadata,) = reader.iter_metadata()
-        assert yaml.safe_load(metadata.metadata["serialized_metadata"])["rosbag2_bagfile_information"]
+        assert yaml.safe_load(metadata.metadata["serialized_metadata"])["message_count"] == 100
         since = START + 70 * STEP  # by the index
         assert len(list(reader.iter_messages(topics=["/said"], starting_at=since))) == 15
 
@@ -131,6 +131,7 @@ def test_after_the_longest_duration_another_file_begins(tmp_path, storage):
     (tmp_path / "bag" / f"bag_2{SUFFIXES[storage]}").unlink()
     bag = Bag(tmp_path / "bag")
     assert "1 of its files are missing, the first is bag_2" in bag.damage
+    assert "metadata.yaml tells of 100 messages, and 75 are there" in bag.damage
     assert list(bag.raw_messages()) == written[:50] + written[75:]
 
 
@@ -154,7 +155,7 @@ def test_a_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path, storage):
     path = tmp_path / "bag" / f"bag_0{SUFFIXES[storage]}"
     whole = path.read_bytes()
     counts = []
-    for size in [*range(0, len(whole), 997), len(whole) - 1]:
+    for size in [*range(0, len(whole), 997), len(whole) - 100, len(whole) - 1]:
         path.write_bytes(whole[:size])
         try:
             bag = Bag(tmp_path / "bag")
@@ -162,8 +163,11 @@ def test_a_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path, storage):
             assert not counts
             continue
         found = list(bag.raw_messages())
-        assert found == written[: len(found)]
-        assert bag.damage or (storage == "sqlite3" and found == written)  # whose last page holds the metadata
+        assert bag.damage
+        if "its last page is incomplete" in bag.damage:  # for which SQLite reads zeros
+            assert len(set(found) - set(written)) <= 2
+        else:
+            assert found == written[: len(found)]
         assert sum(topic.count for topic in bag.topics) - len(found) in ([0] if storage == "mcap" else range(20))
         counts.append(len(found))
     assert counts == sorted(counts)
@@ -273,6 +277,30 @@ def test_a_hostile_mcap_takes_no_memory(tmp_path, data, said):
     assert peak < 2_000_000
 
 
+def test_behind_a_chunk_that_cannot_be_unpacked_it_goes_on(tmp_path):
+    written = write(tmp_path / "bag", closed=False)
+    path = tmp_path / "bag" / "bag_0.mcap"
+    whole = path.read_bytes()
+    path.write_bytes(HEADER + chunk(1000, b"x", b"rar") + whole[whole.index(bytes([CHUNK]), len(MAGIC) + 9) :])
+    bag = Bag(path)
+    assert list(bag.raw_messages()) == written[:90]
+    assert "compressed by 'rar'" in bag.damage
+
+
+def test_statistics_that_cannot_be_are_not_believed(tmp_path):
+    written = write(tmp_path / "bag")
+    path = tmp_path / "bag" / "bag_0.mcap"
+    whole = path.read_bytes()
+    times = struct.pack("<QQ", START, START + 99 * STEP)
+    assert whole.rindex(times) > whole.rindex(b"rosbag2")  # those of the statistics
+    path.write_bytes(
+        whole[: whole.rindex(times)] + struct.pack("<QQ", 2**64 - 1, 0) + whole[whole.rindex(times) + 16 :]
+    )
+    bag = Bag(path)
+    assert (bag.start, bag.duration) == (START, 1.98)
+    assert list(bag.raw_messages()) == written
+
+
 @pytest.mark.parametrize(
     ("script", "said"),
     [
@@ -317,6 +345,19 @@ def test_names_in_a_bag_are_shown_as_escapes(tmp_path):
         list(bag.messages())
     with pytest.raises(TutorialError, match=r"there is no topic '/x' in this bag"):
         list(bag.messages(["/x"]))
+
+
+def test_topics_have_bounds_in_number_and_length(tmp_path, storage):
+    writer = BagWriter(tmp_path / "bag", storage)
+    for number in range(1, MOST_TOPICS + 10):
+        writer.add_channel(Channel(number, f"/t{number:04}", STRING))
+    writer.add_channel(Channel(5000, "/" + 10**6 * "x", STRING, qos=10**6 * "-", definition=10**6 * "#"))
+    writer.write(1, START, START, payload(0))
+    writer.close()
+    bag = Bag(tmp_path / "bag")
+    assert len(bag.topics) == MOST_TOPICS
+    assert "it has more than 1,000 topics; the others are left out" in bag.damage
+    assert list(bag.raw_messages()) == [("/t0001", START, payload(0))]
 
 
 def test_what_is_no_message_is_left_out_and_said(tmp_path):

@@ -57,6 +57,7 @@ class Bag:
         self.distro = ""
         self._faults: list[str] = []
         self._has_more_faults = False
+        self._told_count: int | None = None
         self.files = self._find_files()
         self.storage = next(name for name, suffix in SUFFIXES.items() if suffix == self.files[0].suffix)
         self.channels: dict[str, Channel] = {}
@@ -68,6 +69,7 @@ class Bag:
                 if reader is not None:
                     readable += 1
                     self._learn(reader)
+        self._check_count()
         if not readable:
             raise TutorialError(f"nothing in the bag {_named(self.path)} can be read: {'; '.join(self._faults)}.")
 
@@ -103,7 +105,7 @@ class Bag:
         """
         if topic not in self.channels:
             known = [shown(name) for name in self.channels]
-            raise TutorialError(f"there is no topic {shown(topic)!r} in this bag.{did_you_mean(topic, known)}")
+            raise TutorialError(f"there is no topic '{shown(topic)}' in this bag.{did_you_mean(topic, known)}")
         return self.channels[topic]
 
     def messages(
@@ -157,6 +159,12 @@ class Bag:
             self.start = min(self.start or reader.start, reader.start)
             self.end = max(self.end, reader.end)
 
+    def _check_count(self) -> None:
+        """Hold the messages that are there against what the metadata say."""
+        found = sum(self._counts.values())
+        if self._told_count is not None and self._told_count != found:
+            self._say(f"metadata.yaml tells of {self._told_count:,} messages, and {found:,} are there")
+
     @contextmanager
     def _opened(self, file: Path) -> Iterator[FileReader | None]:
         """Open a file for a while, and keep what turns out to be wrong with it; None where nothing can be read."""
@@ -164,16 +172,16 @@ class Bag:
         try:
             reader = READERS[file.suffix](file)
         except Damaged as damaged:
-            self._say(f"{_named(file)}: {damaged}")
+            self._say(f"{shown(file.name)}: {damaged}")
         except OSError as error:
-            self._say(f"{_named(file)} cannot be read: {error.strerror}")
+            self._say(f"{shown(file.name)} cannot be read: {error.strerror}")
         try:
             yield reader
         finally:
             if reader is not None:
                 reader.close()
                 for fault in reader.faults:
-                    self._say(f"{_named(file)}: {fault}")
+                    self._say(f"{shown(file.name)}: {fault}")
 
     def _say(self, fault: str) -> None:
         if len(self._faults) >= MOST_FAULTS and fault not in self._faults:
@@ -213,6 +221,8 @@ class Bag:
                 "real ROS 2, 'ros2 bag convert' makes one of it that is not."
             )
         self.distro = printable(str(told.get("ros_distro") or "")[:60])
+        count = told.get("message_count")
+        self._told_count = count if isinstance(count, int) else None
         listed = told.get("relative_file_paths")
         wanted = [PurePath(str(name)).name for name in listed[:MOST_FILES]] if isinstance(listed, list) else []
         if missing := [name for name in wanted if name not in names]:

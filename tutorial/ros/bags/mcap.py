@@ -21,7 +21,16 @@ from backports import zstd
 from lz4.frame import LZ4FrameDecompressor
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_FAULTS, MOST_TOPICS, Channel, Damaged, RawMessage
+from tutorial.ros.bags.storage import (
+    LARGEST_MESSAGE,
+    LONGEST_NAME,
+    LONGEST_QOS,
+    MOST_FAULTS,
+    MOST_TOPICS,
+    Channel,
+    Damaged,
+    RawMessage,
+)
 
 __all__ = ["McapReader", "McapWriter"]
 
@@ -168,7 +177,7 @@ class McapReader:
         self.counts: Counter[int] = Counter()
         self.start = self.end = 0
         self.faults: list[str] = []
-        self._types: dict[int, tuple[str, str]] = {}  # names and definitions by the schema's id
+        self._types: dict[int, str] = {}  # names by the schema's id
         self._file: BufferedReader = path.open("rb")
         try:
             self._size = self._data_end = path.stat().st_size
@@ -241,7 +250,7 @@ class McapReader:
                     total, *_, self.start, self.end = _statistics.unpack_from(body)
                     pairs = _Words(body[_statistics.size :]).pairs()
                     self.counts = Counter({i: n for i, n in pairs if i in self.channels})
-                    complete = total == sum(self.counts.values())
+                    complete = total == sum(self.counts.values()) and 0 <= self.start <= self.end < 2**63
         except (Damaged, error):
             complete = False
         if not complete:
@@ -267,8 +276,8 @@ class McapReader:
             for opcode, body in self._records(self._data_start, self._data_end):
                 if opcode == CHUNK:
                     start, end, size, crc = _chunk_head.unpack_from(body)
-                    if end >= since:
-                        yield start, self._unpacked(_Words(body[_chunk_head.size :]), size, crc)
+                    if end >= since and (records := self._unpacked(_Words(body[_chunk_head.size :]), size, crc)):
+                        yield start, records
                 elif opcode == MESSAGE:
                     yield _message_head.unpack_from(body)[2], _record(opcode, body)
                 else:
@@ -279,22 +288,20 @@ class McapReader:
             self._say("a record in it is too short")
 
     def _unpacked(self, words: _Words, size: int, crc: int) -> bytes:
-        """Return the records of a chunk, as far as they are there."""
-        compression, packed = words.text(), words.rest(8)
-        if size > LARGEST_MESSAGE:
-            raise Damaged(f"a chunk in it has {size:,} bytes, and {LARGEST_MESSAGE:,} are the most that is read")
-        decompressor: Any = {"zstd": zstd.ZstdDecompressor, "lz4": LZ4FrameDecompressor}.get(compression)
-        if compression and decompressor is None:
-            raise Damaged(f"a chunk in it is compressed by '{printable(compression[:20])}', and not by zstd or lz4")
+        """Return the records of a chunk, as far as they are there; none where they cannot be unpacked."""
         try:
-            records = decompressor().decompress(packed, max_length=size) if compression else packed[:size]
-        except (zstd.ZstdError, RuntimeError, EOFError, ValueError) as wrong:
-            raise Damaged(f"a chunk in it cannot be unpacked: {printable(str(wrong))}") from wrong
+            compression, packed = words.text(LONGEST_NAME), words.rest(8)
+            if size > LARGEST_MESSAGE:
+                raise Damaged(f"a chunk in it has {size:,} bytes, and {LARGEST_MESSAGE:,} are the most that is read")
+            records = _decompressed(compression, packed, size)
+        except Damaged as damaged:
+            self._say(str(damaged))
+            return b""
         if len(records) == size and crc and zlib.crc32(records) != crc:
             self._say("a chunk in it has another checksum than it had when it was written")
         elif len(records) < size:
             self._say("a chunk in it is incomplete")
-        return bytes(records)
+        return records
 
     def _messages_in(self, records: bytes) -> Iterator[RawMessage]:
         """Yield the messages of a chunk, up to where it is cut off, and learn its topics."""
@@ -311,10 +318,7 @@ class McapReader:
                 else:
                     self._say("a message in it belongs to no topic")
             elif opcode in (SCHEMA, CHANNEL):
-                try:
-                    self._take(opcode, records[at : at + size])
-                except Damaged as damaged:
-                    self._say(str(damaged))
+                self._take(opcode, records[at : at + size])
             at += size
         if at < len(records):
             self._say("a chunk in it is incomplete")
@@ -343,23 +347,27 @@ class McapReader:
                 raise Damaged("it ends in the middle of a record")
 
     def _take(self, opcode: int, body: bytes) -> None:
-        """Learn a topic, or what its messages are."""
-        if opcode == SCHEMA:
-            number, words = int.from_bytes(body[:2], "little"), _Words(body[2:])
-            name, _encoding, definition = words.text(), words.text(), words.text()
-            if len(self._types) < MOST_TOPICS:
-                self._types[number] = name, definition
-        elif opcode == CHANNEL:
-            number, schema = (int.from_bytes(body[i : i + 2], "little") for i in (0, 2))
-            words = _Words(body[4:])
-            topic, encoding = words.text(), words.text()
-            more = dict(words.texts())
-            name, definition = self._types.get(schema, ("", ""))
-            if len(self.channels) < MOST_TOPICS or number in self.channels:
-                qos, type_hash = more.get("offered_qos_profiles", ""), more.get("topic_type_hash", "")
-                self.channels[number] = Channel(number, topic, name, encoding, qos, definition, type_hash)
-            else:
-                self._say(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
+        """Learn a topic, or what its messages are; what cannot be read is said, and left out."""
+        try:
+            if opcode == SCHEMA and len(self._types) < MOST_TOPICS:
+                self._types[int.from_bytes(body[:2], "little")] = _Words(body[2:]).text(LONGEST_NAME)
+            elif opcode == CHANNEL:
+                self._take_channel(body)
+        except Damaged as damaged:
+            self._say(str(damaged))
+
+    def _take_channel(self, body: bytes) -> None:
+        number, schema = (int.from_bytes(body[i : i + 2], "little") for i in (0, 2))
+        if len(self.channels) >= MOST_TOPICS and number not in self.channels:
+            raise Damaged(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
+        words = _Words(body[4:])
+        topic, encoding = words.text(LONGEST_NAME), words.text(LONGEST_NAME)
+        more = dict(words.texts())
+        qos, type_hash = more.get("offered_qos_profiles", ""), more.get("topic_type_hash", "")
+        type_name = self._types.get(schema, "")
+        self.channels[number] = Channel(
+            number, topic, type_name, encoding, qos[:LONGEST_QOS], type_hash=type_hash[:LONGEST_NAME]
+        )
 
 
 class _Words:
@@ -375,11 +383,13 @@ class _Words:
         self._at = begin + int.from_bytes(self._data[self._at : begin], "little")
         return self._data[begin : self._at]
 
-    def text(self) -> str:
+    def text(self, longest: int = LARGEST_TEXT) -> str:
         """Take a text."""
         taken = self.rest()
         if self._at > len(self._data):
             raise Damaged("a record in it ends in the middle of a word")
+        if len(taken) > longest:
+            raise Damaged(f"a name in it has {len(taken):,} characters, and {longest:,} are the most that is read")
         return taken.decode("utf-8", "backslashreplace")
 
     def texts(self) -> Iterator[tuple[str, str]]:
@@ -391,6 +401,19 @@ class _Words:
     def pairs(self) -> Iterator[tuple[int, int]]:
         """Take a map from channels to numbers."""
         yield from Struct("<HQ").iter_unpack(self.rest())
+
+
+def _decompressed(compression: str, packed: bytes, size: int) -> bytes:
+    """Return so many bytes at most, or those that are there of data that are cut off."""
+    if not compression:
+        return packed[:size]
+    decompressor: Any = {"zstd": zstd.ZstdDecompressor, "lz4": LZ4FrameDecompressor}.get(compression)
+    if decompressor is None:
+        raise Damaged(f"a chunk in it is compressed by '{printable(compression[:20])}', and not by zstd or lz4")
+    try:
+        return bytes(decompressor().decompress(packed, max_length=size))
+    except (zstd.ZstdError, RuntimeError, EOFError, ValueError) as wrong:
+        raise Damaged(f"a chunk in it cannot be unpacked: {printable(str(wrong))}") from wrong
 
 
 def _record(opcode: int, body: bytes) -> bytes:

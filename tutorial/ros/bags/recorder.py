@@ -32,7 +32,7 @@ LOOK_EVERY = 0.1  # [s] for new topics, and for what has been received
 QUIET = 0.1  # [s] without a message, after which nothing more is taken to be on its way
 FLUSH_EVERY = 1.0  # [s]: of a recording that is killed, so much is missing
 DEPTH = 1000  # of the subscriptions, where the publishers' depth would be too little when Python is busy
-MOST_WAITING = LARGEST_MESSAGE  # of messages that wait to be written [bytes]
+MOST_WAITING = 2 * LARGEST_MESSAGE  # of messages that wait to be written [bytes]
 MOST_PROFILES = 100  # of the publishers of one topic
 SAY_EVERY = 5.0  # [s] between two log lines about what is lost
 
@@ -153,7 +153,8 @@ class Recorder:
         if self.error is not None:
             raise TutorialError(
                 f"the bag {str(self.path)!r} could not be written to its end: {self.error.strerror}. What is in it "
-                f"can be read; {self.lost:,} messages are lost. Make room, or record to another disk."
+                f"can be read; {self.lost:,} messages and those of the second before are lost. Make room, or record to "
+                "another disk."
             ) from self.error
 
     def _settle(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sqlite3
 from collections import Counter
 from collections.abc import Collection, Iterator
@@ -10,7 +11,16 @@ from pathlib import Path
 from typing import Any
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_FAULTS, MOST_TOPICS, Channel, Damaged, RawMessage
+from tutorial.ros.bags.storage import (
+    LARGEST_MESSAGE,
+    LONGEST_NAME,
+    LONGEST_QOS,
+    MOST_FAULTS,
+    MOST_TOPICS,
+    Channel,
+    Damaged,
+    RawMessage,
+)
 
 __all__ = ["SqliteReader", "SqliteWriter"]
 
@@ -27,6 +37,16 @@ TABLES = """
     INSERT INTO schema(schema_version, ros_distro) VALUES (4, 'jazzy');
 """
 """As ros2 bag has them in Jazzy."""
+
+HAS_TABLES = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name IN ('topics', 'messages')"
+TOPIC_COLUMNS = {
+    "name": LONGEST_NAME,
+    "type": LONGEST_NAME,
+    "serialization_format": LONGEST_NAME,
+    "offered_qos_profiles": LONGEST_QOS,
+    "type_description_hash": LONGEST_NAME,
+}
+"""Of the table of topics, and how much of each is read [characters]."""
 
 UNREADABLE = (sqlite3.Error, UnicodeDecodeError)
 """What Python raises of a spoilt file; the second is about SQLite's own words."""
@@ -97,7 +117,7 @@ class SqliteReader:
         self.counts: Counter[int] = Counter()
         self.start = self.end = 0
         self.faults: list[str] = []
-        path.open("rb").close()  # says what is wrong better than SQLite does
+        self._check_size()
         self._database = self._opened()
         try:
             self._learn_topics()
@@ -129,6 +149,16 @@ class SqliteReader:
         if fault not in self.faults and len(self.faults) < MOST_FAULTS:
             self.faults.append(fault)
 
+    def _check_size(self) -> None:
+        """Say when the last page is incomplete: SQLite reads zeros for what is missing of it, without a word."""
+        with self.path.open("rb") as file:
+            head = file.read(18)
+            size = file.seek(0, os.SEEK_END)
+        page = int.from_bytes(head[16:], "big") or 1
+        page = 65536 if page == 1 else page  # which two bytes cannot say
+        if size % page:
+            self._say("its last page is incomplete, so messages there may be wrong")
+
     def _opened(self) -> sqlite3.Connection:
         """Open the file without a change to it. What a killed recording has left half done may stand beside it."""
         address = self.path.absolute().as_uri()
@@ -138,32 +168,34 @@ class SqliteReader:
             database.text_factory = lambda data: data.decode("utf-8", "backslashreplace")
             try:
                 database.execute("PRAGMA trusted_schema = OFF")
-                tables = database.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchmany(MOST_TOPICS)
+                tables = database.execute(HAS_TABLES).fetchone()[0]
             except UNREADABLE as error:
                 database.close()
                 refusal = f"SQLite says: {printable(str(error))}"
                 continue
             if how != "mode=ro":
                 self._say("its last transaction is incomplete")
-            if {("topics",), ("messages",)} <= set(tables):
+            if tables == 2:
                 return database
             database.close()
             refusal = "it has no tables 'topics' and 'messages'"
         raise Damaged(refusal)
 
     def _learn_topics(self) -> None:
+        """Read the topics; older files have no hashes of types."""
         try:
-            columns = [row[1] for row in self._database.execute("PRAGMA table_info(topics)")]
-            rows = self._database.execute("SELECT * FROM topics ORDER BY id").fetchmany(MOST_TOPICS + 1)
-            for row in rows[:MOST_TOPICS]:
-                column = dict(zip(columns, row))
-                number = int(column["id"])
-                words = ("name", "type", "serialization_format", "offered_qos_profiles", "type_description_hash")
-                topic, type_name, encoding, qos, type_hash = (str(column.get(word, "")) for word in words)
-                self.channels[number] = Channel(number, topic, type_name, encoding, qos, type_hash=type_hash)
-            if len(rows) > MOST_TOPICS:
-                self._say(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
-        except (*UNREADABLE, KeyError, ValueError, TypeError) as error:
+            there = {row[1] for row in self._database.execute("PRAGMA table_info(topics)").fetchmany(100)}
+            words = [
+                f"substr({word}, 1, {longest})" if word in there else "''" for word, longest in TOPIC_COLUMNS.items()
+            ]
+            query = f"SELECT id, {', '.join(words)} FROM topics ORDER BY id LIMIT {MOST_TOPICS + 1}"
+            for number, *texts in self._database.execute(query):
+                if len(self.channels) == MOST_TOPICS:
+                    self._say(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
+                    break
+                topic, type_name, encoding, qos, type_hash = map(str, texts)
+                self.channels[int(number)] = Channel(int(number), topic, type_name, encoding, qos, type_hash=type_hash)
+        except (*UNREADABLE, ValueError, TypeError) as error:
             raise Damaged(f"its topics cannot be read: {printable(str(error))}") from error
 
     def _count(self) -> None:

@@ -10,6 +10,8 @@ from typing import Protocol
 
 __all__ = [
     "LARGEST_MESSAGE",
+    "LONGEST_NAME",
+    "LONGEST_QOS",
     "MOST_FAULTS",
     "MOST_TOPICS",
     "SUFFIXES",
@@ -23,11 +25,17 @@ __all__ = [
 SUFFIXES = {"mcap": ".mcap", "sqlite3": ".db3"}
 """Of the files, by the name that ``ros2 bag`` has for a kind of storage."""
 
-LARGEST_MESSAGE = 256 * 2**20
-"""Of a message, or of a chunk of messages, when it is unpacked [bytes]: some twenty pictures of the largest cameras."""
+LARGEST_MESSAGE = 128 * 2**20
+"""Of a message, or of a chunk of messages, when it is unpacked [bytes]: some five pictures of the largest cameras."""
 
 MOST_TOPICS = 1000
 """Of a bag. A robot has a hundred."""
+
+LONGEST_NAME = 1000
+"""Of a topic or a type [characters]; in ROS 2 they have 255."""
+
+LONGEST_QOS = 2**16
+"""Of what the publishers of a topic offered [characters]: some two hundred of them."""
 
 MOST_FAULTS = 5
 """Of a file or a bag, that are told of."""
@@ -50,7 +58,7 @@ class Channel:
         type_name: such as ``"sensor_msgs/msg/Joy"``.
         encoding: of its payloads; ``"cdr"`` in ROS 2.
         qos: what its publishers offered, as YAML.
-        definition: the message type's, with those that it is made of, as text.
+        definition: the message type's, with those that it is made of, as text; empty where it was read, not written.
         type_hash: of the message type (REP 2016).
     """
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from textwrap import indent
 
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.ros.bags.mcap import McapWriter
-from tutorial.ros.bags.metadata import FileInfo, metadata_text
+from tutorial.ros.bags.metadata import TITLE, FileInfo, metadata_text
 from tutorial.ros.bags.sqlite import SqliteWriter
 from tutorial.ros.bags.storage import SUFFIXES, Channel, FileWriter
 
@@ -98,8 +99,9 @@ class BagWriter:
         Raises:
             OSError: it cannot be written.
         """
-        self._file.close(self._metadata())
-        (self.path / "metadata.yaml").write_text(self._metadata(), encoding="utf-8")
+        metadata = self._metadata()
+        self._file.close(metadata)
+        (self.path / "metadata.yaml").write_text(f"{TITLE}:\n{indent(metadata, '  ')}", encoding="utf-8")
 
     def _add(self, channel: Channel) -> None:
         self._file.add_channel(channel)
