@@ -17,6 +17,7 @@ from rclpy.utilities import get_rmw_implementation_identifier
 from sensor_msgs.msg import JointState
 
 from tutorial.paths import HOME
+from tutorial.ros.bags import Bag
 from tutorial.ros.node_thread import NodeThread
 
 CRANE = HOME / "project" / "models" / "crane.xml"
@@ -211,6 +212,18 @@ def test_nothing_is_left_of_a_launched_step_whose_launcher_is_killed(program):
     assert owned == ports, "they go with the processes that have them"
     running.process.kill()
     running.leaves_nothing()
+
+
+def test_the_launched_step_8_leaves_a_bag_of_all_that_was_published(program, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    running = program("launch", "step8", "--duration", 2, "--headless", "--report", tmp_path / "report")
+    assert running.ends() == 0, running.output
+    published = read(tmp_path / "report")["simulation"]["topics"]["/Tank/joint_state"]["published"]
+    (path,) = tmp_path.glob("rosbag2_*")
+    bag = Bag(path)
+    assert [tuple(topic) for topic in bag.topics] == [("/Tank/joint_state", "sensor_msgs/msg/JointState", published)]
+    assert published == 100
+    assert not bag.damage
 
 
 def test_two_nodes_of_one_name_are_said_in_plain_words(program):

@@ -18,7 +18,7 @@ from tutorial.paths import PACKAGE
 
 CHECKOUT = PACKAGE.parent
 COURSE = ("launch_py", "notebooks", "project")
-PAGES = ("book/comparison.md", "book/fleet.md", "book/glossary.md", "book/own_package.md", "book/teaching.md")
+PAGES = tuple(f"book/{name}.md" for name in ("bags", "comparison", "fleet", "glossary", "own_package", "teaching"))
 JUNK = {"__pycache__", ".ipynb_checkpoints", "MUJOCO_LOG.TXT"}
 LINK = re.compile(r"\]\((\.\.?/[^)#]+)")
 NO_OTHER = """

@@ -235,4 +235,15 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         FIRST: becomes(PICTURE_DUE, PICTURE_DUE.replace("0", "1")),
         DEPTH: becomes(GRAY.format(1), GRAY.format(2), GRAY.format(0)),
     },
+    "gaps": {
+        UNRELATED: exchanged("found = []", "newest = None"),
+        "the larger of two is the same in either order": becomes(
+            "newest = max(newest, stamp)", "newest = max(stamp, newest)"
+        ),
+        "the bag's own time is not used": becomes(
+            "for _, message in messages:",
+            "for message, message in messages:",
+            "for stamp, message in messages:",
+        ),
+    },
 }

@@ -4,6 +4,7 @@ Opening something under a name closes what was open under it, so any cell can be
 rest. Everything here belongs to the kernel's main thread.
 """
 
+from tutorial.notebook.bag_tools import bag_play
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, log, until
 from tutorial.notebook.opening import (
@@ -27,6 +28,7 @@ from tutorial.notebook.widgets.line_plot import line_plot
 __all__ = [
     "Command",
     "Program",
+    "bag_play",
     "chaos_panel",
     "close_all",
     "image_view",

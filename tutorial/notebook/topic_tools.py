@@ -10,7 +10,7 @@ from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics.message_form import MessageForm
 from tutorial.ros.topics.names import full_name
 
-__all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
+__all__ = ["has_met_the_others", "topic_echo", "topic_hz", "topic_info", "topic_list"]
 
 PATIENCE = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
 
@@ -76,9 +76,14 @@ async def _settled(topic: str | None = None) -> MeteredNode:
     node = keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
 
     def has_met_them() -> bool:
-        met = {full_name(*each) for each in node.get_node_names_and_namespaces()}
         is_there = topic is None or bool(topics.topic_type(node, topic, include_hidden=True))
-        return is_there and met.issuperset(each.full_name for each in NodeThread.alive)
+        return is_there and has_met_the_others(node)
 
     await meet(node, has_met_them)
     return node
+
+
+def has_met_the_others(node: MeteredNode) -> bool:
+    """Whether a node knows of all other nodes of this kernel."""
+    met = {full_name(*each) for each in node.get_node_names_and_namespaces()}
+    return met.issuperset(each.full_name for each in NodeThread.alive)

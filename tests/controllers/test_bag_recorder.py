@@ -1,0 +1,142 @@
+"""Step 8's controller: what is published of the body is in the bag, and a slow disk holds up nobody."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from types import SimpleNamespace
+
+import pytest
+from rclpy.serialization import serialize_message
+from rclpy.time import Time
+from rosbags.rosbag2.errors import WriterError
+from sensor_msgs.msg import JointState
+
+from tutorial.controllers.bag_recorder import BagRecorder
+from tutorial.host import Host
+from tutorial.paths import find_project
+from tutorial.project import Project
+from tutorial.ros.bags import Bag
+
+PAYLOAD = serialize_message(JointState(name=["TURRET_Y"], position=[0.5]))
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    """Where the bags go."""
+    monkeypatch.setattr(BagRecorder, "folder", tmp_path)
+    return tmp_path
+
+
+class Silent:
+    """A node on which nothing arrives; its clock has stopped."""
+
+    def __init__(self):
+        self.subscriptions = []
+
+    def resolve_topic_name(self, topic):
+        return f"/{topic}"
+
+    def create_subscription(self, message_type, topic, callback, depth, raw):
+        assert (message_type, topic, raw) == (JointState, "/Tank/joint_state", True)
+        self.subscriptions.append(callback)
+        return callback
+
+    def destroy_subscription(self, subscription):
+        self.subscriptions.remove(subscription)
+
+    def get_clock(self):
+        return SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=1_750_000_000_000_000_000))
+
+
+@pytest.fixture
+def recorder():
+    controller = BagRecorder()
+    controller.configure(SimpleNamespace(node=Silent(), body=SimpleNamespace(name="Tank")))
+    return controller
+
+
+def test_every_message_of_a_run_is_in_the_bag(folder, domain):
+    async def main():
+        async with Host(Project.load(find_project("step8"))) as host:
+            publisher = host.controllers["JointStatePublisher"].publisher
+            subscription = host.controllers["BagRecorder"].subscription
+            payloads = []
+            second = host.node.create_subscription(JointState, "/Tank/joint_state", payloads.append, 1000, raw=True)
+            async with asyncio.timeout(60):
+                while publisher.get_subscription_count() < 2 or not subscription.get_publisher_count():
+                    await asyncio.sleep(0.01)
+                host.simulation.advance(2.0)
+                while len(payloads) < 100:
+                    await asyncio.sleep(0.01)
+            host.node.destroy_subscription(second)
+        return payloads
+
+    payloads = asyncio.run(main())
+    (path,) = folder.iterdir()
+    bag = Bag(path)
+    assert not bag.damage
+    assert [tuple(topic) for topic in bag.topics] == [("/Tank/joint_state", "sensor_msgs/msg/JointState", 100)]
+    assert [payload for *_, payload in bag.raw_messages()] == payloads, "byte for byte"
+    _, times, messages = zip(*bag.messages())
+    assert [Time.from_msg(each.header.stamp).nanoseconds for each in messages] == [20_000_000 * i for i in range(100)]
+    assert list(times) == sorted(times)
+
+
+def test_a_slow_disk_holds_up_no_callback_and_nothing_is_lost(recorder, monkeypatch):
+    answers, written = threading.Event(), []
+    write = recorder.bag.write
+
+    def slowly(*message):
+        answers.wait(60)
+        write(*message)
+        written.append(message)
+
+    monkeypatch.setattr(recorder.bag, "write", slowly)
+    for _ in range(50):
+        recorder.on_joint_state(PAYLOAD)  # it returns, or this test never ends
+    assert not written
+    answers.set()
+    node = recorder.node
+    recorder.unconfigure()
+    assert len(written) == 50
+    assert node.subscriptions == []
+    assert Bag(recorder.bag.path).topics[0].count == 50
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_when_the_disk_is_full_nothing_piles_up(recorder, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(recorder.bag, "write", full)
+    recorder.on_joint_state(PAYLOAD)
+    recorder.writer.join(60)
+    for _ in range(50):
+        recorder.on_joint_state(PAYLOAD)
+    assert recorder.received.empty()
+    recorder.unconfigure()
+
+
+def test_a_bag_that_is_there_is_not_overwritten(recorder, monkeypatch):
+    moment = recorder.bag.path.name
+    recorder.unconfigure()
+    second = BagRecorder()
+    monkeypatch.setattr("tutorial.controllers.bag_recorder.datetime", Moment(moment.removeprefix("rosbag2_")))
+    node = Silent()
+    with pytest.raises(WriterError, match="exists already"):
+        second.configure(SimpleNamespace(node=node, body=SimpleNamespace(name="Tank")))
+    assert node.subscriptions == []
+
+
+class Moment(str):
+    """A clock that has stopped, in place of `datetime`."""
+
+    __slots__ = ()
+
+    def now(self):
+        return self
+
+    def __format__(self, spec):
+        assert spec == "%Y_%m_%d-%H_%M_%S"
+        return str(self)

@@ -1,0 +1,57 @@
+"""Step 8: record the joint states that are published of the body."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread
+
+from rosbags.interfaces import Connection
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+from sensor_msgs.msg import JointState
+
+from tutorial.controller import ControllerConfig, SimpleController
+
+
+def open_bag(folder: Path, topic: str) -> tuple[Writer, Connection]:
+    """Begin a bag of joint states, named after the moment, as `ros2 bag record` does."""
+    name = f"rosbag2_{datetime.now():%Y_%m_%d-%H_%M_%S}"
+    bag = Writer(folder / name, version=9, storage_plugin=StoragePlugin.MCAP)  # as of Jazzy
+    bag.open()
+    store = get_typestore(Stores.ROS2_JAZZY)
+    return bag, bag.add_connection(topic, "sensor_msgs/msg/JointState", typestore=store)
+
+
+class BagRecorder(SimpleController):
+    """Record the joint states that are published of the body, byte for byte."""
+
+    folder = Path()  # that the bags go to: where the program was started
+
+    def configure(self, config: ControllerConfig) -> None:  # main thread
+        """Begin a bag, and a thread that writes into it."""
+        self.node = config.node
+        topic = self.node.resolve_topic_name(f"{config.body.name}/joint_state")
+        self.bag, self.connection = open_bag(self.folder, topic)
+        self.received: SimpleQueue[tuple[int, bytes] | None] = SimpleQueue()
+        self.writer = Thread(target=self.write, name="bag", daemon=True)
+        self.writer.start()
+        self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1000, raw=True)
+
+    def on_joint_state(self, payload: bytes) -> None:  # executor's thread: put it into the queue and return
+        """Note when the message was received, and leave it to the thread that writes."""
+        if self.writer.is_alive():  # it ends when the disk is full
+            self.received.put((self.node.get_clock().now().nanoseconds, payload))
+
+    def write(self) -> None:  # the recorder's own thread: a disk takes its time
+        """Write what is received, until there is nothing more to come."""
+        while received := self.received.get():
+            self.bag.write(self.connection, *received)
+
+    def unconfigure(self) -> None:  # main thread
+        """Stop listening, have the rest written, and complete the bag."""
+        self.node.destroy_subscription(self.subscription)
+        self.received.put(None)
+        self.writer.join()
+        self.bag.close()
