@@ -18,7 +18,9 @@ from tutorial.paths import PACKAGE
 
 CHECKOUT = PACKAGE.parent
 COURSE = ("launch_py", "notebooks", "project")
-PAGES = tuple(f"book/{name}.md" for name in ("bags", "comparison", "fleet", "glossary", "own_package", "teaching"))
+PAGES = tuple(
+    f"book/{name}.md" for name in ("bags", "comparison", "fleet", "glossary", "own_package", "teaching", "tools")
+)
 JUNK = {"__pycache__", ".ipynb_checkpoints", "MUJOCO_LOG.TXT"}
 LINK = re.compile(r"\]\((\.\.?/[^)#]+)")
 NO_OTHER = """
