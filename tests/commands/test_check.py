@@ -27,6 +27,7 @@ def match_by_name(joint_names, message):
     return {name: position for name, position in found if name in joint_names and math.isfinite(position)}
 """
 AT_ONCE = "class HeldJoint:\n    {}\n    def aim(self, stick): 1 / 0"
+ENDLESS = "import time\n    while True: time.sleep(0.1)"  # one that works without a pause would do so for `LIMIT`
 WHEN_CALLED = "import os, shutil, sys\ndef match_by_name(joint_names, message):\n    {}"
 SHOUT = """
 import os
@@ -69,9 +70,7 @@ def school(tmp_path_factory):
     room.mkdir()
     notebook(room / "anna.ipynb", IMPORTS, "raise RuntimeError('no simulation')", "program.start()", RIGHT, CHECK)
     notebook(room / "ben.ipynb", IMPORTS, RIGHT.replace(" and math.isfinite(position)", ""), CHECK)
-    notebook(
-        room / "carl.ipynb", IMPORTS, AT_ONCE.format("while True: pass"), "await aim.check(HeldJoint)", RIGHT, CHECK
-    )
+    notebook(room / "carl.ipynb", IMPORTS, AT_ONCE.format(ENDLESS), "await aim.check(HeldJoint)", RIGHT, CHECK)
     notebook(room / "dora.ipynb", IMPORTS, WHEN_CALLED.format(f"shutil.rmtree({str(folder)!r})"), CHECK)
     notebook(room / "emil.ipynb", IMPORTS, WHEN_CALLED.format("while True: print('x' * 10_000)"), CHECK)
     notebook(room / "fred.ipynb", IMPORTS, WHEN_CALLED.format("open('f', 'w').write('x' * 10**8)"), CHECK)

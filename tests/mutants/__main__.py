@@ -16,12 +16,14 @@ import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
 import click
+import forks
 from equivalent_mutants import EQUIVALENT
 from mutation import Mutant, mutants_of, rejects
 from rich.console import Console
 from rich.table import Table
 from tqdm import tqdm
 
+from tutorial.checks import _contain
 from tutorial.checks.catalogue import exercises
 from tutorial.checks.exercise import Exercise
 from tutorial.commands.terminal import INTERRUPTED
@@ -96,6 +98,7 @@ def _if_not_rejected(name: str, mutant: Mutant) -> str:
 @click.argument("names", metavar="[EXERCISE]...", nargs=-1, type=click.Choice(list(EXERCISES)))
 def main(names: tuple[str, ...]) -> None:
     """Do what the command line asks for, and exit with its status."""
+    _contain.subprocess = forks  # type: ignore[assignment]
     console = Console(width=None if sys.stdout.isatty() else 120)
     outcomes: dict[str, Outcome] = {}
     try:

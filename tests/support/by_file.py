@@ -6,18 +6,23 @@ A plugin, for a conftest.py is not read when only the notebooks are to run, and 
 from __future__ import annotations
 
 import os
+import re
 
 import pytest
 from xdist.scheduler import LoadScopeScheduling
 
-LONG = ("test_notebooks_in_browser.py", "test_desk_in_browser.py")
-"""The files whose tests come first and are shared out one by one: each takes longer than most files."""
+SHARED_OUT = "test_notebooks_in_browser.py"
+"""The file whose tests are shared out: each takes longer than most files."""
+
+DESKS = 3
+"""How many workers share them. Each has a JupyterLab and a browser of its own, which take ten seconds to begin."""
 
 SLOW = (
+    *(SHARED_OUT, "test_desk_in_browser.py"),
     *("test_hostile_names.py", "test_ros2_commands.py", "test_soak.py", "test_lab.py", "test_two_machines.py"),
     *("test_steps.py", "test_processes.py", "test_host.py", "test_contain.py", "test_mutants.py", "test_check.py"),
 )
-"""The files that come next, and with them the notebooks: half a minute each and more, most of which they wait."""
+"""The files that come first, and after them the notebooks: half a minute each and more, most of which they wait."""
 
 MORE_THAN_CORES = 3  # workers, for tests often wait: for a discovery, a duration, or a process to end
 
@@ -25,10 +30,9 @@ MORE_THAN_CORES = 3  # workers, for tests often wait: for a discovery, a duratio
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes longest, so that in the end no core waits for another."""
-    files = (*LONG, *SLOW)
 
     def turn(item: pytest.Item) -> tuple[int, bool]:
-        by_name = files.index(item.path.name) if item.path.name in files else len(files)
+        by_name = SLOW.index(item.path.name) if item.path.name in SLOW else len(SLOW)
         return by_name, item.path.suffix != ".ipynb" and item.get_closest_marker("browser") is None
 
     items.sort(key=turn)
@@ -45,7 +49,8 @@ class _ByFile(LoadScopeScheduling):
 
     def _split_scope(self, nodeid: str) -> str:
         file, *_ = nodeid.split("::")
-        return nodeid if file.endswith(LONG) else file
+        step = re.search(r"\[(\d+)_", nodeid) if file.endswith(SHARED_OUT) else None
+        return f"{file}::{int(step[1]) % DESKS}" if step else file
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -7,14 +7,16 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
 from viewers import VIEWERS, Viewer
 
-from tutorial.ros.chaos import FAULTS, Chaos
+from tutorial.ros.chaos import FAULTS, Action, Chaos
 from tutorial.ros.chaos.stream import swing
 
 PAGE = Path(__file__).parents[2] / "book" / "comparison.md"
@@ -34,22 +36,32 @@ def judge(kind: type[Viewer], fault: str) -> str:
     A pose is right if each joint is where the good stream has it; stale if those that are not are where they were
     before; else wrong.
     """
-    viewer, chaos = kind(RANGES), Chaos(seed=SEED)
+    viewer = kind(RANGES)
     seen: dict[str, set[float]] = {joint: set() for joint in RANGES}
     found: Counter[str] = Counter()
     said = False
-    for number in range(1, 1 + MESSAGES):
-        good = swing(number, tuple(RANGES), RATE)
-        for action in chaos.apply(good):
+    for good, actions in _stream(fault):
+        for action in actions:
             if action.message is not None and not viewer.ended:
                 said |= viewer.take(action.message, action.kind)
-        chaos.faults = {fault: SHARE}  # the first message was good, so every joint has a position
         true = dict(zip(good.name, good.position))
         for joint, position in true.items():
             seen[joint].add(position)
         known = all(viewer.pose[joint] in seen[joint] for joint in RANGES)
         found["right" if viewer.pose == true else "stale" if known else "wrong"] += 1
     return _words(found, said, viewer.ended)
+
+
+@lru_cache(maxsize=1)
+def _stream(fault: str) -> list[tuple[Any, list[Action]]]:
+    """Make the good messages, each with what becomes of it. All viewers are shown the same ones, one after another."""
+    chaos = Chaos(seed=SEED)
+    made = []
+    for number in range(1, 1 + MESSAGES):
+        good = swing(number, tuple(RANGES), RATE)
+        made.append((good, list(chaos.apply(good))))
+        chaos.faults = {fault: SHARE}  # the first message was good, so every joint has a position
+    return made
 
 
 def _words(found: Counter[str], said: bool, ended: bool) -> str:

@@ -19,6 +19,8 @@ from browser import PATIENCE, until
 from playwright.async_api import Page
 
 TOKEN = "a-token-for-the-tests"
+START = "import sys; sys.modules['rfc3987_syntax'] = None; from jupyterlab.labapp import main; sys.exit(main())"
+"""As ``python -m jupyterlab``, without what takes a second to import: see tutorial/commands/lab_server.py."""
 DARK = "JupyterLab Dark"
 
 _FOLDERS = {
@@ -291,11 +293,12 @@ def _command(notebooks: Path, base_url: str) -> list[str]:
         "IdentityProvider.token": TOKEN,
         "LabApp.expose_app_in_browser": "True",
         "LabApp.news_url": "None",
+        "LanguageServerManager.autodetect": "False",  # it asks npm where they might be
     }
     return [
         sys.executable,
-        "-m",
-        "jupyterlab",
+        "-c",
+        START,
         "--no-browser",
         *(f"--{name}={value}" for name, value in options.items()),
     ]

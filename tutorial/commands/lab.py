@@ -8,6 +8,9 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+sys.modules["rfc3987_syntax"] = None  # type: ignore[assignment]  # as in lab_server: not imported, for a second
+
+# ruff: noqa: E402
 import nbformat
 from nbformat.sign import NotebookNotary
 
