@@ -316,6 +316,11 @@ def test_statistics_that_cannot_be_are_not_believed(tmp_path):
             "INSERT INTO topics VALUES (1, x'1b5b324a', x'ff'); INSERT INTO messages VALUES (1, 1, 'now', 2)",
             "a row in it is no message",
         ),
+        (
+            "CREATE TABLE topics(id, name, type); CREATE TABLE messages(id, topic_id, timestamp, data);"
+            "INSERT INTO topics VALUES (1, '/a', 'b'); INSERT INTO messages VALUES (1, 1, -5, 2), (2, 1, 'now', 2)",
+            "a row in it is no message",
+        ),
     ],
 )
 def test_a_hostile_database_is_a_clear_error(tmp_path, script, said):
@@ -345,6 +350,15 @@ def test_names_in_a_bag_are_shown_as_escapes(tmp_path):
         list(bag.messages())
     with pytest.raises(TutorialError, match=r"there is no topic '/x' in this bag"):
         list(bag.messages(["/x"]))
+
+
+def test_a_type_that_is_not_known_matters_only_where_there_are_messages(tmp_path):
+    writer = BagWriter(tmp_path / "bag")
+    for channel in (CHANNELS[0], Channel(2, "/alien", "alien_msgs/msg/X")):
+        writer.add_channel(channel)
+    writer.write(1, START, START, payload(0))
+    writer.close()
+    assert [message.data for *_, message in Bag(tmp_path / "bag").messages()] == ["number 0"]
 
 
 def test_topics_have_bounds_in_number_and_length(tmp_path, storage):

@@ -23,6 +23,7 @@ __all__ = ["Bag", "BagTopic"]
 
 READERS: dict[str, Callable[[Path], FileReader]] = {".mcap": McapReader, ".db3": SqliteReader}
 MOST_FILES = 10_000
+LATEST = 2**63 - 1  # [ns] that a file can say
 CDR_HEAD = 4  # bytes that every payload begins with
 
 
@@ -120,8 +121,9 @@ class Bag:
         Raises:
             TutorialError: there is no such topic, or its messages are of a type that is not known here.
         """
-        kinds = {name: message_class(self.channels[name].type_name) for name in self._chosen(topics)}
-        for name, time, payload in self.raw_messages(topics, start_offset):
+        named = [name for name in self._chosen(topics) if self._counts[name]]
+        kinds = {name: message_class(self.channels[name].type_name) for name in named}
+        for name, time, payload in self.raw_messages(kinds, start_offset):
             try:
                 message = deserialize_message(payload, kinds[name])
             except Exception as error:  # noqa: BLE001 - a real rclpy raises of many kinds
@@ -134,7 +136,7 @@ class Bag:
     ) -> Iterator[tuple[str, int, bytes]]:
         """Yield the messages as they travelled, in CDR; the arguments are those of `messages`."""
         chosen = self._chosen(topics)
-        since = self.start + round(start_offset * 1e9)
+        since = min(self.start + round(start_offset * 1e9), LATEST)
         for file in self.files:
             with self._opened(file) as reader:
                 if reader is None:

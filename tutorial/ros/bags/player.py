@@ -141,7 +141,7 @@ class Player:
     def _tick(self, now_ns: int) -> None:
         """Publish the time of the bag."""
         seconds, rest = divmod(now_ns, 10**9)
-        self._clock.publish(Clock(clock=Time(sec=min(seconds, LAST_SECOND), nanosec=rest)))
+        self._clock.publish(Clock(clock=Time(sec=min(max(0, seconds), LAST_SECOND), nanosec=rest)))
 
     def _meet(self, stop: threading.Event) -> None:
         """Wait until the subscriptions that are on the topics would receive what is published."""

@@ -77,8 +77,8 @@ class SqliteWriter:
                 self._insert(
                     "message_definitions", None, channel.type_name, "ros2msg", channel.definition, channel.type_hash
                 )
-            c = channel
-            self._insert("topics", c.id, c.topic, c.type_name, c.encoding, c.qos, c.type_hash)
+            words = (channel.topic, channel.type_name, channel.encoding, channel.qos, channel.type_hash)
+            self._insert("topics", channel.id, *words)
 
     def write(self, channel_id: int, received_ns: int, sent_ns: int, payload: bytes) -> None:  # noqa: ARG002
         """Write a message, for which the file has one time only: when it was received."""
@@ -203,7 +203,9 @@ class SqliteReader:
         query = "SELECT topic_id, count(*), min(timestamp), max(timestamp) FROM messages GROUP BY topic_id"
         try:
             rows = self._database.execute(query).fetchmany(MOST_TOPICS)
-            known = [row for row in rows if row[0] in self.channels and isinstance(row[2], int)]
+            known = [row for row in rows if row[0] in self.channels and all(isinstance(time, int) for time in row[2:])]
+            if len(known) < len(rows):
+                self._say("a row in it is no message")
             self.counts = Counter({row[0]: row[1] for row in known})
             self.start = min((row[2] for row in known), default=0)
             self.end = max((row[3] for row in known), default=0)
