@@ -7,7 +7,7 @@ import threading
 
 import pytest
 from programs import until
-from sensor_msgs.msg import Joy
+from sensor_msgs.msg import JointState, Joy
 from std_msgs.msg import String
 
 from tutorial.record import make_record
@@ -97,6 +97,16 @@ def test_a_topic_that_a_node_publishes_and_receives_is_counted_both_ways(domain)
         counts = make_record("echo", 1.0, thread.node.meters)["topics"]["/words"]
     assert (counts["published"], counts["received"]) == (3, 3)
     assert counts["latency_ms"]["median"] is not None
+
+
+def test_joint_states_that_are_only_kept_are_not_waited_for_by_a_view(domain):
+    with NodeThread("viewer") as thread:
+        for raw in (False, True):
+            thread.node.create_subscription(JointState, "/Tank/joint_state", print, 1, raw=raw)
+        assert [(meter.raw, meter.brings_joint_states) for meter in thread.node.meters] == [
+            (False, True),
+            (True, False),
+        ]
 
 
 def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):

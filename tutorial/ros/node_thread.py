@@ -41,6 +41,7 @@ class TopicMeter(Tap):
     Attributes:
         type_name: the topic's type, such as ``sensor_msgs/msg/Joy``.
         direction: ``"published"`` or ``"received"``.
+        raw: whether they are received as bytes, to be passed on or kept.
         count: how many messages so far.
         last: the newest of them.
     """
@@ -49,10 +50,16 @@ class TopicMeter(Tap):
         super().__init__(node, message_type, topic, callback)
         self.type_name = f"{message_type.__module__.split('.')[0]}/msg/{message_type.__name__}"
         self.direction = "published" if callback is None else "received"
+        self.raw = False
         self.count = 0
         self.last: Any = None
         self._first_at = self._last_at = 0.0
         self._latencies_ns: deque[int] = deque(maxlen=LATENCIES_KEPT)
+
+    def made(self, endpoint: Any) -> None:
+        """See what was made."""
+        super().made(endpoint)
+        self.raw = getattr(endpoint, "raw", False)
 
     def add(self, message: Any, latency_ns: int | None = None) -> None:
         """Count one message.
@@ -81,8 +88,8 @@ class TopicMeter(Tap):
 
     @property
     def brings_joint_states(self) -> bool:
-        """Whether these are joint states that the program receives."""
-        return self.direction == "received" and self.type_name == "sensor_msgs/msg/JointState"
+        """Whether these are joint states that the program receives to show them."""
+        return self.direction == "received" and not self.raw and self.type_name == "sensor_msgs/msg/JointState"
 
     @property
     def idle(self) -> float:
