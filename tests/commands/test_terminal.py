@@ -14,7 +14,7 @@ import termios
 import pytest
 from programs import PATIENCE, TANK, until
 
-from tutorial.commands.terminal import prepare_output
+from tutorial.commands.terminal import prepare_output, status_line
 
 INT, TERM = signal.SIGINT, signal.SIGTERM
 STUCK = "        import time\n        while True: print('stuck', flush=True); time.sleep(0.01)\n"
@@ -66,6 +66,14 @@ def stuck(running):
     """Wait until its main thread is stuck, and has had time to hear what it was sent."""
     heard = len(running.lines) + 3
     until(lambda: running.output.count("stuck") >= 3 and len(running.lines) >= heard, "the loop")
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_how_far_it_is_stands_on_a_terminal_only(capsys, monkeypatch, terminal):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
+    with status_line() as status:
+        status("12 messages")
+    assert ("12 messages" in capsys.readouterr().err) == terminal
 
 
 @pytest.mark.parametrize(
