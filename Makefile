@@ -8,7 +8,7 @@
 #   make install              .venv with everything that these need; quick when nothing has changed
 #   make screenshots          the README's picture, which moves; it takes some minutes
 #   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency, memory and a bag; then floods that mean harm
-#   make mutants              every small fault in the exercises' solutions: does the check find it; some ten minutes
+#   make mutants              every small fault in the exercises' solutions: does the check find it; some three minutes
 #   make book                 the pages of book/ and the notebooks, as a site in book/_build/html
 #   make bench | lint | clean
 

@@ -37,6 +37,7 @@ NOT_ASKED = {
     "lab": "it is JupyterLab's server",
     "package": "it writes files",
     "progress": "it reads a file",
+    "urdf": "it reads a model, and no network",
     "topic type": "it prints what topic info prints",
     "launch": "demo launches",
 }

@@ -14,8 +14,8 @@ from xdist.scheduler import LoadScopeScheduling
 SHARED_OUT = "test_notebooks_in_browser.py"
 """The file whose tests are shared out: each takes longer than most files."""
 
-DESKS = 3
-"""How many workers share them. Each has a JupyterLab and a browser of its own, which take ten seconds to begin."""
+DESKS = 2
+"""How many workers share them. Each has a JupyterLab and a browser of its own: no more than two cores can bear."""
 
 SLOW = (
     *(SHARED_OUT, "test_desk_in_browser.py"),
@@ -24,7 +24,7 @@ SLOW = (
 )
 """The files that come first, and after them the notebooks: half a minute each and more, most of which they wait."""
 
-MORE_THAN_CORES = 3  # workers, for tests often wait: for a discovery, a duration, or a process to end
+MORE_THAN_CORES = 1  # workers, for tests often wait: for a discovery, a duration, or a process to end
 
 
 @pytest.hookimpl(tryfirst=True)
