@@ -23,3 +23,20 @@ def test_no_import_takes_ctrl_c_away():
     assert len(modules) > 100
     ended = subprocess.run([sys.executable, "-c", SCRIPT, *modules], check=False, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr
+
+
+QUICK = """
+import gc, sys
+import tutorial.__main__
+assert gc.isenabled() and gc.get_freeze_count() > 10_000
+import tutorial.commands.lab
+import rclpy
+from sensor_msgs.msg import Joy
+print([name for name in ("rfc3987_syntax", "rosbags") if sys.modules.get(name)])
+"""
+
+
+def test_what_takes_long_and_is_not_needed_is_not_imported():
+    """And what the command has imported is not searched for garbage, but what it makes later is."""
+    ended = subprocess.run([sys.executable, "-c", QUICK], check=False, capture_output=True, text=True)
+    assert (ended.stdout, ended.stderr) == ("[]\n", "")
