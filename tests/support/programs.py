@@ -10,6 +10,7 @@ import threading
 import time
 import uuid
 from collections.abc import Callable
+from contextlib import suppress
 from http.client import HTTPResponse
 from pathlib import Path
 from urllib.error import URLError
@@ -83,9 +84,10 @@ class Program:
         return "".join(self.lines)
 
     def says(self, text: str) -> None:
-        """Wait until it has said something."""
-        until(lambda: text in self.output or self.process.poll() is not None, repr(text))
-        assert text in self.output, self.output
+        """Wait until it has said something; what it said instead is told when it does not."""
+        with suppress(AssertionError):
+            until(lambda: text in self.output or self.process.poll() is not None)
+        assert text in self.output, f"waited in vain for {text!r}, it said:\n{self.output}"
 
     def asks_to_stop(self) -> None:
         """Do what Ctrl-C does."""

@@ -557,6 +557,9 @@ WHAT_THERE_IS_TO_SEE = """() => {
 }"""
 
 
+LAMP_IS_LIT = "viewer.scene_tree.find(['Lights', 'Lamp', '<object>']).object.isLight === true"
+
+
 def furnish_oddly(scene):
     """Change everything that a viewer has to begin with, and add to it."""
     lamp = {"metadata": {"version": 4.5, "type": "Object"}, "object": {"type": "PointLight", "color": 255, "uuid": "l"}}
@@ -591,7 +594,7 @@ def test_a_scene_that_is_shown_once_more_is_as_if_it_were_the_first_time():
                     box.move(x, 0)  # nobody looks
                     await box.is_seen(page)
                 furnish_oddly(box.scene)
-                await page.wait_for_function("viewer.scene_tree.find(['Lights', 'Lamp', '<object>']).object.isLight")
+                await until(lambda: page.evaluate(LAMP_IS_LIT), "the lamp is in the scene")
                 assert witness.complaints == []
             again = RedBox()
             again.move(-0.5, 0.5)
