@@ -217,7 +217,7 @@ def test_a_disk_that_is_full_leaves_nothing_behind(here, monkeypatch):
 def test_whom_git_does_not_know_is_to_be_filled_in(here, config):
     (here / "gitconfig").write_text(config)
     assert find_maintainer() == NOBODY
-    assert "Fill in its description, license and maintainer" in make("my_tank")
+    assert "Fill in its license and maintainer" in make("my_tank")
 
 
 def test_where_there_is_no_git_the_maintainer_is_to_be_filled_in(here, monkeypatch):

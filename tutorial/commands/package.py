@@ -48,9 +48,9 @@ def package(name: str, own: str | None, destination: Path) -> None:
     maintainer = find_maintainer()
     files = package_files(name, node, maintainer)
     _write(folder, files)
-    todo = "description, license and maintainer" if maintainer == NOBODY else "description and license"
+    blanks = "license and maintainer" if maintainer == NOBODY else "license"
     say("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
-    say(f"\nFill in its {todo}, in package.xml and in setup.py. Its README.md says how to build and run it:\n\n")
+    say(f"\nFill in its {blanks}, in package.xml and in setup.py. Its README.md says how to build and run it:\n\n")
     say(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")
     say(f"    ros2 run {name} {node.module}\n    ros2 launch {name} {name}.launch.py\n")
 

@@ -45,7 +45,8 @@ class Node:
 def example_node() -> Node:
     """A node without the course, the last of step 3's notebook."""
     code = (find_home(PACKAGE) / "notebooks" / "listener.py").read_bytes()
-    return Node("listener", "listener", code, "listener", "listener", {})
+    words = {"description": "A node that listens to the tank's joints, and says once a second where they are."}
+    return Node("listener", "listener", code, "listener", "listener", words)
 
 
 def controller_node(file: Path, only: str | None) -> Node:
@@ -69,7 +70,8 @@ def controller_node(file: Path, only: str | None) -> Node:
     project = _project_for(name)
     module = controller_names()[name].rpartition(".")[2]
     node = "viewer" if project.time_step is None else "simulation"
-    words = {"controller": name, "project": project.path.stem}
+    description = "A controller for the tank of the tank tutorial."
+    words = {"controller": name, "project": project.path.stem, "description": description}
     return Node("controller", module, file.read_bytes(), "node", node, words)
 
 

@@ -20,7 +20,7 @@ class Maintainer(NamedTuple):
     email: str
 
 
-NOBODY = Maintainer("TODO: Your Name", "you@todo.todo")
+NOBODY = Maintainer("Your Name", "you@example.com")
 """Who stands there until the learner writes a name in its place."""
 
 
