@@ -111,7 +111,10 @@ def node_graph() -> NodeGraph:
 
 
 def side_by_side(*widgets: Widget) -> SideBySide:
-    """Show widgets in a row, the first one as wide as there is room; on a narrow page, one below the other."""
+    """Show widgets in a row; on a narrow page, one below the other.
+
+    Views share the room that the others leave.
+    """
     return SideBySide(*widgets)
 
 
