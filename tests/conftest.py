@@ -49,7 +49,10 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
 
 @pytest.fixture
 def program(domain: int) -> Iterator[Callable[..., Program]]:
-    """Start ``tank`` with some arguments, in a domain of its own; what is left of it in the end is killed."""
+    """Start ``tank`` with some arguments, in a domain of its own; what is left of it in the end is killed.
+
+    What all of them said is shown where the test has failed.
+    """
     started: list[Program] = []
 
     def start(*arguments: object, environment: dict[str, str] | None = None) -> Program:
@@ -58,4 +61,6 @@ def program(domain: int) -> Iterator[Callable[..., Program]]:
 
     yield start
     for running in started:
+        status = running.process.poll()  # None while it runs
         running.clear()
+        print(f"{running.process.args}, status {status}:\n{running.output}")
