@@ -105,10 +105,17 @@ class Endpoint(Destroyable):
         except DDSException as error:
             raise self._explain(error, f"failed to get {what} count") from None
 
+    def _require_context(self, what: str) -> None:
+        if not self._node.context.ok():
+            raise self._without_context(what)
+
+    def _without_context(self, what: str) -> RCLError:
+        return RCLError(f"{what}: {self._noun}'s context is invalid")
+
     def _explain(self, error: DDSException, what: str) -> RuntimeError:
         """Return what rclpy raises instead of Cyclone DDS's error."""
         if self._destroyed:
             return InvalidHandle()
         if not self._node.context.ok():
-            return RCLError(f"{what}: {self._noun}'s context is invalid")
+            return self._without_context(what)
         return RCLError(f"{what}: {error}")

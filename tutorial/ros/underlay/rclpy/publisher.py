@@ -25,7 +25,7 @@ class Publisher(Endpoint):
         Raises:
             TypeError: it is of another type, or a field holds what its type cannot.
             InvalidHandle: the publisher has been destroyed.
-            RCLError: the context has been shut down.
+            RCLError: the context has been shut down, by a signal perhaps: so a loop that publishes ends.
         """
         self._require_handle()
         if isinstance(msg, self.msg_type):
@@ -34,13 +34,20 @@ class Publisher(Endpoint):
             data = msg
         else:
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
+        self._require_context("Failed to publish")
         try:
             self._dds.write(self._topic.data_type(data))
         except DDSException as error:
             raise self._explain(error, "Failed to publish") from None
 
     def get_subscription_count(self) -> int:
-        """Return the number of subscriptions that receive what is published."""
+        """Return the number of subscriptions that receive what is published.
+
+        Raises:
+            RCLError: the context has been shut down.
+        """
+        self._require_handle()
+        self._require_context("failed to get subscription count")
         return self._count_matched("get_publication_matched_status", "subscription")
 
     def wait_for_all_acked(self, timeout: Duration = Infinite) -> bool:
