@@ -23,7 +23,7 @@ from std_msgs.msg import String
 
 from tutorial.errors import TutorialError
 from tutorial.ros.bags import Bag, BagTopic, bag_info
-from tutorial.ros.bags.mcap import CHUNK, MAGIC, McapReader
+from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.metadata import offered, qos_text
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_TOPICS, SUFFIXES, Channel, Damaged
 from tutorial.ros.bags.writer import BagWriter
@@ -36,6 +36,8 @@ CHANNELS = (
     Channel(2, "/Tank/joint_state", JOINTS, definition="string[] name\n", type_hash="RIHS01_2"),
     Channel(3, "/silent", STRING),
 )
+MAGIC, CHUNK = b"\x89MCAP0\r\n", 6
+"""What an MCAP file begins with, and the kind of record that has messages in it: https://mcap.dev/spec."""
 
 
 @cache  # Fast DDS leaves whatever it likes in the padding
@@ -99,7 +101,13 @@ def test_others_read_it(tmp_path, storage):
     written = write(tmp_path / "bag", storage=storage)
     with Reader(tmp_path / "bag") as reader:
         assert [(connection.topic, time, data) for connection, time, data in reader.messages()] == written
-        assert {c.topic: c.digest for c in reader.connections}["/said"] == "RIHS01_1"
+        said = next(connection for connection in reader.connections if connection.topic == "/said")
+        assert (said.msgtype, said.digest, said.msgcount) == (STRING, "RIHS01_1", 50)
+        assert said.msgdef.data == "string data\n"
+        assert (reader.start_time, reader.end_time - 1, reader.message_count) == (START, START + 99 * STEP, 100)
+        since = START + 70 * STEP  # by the index
+        found = [(time, data) for _, time, data in reader.messages([said], start=since)]
+        assert found == [(time, data) for topic, time, data in written[70:] if topic == "/said"]
 
 
 def test_the_mcap_package_reads_it(tmp_path):
@@ -256,6 +264,7 @@ def chunk(size, packed, compression=b"zstd"):
         (HEADER + chunk(1000, b"no zstd at all"), "cannot be unpacked"),
         (HEADER + chunk(1000, b"x", b"rar\x1b"), r"compressed by 'rar\x1b'"),
         (HEADER + record(4, b"\1\0"), "in the middle of a word"),
+        (HEADER + record(4, b"\1\0\1\0\xff\xff\xff\xff/a"), "in the middle of a word"),
         (HEADER + record(5, b"\1\0"), "a record in it is too short"),
     ],
     ids=lambda value: "" if isinstance(value, bytes) else value,
@@ -292,7 +301,7 @@ def test_statistics_that_cannot_be_are_not_believed(tmp_path):
     path = tmp_path / "bag" / "bag_0.mcap"
     whole = path.read_bytes()
     times = struct.pack("<QQ", START, START + 99 * STEP)
-    assert whole.rindex(times) > whole.rindex(b"rosbag2")  # those of the statistics
+    assert whole.count(times) == 1  # those of the statistics
     path.write_bytes(
         whole[: whole.rindex(times)] + struct.pack("<QQ", 2**64 - 1, 0) + whole[whole.rindex(times) + 16 :]
     )

@@ -136,7 +136,7 @@ def test_a_full_disk_ends_the_recording_with_the_mend(nodes, tmp_path, caplog, m
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(recorder._writer._file, "_put", full)
+    monkeypatch.setattr(recorder._writer._file._file, "write", full)
     publish(recorder, publisher, payloads(10))
     until(lambda: recorder.error is not None, "the error")
     publish(recorder, publisher, payloads(10))

@@ -1,53 +1,68 @@
 """MCAP files, as ``ros2 bag`` writes them by default (https://mcap.dev/spec).
 
-A file is a sequence of records: a byte that says which kind it is, its length, its content. Messages are gathered in
-chunks; behind the last one an index repeats what is in the file. rosbags has a writer and a reader of such files, too:
-that writer holds a mebibyte back, which is a minute of joint states, and that reader wants the index, which a program
-that was killed has not written.
+A file is a sequence of records. Messages are gathered in chunks; behind the last one an index repeats what is in the
+file. How records are laid out is known to the package mcap. It has readers, too, and so has rosbags; but they want a
+file that is whole and means well, and ours reads what a program that was killed has left, or a spoilt disk.
 """
 
 from __future__ import annotations
 
+import os
 import zlib
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
+from contextlib import suppress
 from heapq import heappop, heappush
-from io import BufferedReader
+from io import BytesIO
 from pathlib import Path
-from struct import Struct, error, pack
-from typing import Any
+from struct import error
+from typing import IO, Any
 
 from backports import zstd
 from lz4.frame import LZ4FrameDecompressor
+from mcap import records
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import EndOfFile
+from mcap.opcode import Opcode
+from mcap.reader import FOOTER_SIZE
+from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from tutorial.errors import printable
 from tutorial.ros.bags.storage import (
     LARGEST_MESSAGE,
     LONGEST_NAME,
     LONGEST_QOS,
-    MOST_FAULTS,
     MOST_TOPICS,
     Channel,
     Damaged,
+    FileReader,
     RawMessage,
 )
 
 __all__ = ["McapReader", "McapWriter"]
 
-MAGIC = b"\x89MCAP0\r\n"
-HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX = range(1, 9)
-STATISTICS, METADATA, METADATA_INDEX, SUMMARY_OFFSET, DATA_END = 0x0B, 0x0C, 0x0D, 0x0E, 0x0F
-
-FOOTER_SIZE = 9 + 20 + len(MAGIC)
-LARGEST_SUMMARY = 64 * 2**20  # [bytes]
-LARGEST_TEXT = 2**20  # of a definition, or of other words of a record [bytes]
-REORDERED = 64 * 2**20  # of messages that wait for earlier ones, at most [bytes]
 CHUNK_SIZE = 768 * 1024  # [bytes], as ros2 bag's
+LARGEST_CHUNK = LARGEST_MESSAGE + 64  # with what stands before the messages [bytes]
+LARGEST_TEXT = 2**20  # of a definition, or of other words of a record [bytes]
+LARGEST_SUMMARY = 64 * 2**20  # [bytes]
+REORDERED = 64 * 2**20  # of messages that wait for earlier ones, at most [bytes]
 
-_record_head = Struct("<BQ")
-_message_head = Struct("<HIQQ")
-_chunk_head = Struct("<QQQI")
-_statistics = Struct("<QHIIIIQQ")
+KINDS: dict[int, Any] = {
+    Opcode.HEADER: records.Header,
+    Opcode.FOOTER: records.Footer,
+    Opcode.SCHEMA: records.Schema,
+    Opcode.CHANNEL: records.Channel,
+    Opcode.MESSAGE: records.Message,
+    Opcode.CHUNK: records.Chunk,
+    Opcode.STATISTICS: records.Statistics,
+}
+"""Of records that are read; the others are passed over."""
+
+DECOMPRESSORS: dict[str, Any] = {"zstd": zstd.ZstdDecompressor, "lz4": LZ4FrameDecompressor}
+"""Those that stop at a given length: the package's own do not."""
+
+UNREADABLE = (EndOfFile, error, UnicodeDecodeError, OverflowError)
+"""What the package raises of a spoilt record."""
 
 
 class McapWriter:
@@ -61,129 +76,55 @@ class McapWriter:
     """
 
     def __init__(self, path: Path) -> None:
-        self._file = path.open("xb", buffering=0)
-        self._at = 0
-        self._channels: dict[int, Channel] = {}
+        self._file = path.open("xb")
+        self._writer = Writer(self._file, CHUNK_SIZE, CompressionType.NONE)
         self._schemas: dict[str, int] = {}  # ids by type
+        self._ids: dict[int, int] = {}  # of channels, as the file numbers them
         self._counts: Counter[int] = Counter()
-        self._start, self._end = 2**63 - 1, 0
-        self._chunk = bytearray()
-        self._chunk_start, self._chunk_end = 2**63 - 1, 0
-        self._index: dict[int, list[tuple[int, int]]] = {}  # of the chunk: times and places of messages by channel
-        self._chunk_indexes: list[bytes] = []
-        self._put(MAGIC + _record(HEADER, _text("ros2") + _text("tank-tutorial")))
+        self._writer.start("ros2", "tank-tutorial")
+        self._writer.flush()
 
     def add_channel(self, channel: Channel) -> None:
         """Make a topic known before its first message."""
-        if channel.type_name not in self._schemas:
-            self._schemas[channel.type_name] = len(self._schemas) + 1
-            self._chunk += self._schema(channel)
-        self._channels[channel.id] = channel
-        self._chunk += self._channel(channel)
+        kind = channel.type_name
+        if kind not in self._schemas:
+            self._schemas[kind] = self._writer.register_schema(kind, "ros2msg", channel.definition.encode())
+        words = {"offered_qos_profiles": channel.qos, "topic_type_hash": channel.type_hash}
+        id_here = self._writer.register_channel(channel.topic, channel.encoding, self._schemas[kind], words)
+        self._ids[channel.id] = id_here
 
     def write(self, channel_id: int, received_ns: int, sent_ns: int, payload: bytes) -> None:
-        """Write a message; it is in the file when its chunk is full, or after `flush`."""
-        self._chunk_start = min(self._chunk_start, received_ns)
-        self._chunk_end = max(self._chunk_end, received_ns)
-        self._index.setdefault(channel_id, []).append((received_ns, len(self._chunk)))
+        """Write a message; it is in the file after `flush`."""
         sequence = self._counts[channel_id] & 0xFFFFFFFF
-        self._chunk += _record(MESSAGE, _message_head.pack(channel_id, sequence, received_ns, sent_ns) + payload)
+        self._writer.add_message(self._ids[channel_id], received_ns, payload, sent_ns, sequence)
         self._counts[channel_id] += 1
-        if len(self._chunk) >= CHUNK_SIZE:
-            self.flush()
 
     def flush(self) -> None:
         """Write the messages so far as a chunk, with its index behind it."""
-        if not self._index:
-            return
-        start, records = self._at, bytes(self._chunk)
-        times = pack("<QQ", self._chunk_start, self._chunk_end)
-        sizes = pack("<Q", len(records))
-        self._put(_record(CHUNK, times + sizes + pack("<I", zlib.crc32(records)) + _text("") + sizes + records))
-        length, offsets = self._at - start, b""
-        for channel_id, places in self._index.items():
-            offsets += pack("<HQ", channel_id, self._at)
-            entries = b"".join(pack("<QQ", *place) for place in places)
-            self._put(_record(MESSAGE_INDEX, pack("<HI", channel_id, len(entries)) + entries))
-        indexed = pack("<QQI", start, length, len(offsets)) + offsets + pack("<Q", self._at - start - length)
-        self._chunk_indexes.append(times + indexed + _text("") + sizes + sizes)
-        self._start, self._end = min(self._start, self._chunk_start), max(self._end, self._chunk_end)
-        self._chunk, self._index = bytearray(), {}
-        self._chunk_start, self._chunk_end = 2**63 - 1, 0
+        self._writer.flush()
 
     def close(self, metadata: str) -> None:
         """Write what is left, and the summary."""
         try:
             self.flush()
-            told_at = self._at
-            told = _record(METADATA, _text("rosbag2") + _map({"serialized_metadata": metadata}))
-            self._put(told + _record(DATA_END, bytes(4)))
-            self._put(self._summary(pack("<QQ", told_at, len(told)) + _text("rosbag2")))
+            self._writer.add_metadata("rosbag2", {"serialized_metadata": metadata})
+            self._writer.finish()
         finally:
             self._file.close()
 
-    def _summary(self, metadata_index: bytes) -> bytes:
-        """Return what stands behind the data, up to the end of the file."""
-        firsts = {channel.type_name: channel for channel in reversed(self._channels.values())}
-        total = sum(self._counts.values())
-        start = self._start if total else 0
-        counts = b"".join(pack("<HQ", *item) for item in self._counts.items())
-        many = (len(self._schemas), len(self._channels), 0, 1, len(self._chunk_indexes))
-        groups = {
-            SCHEMA: b"".join(self._schema(firsts[name]) for name in self._schemas),
-            CHANNEL: b"".join(map(self._channel, self._channels.values())),
-            CHUNK_INDEX: b"".join(_record(CHUNK_INDEX, index) for index in self._chunk_indexes),
-            METADATA_INDEX: _record(METADATA_INDEX, metadata_index),
-            STATISTICS: _record(
-                STATISTICS, _statistics.pack(total, *many, start, self._end) + pack("<I", len(counts)) + counts
-            ),
-        }
-        offsets, at = b"", self._at
-        for opcode, records in groups.items():
-            if records:
-                offsets += _record(SUMMARY_OFFSET, pack("<BQQ", opcode, at, len(records)))
-            at += len(records)
-        footer = _record(FOOTER, pack("<QQI", self._at, at, 0))
-        return b"".join(groups.values()) + offsets + footer + MAGIC
 
-    def _schema(self, channel: Channel) -> bytes:
-        words = _text(channel.type_name) + _text("ros2msg") + _text(channel.definition)
-        return _record(SCHEMA, pack("<H", self._schemas[channel.type_name]) + words)
-
-    def _channel(self, channel: Channel) -> bytes:
-        more = {"offered_qos_profiles": channel.qos, "topic_type_hash": channel.type_hash}
-        words = _text(channel.topic) + _text(channel.encoding) + _map(more)
-        return _record(CHANNEL, pack("<HH", channel.id, self._schemas[channel.type_name]) + words)
-
-    def _put(self, data: bytes) -> None:
-        """Write all of it: where it fails in the middle, the disk is full."""
-        rest = memoryview(data)
-        while rest:
-            rest = rest[self._file.write(rest) :]
-        self._at += len(data)
-
-
-class McapReader:
-    """Reads an MCAP file, as far as it goes. See `tutorial.ros.bags.storage.FileReader`.
-
-    Raises:
-        Damaged: it is no MCAP file of ROS 2.
-        OSError: it cannot be read.
-    """
+class McapReader(FileReader):
+    """Reads an MCAP file of ROS 2, as far as it goes. See `tutorial.ros.bags.storage.FileReader`."""
 
     def __init__(self, path: Path) -> None:
-        self.path = path
-        self.channels: dict[int, Channel] = {}
-        self.counts: Counter[int] = Counter()
-        self.start = self.end = 0
-        self.faults: list[str] = []
+        super().__init__(path)
         self._types: dict[int, str] = {}  # names by the schema's id
-        self._file: BufferedReader = path.open("rb")
+        self._data_end = path.stat().st_size
+        self._file = path.open("rb")
         try:
-            self._size = self._data_end = path.stat().st_size
-            self._data_start = self._check_begin()
+            self._check_begin()
             if not self._read_summary():
-                self._scan()
+                self._count(message for _, messages in self._chunks(0) for message in messages)
         except BaseException:
             self.close()
             raise
@@ -199,232 +140,151 @@ class McapReader:
         """
         waiting: list[tuple[int, int, int, bytes]] = []  # a heap
         held = number = 0
-        for earliest, records in self._chunks(since):
+        for earliest, messages in self._chunks(since):
             while waiting and (waiting[0][0] < earliest or held > REORDERED):
                 time, _, channel_id, payload = heappop(waiting)
                 held -= len(payload)
                 yield channel_id, time, payload
-            for channel_id, time, payload in self._messages_in(records):
+            for channel_id, time, payload in messages:
                 if time >= since and channel_id in wanted:
                     number, held = number + 1, held + len(payload)
                     heappush(waiting, (time, number, channel_id, payload))
-        while waiting:
-            time, _, channel_id, payload = heappop(waiting)
+        for time, _, channel_id, payload in sorted(waiting):
             yield channel_id, time, payload
 
-    def _say(self, fault: str) -> None:
-        if fault not in self.faults and len(self.faults) < MOST_FAULTS:
-            self.faults.append(fault)
-
-    def _check_begin(self) -> int:
-        """Return where the data begin."""
-        begin = self._file.read(len(MAGIC))
-        if begin != MAGIC:
+    def _check_begin(self) -> None:
+        """Refuse what is no such file; one that is cut off in its first record may be."""
+        header, begin = None, self._file.read(len(MCAP0_MAGIC))
+        if begin != MCAP0_MAGIC:
             raise Damaged(f"it begins with {begin.hex(' ')!r}, not as an MCAP file does" if begin else "it is empty")
-        try:
-            opcode, body = next(self._records(len(MAGIC), self._size))
-            profile = _Words(body).text() if opcode == HEADER else ""
-        except (Damaged, StopIteration):
-            profile = "ros2"  # cut off at once
-        if profile != "ros2":
-            raise Damaged(f"it is of '{printable(profile[:60])}', not of 'ros2'")
-        return self._file.tell()
+        with suppress(Damaged):
+            header = next(self._records(self._file, len(begin), self._data_end), None)
+        if isinstance(header, records.Header) and header.profile != "ros2":
+            raise Damaged(f"it is of '{printable(header.profile[:60])}', not of 'ros2'")
 
     def _read_summary(self) -> bool:
         """Take topics and counts from behind the data; False where that is not possible."""
-        self._file.seek(max(0, self._size - FOOTER_SIZE))
-        end = self._file.read(FOOTER_SIZE)
-        if not (len(end) == FOOTER_SIZE and end.endswith(MAGIC) and end[0] == FOOTER):
+        self._file.seek(-len(MCAP0_MAGIC), os.SEEK_END)
+        if self._file.read() != MCAP0_MAGIC:
             self._say("its end is missing, as of a recording that was killed or filled the disk")
             return False
-        begin, last = int.from_bytes(end[9:17], "little"), self._size - FOOTER_SIZE
-        self._data_end = last
-        if not self._data_start <= begin < last or last - begin > LARGEST_SUMMARY:
-            return False  # without one, which is allowed
-        self._data_end = begin
-        complete = False
+        last = max(self._data_end - len(MCAP0_MAGIC) - FOOTER_SIZE, 0)
+        told = None
         try:
-            for opcode, body in self._records(begin, last):
-                self._take(opcode, body)
-                if opcode == STATISTICS:
-                    total, *_, self.start, self.end = _statistics.unpack_from(body)
-                    pairs = _Words(body[_statistics.size :]).pairs()
-                    self.counts = Counter({i: n for i, n in pairs if i in self.channels})
-                    complete = total == sum(self.counts.values()) and 0 <= self.start <= self.end < 2**63
-        except (Damaged, error):
-            complete = False
-        if not complete:
-            self.counts.clear()
-        return complete
+            footer = next(self._records(self._file, last, self._data_end), None)
+            begin = footer.summary_start if isinstance(footer, records.Footer) else 0
+            there = len(MCAP0_MAGIC) <= begin < last and last - begin <= LARGEST_SUMMARY  # it may be left out
+            self._data_end = begin if there else last
+            for record in self._records(self._file, self._data_end, last):
+                if isinstance(record, records.Statistics):
+                    told = record
+                else:
+                    self._take(record)
+        except Damaged as damaged:
+            self._say(str(damaged))
+            return False
+        return told is not None and self._believes(told)
 
-    def _scan(self) -> None:
-        """Look through the whole file for topics, and count the messages."""
-        self.start, self.end = 2**63 - 1, 0
-        for _, records in self._chunks(0):
-            for channel_id, time, _ in self._messages_in(records):
-                self.counts[channel_id] += 1
-                self.start, self.end = min(self.start, time), max(self.end, time)
-        if not self.counts:
-            self.start = 0
+    def _believes(self, told: records.Statistics) -> bool:
+        """Take counts and times, if they can be."""
+        counts = Counter({i: count for i, count in told.channel_message_counts.items() if i in self.channels})
+        start, end = told.message_start_time, told.message_end_time
+        if told.message_count != sum(counts.values()) or not start <= end < 2**63:
+            return False
+        self.counts, self.start, self.end = counts, start, end
+        return True
 
-    def _chunks(self, since: int) -> Iterator[tuple[int, bytes]]:
-        """Yield when each chunk begins [ns], and its records; those that end before a time are left out.
+    def _chunks(self, since: int) -> Iterator[tuple[int, Iterable[RawMessage]]]:
+        """Yield when each chunk begins [ns], and its messages; those that end before a time are left out.
 
         A message that stands outside of chunks is one of its own.
         """
         try:
-            for opcode, body in self._records(self._data_start, self._data_end):
-                if opcode == CHUNK:
-                    start, end, size, crc = _chunk_head.unpack_from(body)
-                    if end >= since and (records := self._unpacked(_Words(body[_chunk_head.size :]), size, crc)):
-                        yield start, records
-                elif opcode == MESSAGE:
-                    yield _message_head.unpack_from(body)[2], _record(opcode, body)
-                else:
-                    self._take(opcode, body)
+            for record in self._records(self._file, len(MCAP0_MAGIC), self._data_end):
+                if not isinstance(record, records.Chunk):
+                    yield from ((message[1], [message]) for message in self._messages_in([record]))
+                elif record.message_end_time >= since:
+                    yield record.message_start_time, self._messages_in(self._unpacked(record))
         except Damaged as damaged:
             self._say(str(damaged))
-        except error:
-            self._say("a record in it is too short")
 
-    def _unpacked(self, words: _Words, size: int, crc: int) -> bytes:
-        """Return the records of a chunk, as far as they are there; none where they cannot be unpacked."""
-        try:
-            compression, packed = words.text(LONGEST_NAME), words.rest(8)
-            if size > LARGEST_MESSAGE:
-                raise Damaged(f"a chunk in it has {size:,} bytes, and {LARGEST_MESSAGE:,} are the most that is read")
-            records = _decompressed(compression, packed, size)
-        except Damaged as damaged:
-            self._say(str(damaged))
-            return b""
-        if len(records) == size and crc and zlib.crc32(records) != crc:
-            self._say("a chunk in it has another checksum than it had when it was written")
-        elif len(records) < size:
-            self._say("a chunk in it is incomplete")
-        return records
+    def _unpacked(self, chunk: records.Chunk) -> Iterator[records.McapRecord]:
+        """Yield the records of a chunk, up to where it is cut off; none where it cannot be unpacked."""
+        size, how = chunk.uncompressed_size, chunk.compression
+        if size > LARGEST_MESSAGE:
+            self._say(f"a chunk in it has {size:,} bytes, and {LARGEST_MESSAGE:,} are the most that is read")
+        elif how and how not in DECOMPRESSORS:
+            self._say(f"a chunk in it is compressed by '{printable(how[:20])}', and not by zstd or lz4")
+        else:
+            try:
+                data = DECOMPRESSORS[how]().decompress(chunk.data, max_length=size) if how else chunk.data[:size]
+                if len(data) == size and chunk.uncompressed_crc not in (0, zlib.crc32(data)):
+                    self._say("a chunk in it has another checksum than it had when it was written")
+                yield from self._records(BytesIO(data), 0, size)
+            except Damaged:
+                self._say("a chunk in it is incomplete")
+            except (zstd.ZstdError, RuntimeError, EOFError, ValueError) as wrong:
+                self._say(f"a chunk in it cannot be unpacked: {printable(str(wrong))}")
 
-    def _messages_in(self, records: bytes) -> Iterator[RawMessage]:
-        """Yield the messages of a chunk, up to where it is cut off, and learn its topics."""
-        at = 0
-        while at + _record_head.size <= len(records):
-            opcode, size = _record_head.unpack_from(records, at)
-            at += _record_head.size
-            if size > len(records) - at:
-                break
-            if opcode == MESSAGE and size >= _message_head.size:
-                channel_id, _, time, _ = _message_head.unpack_from(records, at)
-                if channel_id in self.channels and time < 2**63:
-                    yield channel_id, time, records[at + _message_head.size : at + size]
-                else:
-                    self._say("a message in it belongs to no topic")
-            elif opcode in (SCHEMA, CHANNEL):
-                self._take(opcode, records[at : at + size])
-            at += size
-        if at < len(records):
-            self._say("a chunk in it is incomplete")
+    def _messages_in(self, some: Iterable[records.McapRecord]) -> Iterator[RawMessage]:
+        """Yield the messages among some records, and learn their topics."""
+        for record in some:
+            if not isinstance(record, records.Message):
+                self._take(record)
+            elif record.channel_id in self.channels and record.log_time < 2**63:
+                yield record.channel_id, record.log_time, record.data
+            else:
+                self._say("a message in it belongs to no topic")
 
-    def _records(self, begin: int, end: int) -> Iterator[tuple[int, bytes]]:
-        """Yield kind and content of each record that is of interest; of a chunk that is cut off, what is there."""
-        at = begin
-        while at < end:
-            self._file.seek(at)
-            head = self._file.read(_record_head.size)
-            if len(head) < _record_head.size:
+    def _take(self, record: records.McapRecord) -> None:
+        """Learn a topic, or what its messages are."""
+        if isinstance(record, records.Schema) and len(self._types) < MOST_TOPICS:
+            self._types[record.id] = record.name[:LONGEST_NAME]
+        elif isinstance(record, records.Channel):
+            qos = record.metadata.get("offered_qos_profiles", "")[:LONGEST_QOS]
+            type_hash = record.metadata.get("topic_type_hash", "")[:LONGEST_NAME]
+            topic, encoding = record.topic[:LONGEST_NAME], record.message_encoding[:LONGEST_NAME]
+            type_name = self._types.get(record.schema_id, "")
+            self._learn(Channel(record.id, topic, type_name, encoding, qos, type_hash=type_hash))
+
+    def _records(self, file: IO[bytes], begin: int, end: int) -> Iterator[records.McapRecord]:
+        """Yield each record that is of interest and can be read; of a chunk that is cut off, what is there.
+
+        Raises:
+            Damaged: it is cut off.
+        """
+        head = ReadDataStream(file)
+        while begin < end:
+            file.seek(begin)
+            try:
+                opcode, size = head.read1(), head.read8()
+            except UNREADABLE:
+                raise Damaged("it ends in the middle of a record") from None
+            begin = file.tell() + size
+            kind = KINDS.get(opcode)
+            largest = LARGEST_CHUNK if kind in (records.Message, records.Chunk) else LARGEST_TEXT
+            if kind and size > largest:
+                self._say(f"a record in it has {size:,} bytes, and {largest:,} are the most that is read")
+            elif kind:
+                body = file.read(size)
+                try:
+                    if kind is records.Message and len(body) == size:
+                        yield kind.read(ReadDataStream(BytesIO(body)), size)
+                    elif kind is records.Chunk or len(body) == size:
+                        yield kind.read(_Words(BytesIO(body)))
+                except UNREADABLE:
+                    what = "is too short" if kind is records.Message else "ends in the middle of a word"
+                    self._say(f"a record in it {what}")
+            if begin > end:
                 raise Damaged("it ends in the middle of a record")
-            opcode, size = _record_head.unpack(head)
-            at += len(head) + size
-            limit = LARGEST_MESSAGE + 64 if opcode in (CHUNK, MESSAGE) else LARGEST_TEXT
-            if opcode not in (HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, STATISTICS):
-                if at > end:
-                    raise Damaged("it ends in the middle of a record")
-                continue
-            if size > limit:
-                raise Damaged(f"a record in it has {size:,} bytes, and {limit:,} are the most that is read")
-            body = self._file.read(size)
-            if len(body) == size or opcode == CHUNK:
-                yield opcode, body
-            if len(body) < size:
-                raise Damaged("it ends in the middle of a record")
-
-    def _take(self, opcode: int, body: bytes) -> None:
-        """Learn a topic, or what its messages are; what cannot be read is said, and left out."""
-        try:
-            if opcode == SCHEMA and len(self._types) < MOST_TOPICS:
-                self._types[int.from_bytes(body[:2], "little")] = _Words(body[2:]).text(LONGEST_NAME)
-            elif opcode == CHANNEL:
-                self._take_channel(body)
-        except Damaged as damaged:
-            self._say(str(damaged))
-
-    def _take_channel(self, body: bytes) -> None:
-        number, schema = (int.from_bytes(body[i : i + 2], "little") for i in (0, 2))
-        if len(self.channels) >= MOST_TOPICS and number not in self.channels:
-            raise Damaged(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
-        words = _Words(body[4:])
-        topic, encoding = words.text(LONGEST_NAME), words.text(LONGEST_NAME)
-        more = dict(words.texts())
-        qos, type_hash = more.get("offered_qos_profiles", ""), more.get("topic_type_hash", "")
-        type_name = self._types.get(schema, "")
-        self.channels[number] = Channel(
-            number, topic, type_name, encoding, qos[:LONGEST_QOS], type_hash=type_hash[:LONGEST_NAME]
-        )
 
 
-class _Words:
-    """Reads the parts of a record, one after the other."""
+class _Words(ReadDataStream):
+    """The content of a record: its texts are whole, whatever bytes they are made of."""
 
-    def __init__(self, data: bytes) -> None:
-        self._data = data
-        self._at = 0
-
-    def rest(self, width: int = 4) -> bytes:
-        """Take bytes that stand behind their number, whose width is given, or as many as there are."""
-        begin = self._at + width
-        self._at = begin + int.from_bytes(self._data[self._at : begin], "little")
-        return self._data[begin : self._at]
-
-    def text(self, longest: int = LARGEST_TEXT) -> str:
-        """Take a text."""
-        taken = self.rest()
-        if self._at > len(self._data):
-            raise Damaged("a record in it ends in the middle of a word")
-        if len(taken) > longest:
-            raise Damaged(f"a name in it has {len(taken):,} characters, and {longest:,} are the most that is read")
-        return taken.decode("utf-8", "backslashreplace")
-
-    def texts(self) -> Iterator[tuple[str, str]]:
-        """Take a map of texts."""
-        words = _Words(self.rest())
-        while words._at < len(words._data):
-            yield words.text(), words.text()
-
-    def pairs(self) -> Iterator[tuple[int, int]]:
-        """Take a map from channels to numbers."""
-        yield from Struct("<HQ").iter_unpack(self.rest())
-
-
-def _decompressed(compression: str, packed: bytes, size: int) -> bytes:
-    """Return so many bytes at most, or those that are there of data that are cut off."""
-    if not compression:
-        return packed[:size]
-    decompressor: Any = {"zstd": zstd.ZstdDecompressor, "lz4": LZ4FrameDecompressor}.get(compression)
-    if decompressor is None:
-        raise Damaged(f"a chunk in it is compressed by '{printable(compression[:20])}', and not by zstd or lz4")
-    try:
-        return bytes(decompressor().decompress(packed, max_length=size))
-    except (zstd.ZstdError, RuntimeError, EOFError, ValueError) as wrong:
-        raise Damaged(f"a chunk in it cannot be unpacked: {printable(str(wrong))}") from wrong
-
-
-def _record(opcode: int, body: bytes) -> bytes:
-    return _record_head.pack(opcode, len(body)) + body
-
-
-def _text(text: str) -> bytes:
-    data = text.encode("utf-8", "backslashreplace")
-    return pack("<I", len(data)) + data
-
-
-def _map(texts: dict[str, str]) -> bytes:
-    data = b"".join(_text(key) + _text(value) for key, value in texts.items())
-    return pack("<I", len(data)) + data
+    def read_prefixed_string(self) -> str:
+        length = self.read4()
+        data = self.read(length)
+        if len(data) < length:
+            raise EndOfFile
+        return data.decode("utf-8", "backslashreplace")

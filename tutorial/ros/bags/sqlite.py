@@ -15,10 +15,10 @@ from tutorial.ros.bags.storage import (
     LARGEST_MESSAGE,
     LONGEST_NAME,
     LONGEST_QOS,
-    MOST_FAULTS,
     MOST_TOPICS,
     Channel,
     Damaged,
+    FileReader,
     RawMessage,
 )
 
@@ -103,25 +103,16 @@ class SqliteWriter:
         self._database.execute(f"INSERT INTO {table} VALUES ({', '.join('?' * len(values))})", values)
 
 
-class SqliteReader:
-    """Reads an SQLite file, as far as it goes. See `tutorial.ros.bags.storage.FileReader`.
-
-    Raises:
-        Damaged: it is no such file.
-        OSError: it cannot be read.
-    """
+class SqliteReader(FileReader):
+    """Reads an SQLite file, as far as it goes. See `tutorial.ros.bags.storage.FileReader`."""
 
     def __init__(self, path: Path) -> None:
-        self.path = path
-        self.channels: dict[int, Channel] = {}
-        self.counts: Counter[int] = Counter()
-        self.start = self.end = 0
-        self.faults: list[str] = []
+        super().__init__(path)
         self._check_size()
         self._database = self._opened()
         try:
             self._learn_topics()
-            self._count()
+            self._count_messages()
         except BaseException:
             self.close()
             raise
@@ -144,10 +135,6 @@ class SqliteReader:
                     self._say("a row in it is no message")
         except UNREADABLE as error:
             self._say(f"SQLite says: {printable(str(error))}")
-
-    def _say(self, fault: str) -> None:
-        if fault not in self.faults and len(self.faults) < MOST_FAULTS:
-            self.faults.append(fault)
 
     def _check_size(self) -> None:
         """Say when the last page is incomplete: SQLite reads zeros for what is missing of it, without a word."""
@@ -190,15 +177,12 @@ class SqliteReader:
             ]
             query = f"SELECT id, {', '.join(words)} FROM topics ORDER BY id LIMIT {MOST_TOPICS + 1}"
             for number, *texts in self._database.execute(query):
-                if len(self.channels) == MOST_TOPICS:
-                    self._say(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
-                    break
                 topic, type_name, encoding, qos, type_hash = map(str, texts)
-                self.channels[int(number)] = Channel(int(number), topic, type_name, encoding, qos, type_hash=type_hash)
+                self._learn(Channel(int(number), topic, type_name, encoding, qos, type_hash=type_hash))
         except (*UNREADABLE, ValueError, TypeError) as error:
             raise Damaged(f"its topics cannot be read: {printable(str(error))}") from error
 
-    def _count(self) -> None:
+    def _count_messages(self) -> None:
         """Count the messages of each topic; where the file is damaged, those that can be reached."""
         query = "SELECT topic_id, count(*), min(timestamp), max(timestamp) FROM messages GROUP BY topic_id"
         try:
@@ -211,10 +195,7 @@ class SqliteReader:
             self.end = max((row[3] for row in known), default=0)
         except UNREADABLE as error:
             self._say(f"SQLite says: {printable(str(error))}")
-            for channel_id, time, _ in self.messages(self.channels, 0):
-                self.start = min(self.start, time) if self.counts else time
-                self.end = max(self.end, time)
-                self.counts[channel_id] += 1
+            self._count(self.messages(self.channels, 0))
 
 
 @contextmanager

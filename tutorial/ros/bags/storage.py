@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -91,26 +92,53 @@ class FileWriter(Protocol):
         """
 
 
-class FileReader(Protocol):
+class FileReader(ABC):
     """Reads one file of a bag, as far as it goes.
 
-    Attributes:
+    Args:
         path: the file.
+
+    Attributes:
+        path: the same.
         channels: its topics by id.
         counts: how many messages each has, by id.
         start, end: when its first and its last message was received [ns]; 0 where there are none.
         faults: what is wrong with the file, as far as it was read, each the end of a sentence.
+
+    Raises:
+        Damaged: it is no such file.
+        OSError: it cannot be read.
     """
 
-    path: Path
-    channels: dict[int, Channel]
-    counts: Counter[int]
-    start: int
-    end: int
-    faults: list[str]
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.channels: dict[int, Channel] = {}
+        self.counts: Counter[int] = Counter()
+        self.start = self.end = 0
+        self.faults: list[str] = []
 
+    @abstractmethod
     def messages(self, wanted: Collection[int], since: int) -> Iterator[RawMessage]:
         """Yield the messages of these channels in the order of time, from a time on [ns]."""
 
+    @abstractmethod
     def close(self) -> None:
         """Close the file. Idempotent."""
+
+    def _say(self, fault: str) -> None:
+        if fault not in self.faults and len(self.faults) < MOST_FAULTS:
+            self.faults.append(fault)
+
+    def _learn(self, channel: Channel) -> None:
+        """Add a topic, or what a later record says of it."""
+        if channel.id in self.channels or len(self.channels) < MOST_TOPICS:
+            self.channels[channel.id] = channel
+        else:
+            self._say(f"it has more than {MOST_TOPICS:,} topics; the others are left out")
+
+    def _count(self, messages: Iterable[RawMessage]) -> None:
+        """Count the messages one by one."""
+        for channel_id, time, _ in messages:
+            self.start = min(self.start, time) if self.counts else time
+            self.end = max(self.end, time)
+            self.counts[channel_id] += 1
