@@ -85,7 +85,6 @@ class Player:
             raise TutorialError("there is nothing to play: the bag has no messages on these topics.")
         self._publishers: dict[str, Any] = {}
         self._refused: set[str] = set()
-        self._clock: Any = None
         self._tick_at = 0.0
 
     def run(self, stop: threading.Event, progress: Callable[[float], object] = lambda seconds: None) -> None:  # noqa: ARG005
@@ -101,7 +100,7 @@ class Player:
             for topic, (kind, qos) in self._qos.items():
                 self._publishers[topic] = self._node.create_publisher(kind, topic, qos)
             if self._period < math.inf:
-                self._clock = self._node.create_publisher(Clock, CLOCK, CLOCK_QOS)
+                self._publishers[CLOCK] = self._node.create_publisher(Clock, CLOCK, CLOCK_QOS)
             self._meet(stop)
             self._play(stop, progress)
             while self._loop and not stop.is_set():
@@ -113,7 +112,7 @@ class Player:
         """Play once."""
         begin = self._bag.start + round(self._offset * 1e9)
         began = time.monotonic()
-        self._tick_at = began if self._clock is not None else math.inf
+        self._tick_at = began if self._period < math.inf else math.inf
         for topic, time_ns, payload in self._bag.raw_messages(self._qos, self._offset):
             due = began + (time_ns - begin) / 1e9 / self._rate
             while (now := time.monotonic()) < due or now >= self._tick_at:
@@ -141,7 +140,7 @@ class Player:
     def _tick(self, now_ns: int) -> None:
         """Publish the time of the bag."""
         seconds, rest = divmod(now_ns, 10**9)
-        self._clock.publish(Clock(clock=Time(sec=min(max(0, seconds), LAST_SECOND), nanosec=rest)))
+        self._publishers[CLOCK].publish(Clock(clock=Time(sec=min(max(0, seconds), LAST_SECOND), nanosec=rest)))
 
     def _meet(self, stop: threading.Event) -> None:
         """Wait until the subscriptions that are on the topics would receive what is published."""
@@ -166,9 +165,6 @@ class Player:
             if left > 0 and not stop.is_set():
                 publisher.wait_for_all_acked(Duration(seconds=left))
             self._node.destroy_publisher(publisher)
-        if self._clock is not None:
-            self._node.destroy_publisher(self._clock)
-            self._clock = None
 
     def _playable(self, topics: Collection[str] | None) -> dict[str, tuple[Any, QoSProfile]]:
         """Return class and quality of service of each topic that can be played, and say which cannot."""
