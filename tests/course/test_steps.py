@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import signal
 from itertools import pairwise
 
@@ -91,7 +92,9 @@ def test_the_launched_step_7_shows_pose_and_joints_together(program, tmp_path):
     joints, transforms = (viewer["topics"][topic] for topic in ("/Tank/joint_state", "/tf"))
     assert 50 < joints["applied"] <= min(joints["received"], transforms["received"])
     assert viewer["joints"] == simulation["joints"]
-    assert "not shown" not in running.output
+    missed = 2 * 300 - joints["received"] - transforms["received"]  # a busy machine overtakes step 2's publisher
+    alone = {f"{count} without a partner of the same stamp" for count in range(1, missed + 1)}
+    assert set(re.findall(r"not shown so far: (.*?)\s*$", running.output, re.MULTILINE)) <= alone
 
 
 def test_the_turret_moves_with_the_right_stick(program, listen, tmp_path):
