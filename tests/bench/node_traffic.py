@@ -26,7 +26,6 @@ def publish() -> None:
         if FLOODS:
             flood(publisher.publish, serialize_message(message))
         publisher.publish(message)
-    publisher.wait_for_all_acked()
 
 
 def subscribe() -> None:

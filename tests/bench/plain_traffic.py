@@ -82,7 +82,6 @@ def publish() -> None:
         if FLOODS:
             flood(writer.write, serialized(message))
         writer.write(message)
-    time.sleep(0.2)
 
 
 def subscribe() -> None:

@@ -15,8 +15,8 @@ FLOODS = PACE != "beat"
 
 
 def stamps() -> Iterator[int]:
-    """Wait out each period, and give the time at which to publish [ns]."""
-    for _ in range(MESSAGES):
+    """Wait out each period, and give the time at which to publish [ns]; for ever, for the first may find nobody."""
+    while True:
         time.sleep(PERIOD)
         yield time.time_ns()
 
