@@ -29,7 +29,8 @@ for (const {prototype} of [WebGLRenderingContext, WebGL2RenderingContext]) {
 }"""
 """A script for a page that is to draw as well as with a card: it cannot find out what draws."""
 OF_THE_MACHINE = re.compile(
-    r"GPU stall due to ReadPixels|^Plugin \S+ .*(is taking too long|took [\d.]+ms) to activate"
+    r"GPU stall due to ReadPixels"
+    r"|^Plugin (@jupyter[\w-]*/|anywidget:)\S+ .*(is taking too long|took [\d.]+ms) to activate"
 )
 """What Chromium says without a card, and JupyterLab on a busy machine: no complaints about what is shown."""
 PATIENCE = 60.0
