@@ -22,7 +22,7 @@ WHERE_IS_THE_TURRET = """(pane) => {
 }"""
 PANES = ".tank-view-pane"
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(1000)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
 
 
 @pytest.fixture

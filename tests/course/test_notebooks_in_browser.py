@@ -10,7 +10,7 @@ from tutorial.paths import HOME
 
 LONGEST_FIRST = sorted((HOME / "notebooks").glob("*.ipynb"), key=lambda path: -path.stat().st_size)
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(1000)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
 
 
 @pytest.fixture(scope="module")

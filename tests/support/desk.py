@@ -53,7 +53,7 @@ def course_desk(folder: Path, base_url: str = "/", **browser: Any) -> Iterator[C
         lab, page = runner.run(opened.__aenter__())
         try:
             witness = Witness(page)
-            yield CourseDesk(lab, page, witness, lambda main: runner.run(asyncio.wait_for(main, 15 * PATIENCE)))
+            yield CourseDesk(lab, page, witness, lambda main: runner.run(asyncio.wait_for(main, 6 * PATIENCE)))
             own = (lab.root, lab.root.replace("http", "ws", 1), "data:", "blob:")
             assert [url for url in witness.requests if not url.startswith(own)] == []
         finally:

@@ -189,7 +189,7 @@ def angle(before, after, axis):
 
 
 @pytest.mark.browser
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(300)
 def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
     path, browser = tmp_path / "viewer.html", chromium()
 
@@ -217,7 +217,7 @@ def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
             assert not witness.complaints
             assert all(url.startswith(("file:", "blob:", "data:")) for url in witness.requests)
 
-    asyncio.run(asyncio.wait_for(main(), 8 * PATIENCE))
+    asyncio.run(asyncio.wait_for(main(), 4 * PATIENCE))
 
 
 STATE = """() => {

@@ -26,7 +26,7 @@ from tutorial.view.web import SceneServer
 
 
 def run(main):
-    asyncio.run(asyncio.wait_for(main(), 4 * PATIENCE))
+    asyncio.run(asyncio.wait_for(main(), 2 * PATIENCE))
 
 
 def in_a_loop(test):

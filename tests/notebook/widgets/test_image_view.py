@@ -234,7 +234,7 @@ print(1000 * (time.thread_time() - began) / 100)
 
 
 @pytest.mark.browser
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(300)
 def test_a_notebook_shows_a_red_block_before_the_camera(domain, tmp_path):
     need_pictures()
     path = chromium()
@@ -264,4 +264,4 @@ def test_a_notebook_shows_a_red_block_before_the_camera(domain, tmp_path):
             assert await notebook.errors() == []
             assert witness.complaints == []
 
-    asyncio.run(asyncio.wait_for(main(), 8 * PATIENCE))
+    asyncio.run(asyncio.wait_for(main(), 4 * PATIENCE))

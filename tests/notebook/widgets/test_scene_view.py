@@ -531,7 +531,7 @@ async def show_it_without_webgl(page, notebook):
 
 
 @pytest.mark.browser
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(300)
 def test_a_notebook_shows_the_scene_opened_late_twice_reloaded_and_says_when_it_ends(domain, tmp_path):
     path = chromium()
 
@@ -560,4 +560,4 @@ def test_a_notebook_shows_the_scene_opened_late_twice_reloaded_and_says_when_it_
             own = (lab.root, lab.root.replace("http", "ws"), "data:", "blob:")
             assert [url for url in witness.requests if not url.startswith(own)] == []
 
-    asyncio.run(asyncio.wait_for(main(), 8 * PATIENCE))
+    asyncio.run(asyncio.wait_for(main(), 4 * PATIENCE))
