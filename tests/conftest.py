@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 from domains import reserved_domain
 from programs import Program
 
 from tutorial import ros_backend
+
+JUPYTERS_FOLDERS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")
 
 
 def pytest_configure() -> None:
@@ -45,6 +48,12 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     with reserved_domain() as number:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
         yield number
+
+
+@pytest.fixture
+def own_folders(tmp_path: Path) -> dict[str, str]:
+    """Jupyter's folders, by the variables that name them, so that the user's are left alone."""
+    return {name: str(tmp_path / name) for name in JUPYTERS_FOLDERS}
 
 
 @pytest.fixture

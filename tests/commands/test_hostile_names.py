@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pty
 import re
@@ -11,6 +12,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import click
 import pytest
@@ -32,25 +34,29 @@ WITH_TABS = re.compile(r"[\n\t]")
 WITH_A_BAR = re.compile(r"\n|\r|\x1b\[A|\x1b\[[\d;]*m")
 """What ``tank`` sends by itself: a progress bar, and colours."""
 STRING = "std_msgs/msg/String"
-NOT_ASKED = {
-    "check": "it judges notebooks, in a domain of their own",
-    "lab": "it is JupyterLab's server",
-    "package": "it writes files",
-    "progress": "it reads a file",
-    "urdf": "it reads a model, and no network",
-    "topic type": "it prints what topic info prints",
-    "launch": "demo launches",
+ANSWER = """def match_by_name(joint_names, message):
+    return dict(zip(joint_names, message.position))
+"""
+CELL = {"cell_type": "code", "id": "answer", "metadata": {}, "outputs": [], "execution_count": None}
+NOTEBOOK = {
+    "cells": [{**CELL, "source": ANSWER}],
+    "metadata": {},
+    "nbformat": 4,
+    "nbformat_minor": 5,
 }
 
 
 class Terminal:
     """A command at a terminal of its own."""
 
-    def __init__(self, domain: int, *arguments: str) -> None:
+    def __init__(self, domain: int, *arguments: str, here: Path | None = None, **variables: str) -> None:
         master, slave = pty.openpty()
-        environment = {**os.environ, "ROS_DOMAIN_ID": str(domain), "COLUMNS": "200"}
-        streams = {"stdin": slave, "stdout": slave, "stderr": slave}
-        self.process = subprocess.Popen([TANK, *arguments], env=environment, **streams, start_new_session=True)
+        how = {
+            "env": {**os.environ, "ROS_DOMAIN_ID": str(domain), "COLUMNS": "200", **variables},
+            "cwd": here,
+            "start_new_session": True,
+        }
+        self.process = subprocess.Popen([TANK, *arguments], stdin=slave, stdout=slave, stderr=slave, **how)
         os.close(slave)
         self._master = master
         self._bytes = b""
@@ -110,6 +116,7 @@ COMMANDS = [
     (("topic", "info", "-v", "/1abc"), 0, ["Publisher count: 1", f"Node name: {shown(ESCAPES)}"]),
     (("topic", "info", "/type0"), 0, [r"Type: \x1b[2J\x1b]0;mine\x07/msg/X"]),
     (("topic", "info", ESCAPES), 1, [f"Unknown topic '{shown(ESCAPES)}'"]),
+    (("topic", "type", "/type0"), 0, [r"\x1b[2J\x1b]0;mine\x07/msg/X"]),
     (("topic", "find", STRING), 0, [r"/\u202egpj", "/1abc\n"]),
     (("topic", "echo", "--timeout", "1", SAID), 0, [r'data: "\e[2J\e]0;mine\a"', r'data: "\u202egpj.exe"']),
     (("topic", "echo", "--timeout", "1", "--csv", SAID), 0, [shown(ESCAPES), shown(FORGED), shown(BACKWARDS)]),
@@ -131,7 +138,13 @@ COMMANDS = [
         [f"unknown {ESCAPES!r}, {BACKWARDS!r}, {FORGED!r} and 3 more"],
     ),
     (("demo", "--headless", "--duration", "3"), 0, [f"unknown {ESCAPES!r}, {BACKWARDS!r}, {FORGED!r} and 3 more"]),
+    (("launch", "step2", "--headless", "--duration", "3"), 0, ["    - JointStatePublisher"]),
+    (("urdf", "tank"), 0, ['<robot name="Tank">']),
+    (("package", "own"), 0, ["colcon build"]),
+    (("progress",), 0, ["fire"]),
+    (("check", "learners.ipynb"), 1, ["matched by their place"]),
 ]
+COLOURFUL = ("chaos", "check", "demo", "joy", "launch", "run")
 
 
 def test_a_command_that_goes_on(hostile):
@@ -145,12 +158,24 @@ def test_a_command_that_goes_on(hostile):
 
 
 @pytest.mark.parametrize(("command", "status", "lines"), COMMANDS, ids=lambda value: repr(value)[:60])
-def test_a_command_prints_names_and_texts_without_obeying_them(hostile, command, status, lines):
-    terminal = Terminal(hostile, *command)
+def test_a_command_prints_names_and_texts_without_obeying_them(hostile, tmp_path, command, status, lines):
+    (tmp_path / "learners.ipynb").write_text(json.dumps(NOTEBOOK), encoding="utf-8")
+    terminal = Terminal(hostile, *command, here=tmp_path)
     ended = terminal.ends()
-    harmless(terminal.text, WITH_A_BAR if command[0] in ("chaos", "demo", "joy", "run") else LAYOUT)
+    harmless(terminal.text, WITH_A_BAR if command[0] in COLOURFUL else LAYOUT)
     assert status in (None, ended), terminal.text
     assert [line for line in lines if line not in terminal.text] == [], terminal.text
+
+
+def test_the_notebooks_server(hostile, own_folders):
+    """It is beside them, too, and hears nothing of them."""
+    terminal = Terminal(hostile, "lab", "--", "--no-browser", "--ServerApp.port=0", **own_folders)
+    try:
+        until(lambda: "Ctrl-C ends it." in terminal.text, "the server listens")
+    finally:
+        terminal.process.send_signal(signal.SIGINT)
+        assert terminal.ends() == 0, terminal.text
+    harmless(terminal.text, WITH_A_BAR)
 
 
 def test_a_bag_of_what_they_say(hostile, tmp_path):
@@ -194,5 +219,5 @@ def test_the_list_of_commands_is_complete():
         for name, command in group.commands.items():
             yield from names(command, f"{name} ") if isinstance(command, click.Group) else [before + name]
 
-    alone = {"bag record", "bag info", "bag play", "topic hz"}  # in tests of their own
-    assert set(names(tank)) == asked | NOT_ASKED.keys() | alone
+    alone = {"bag record", "bag info", "bag play", "lab", "topic hz"}  # in tests of their own
+    assert set(names(tank)) == asked | alone

@@ -30,13 +30,6 @@ from tutorial.paths import HOME
 ADDRESS = re.compile(r"http://127\.0\.0\.1:(\d+)/lab/tree/notebooks/0_setup\.ipynb\?token=(\w+)")
 CODESPACE = {"CODESPACE_NAME": "animated-tank", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN": "app.github.dev"}
 FORWARDED = "https://animated-tank-8888.app.github.dev"
-FOLDERS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")
-
-
-@pytest.fixture
-def own_folders(tmp_path):
-    """Jupyter's folders, so that the user's are left alone."""
-    return {name: str(tmp_path / name) for name in FOLDERS}
 
 
 @pytest.fixture
