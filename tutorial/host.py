@@ -319,17 +319,23 @@ class Host:
             if item.take_dirty():
                 self._view.update(name, item.body.data)
             self._view.show_stale(name, item.stale())
-        self._view.line("  |  ".join(filter(None, (self._trouble(), *self._lines(self._view)))))
+        lines, readings = self._below(self._view)
+        self._view.line("  |  ".join(filter(None, (self._trouble(), *lines))), readings)
         self._view.flush()
 
-    def _lines(self, view: View) -> list[str]:
-        """What is known of each body's messages; of a fleet how many are well, and of a few what is wrong with them."""
+    def _below(self, view: View) -> tuple[list[str], list[tuple[str, ...]]]:
+        """What is known of each body's messages, and what its sensors have measured.
+
+        Of a fleet it is how many are well, and of a few what is wrong with them.
+        """
         items = [item for item in self._items.values() if item.joint_topics or item.in_order]
         if len(items) <= FEW:
-            return [text for name, item in self._items.items() for text in (item.line(), view.readings(name))]
+            return [item.line() for item in self._items.values()], [
+                row for name in self._items for row in view.readings(name)
+            ]
         others = [item for item in items if not item.in_order]
         count = f"{len(items) - len(others)} of {len(items)} bodies follow their messages"
-        return [count, *(item.line() for item in others[:FEW])]
+        return [count, *(item.line() for item in others[:FEW])], []
 
     def _trouble(self) -> str:
         """What stands first below the view when something of the learner's has failed."""

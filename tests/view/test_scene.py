@@ -299,6 +299,19 @@ def test_the_line_is_cut_where_one_can_see_it():
     assert viewer.line.endswith("x…")
 
 
+def test_a_table_has_its_rows_below_the_line():
+    scene, viewer = Scene(), Viewer()
+    scene.line("a line", [("", "x"), ("a\tname\n", 300 * "1")])
+    viewer.read(scene.snapshot())
+    line, head, row = viewer.line.split("\n")
+    assert (line, head) == ("a line", "\tx")
+    assert row.startswith("a name\t111")
+    assert row.endswith("1…")
+    scene.line("")
+    viewer.read(scene.snapshot())
+    assert viewer.line == ""
+
+
 def test_one_view_that_fails_does_not_cost_the_others(caplog):
     scene, messages = Scene(), []
 

@@ -403,6 +403,14 @@ def test_a_browser_shows_the_scene_as_it_is_and_after_a_restart():
                 box.scene.flush()
                 await page.get_by_text("<b>5 %</b>", exact=True).wait_for()
                 await box.is_seen(page)  # also in what the line has left of the window
+                box.scene.line("<b>5 %</b>", [("", "x"), ("<i>box</i>", "1.00\n\t")])
+                box.scene.flush()
+                await page.get_by_role("table").wait_for()
+                cells = page.locator("#line").get_by_role("table").locator("th, td")
+                assert await cells.all_text_contents() == ["", "x", "<i>box</i>", "1.00"]
+                box.scene.line("<b>5 %</b>")
+                box.scene.flush()
+                await page.get_by_role("table").wait_for(state="detached")
 
                 async def is_grey():
                     return red_spot(await pixels(page, "#pane")) is None

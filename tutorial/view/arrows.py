@@ -1,4 +1,4 @@
-"""What a body's inertial sensors say: arrows in the scene that follow the body, and numbers for the line below it."""
+"""What a body's inertial sensors say: arrows in the scene that follow the body, and numbers for the table below it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LONGEST = 1.0
 """No arrow is longer [m], whatever is published."""
 
 LARGEST = 1e6
-"""What is larger is written as that, so that the line stays a line."""
+"""What is larger is written as that, so that the table stays small."""
 
 SMOOTHNESS = 0.7
 """What remains of the difference between what is shown and what was measured from one frame to the next."""
@@ -48,7 +48,7 @@ class Style:
 
 STYLES = {
     int(mujoco.mjtSensor.mjSENS_ACCELEROMETER): Style(
-        "acceleration", "m/s²", "red arrow, without gravity", 0xD0342C, scale=0.05, threshold=0.5, offset=0.35
+        "acceleration", "m/s²", "red arrow: without gravity", 0xD0342C, scale=0.05, threshold=0.5, offset=0.35
     ),
     int(mujoco.mjtSensor.mjSENS_GYRO): Style(
         "angular velocity", "rad/s", "blue arrow", 0x2C5FD0, scale=0.1, threshold=0.05, offset=0.45
@@ -118,12 +118,12 @@ class Arrow:
         self._sent = matrix
         return matrix
 
-    def reading(self) -> str:
-        """Say what was measured, in numbers; nothing where nothing was."""
+    def reading(self) -> tuple[str, ...]:
+        """Say what was measured: what it is, x, y, z, unit and legend. Where nothing was, it is empty."""
         if not self._measured.any():
-            return ""
-        numbers = " ".join(f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))
-        return f"{self.style.name} {numbers} {self.style.unit} ({self.style.legend})"
+            return ()
+        numbers = (f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))
+        return (self.style.name, *numbers, self.style.unit, self.style.legend)
 
     @property
     def _is_seen(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 import mujoco
 import numpy as np
@@ -27,6 +27,9 @@ CLOSE_UP = np.array([-1.0, -0.8, 0.6])
 
 GRID = 10.0
 """Half the side of meshcat's grid [m]."""
+
+HEAD = ("", "", "x", "y", "z", "", "")
+"""Of the table of what sensors measure."""
 
 SKY = {"top_color": [0.80, 0.87, 0.93], "bottom_color": [0.95, 0.96, 0.97]}
 
@@ -118,8 +121,11 @@ class View:
         for arrow in self._measuring.get(name, ()):
             arrow.aim(data)
 
-    def readings(self, name: str) -> str:
-        """Say in numbers, with units, what the arrows of something show; nothing where nothing was measured.
+    def readings(self, name: str) -> list[tuple[str, ...]]:
+        """Say in numbers what the arrows of something show, as rows of a table; none where nothing was measured.
+
+        Returns:
+            Rows of whose it is, what it is, x, y, z, unit and legend.
 
         Raises:
             TutorialError: there is nothing of this name.
@@ -127,7 +133,8 @@ class View:
         """
         self._guard.check("View.readings")
         self._find(name)
-        return ", ".join(filter(None, (arrow.reading() for arrow in self._measuring.get(name, ()))))
+        readings = (arrow.reading() for arrow in self._measuring.get(name, ()))
+        return [(name, *reading) for reading in readings if reading]
 
     def show_stale(self, name: str, joints: Collection[str]) -> None:
         """Draw in grey what these joints move, and everything else in its own colours.
@@ -197,14 +204,15 @@ class View:
         self._guard.check("View.show_grid")
         self._set("/Grid", "visible", visible)
 
-    def line(self, text: str) -> None:
-        """Say one line under the view: see `Scene.line`.
+    def line(self, text: str, readings: Iterable[tuple[str, ...]] = ()) -> None:
+        """Say one line under the view, and what `readings` gave for a table below it: see `Scene.line`.
 
         Raises:
             WrongThreadError: called on another thread than the view's.
         """
         self._guard.check("View.line")
-        self._scene.line(text)
+        rows = list(readings)
+        self._scene.line(text, [HEAD, *rows] if rows else ())
 
     def flush(self) -> None:
         """Let what was drawn be seen: one message, if anything has changed.

@@ -33,7 +33,7 @@ LONGEST = 600.0
 """How much of a run is kept [s]: its first ten minutes."""
 
 SCRIPTS = ("make.js", "scene.js", "viewer.js", "replay.js")
-STYLES = ("scene_view.css", "replay.css")
+STYLES = ("scene_view.css", "readings.css", "replay.css")
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import logging
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import IntEnum
 from typing import Any, Protocol
 
@@ -176,20 +176,22 @@ class Scene:
         keep = key[0] != "delete" or key[1] in _EVERY_VIEWER_HAS
         self._put(key, pack_record(Record.COMMAND, command), keep)
 
-    def line(self, text: str) -> None:
-        """Say one line under the view; an empty one removes it.
+    def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:
+        """Say one line under the view, and a small table below it; without both there is nothing.
 
-        It is shown as text, never as HTML. White space counts as one space, and what is longer than
+        They are shown as text, never as HTML. White space counts as one space, and what is longer than
         `LINE_LENGTH` is cut.
+
+        Args:
+            text: of the line.
+            table: rows of cells. Those of the first row, and the first of each row, are headings.
 
         Raises:
             WrongThreadError: called on another thread than the scene's.
         """
         self._guard.check("Scene.line")
-        line = " ".join(text.split())
-        if len(line) > LINE_LENGTH:
-            line = line[: LINE_LENGTH - 1] + "…"
-        self._put(("line",), pack_record(Record.LINE, line.encode("utf-8", "replace")))
+        lines = [_cut(text), *("\t".join(map(_cut, row)) for row in table)]
+        self._put(("line",), pack_record(Record.LINE, "\n".join(lines).encode("utf-8", "replace")))
 
     def look_at(self, position: Vector, target: Vector) -> None:
         """Place the camera. Whoever has turned the view by hand keeps it until the next call.
@@ -279,6 +281,12 @@ class Scene:
             for key in [key for key in records if len(key) > 1 and _is_below(key[1], path)]:
                 del records[key]
         self._paths = {other for other in self._paths if not _is_below(other, path)}
+
+
+def _cut(text: str) -> str:
+    """One line of it, and not too much."""
+    line = " ".join(text.split())
+    return line if len(line) <= LINE_LENGTH else line[: LINE_LENGTH - 1] + "…"
 
 
 def _lowered(value: object) -> object:

@@ -54,7 +54,7 @@ class SceneView(CellWidget):
     """
 
     _esm = read_static("make.js", "cell.js", "scene.js", "viewer.js", "scene_view.js")
-    _css = read_static("scene_view.css")
+    _css = read_static("scene_view.css", "readings.css")
     title = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int().tag(sync=True)
 

@@ -1,6 +1,6 @@
 // The page of tutorial/view/web.py: a meshcat viewer, connected to the program for as long as it runs, and again when it is restarted.
 
-import {fit, makeViewer, SceneReader} from "./scene.js";
+import {fit, makeViewer, sayBelow, SceneReader} from "./scene.js";
 
 const PATIENCE = {first: 250, most: 2000};  // between two attempts to connect [ms]
 
@@ -38,10 +38,7 @@ function start() {
   }
   fit(viewer, pane);
   window.viewer = viewer;  // for the curious, in the browser's console
-  connect(new SceneReader(viewer, (text) => {
-    line.textContent = text;
-    line.hidden = text === "";
-  }));
+  connect(new SceneReader(viewer, (text) => sayBelow(line, text)));
 }
 
 start();

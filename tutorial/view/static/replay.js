@@ -143,7 +143,7 @@ class Replay {
     this.slider.setAttribute("aria-valuetext", this.clock.textContent);
     this.where.textContent = this.inWords();
     const line = this.lines[at(this.sinceWhen, time)];
-    this.line.textContent = line && line[0] <= time ? line[1] : "";
+    sayBelow(this.line, line && line[0] <= time ? line[1] : "");
   }
 
   /** Where a joint is [rad], or [m]: between two frames it moves evenly, as the picture does. NaN if it is not known. */

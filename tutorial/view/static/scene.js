@@ -56,6 +56,23 @@ function release(renderer) {
   renderer.forceContextLoss();
 }
 
+/** Say below a view what a record LINE holds: a line, and a table's rows, with tabs between the cells. */
+export function sayBelow(element, text) {
+  const [line, ...rows] = text.split("\n");
+  element.replaceChildren(line);
+  element.hidden = text === "";
+  if (!rows.length) return;
+  const table = element.appendChild(document.createElement("table"));
+  table.className = "tank-readings";
+  for (const row of rows) {
+    const cells = table.insertRow();
+    for (const text of row.split("\t")) {
+      const isHeading = cells.rowIndex === 0 || !cells.hasChildNodes();
+      cells.appendChild(document.createElement(isHeading ? "th" : "td")).textContent = text;
+    }
+  }
+}
+
 /** The records of a message, as {kind, payload}. */
 export function* records(message) {
   const view = message instanceof ArrayBuffer

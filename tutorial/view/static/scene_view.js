@@ -95,10 +95,7 @@ class CellView {
       return;
     }
     this.pane.viewer = this.picture.viewer;  // for the curious, in the browser's console
-    this.reader = new SceneReader(this.picture.viewer, (text) => {
-      this.line.textContent = text;
-      this.line.hidden = text === "";
-    });
+    this.reader = new SceneReader(this.picture.viewer, (text) => sayBelow(this.line, text));
     this.connect();
   }
 
