@@ -12,6 +12,7 @@ import sys
 import termios
 
 import pytest
+from pictures import need_pictures
 from programs import PATIENCE, TANK, until
 
 from tutorial.commands.terminal import prepare_output, status_line
@@ -47,6 +48,15 @@ def test_a_log_line_is_printed_as_everything_else(capsys, monkeypatch):
     prepare_output()
     logging.getLogger("x").warning("%s", "a\x1b[2J\u202e")
     assert capsys.readouterr().err == "[WARNING] a\\x1b[2J\\u202e\n"
+
+
+def test_a_library_that_is_at_ease_is_not_heard(program):
+    """With MUJOCO_GL set, MuJoCo imports PyOpenGL with itself, and that says what it does without."""
+    need_pictures()
+    running = program("run", "step1", "--headless", "--duration", "0.1", environment={"MUJOCO_GL": "egl"})
+    assert running.ends() == 0
+    assert "+ World" in running.output
+    assert "OpenGL" not in running.output
 
 
 @pytest.fixture

@@ -52,6 +52,7 @@ def prepare_output() -> None:
     handler = logging.StreamHandler()
     handler.setFormatter(_LogFormatter("[%(levelname)s] %(message)s"))
     logging.basicConfig(handlers=[handler], level=logging.INFO)
+    logging.getLogger("OpenGL").setLevel(logging.WARNING)  # at its import it says what it does without
 
 
 def heed(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None, hangup: bool = False) -> None:

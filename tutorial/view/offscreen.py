@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import ctypes
 import importlib
-import logging
 import os
 import platform
 from contextlib import AbstractContextManager
@@ -108,7 +107,6 @@ def _gl_context(width: int, height: int) -> Any:
         wanted = next((name for name, library in ON_LINUX.items() if _is_there(library)), "")
     if not wanted:
         raise ImportError(f"there is neither {' nor '.join(ON_LINUX.values())}")
-    logging.getLogger("OpenGL").setLevel(logging.WARNING)  # at its import it says what it does without
     return importlib.import_module(f"mujoco.{wanted}").GLContext(width, height)
 
 
