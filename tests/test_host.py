@@ -186,7 +186,7 @@ def test_a_body_may_be_deleted_while_messages_arrive(step3, caplog):
                 assert host.bodies == {}
                 assert view.names == ()
                 assert (body.qpos == pose).all(), "what was posted for it does not run any more"
-                assert not host.node.count_subscribers("/Tank/joint_state")
+                await until(lambda: not host.node.count_subscribers("/Tank/joint_state"), "the subscription's end")
                 assert not run.done()
             run.cancel()
             with pytest.raises(asyncio.CancelledError):

@@ -46,7 +46,8 @@ def test_what_it_never_says_is_an_error_with_what_it_did_say():
 def test_closing_asks_it_to_stop():
     async def scenario():
         command = python(
-            "import time\nprint('up')\ntry:\n    time.sleep(600)\nexcept KeyboardInterrupt:\n    print('asked')"
+            "import time\ntry:\n    print('up')\n    while True:\n        time.sleep(0.1)\n"
+            "except KeyboardInterrupt:\n    print('asked')"
         )
         await command.says("up")
         command.close()

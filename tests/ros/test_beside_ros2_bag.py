@@ -120,4 +120,5 @@ def test_a_real_one_reads_and_plays_what_is_recorded_here(environment, node, pub
     heard.clear()
     with bag_command(environment, "play", path, "--delay", "3") as playing:  # until it is met
         until(lambda: len(heard) == COUNT or playing.poll() is not None, "what was played")
+        until(lambda: len(heard) == COUNT, "what is on its way")
     assert heard == PAYLOADS

@@ -86,7 +86,7 @@ class Program:
     def says(self, text: str) -> None:
         """Wait until it has said something; what it said instead is told when it does not."""
         with suppress(AssertionError):
-            until(lambda: text in self.output or self.process.poll() is not None)
+            until(lambda: text in self.output or not self._reader.is_alive())
         assert text in self.output, f"waited in vain for {text!r}, it said:\n{self.output}"
 
     def asks_to_stop(self) -> None:

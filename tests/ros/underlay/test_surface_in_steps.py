@@ -134,10 +134,12 @@ def test_spin_once_waits_as_long_as_it_is_told(executor: SingleThreadedExecutor,
     began = time.monotonic()
     executor.spin_once(timeout_sec=0)
     assert time.monotonic() - began < 10
-    node.create_timer(0.2, lambda: calls.append(1))
+    seldom = node.create_timer(1000.0, lambda: calls.append(0))
     executor.spin_once(timeout_sec=0)
     executor.spin_once(timeout_sec=0.05)
     assert calls == []
+    node.destroy_timer(seldom)
+    node.create_timer(0.2, lambda: calls.append(1))
     executor.spin_once()
     executor.spin_once(timeout_sec=-1)
     assert calls == [1, 1]
