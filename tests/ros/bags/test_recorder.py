@@ -53,7 +53,7 @@ def test_not_one_message_is_missing_and_each_is_what_was_published(nodes, tmp_pa
     with Recorder(node, tmp_path / "bag", storage=storage) as recorder:
         until(lambda: "/Tank/joint_state" in recorder.topics, "the topic")
         publish(recorder, publisher, payloads())
-        until(lambda: recorder.counts["/Tank/joint_state"], "the first of them in the bag")
+        until(lambda: recorder.counts["/Tank/joint_state"] == COUNT, "all of them")
     assert recorded(recorder.path, "/Tank/joint_state") == payloads()
     assert (recorder.counts["/Tank/joint_state"], recorder.lost) == (COUNT, 0)
     bag = Bag(recorder.path)
@@ -100,6 +100,7 @@ def test_only_the_topics_that_are_named_and_those_that_nobody_publishes_are_know
         until(lambda: set(recorder.topics) == {"/a", "/_hidden"}, "the topics")
         assert recorder.missing == ("/nobody",)
         publish(recorder, publishers[0], [String(data="x")])
+        until(lambda: recorder.counts["/a"], "the message")
     assert recorder.counts == {"/a": 1, "/_hidden": 0}
 
 
@@ -183,7 +184,9 @@ def test_what_is_played_is_recorded_as_it_was(nodes, tmp_path):
     publisher = talker.create_publisher(JointState, "/a", KEEP_ALL)
     with Recorder(node, tmp_path / "one", ["/a"]) as recorder:
         publish(recorder, publisher, payloads())
+        until(lambda: recorder.counts["/a"] == COUNT, "all of them")
     with Recorder(node, tmp_path / "two", ["/a"]) as again:
         until(lambda: again.topics == ("/a",), "the subscription")
         Player(talker, Bag(recorder.path), rate=0.1).run(threading.Event())
+        until(lambda: again.counts["/a"] == COUNT, "all of them once more")
     assert recorded(again.path, "/a") == payloads()
