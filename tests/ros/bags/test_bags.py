@@ -70,6 +70,14 @@ def write(path, count=100, storage="mcap", closed=True, **how) -> list[tuple[str
     return messages(count)
 
 
+@pytest.fixture(autouse=True)
+def _clear():
+    """What was left as if its process had been killed is closed when nobody looks any more."""
+    yield
+    while killed:
+        killed.pop().close()
+
+
 @pytest.fixture(params=SUFFIXES)
 def storage(request):
     return request.param
