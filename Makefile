@@ -1,11 +1,15 @@
 # Everything that the README and CONTRIBUTING tell you to type. It needs make and Python 3.11, 3.12 or 3.13, nothing else.
 #
 #   make demo [DURATION=20]   step 3 as a whole: joystick, simulation and viewer
-#   make test                 the tests, and the notebooks
+#   make test                 what needs no further process, browser or build, and the notebooks: some minutes
+#   make test-all             also what needs one
+#   make test-ros2            what meets a real ROS 2; TANK_REAL_ROS2 names a command that runs another one with it
+#   make nightly              ten rounds, soaks, floods, mutants, and with TANK_REAL_ROS2 the whole suite on both its RMWs
 #   make notebooks            run the notebooks and save their outputs, after a change to them; look at what git shows
 #   make nbval                only the notebooks: run from the top, outputs compared with those that are committed
 #   make lab                  JupyterLab on the first notebook
 #   make install              .venv with everything that these need; quick when nothing has changed
+#   make steps                the tables of steps, in the README, CONTRIBUTING and the book, after a change to their list
 #   make screenshots          the README's picture, which moves; it takes some minutes
 #   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency, memory and a bag; then floods that mean harm
 #   make mutants              every small fault in the exercises' solutions: does the check find it; some three minutes
@@ -19,24 +23,48 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 DURATION ?=
 EXERCISES ?=
 PYTEST_ARGS ?=
+PYTEST := $(BIN)/python -m pytest
+SIDE_BY_SIDE := -n auto --no-loadscope-reorder
+SLOW := process or browser or build
+APART := ros2 or nightly
+FAST_DDS := $(addprefix tests/ros/,$(addprefix underlay/test_,behaviour.py messages.py names.py surface.py) test_tap.py test_node_thread.py bags)
 export PYTHONDONTWRITEBYTECODE :=  # modules are compiled once, not by each of hundreds of processes
 
-.PHONY: book demo test nbval notebooks screenshots lab install bench soak mutants lint clean
+.PHONY: book demo test test-all test-slow test-ros2 nightly nbval notebooks steps screenshots lab install bench soak mutants lint clean
 
 demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
 
 test: install
-	$(BIN)/python -m pytest $(if $(PYTEST_ARGS),,-n auto --no-loadscope-reorder) $(PYTEST_ARGS)
+	$(PYTEST) $(if $(PYTEST_ARGS),,$(SIDE_BY_SIDE)) -m "not ($(SLOW) or $(APART))" $(PYTEST_ARGS)
+	@echo "Left out: tests that start processes, a browser or a build (make test-all), and tests that need a real ROS 2 (make test-ros2)."
+
+test-all: test test-slow
+
+test-slow: install
+	$(PYTEST) $(SIDE_BY_SIDE) -m "($(SLOW)) and not ($(APART))" tests
+
+test-ros2: install
+	@test -n "$(TANK_REAL_ROS2)" || { echo "Set TANK_REAL_ROS2 to a command that runs another one with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
+	$(PYTEST) -m ros2 tests
+	RMW_IMPLEMENTATION=rmw_cyclonedds_cpp $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not (browser or build or $(APART))" tests/ros tests/checks tests/test_host.py notebooks
+	RMW_IMPLEMENTATION=rmw_fastrtps_cpp $(TANK_REAL_ROS2) $(PYTEST) -m "not ($(APART))" $(FAST_DDS) notebooks
+
+nightly: soak mutants
+	$(PYTEST) -m nightly tests
+	$(if $(TANK_REAL_ROS2),for rmw in rmw_cyclonedds_cpp rmw_fastrtps_cpp; do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) -m "not ($(APART))" || exit 1; done)
 
 nbval: install
-	$(BIN)/python -m pytest notebooks $(PYTEST_ARGS)
+	$(PYTEST) notebooks $(PYTEST_ARGS)
 
 notebooks: install
 	$(BIN)/python tests/support/execute_notebooks.py
 
+steps: install
+	$(BIN)/python book/step_tables.py
+
 screenshots: install
-	TANK_SCREENSHOTS=book/images $(BIN)/python -m pytest tests/course/test_moving_picture.py
+	TANK_SCREENSHOTS=book/images $(PYTEST) tests/course/test_moving_picture.py
 
 lab: install
 	@$(BIN)/tank lab

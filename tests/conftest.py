@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -13,6 +14,40 @@ from programs import Program
 from tutorial import ros_backend
 
 JUPYTERS_FOLDERS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")
+
+
+LANES = ("process", "browser", "build", "ros2", "nightly")
+"""The marks of tests that may start processes; pyproject.toml says what each means, the Makefile which command runs
+which."""
+
+STARTS = {"os.fork", "os.forkpty", "os.posix_spawn", "os.system", "subprocess.Popen"}
+"""What Python's audit events call the start of a process."""
+
+_alone: pytest.Item | None = None  # the test that runs, where it may start nothing
+
+
+def _keep_to_the_lane(event: str, arguments: tuple[object, ...]) -> None:
+    """Fail a test that starts a process and has no mark that says so."""
+    if event in STARTS and _alone is not None:
+        pytest.fail(
+            f"{_alone.name} starts a process: {event} {arguments[:2]!r:.200}. Prove it within one process, "
+            "or mark the test with @pytest.mark.process, browser or build."
+        )
+
+
+sys.addaudithook(_keep_to_the_lane)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
+    """Around each test, but not around the cells of a notebook, which run in a kernel."""
+    global _alone  # noqa: PLW0603 - an audit hook stays for good
+    marked = any(item.get_closest_marker(lane) for lane in LANES)
+    _alone = None if marked or item.path.suffix == ".ipynb" else item
+    try:
+        return (yield)
+    finally:
+        _alone = None
 
 
 def pytest_configure() -> None:

@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 
+import pytest
+
 from tutorial.paths import HOME
 
-IN_THE_BACKGROUND = """
-import os, signal, sys
-signal.signal(signal.SIGINT, signal.SIG_IGN)
-os.execv(sys.executable, [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--timeout=60", *sys.argv[1:]])
-"""
+INTERRUPTED = "import signal; signal.raise_signal(signal.SIGINT)"
 
 
-def test_what_they_start_can_be_interrupted_though_they_run_in_the_background():
-    one = "tests/checks/test_contain.py::test_an_interrupt_ends_the_process_and_is_passed_on"
-    command = [sys.executable, "-c", IN_THE_BACKGROUND, one]
-    done = subprocess.run(command, cwd=HOME, capture_output=True, text=True, check=False)
+def run(*command):
+    return subprocess.run(command, cwd=HOME, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.process
+def test_what_a_test_starts_can_be_interrupted():
+    assert run(sys.executable, "-c", INTERRUPTED).returncode == -signal.SIGINT
+
+
+@pytest.mark.process
+def test_so_it_can_where_the_tests_run_in_the_background_of_a_shell():
+    one = f"{__file__}::{test_what_a_test_starts_can_be_interrupted.__name__}"
+    pytest_ = (sys.executable, "-m", "pytest", "-p", "no:cacheprovider", one)
+    done = run("sh", "-c", 'trap "" INT; exec "$@"', "sh", *pytest_)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "1 passed" in done.stdout

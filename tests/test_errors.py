@@ -11,7 +11,6 @@ from tutorial.errors import did_you_mean, mujoco_warns, printable, printable_lin
 @pytest.mark.parametrize(
     ("text", "shown"),
     [
-        ("/Tank/joint_state", "/Tank/joint_state"),
         ("Kran für Größe 3, 戦車", "Kran für Größe 3, 戦車"),
         ("a\x1b[2Jb\r\n\x07\x9bc", r"a\x1b[2Jb\r\n\x07\x9bc"),
         ("gpj.exe\u202egpj", r"gpj.exe\u202egpj"),
@@ -19,20 +18,17 @@ from tutorial.errors import did_you_mean, mujoco_warns, printable, printable_lin
         ("\u6226\u8eca\u3000\u0033", "\u6226\u8eca\u3000\u0033"),
         ("half \udc80", r"half \udc80"),
         ("\U000e0041", r"\U000e0041"),
-        ("", ""),
     ],
 )
-def test_what_a_terminal_would_obey_is_shown_as_an_escape(text: str, shown: str) -> None:
+def test_what_a_terminal_would_obey_is_shown_as_an_escape(text, shown):
     assert printable(text) == shown
-    assert printable(text).translate({0xA0: " ", 0x3000: " "}).isprintable()
-    printable(text).encode()  # can be written anywhere
 
 
-def test_a_text_keeps_the_line_ends_and_tabs_that_it_has_of_its_own() -> None:
+def test_a_text_keeps_the_line_ends_and_tabs_that_it_has_of_its_own():
     assert printable_lines("a\x1bb\n\tc\r\n\u202e") == "a\\x1bb\n\tc\\r\n\\u202e"
 
 
-def test_of_very_many_valid_names_some_are_said() -> None:
+def test_of_very_many_valid_names_some_are_said():
     assert did_you_mean("b", "ac") == " Known are 'a', 'c'."
     said = did_you_mean("n1234", (f"n{i}" for i in range(2000)))
     assert said.startswith(" Did you mean 'n1234'? Known are 'n0', 'n1', ")

@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 import logging
 import random
-import textwrap
+import re
 import threading
 import time
-from contextlib import suppress
+from contextlib import asynccontextmanager, contextmanager, suppress
 from dataclasses import replace
-from pathlib import Path
+from functools import wraps
+from operator import attrgetter
 
 import pytest
 from geometry_msgs.msg import Pose
@@ -18,7 +19,6 @@ from programs import PATIENCE
 from sensor_msgs.msg import JointState
 from unruly import Unruly
 
-from tutorial import project as project_module
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.host import Host
@@ -30,19 +30,45 @@ from tutorial.view.bodies import View
 from tutorial.view.scene import Record, Scene, unpack_records
 from tutorial.world import Placement
 
-
-def run_without_errors(scenario, caplog):
-    """Run a scenario in whose log there is no error in the end."""
-    with caplog.at_level(logging.WARNING):
-        asyncio.run(scenario())
-    assert not [record for record in caplog.records if record.levelno >= logging.ERROR], caplog.text
+TOPIC = "/Tank/joint_state"
 
 
-async def until(condition, what="the condition"):
+def in_loop(test):
+    """Let a test be a coroutine function."""
+
+    @wraps(test)
+    def run(*args, **kwargs):
+        asyncio.run(test(*args, **kwargs))
+
+    return run
+
+
+async def until(condition, what):
     deadline = asyncio.get_running_loop().time() + PATIENCE
     while not condition():
         assert asyncio.get_running_loop().time() < deadline, f"waited in vain for {what}"
         await asyncio.sleep(0.005)
+
+
+@asynccontextmanager
+async def publishers(*topics):
+    """Publishers of a node of their own, each as soon as it is heard."""
+    with NodeThread("tester") as tester:
+        made = [tester.node.create_publisher(JointState, topic, 1) for topic in topics]
+        for publisher in made:
+            await until(publisher.get_subscription_count, "the match")
+        yield made
+
+
+@asynccontextmanager
+async def running(host):
+    """Meanwhile a host runs, and does not end of itself."""
+    run = asyncio.ensure_future(host.run())
+    yield run
+    assert not run.done()
+    run.cancel()
+    with suppress(asyncio.CancelledError):
+        await run
 
 
 def message(position, nanoseconds, name="TURRET_Y"):
@@ -51,29 +77,27 @@ def message(position, nanoseconds, name="TURRET_Y"):
     return state
 
 
-class Flood:
-    """Publishes joint states as fast as it can, on a thread of its own."""
+@contextmanager
+def flood():
+    """Joint states come as fast as they can, from a thread of their own, and are counted in a list."""
 
-    def __init__(self):
-        self._thread_node = NodeThread("flood")
-        self.publisher = self._thread_node.node.create_publisher(JointState, "/Tank/joint_state", 1)
-        self.count = 0
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run)
+    def publish():
+        while not over.wait(0.0005):
+            sent.append(len(sent) + 1)
+            publisher.publish(message(0.001 * (sent[-1] % 100), sent[-1] * 1_000_000))
 
-    def _run(self):
-        while not self._stop.wait(0.0005):
-            self.count += 1
-            self.publisher.publish(message(0.001 * (self.count % 100), self.count * 1_000_000))
+    sent, over, thread = [], threading.Event(), threading.Thread(target=publish)
+    with NodeThread("flood") as flooding:
+        publisher = flooding.node.create_publisher(JointState, TOPIC, 1)
+        thread.start()
+        yield sent
+        over.set()
+        thread.join()
 
-    def __enter__(self):
-        self._thread.start()
-        return self
 
-    def __exit__(self, *_):
-        self._stop.set()
-        self._thread.join()
-        self._thread_node.close()
+@pytest.fixture
+def step2(domain):
+    return Project.load(find_project("step2"))
 
 
 @pytest.fixture
@@ -81,227 +105,176 @@ def step3(domain):
     return Project.load(find_project("step3"))
 
 
-@pytest.fixture
-def fleet(domain):
-    """Four tanks in one viewer."""
-    project = Project.load(find_project("fleet"))
-    return replace(project, bodies=project.bodies[:4])
-
-
-def lines(scene):
-    """What stands below the view."""
-    return [text.decode() for kind, text in unpack_records(scene.snapshot()) if kind is Record.LINE]
+def drawn(scene, kind):
+    """What a scene has of a kind, such as the lines below the view."""
+    return [payload for each, payload in unpack_records(scene.snapshot()) if each is kind]
 
 
 def threads():
     return {thread for thread in threading.enumerate() if not thread.name.startswith("Dummy")}
 
 
-def test_a_message_moves_the_displayed_body_on_the_main_thread(step3):
-    async def scenario():
-        async with Host(step3) as host:
-            with NodeThread("tester") as tester:
-                publisher = tester.node.create_publisher(JointState, "/Tank/joint_state", 1)
-                await until(publisher.get_subscription_count, "the match")
-                seen_on = []
-                host.bodies["Tank"].on_change(lambda report: seen_on.append((threading.current_thread(), str(report))))
-                publisher.publish(message(0.5, 1))
-                await until(lambda: seen_on, "the update")
-                assert seen_on == [(threading.main_thread(), "1 joint shown")]
-                assert host.bodies["Tank"].joint("TURRET_Y").position == 0.5
-                assert host.record()["report"]["matched"] == 1
-
+@in_loop
+async def test_a_message_moves_the_displayed_body_on_the_main_thread(step3):
     before = threads()
-    asyncio.run(scenario())
+    async with Host(step3) as host, publishers(TOPIC) as [publisher]:
+        seen_on = []
+        host.bodies["Tank"].on_change(lambda report: seen_on.append((threading.current_thread(), str(report))))
+        publisher.publish(message(0.5, 1))
+        await until(lambda: seen_on, "the update")
+        assert seen_on == [(threading.main_thread(), "1 joint shown")]
+        assert host.bodies["Tank"].joint("TURRET_Y").position == 0.5
+        assert host.record()["report"]["matched"] == 1
     assert threads() == before, "no thread is left"
 
 
 @pytest.mark.parametrize(("project", "close_up"), [("step3", True), ("step7_viewer", False), ("step7", False)])
-def test_robots_alone_are_looked_at_closely_and_in_a_laboratory_from_where_all_is_seen(domain, project, close_up):
-    async def camera(*names):
+@in_loop
+async def test_robots_alone_are_looked_at_closely_and_in_a_laboratory_from_where_all_is_seen(domain, project, close_up):
+    chosen = Project.load(find_project(project))
+
+    async def camera(bodies):
         scene = Scene()
-        chosen = Project.load(find_project(project))
-        bodies = tuple(item for item in chosen.bodies if item.placement.name in names) or chosen.bodies
         async with Host(replace(chosen, bodies=bodies), view=View(scene)):
-            return [payload for kind, payload in unpack_records(scene.snapshot()) if kind is Record.CAMERA]
+            return drawn(scene, Record.CAMERA)
 
-    furnished = Scene()
-    View(furnished)
-    usual = [payload for kind, payload in unpack_records(furnished.snapshot()) if kind is Record.CAMERA]
-    assert (asyncio.run(camera()) != usual) == close_up
-    assert asyncio.run(camera("Tank")) != usual, "the tank alone"
+    View(furnished := Scene())
+    usual = drawn(furnished, Record.CAMERA)
+    assert (await camera(chosen.bodies) != usual) == close_up
+    assert await camera(tuple(item for item in chosen.bodies if item.placement.name == "Tank")) != usual
 
 
-def test_of_two_publishers_one_is_followed_until_it_goes_and_both_are_named(step3, caplog):
-    topic = "/Tank/joint_state"
+@in_loop
+async def test_of_two_publishers_one_is_followed_until_it_goes_and_both_are_named(step3, caplog, monkeypatch):
+    monkeypatch.setattr("tutorial.item.CONTESTED_FOR", 1e9)
+    view = View(scene := Scene())
+    async with Host(step3, view=view) as host:
+        subscription = host.controllers["JointStateSubscriber"].subscription
 
-    async def scenario():
-        view = View(scene := Scene())
-        async with Host(step3, view=view) as host:
-            joint = host.bodies["Tank"].joint("TURRET_Y")
-            subscription = host.controllers["JointStateSubscriber"].subscription
+        async def say(publisher, position, milliseconds):
+            before = host.record()["report"]
+            publisher.publish(message(position, milliseconds * 1_000_000))
+            await until(lambda: host.record()["report"] != before, "the update")
+            return host.bodies["Tank"].joint("TURRET_Y").position
 
-            async def say(publisher, position, milliseconds):
-                before = host.record()["report"]
-                publisher.publish(message(position, milliseconds * 1_000_000))
-                await until(lambda: host.record()["report"] != before, "the update")
-                return joint.position
-
-            with NodeThread("one") as one, NodeThread("other") as other:
-                first, second = (each.node.create_publisher(JointState, topic, 1) for each in (one, other))
-                await until(lambda: subscription.get_publisher_count() == 2, "both publishers")
-                await until(lambda: host.node.count_publishers(topic) == 2, "the graph")
-                await until(lambda: first.get_subscription_count() and second.get_subscription_count(), "the match")
-                for i in range(1, 30):  # like stamps, 3 ms apart
-                    assert await say(first, 0.5, 20 * i) == 0.5
-                    assert await say(second, -0.5, 20 * i + 3) == 0.5
-                host.refresh()
-                *_, line = (payload for kind, payload in unpack_records(scene.snapshot()) if kind is Record.LINE)
-                said = f"2 publish on {topic}, one is followed: /one, /other"
-                assert line.decode().startswith(f"Tank: 1 joint shown; {said}")
-                one.close()
-                await until(lambda: subscription.get_publisher_count() == 1, "one alone")
-                assert await say(second, -0.5, 600) == -0.5
-                assert host.record()["report"]["another"] == 29
-                return said
-
-    with caplog.at_level(logging.WARNING):
-        said = asyncio.run(scenario())
+        with NodeThread("one") as one, NodeThread("other") as other:
+            first, second = (each.node.create_publisher(JointState, TOPIC, 1) for each in (one, other))
+            await until(lambda: subscription.get_publisher_count() == 2, "both publishers")
+            await until(lambda: host.node.count_publishers(TOPIC) == 2, "the graph")
+            await until(lambda: first.get_subscription_count() and second.get_subscription_count(), "the match")
+            for i in range(1, 30):  # like stamps, 3 ms apart
+                assert await say(first, 0.5, 20 * i) == 0.5
+                assert await say(second, -0.5, 20 * i + 3) == 0.5
+            host.refresh()
+            said = f"2 publish on {TOPIC}, one is followed: /one, /other"
+            assert drawn(scene, Record.LINE)[-1].decode().startswith(f"Tank: 1 joint shown; {said}")
+            one.close()
+            await until(lambda: subscription.get_publisher_count() == 1, "one alone")
+            assert await say(second, -0.5, 600) == -0.5
+            assert host.record()["report"]["another"] == 29
     assert [text for text in caplog.messages if "publish on" in text] == [f"Tank: {said}"]
 
 
-def test_a_body_may_be_deleted_while_messages_arrive(step3, caplog):
-    async def scenario():
-        scene = Scene()
-        view = View(scene)
-        async with Host(step3, view=view) as host:
-            run = asyncio.ensure_future(host.run())
-            with Flood() as flood:
-                await until(lambda: host.bodies["Tank"].joint("TURRET_Y").position > 0, "the first updates")
+@in_loop
+async def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog):
+    view = View(Scene())
+    async with Host(step3, view=view) as host, running(host):
+        with flood() as sent:
+
+            async def remove():
                 body = host.bodies["Tank"]
+                await until(lambda: body.joint("TURRET_Y").position > 0, "the updates")
                 host.remove("Tank")
-                pose = body.qpos.copy()
-                sent = flood.count
-                await until(lambda: flood.count > sent + 200, "more messages")
-                assert host.bodies == {}
-                assert view.names == ()
-                assert (body.qpos == pose).all(), "what was posted for it does not run any more"
-                await until(lambda: not host.node.count_subscribers("/Tank/joint_state"), "the subscription's end")
-                assert not run.done()
-            run.cancel()
-            with pytest.raises(asyncio.CancelledError):
-                await run
+                assert (host.bodies, view.names) == ({}, ())
+                return body
 
-    run_without_errors(scenario, caplog)
-
-
-def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog):
-    async def scenario():
-        view = View(Scene())
-        async with Host(step3, view=view) as host:
-            run = asyncio.ensure_future(host.run())
-            with Flood():
-                for _ in range(3):
-                    turret = host.bodies["Tank"].joint("TURRET_Y")
-                    await until(lambda turret=turret: turret.position > 0, "the updates")
-                    host.remove("Tank")
-                    host.add(step3.bodies[0])
-                    assert view.names == ("Tank",)
-            await until(lambda: host.node.count_subscribers("/Tank/joint_state") == 1, "the end of the others")
-            record = host.record()
-            assert record["topics"]["/Tank/joint_state"]["applied"] == record["report"]["matched"] >= 3
-            run.cancel()
-            with pytest.raises(asyncio.CancelledError):
-                await run
-
-    run_without_errors(scenario, caplog)
+            for _ in range(3):
+                await remove()
+                host.add(step3.bodies[0])
+                assert view.names == ("Tank",)
+            await until(lambda: host.node.count_subscribers(TOPIC) == 1, "the end of the others")
+            body = await remove()
+            pose, count = body.qpos.copy(), len(sent)
+            await until(lambda: len(sent) > count + 200, "more messages")
+            assert (body.qpos == pose).all(), "what was posted for it does not run any more"
+            await until(lambda: not host.node.count_subscribers(TOPIC), "the subscription's end")
+        record = host.record()
+        assert record["topics"][TOPIC]["applied"] == record["report"]["matched"] >= 4
+    assert not [each for each in caplog.records if each.levelno >= logging.ERROR], caplog.text
 
 
-def test_a_body_is_added_only_where_it_can_be(step3, domain):
-    async def scenario():
-        [item] = step3.bodies
-        unfit = BodyItem(replace(item.placement, name="Other"), (*item.controllers, Unfit))
-        async with Host(step3, view=View(Scene())) as host:
-            with pytest.raises(TutorialError, match=r"there is a body 'Tank' already\. Remove it first"):
-                host.add(item)
-            with pytest.raises(TutorialError, match="Unfit could not join Other"):
-                host.add(unfit)
-            assert list(host.bodies) == ["Tank"]
-            await until(lambda: not host.node.count_subscribers("/Other/joint_state"), "the end of its subscription")
-        with pytest.raises(TutorialError, match=r"this program is closed\."):
+class Unfit(SimpleController):
+    def configure(self, config):
+        raise ValueError("mine")
+
+
+@in_loop
+async def test_a_body_is_added_only_where_it_can_be(step2, step3):
+    [item] = step3.bodies
+    unfit = BodyItem(replace(item.placement, name="Other"), (*item.controllers, Unfit))
+    async with Host(step3, view=View(Scene())) as host:
+        with pytest.raises(TutorialError, match=r"there is a body 'Tank' already\. Remove it first"):
             host.add(item)
-        async with Host(Project.load(find_project("step2"))) as host:
-            with pytest.raises(TutorialError, match="'Other' comes too late: a simulated world is made of the bodies"):
-                host.add(unfit)
+        with pytest.raises(TutorialError, match=r"Unfit could not join Other: test_host.py, line \d+, in configure: V"):
+            host.add(unfit)
+        assert list(host.bodies) == ["Tank"]
+        await until(lambda: not host.node.count_subscribers("/Other/joint_state"), "the end of its subscription")
+        with pytest.raises(TutorialError, match=r"there is no body 'Tnak'\. Did you mean 'Tank'\?"):
+            host.remove("Tnak")
+    with pytest.raises(TutorialError, match=r"this program is closed\."):
+        host.add(item)
+    async with Host(step2) as host:
+        with pytest.raises(TutorialError, match="'Other' comes too late: a simulated world is made of the bodies"):
+            host.add(unfit)
+    before = threads()
+    with pytest.raises(TutorialError, match="Unfit could not join Tank"):
+        Host(step3.with_controllers("Tank", Unfit))
+    assert threads() == before
 
-    asyncio.run(scenario())
 
-
-def test_each_body_of_a_fleet_follows_its_own_messages(fleet):
+@in_loop
+async def test_each_body_of_a_fleet_follows_its_own_messages(domain):
+    fleet = Project.load(find_project("fleet"))
     sent = {  # one in order, one shuffled, one with a name that is no joint's; and what they come to
         "Tank_1": (JointState(name=["TURRET_Y", "TURRET_P"], position=[0.1, 0.2]), [0.1, 0.2]),
         "Tank_2": (JointState(name=["TURRET_P", "TURRET_Y"], position=[0.3, 0.4]), [0.4, 0.3]),
         "Tank_3": (JointState(name=["TURRET_P", "TRACK"], position=[0.5, 0.6]), [0.0, 0.5]),
     }
+    view = View(scene := Scene())
+    async with Host(replace(fleet, bodies=fleet.bodies[:4]), view=view) as host:
+        async with publishers(*(f"/{name}/joint_state" for name in sent)) as made:
+            for i, (state, _) in enumerate(sent.values()):
+                state.header.stamp.nanosec = 4 - i  # nobody's stamp makes another's message late
 
-    async def scenario():
-        view = View(scene := Scene())
-        async with Host(fleet, view=view) as host:
-            with NodeThread("tester") as tester:
-                publishers = {}
-                for i, name in enumerate(sent):
-                    sent[name][0].header.stamp.nanosec = 4 - i  # nobody's stamp makes another's message late
-                    publishers[name] = tester.node.create_publisher(JointState, f"/{name}/joint_state", 1)
-                    await until(publishers[name].get_subscription_count, "the match")
+            def said():
+                for publisher, (state, _) in zip(made, sent.values()):
+                    publisher.publish(state)
+                host.refresh()
+                return drawn(scene, Record.LINE)[-1].decode()
 
-                def said():
-                    for name, publisher in publishers.items():
-                        publisher.publish(sent[name][0])
-                    host.refresh()
-                    return lines(scene)[-1]
-
-                await until(lambda: said().startswith("2 of 4 bodies follow their messages | Tank_3: 1 j"), "the line")
-                assert "unknown 'TRACK'" in said()
-                assert said().endswith("| Tank_4: nothing has come on /Tank_4/joint_state yet")
-            for name, (_, positions) in sent.items():
-                assert [joint.position for joint in host.bodies[name].joints] == positions
-            report = host.record()["report"]
-            assert report["unknown"] > 0
-            assert report["late"] == 0
-
-    asyncio.run(scenario())
+            fourth = "Tank_4: nothing has come on /Tank_4/joint_state yet"
+            line = rf"2 of 4 bodies follow their messages \| Tank_3: 1 joint shown; unknown 'TRACK'.* \| {fourth}"
+            await until(lambda: re.fullmatch(line, said()), "the line")
+        for name, (_, positions) in sent.items():
+            assert [joint.position for joint in host.bodies[name].joints] == positions
+        report = host.record()["report"]
+        assert (report["unknown"] > 0, report["late"]) == (True, 0)
 
 
-def test_an_unknown_body_is_named_with_the_nearest(step3):
-    async def scenario():
-        async with Host(step3) as host:
-            host.remove("Tnak")
-
-    with pytest.raises(TutorialError, match=r"there is no body 'Tnak'\. Did you mean 'Tank'\?"):
-        asyncio.run(scenario())
-
-
-def test_a_simulated_body_may_be_deleted_while_it_is_stepped(domain):
-    async def scenario():
-        async with Host(Project.load(find_project("step2"))) as host:
-            run = asyncio.ensure_future(host.run())
-            await until(lambda: host.simulation.step > 50, "the first steps")
-            host.remove("Tank")
-            step = host.simulation.step
-            await until(lambda: host.simulation.step > step + 50, "more steps")
-            run.cancel()
-            with pytest.raises(asyncio.CancelledError):
-                await run
-            assert host.simulation.error is None
-
-    asyncio.run(scenario())
+@in_loop
+async def test_a_simulated_body_may_be_deleted_while_it_is_stepped(step2):
+    async with Host(step2) as host, running(host):
+        await until(lambda: host.simulation.step > 50, "the first steps")
+        host.remove("Tank")
+        step = host.simulation.step
+        await until(lambda: host.simulation.step > step + 50, "more steps")
+    assert host.simulation.error is None
 
 
 @pytest.fixture
-def hanging(domain, monkeypatch):
+def hanging(step2, monkeypatch):
     """A project whose tank has a controller that does not return, and the event that says that it is there."""
-    monkeypatch.setattr("tutorial.simulation.STUCK", 0.2)
-    monkeypatch.setattr("tutorial.host.HUNG", 0.2)
+    monkeypatch.setattr("tutorial.simulation.STUCK", 0.05)
     there, let = threading.Event(), threading.Event()
 
     class Hangs(SimpleController):
@@ -310,152 +283,106 @@ def hanging(domain, monkeypatch):
             let.wait(60)
 
     before = threads()
-    project = Project.load(find_project("step2"))
-    bodies = tuple(replace(item, controllers=(*item.controllers, Hangs)) for item in project.bodies)
-    yield replace(project, bodies=bodies), there
+    bodies = tuple(replace(item, controllers=(*item.controllers, Hangs)) for item in step2.bodies)
+    yield replace(step2, bodies=bodies), there
     let.set()
     for thread in threads() - before:
         thread.join(PATIENCE)
         assert not thread.is_alive()
 
 
-def test_a_controller_that_does_not_return_holds_up_neither_remove_nor_close(hanging):
+@in_loop
+async def test_a_controller_that_does_not_return_holds_up_neither_remove_nor_close(hanging):
+    project, there = hanging
+    async with Host(project, view=View(Scene())) as host:
+        run = asyncio.ensure_future(host.run())
+        await until(there.is_set, "the first step")
+        with pytest.raises(ControllerError, match=r"Hangs does not return: it is at test_host\.py, line \d+, in c"):
+            host.remove("Tank")
+        assert list(host.bodies) == ["Labo"], "the displayed body is gone nevertheless"
+        with pytest.raises(ControllerError, match="Mend it, and make the simulation anew: open its program again"):
+            await run
+        host.remove("Labo")
+        assert host.bodies == {}
+        with pytest.raises(ControllerError, match="Hangs does not return"):
+            await host.run()
+        assert "Hangs does not return" in str(host.error), "a start that is refused forgets nothing"
+
+
+@in_loop
+async def test_a_run_with_a_duration_ends_where_a_controller_does_not_return(hanging, monkeypatch):
     project, there = hanging
 
-    async def scenario():
-        async with Host(project, view=View(Scene())) as host:
-            run = asyncio.ensure_future(host.run())
-            await until(there.is_set, "the first step")
-            with pytest.raises(ControllerError, match=r"Hangs does not return: it is at test_host\.py, line \d+, in c"):
-                host.remove("Tank")
-            assert list(host.bodies) == ["Labo"], "the displayed body is gone nevertheless"
-            with pytest.raises(ControllerError, match="Mend it, and make the simulation anew: open its program again"):
-                await run
-            host.remove("Labo")
-            assert host.bodies == {}
-            with pytest.raises(ControllerError, match="Hangs does not return"):
-                await host.run()
-            assert "Hangs does not return" in str(host.error), "a start that is refused forgets nothing"
+    def look(_):
+        if there.is_set():
+            monkeypatch.setattr("tutorial.host.HUNG", 0.05)
 
-    asyncio.run(scenario())
+    async with Host(project) as host:
+        with pytest.raises(ControllerError, match="Hangs does not return"):
+            await asyncio.wait_for(host.run(1.0, progress=look), PATIENCE)
 
 
-def test_a_run_with_a_duration_ends_where_a_controller_does_not_return(hanging):
-    async def scenario():
-        async with Host(hanging[0]) as host:
-            with pytest.raises(ControllerError, match="Hangs does not return"):
-                await asyncio.wait_for(host.run(1.0), PATIENCE)
-
-    asyncio.run(scenario())
-
-
-def test_a_program_may_be_closed_while_it_runs(step3):
-    async def scenario():
-        host = Host(step3, view=View(Scene()))
-        run = asyncio.ensure_future(host.run())
-        await asyncio.sleep(0.05)
-        host.close()
-        await asyncio.wait_for(run, PATIENCE)
-        with pytest.raises(TutorialError, match=r"this program is closed\. Open it again\."):
-            await host.run(0.1)
-
-    asyncio.run(scenario())
+@in_loop
+async def test_a_program_may_be_closed_while_it_runs_and_twice(step3):
+    host = Host(step3, view=View(Scene()))
+    await asyncio.wait_for(host.run(progress=lambda _: host.close()), PATIENCE)
+    host.close()
+    with pytest.raises(TutorialError, match=r"this program is closed\. Open it again\."):
+        await host.run(0.1)
 
 
-def test_a_simulating_program_shows_its_copy(domain):
-    async def scenario():
-        async with Host(Project.load(find_project("step2"))) as host:
-            start = host.bodies["Tank"].qpos.copy()
-            progress = []
-            await host.run(0.3, progress=progress.append)
-            assert host.seconds == pytest.approx(0.3)
-            assert progress == sorted(progress)
-            assert not (host.bodies["Tank"].qpos == start).all()
-            assert (host.bodies["Tank"].qpos == host.simulation.bodies["Tank"].qpos).all()
-            assert host.record()["topics"]["/Tank/joint_state"]["published"] == 15
-
-    asyncio.run(scenario())
-
-
-def test_what_is_wrong_with_the_messages_is_one_throttled_line(step3, caplog):
-    async def scenario():
-        async with Host(step3) as host:
-            with NodeThread("tester") as tester:
-                publisher = tester.node.create_publisher(JointState, "/Tank/joint_state", 10)
-                await until(publisher.get_subscription_count, "the match")
-                for i in range(1, 20):
-                    publisher.publish(message(0.1, i, name="TURET_Y"))
-                    await until(lambda i=i: host.record()["report"]["unknown"] == i, "the update")
-
-    with caplog.at_level(logging.WARNING):
-        asyncio.run(scenario())
-    assert caplog.text.count("unknown 'TURET_Y'. Did you mean 'TURRET_Y'?") == 1
+@in_loop
+async def test_a_simulating_program_shows_its_copy(step2):
+    async with Host(step2) as host:
+        start, progress = host.bodies["Tank"].qpos.copy(), []
+        await host.run(0.3, progress=progress.append)
+        assert host.seconds == pytest.approx(0.3)
+        assert progress == sorted(progress)
+        assert not (host.bodies["Tank"].qpos == start).all()
+        assert (host.bodies["Tank"].qpos == host.simulation.bodies["Tank"].qpos).all()
+        assert host.record()["topics"][TOPIC]["published"] == 15
 
 
 class Naive(SimpleController):
     """The naive callback of step 3: it touches the display from the executor's thread."""
 
     def configure(self, config):
-        self.body = config.body
-        self.node = config.node
-        topic = f"{config.body.name}/joint_state"
-        self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+        self.config = config
+        self.subscription = config.node.create_subscription(JointState, TOPIC, self.on_joint_state, 1)
 
     def on_joint_state(self, message):
-        self.body.set_joint_positions({"TURRET_Y": 1.0})
+        self.config.body.set_joint_positions({"TURRET_Y": 1.0})
 
     def unconfigure(self):
-        self.node.destroy_subscription(self.subscription)
+        self.config.node.destroy_subscription(self.subscription)
 
 
-class Unfit(SimpleController):
-    def configure(self, config):
-        raise ValueError("mine")
-
-
-@pytest.fixture
-def project_with(domain, tmp_path, monkeypatch):
-    """A project whose tank has a controller of the test's own."""
-
-    def make(controller):
-        monkeypatch.setattr(project_module, "find_controller", lambda _: controller)
-        path = tmp_path / "project.yaml"
-        models = Path(find_project("step3")).parent / "models"
-        path.write_text(
-            textwrap.dedent(f"""
-            bodies:
-              - name: Tank
-                model: {models}/tank.xml
-                controllers: [Mine]
-            """)
-        )
-        return Project.load(path)
-
-    return make
-
-
-def test_the_naive_callback_is_told_whose_the_body_is(project_with, caplog):
-    async def scenario():
-        async with Host(project_with(Naive)) as host:
-            with NodeThread("tester") as tester:
-                publisher = tester.node.create_publisher(JointState, "/Tank/joint_state", 1)
-                await until(publisher.get_subscription_count, "the match")
-                publisher.publish(message(0.1, 1))
-                await until(lambda: "WrongThreadError" in caplog.text, "the error")
-                assert host.bodies["Tank"].joint("TURRET_Y").position == 0.0
-
-    asyncio.run(scenario())
-    assert (
-        "set_joint_positions was called on the thread 'executor', but the body 'Tank' belongs to the thread "
-        "'MainThread'. Post the call instead: call_later(f, message)."
-    ) in caplog.text
+@in_loop
+async def test_the_naive_callback_is_told_whose_the_body_is(step3, caplog):
+    async with Host(step3.with_controllers("Tank", Naive)) as host, publishers(TOPIC) as [publisher]:
+        publisher.publish(message(0.1, 1))
+        await until(lambda: "WrongThreadError: set_joint_positions was called on" in caplog.text, "the error")
+        assert host.bodies["Tank"].joint("TURRET_Y").position == 0.0
 
 
 class Poser(SimpleController):
-    """Publishes a message that has a position, and is no joint state."""
+    """Publishes a message that has a position, and is no joint state; wants to end the program when it leaves."""
 
     def configure(self, config):
         config.node.create_publisher(Pose, "pose", 1).publish(Pose())
+
+    def unconfigure(self):
+        raise SystemExit("mine")
+
+
+@in_loop
+async def test_a_message_without_a_header_is_recorded_and_who_leaves_does_not_end_the_program(step3, caplog):
+    async with Host(step3.with_controllers("Tank", Poser)) as host:
+        record = host.record()
+        assert record["topics"]["/pose"]["published"] == 1
+        assert list(record["joints"]) == list(host.bodies["Tank"].joint_names)
+    assert "Poser of Tank failed in unconfigure()" in caplog.text
+    assert "SystemExit: mine" in caplog.text
 
 
 class Clumsy(SimpleController):
@@ -466,70 +393,15 @@ class Clumsy(SimpleController):
         config.node.create_subscription(JointState, "Tank/joint_state", lambda message: {}["mine"], 1)
 
 
-def test_a_message_without_a_header_is_recorded_too(project_with):
-    async def scenario():
-        async with Host(project_with(Poser)) as host:
-            record = host.record()
-            assert record["topics"]["/pose"]["published"] == 1
-            assert list(record["joints"]) == list(host.bodies["Tank"].joint_names)
-
-    asyncio.run(scenario())
-
-
-class Leaver(SimpleController):
-    """Wants to end the program when it leaves its body."""
-
-    def unconfigure(self):
-        raise SystemExit("mine")
-
-
-def test_a_controller_that_wants_to_end_the_program_does_not(project_with, caplog):
-    async def scenario():
-        async with Host(project_with(Leaver)):
-            pass
-
-    asyncio.run(scenario())
-    assert "Leaver of Tank failed in unconfigure()" in caplog.text
-    assert "SystemExit: mine" in caplog.text
-
-
-def test_a_new_run_forgets_what_failed_before(project_with):
-    async def scenario():
-        scene = Scene()
-        async with Host(project_with(Clumsy), view=View(scene)) as host:
-            with NodeThread("tester") as tester:
-                publisher = tester.node.create_publisher(JointState, "/Tank/joint_state", 1)
-                await until(publisher.get_subscription_count, "the match")
-                await until(lambda: isinstance(host.error, ZeroDivisionError), "the posted call's error")
-                publisher.publish(message(0.1, 1))
-                await until(lambda: isinstance(host.error, KeyError), "the callback's error")
-            await host.run(0.01)
-            assert host.error is None
-
-    asyncio.run(scenario())
-
-
-def test_a_controller_that_cannot_join_its_body_is_named_and_nothing_is_left(project_with):
-    before = threads()
-
-    async def scenario():
-        async with Host(project_with(Unfit)):
-            pass
-
-    with pytest.raises(
-        TutorialError, match=r"Unfit could not join Tank: test_host.py, line \d+, in configure: ValueError: mine"
-    ):
-        asyncio.run(scenario())
-    assert threads() == before
-
-
-def test_closing_twice_does_nothing(step3):
-    async def scenario():
-        host = Host(step3)
-        host.close()
-        host.close()
-
-    asyncio.run(scenario())
+@in_loop
+async def test_a_new_run_forgets_what_failed_before(step3):
+    async with Host(step3.with_controllers("Tank", Clumsy), view=View(Scene())) as host:
+        async with publishers(TOPIC) as [publisher]:
+            await until(lambda: isinstance(host.error, ZeroDivisionError), "the posted call's error")
+            publisher.publish(message(0.1, 1))
+            await until(lambda: isinstance(host.error, KeyError), "the callback's error")
+        await host.run(0.01)
+        assert host.error is None
 
 
 BOX = """
@@ -551,10 +423,7 @@ def unruly_class(rng, let, made):
         def configure(self, config):
             self.config = config
             self.perhaps("configure")
-            self.timer = config.node.create_timer(0.005, self.called_back)
-
-        def called_back(self):
-            self.perhaps("called_back")
+            self.timer = config.node.create_timer(0.005, lambda: self.perhaps("called_back"))
 
         def unconfigure(self):
             self.config.node.destroy_timer(self.timer)
@@ -570,81 +439,75 @@ def unruly_class(rng, let, made):
 
 async def some_frames(host, rng):
     run = asyncio.ensure_future(host.run())
-    await asyncio.sleep(rng.uniform(0.0, 0.1))
+    await asyncio.sleep(rng.uniform(0.0, 0.05))
     rng.choice((run.cancel, run.cancel, host.close))()
     with suppress(asyncio.CancelledError):
         await run
 
 
 ACTS = (
-    lambda host, rng: host.run(0.02),
-    lambda host, rng: host.run(0.05),
-    some_frames,
-    lambda host, rng: host.refresh(),
-    lambda host, rng: host.simulation.start(0.01),
-    lambda host, rng: host.simulation.stop(),
-    lambda host, rng: host.simulation.restart(),
-    lambda host, rng: host.remove("A"),
-    lambda host, rng: host.remove("B"),
-    lambda host, rng: host.close(),
+    *(("run", 0.02), ("run", 0.05), ("refresh",), ("remove", "A"), ("remove", "B"), ("close",), ("some_frames",)),
+    *(("simulation.start", 0.01), ("simulation.stop",), ("simulation.restart",)),
 )
+
+
+async def act(host, rng):
+    name, *given = rng.choice(ACTS)
+    done = some_frames(host, rng) if name == "some_frames" else attrgetter(name)(host)(*given)
+    if done is not None:
+        await done
 
 
 def post_at_random(made, rng, over):
     """The second thread: has calls posted in the name of controllers, whether they have left or not."""
-    while not over.wait(0.02):
+    while not over.wait(0.01):
         for each in tuple(made):
             if hasattr(each, "config"):
                 each.config.call_later(each.posted, rng.choice((None, None, None, ValueError, SystemExit)))
 
 
 async def live_through(seed, model):
-    """Let a host live with unruly controllers; return what was raised, and what the main thread was told."""
+    """Let a host live with unruly controllers; return what was raised and the main thread was not told."""
     rng, let, over, made, told = random.Random(seed), threading.Event(), threading.Event(), [], []
-    classes = [unruly_class(rng, let, made) for _ in range(3)]
-    items = (BodyItem(Placement("A", model), tuple(classes[:2])), BodyItem(Placement("B", model), (classes[2],)))
+    one, other, third = (unruly_class(rng, let, made) for _ in range(3))
+    items = (BodyItem(Placement("A", model), (one, other)), BodyItem(Placement("B", model), (third,)))
     poster = threading.Thread(target=post_at_random, args=(made, random.Random(seed), over), daemon=True)
     poster.start()
-    host = None
+    host, began = None, time.monotonic()
     try:
         host = Host(Project(model, items, 0.001), view=View(Scene()))
-        for act in rng.choices(ACTS, k=8):
-            began = time.monotonic()
+        for _ in range(8):
             try:
-                done = act(host, rng)
-                if done is not None:
-                    await done
+                await act(host, rng)
             except TutorialError as error:
                 told.append(str(error))
-            assert time.monotonic() - began < 10
             await asyncio.sleep(0)
     except TutorialError as error:  # one could not join its body
         told.append(str(error))
     finally:
-        began = time.monotonic()
         if host is not None:
             host.close()
             hanging = [each for each in made if each.hangs and each.method != "called_back"]  # that is the executor's
             assert host.simulation.state is State.ABANDONED or not hanging
             assert host.controllers == {}
-        assert time.monotonic() - began < 10
+        assert time.monotonic() - began < 50, "what hangs, for 60 s, is not waited for"
         over.set()
         let.set()
         poster.join()
-    return [text for each in made for text in each.raised], "".join(told)
+    return [text for each in made for text in each.raised if text not in "".join(told)]
 
 
 @pytest.mark.parametrize("tens", range(20))
 def test_whatever_controllers_do_a_host_ends_and_no_failure_is_unseen(tens, domain, tmp_path, monkeypatch, caplog):
     for name in ("tutorial.simulation.STUCK", "tutorial.host.HUNG", "tutorial.ros.node_thread.SpinThread.patience"):
-        monkeypatch.setattr(name, 0.1)
+        monkeypatch.setattr(name, 0.05)
     model = tmp_path / "box.xml"
     model.write_text(BOX)
     before = threads()
     for seed in range(10 * tens, 10 * tens + 10):
         caplog.clear()
-        raised, told = asyncio.run(live_through(seed, model))
+        untold = asyncio.run(live_through(seed, model))
         for thread in threads() - before:
             thread.join(PATIENCE)
             assert not thread.is_alive(), f"seed {seed}: {thread}"
-        assert [text for text in raised if text not in told + caplog.text] == [], f"seed {seed}"
+        assert [text for text in untold if text not in caplog.text] == [], f"seed {seed}"

@@ -44,38 +44,22 @@ def test_the_reports_of_its_messages_are_summed_up(item):
 
 @pytest.mark.parametrize("report", [None, "mine", {"TURRET_Y": 0.1}])
 def test_a_change_with_a_report_of_another_kind_is_drawn_and_not_counted(item, report):
-    assert item.take_dirty()
-    assert not item.take_dirty()
+    assert (item.take_dirty(), item.take_dirty()) == (True, False)
     item.body.notify_change(report)
     assert item.take_dirty()
     assert (item.applied, item.line()) == (0, "")
 
 
-def test_the_usual_report_is_counted_each_time(item):
-    matcher = JointMatcher(item.body.joint_ranges)
-    for i in range(5):
-        show(item, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], i)
-        assert item.tally["matched"] == 2 * (i + 1)
-
-
-class Clock:
-    """Stands in for the module `time`."""
-
-    now = 0.0
-
-    def monotonic(self):
-        return self.now
-
-
 @pytest.fixture
 def clock(monkeypatch):
-    monkeypatch.setattr(item_module, "time", clock := Clock())
+    """Stands in for the module `time`."""
+    clock = SimpleNamespace(now=100.0, monotonic=lambda: clock.now)
+    monkeypatch.setattr(item_module, "time", clock)
     return clock
 
 
 def test_a_joint_that_nothing_is_heard_of_is_stale_until_it_is_heard_of_again(item, clock):
     matcher = JointMatcher(item.body.joint_ranges)
-    clock.now = 100.0
     assert item.stale() == {}, "nothing has ever come"
     show(item, matcher, ["TURRET_Y"], [0.1], 10)
     assert item.stale() == {}
@@ -87,19 +71,24 @@ def test_a_joint_that_nothing_is_heard_of_is_stale_until_it_is_heard_of_again(it
     assert item.stale() == {}
     show(item, matcher, ["TURRET_P"], [math.nan], 40)
     clock.now = 105.0
-    assert item.line().startswith(
-        "Tank: 0 joints shown; not a finite number: 'TURRET_P'; TURRET_Y, TURRET_P: nothing for"
-    )
+    said = "0 joints shown; not a finite number: 'TURRET_P'; TURRET_Y, TURRET_P: nothing for 1 s (1.6 s ago)"
+    assert item.line() == f"Tank: {said}"
 
 
-def info(*names):
-    return [SimpleNamespace(node_namespace=f"/{space}", node_name=name) for space, name in names]
+def test_what_is_wrong_with_messages_is_one_throttled_line(item, clock, caplog):
+    matcher = JointMatcher(item.body.joint_ranges)
+    for i in range(14):
+        clock.now = 100.0 + 0.5 * i
+        show(item, matcher, ["TURET_Y", "TURRET_P"], [0.1, 0.2], i)
+        assert item.tally["matched"] == i + 1, "a report is counted each time, the same one too"
+    said = "Tank: 1 joint shown; unknown 'TURET_Y'. Did you mean 'TURRET_Y'? Known are 'TURRET_P', 'TURRET_Y'."
+    assert caplog.messages == [said, said]
 
 
 def test_another_publisher_is_said_below_the_view_and_once_in_the_log_by_name(item, clock, caplog):
     matcher = JointMatcher(item.body.joint_ranges, lambda: 2)
-    clock.now = 100.0
-    nodes = info(("", "simulation"), ("lab", "\x1b[2Jforged"))
+    named = (("", "simulation"), ("lab", "\x1b[2Jforged"))
+    nodes = [SimpleNamespace(node_namespace=f"/{space}", node_name=name) for space, name in named]
     item._node = SimpleNamespace(get_publishers_info_by_topic=lambda topic: nodes)
     item.joint_topics = ["/Tank/joint_state"]
     for i in range(20):

@@ -9,16 +9,15 @@ import os
 import statistics
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
-import pytest
-from cell_view import cell_frame, updates_in_the_page
+from cell_view import cell_frame
 from costs import frame, import_time, joint_matching, simulation_loop
 from domains import reserved_domain
-from fleet import fleet, real_fleet
-from latency import REAL, latency, real_cost, real_latency, real_throughput, throughput
+from processes import REAL, measured
 from rich.console import Console
 from rich.table import Table
 
@@ -38,24 +37,33 @@ def measure(pair: Pair) -> tuple[float, float | None]:
     return statistics.median(mine), statistics.median(others) if others else None
 
 
+def traffic(pace: str, real: bool) -> Pair:
+    """Our node, and the reference: a real rclpy, flooded by the embedded one, or plain Cyclone DDS Python."""
+    if real:
+        reference = partial(measured, "traffic.py", "node", pace, by=REAL, published_by=REAL if pace == "beat" else ())
+    else:
+        reference = partial(measured, "traffic.py", "plain", pace)
+    return partial(measured, "traffic.py", "node", pace), reference
+
+
 def rows() -> Iterator[tuple[str, Pair, str, str]]:
     """What is measured: its name, ours and the reference in seconds, what the ratio should be, and the unit."""
     yield "simulation with controllers and publisher / bare mj_step, a step", simulation_loop(), "1.43", "us"
-    yield "publish to callback / plain Cyclone DDS Python", latency(), "1.2", "us"
-    yield "from message to message, unthrottled / plain Cyclone DDS Python", throughput(), "2.2", "us"
+    yield "publish to callback / plain Cyclone DDS Python", traffic("beat", False), "1.2", "us"
+    yield "from message to message, unthrottled / plain Cyclone DDS Python", traffic("flood", False), "2.2", "us"
     if REAL:
-        yield "publish to callback / rclpy of a real ROS 2", real_latency(), "0.82", "us"
-        yield "from message to message, unthrottled / rclpy of a real ROS 2", real_throughput(), "0.2", "us"
-        yield "processor time of a message received / rclpy of a real ROS 2", real_cost(), "0.2", "us"
-    yield "what a viewer computes in 1 s for one tank at 50 Hz, of 100 / of 10", fleet(), "1.0 at most", "ms"
+        yield "publish to callback / rclpy of a real ROS 2", traffic("beat", True), "0.82", "us"
+        yield "from message to message, unthrottled / rclpy of a real ROS 2", traffic("flood", True), "0.2", "us"
+        yield "processor time of a message received / rclpy of a real ROS 2", traffic("cost", True), "0.2", "us"
+    many, few = (partial(measured, "fleet.py", tanks) for tanks in ("100", "10"))
+    yield "what a viewer computes in 1 s for one tank at 50 Hz, of 100 / of 10", (many, few), "1.0 at most", "ms"
     if REAL:
-        yield "the same, of 100 / with rclpy of a real ROS 2", real_fleet(), "", "ms"
+        yield "the same, of 100 / with rclpy of a real ROS 2", (many, partial(many, by=REAL)), "", "ms"
     for joints in (2, 7, 40):
         yield f"joint matching / the original's index loop, {joints} joints", joint_matching(joints), "0.5", "us"
     yield "import tutorial", import_time(), "0.5 s", "ms"
     yield "a frame of the view, everything moving / meshcat's own calls", frame(), "", "us"
     yield "a frame in a cell, everything moving / meshcat's own calls to its server", cell_frame(), "0.2", "us"
-    yield "from update to update in the page, at 50 messages/s", updates_in_the_page(), "33.3 ms", "ms"
 
 
 def main() -> None:
@@ -68,11 +76,7 @@ def main() -> None:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
         for name, pair, aim, unit in rows():
             console.print(f"measuring: {name} ...", style="dim")
-            try:
-                ours, reference = measure(pair)
-            except pytest.skip.Exception as reason:
-                console.print(f"skipped: {reason}")
-                continue
+            ours, reference = measure(pair)
             scale = {"us": 1e6, "ms": 1e3}[unit]
             table.add_row(
                 name,

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from types import SimpleNamespace
 
 import meshcat
@@ -86,12 +87,10 @@ def chain(count: int) -> Body:
     """A robot with so many joints."""
     link = "<body><joint name='JOINT_{:02d}' range='-90 90'/><geom size='.1'/>"
     links = "".join(link.format(i) for i in range(count)) + "</body>" * count
-    path = Path(subprocess.check_output(["mktemp", "--suffix=.xml"], text=True).strip())
-    path.write_text(f"<mujoco><worldbody>{links}</worldbody></mujoco>")
-    try:
-        return Body.displayed(Placement("Chain", path))
-    finally:
-        path.unlink()
+    with NamedTemporaryFile("w", suffix=".xml") as file:
+        file.write(f"<mujoco><worldbody>{links}</worldbody></mujoco>")
+        file.flush()
+        return Body.displayed(Placement("Chain", Path(file.name)))
 
 
 def import_time() -> tuple[Timed, None]:
@@ -105,14 +104,26 @@ def import_time() -> tuple[Timed, None]:
     return lambda: start("import tutorial") - start(""), None
 
 
-def frame() -> tuple[Timed, Timed]:
-    """A frame in which the tank and all its wheels move; and the same with meshcat's own calls, packed but not sent."""
+def frame(address: str = "") -> tuple[Timed, Timed]:
+    """A frame in which the tank and all its wheels move; and the same with meshcat's own calls.
+
+    Args:
+        address: where meshcat sends its calls, and then ours go to the page of a cell; empty where nothing is sent.
+    """
     view = View(scene := Scene())
-    scene.attach(len)
     body = Body.displayed(TANK)
     view.add("Tank", body.model)
-    window = SimpleNamespace(send=lambda command: meshcat.visualizer.umsgpack.packb(command.lower()))
-    parts = [meshcat.Visualizer(window=window)[str(i)] for i in range(body.model.nbody)]
+    if address:
+        from tutorial.notebook.widgets.scene_view import SceneView
+
+        shown = SceneView(scene)
+        shown._audience.join("page")
+        visualizer = meshcat.Visualizer(zmq_url=address)
+    else:
+        scene.attach(len)
+        window = SimpleNamespace(send=lambda command: meshcat.visualizer.umsgpack.packb(command.lower()))
+        visualizer = meshcat.Visualizer(window=window)
+    parts = [visualizer[str(i)] for i in range(body.model.nbody)]
     angles = itertools.count()
 
     def move() -> None:
@@ -122,7 +133,11 @@ def frame() -> tuple[Timed, Timed]:
     def ours() -> None:
         move()
         view.update("Tank", body.data)
+        if address:
+            shown._next_at = 0.0
         view.flush()
+        if address:
+            shown._audience.note("page", shown._audience.frame)
 
     def meshcats() -> None:
         move()

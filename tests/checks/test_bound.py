@@ -90,6 +90,22 @@ def goes_through_all(message):
     return [safe(axis) for axis in message.axes][:4] + [0.0] * (4 - len(message.axes))
 
 
+def counts_through_all(message):
+    axes = [0.0, 0.0, 0.0, 0.0]
+    for i in range(len(message.axes)):
+        if i < 4:
+            axes[i] = safe(message.axes[i])
+    return axes
+
+
+def copies_all_at_once(message):
+    return four_axes(type(message)(axes=message.axes.tolist()))
+
+
+def copies_all_by_numpy(message):
+    return by_numpy(type(message)(axes=np.nan_to_num(message.axes, nan=math.nan, posinf=math.inf, neginf=-math.inf)))
+
+
 def returns_all(message):
     return [safe(axis) for axis in message.axes]
 
@@ -243,6 +259,9 @@ CAUSES = [
     (indexes, "four axes are taken for granted"),
     (takes_all, "all of the axes are copied or gone through"),
     (goes_through_all, "all of the axes are copied or gone through"),
+    (counts_through_all, "all of the axes are copied or gone through"),
+    (copies_all_at_once, "all of the axes are copied or gone through"),
+    (copies_all_by_numpy, "all of the axes are copied or gone through"),
     (returns_all, "all axes are returned"),
     (returns_fewer, "fewer than four are returned"),
     (rests_with_fewer, "a message with fewer axes counts as rest"),

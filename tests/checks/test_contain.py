@@ -174,6 +174,7 @@ ENDS = [
 ]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(("answer", "what", "where", "why"), ENDS, ids=lambda value: getattr(value, "__name__", ""))
 def test_whatever_it_does_is_contained_and_explained(answer, what, where, why):
     said = said_about(answer)
@@ -278,6 +279,7 @@ class LocksOfTheNotebook(GentleTank):
 """
 
 
+@pytest.mark.process
 def test_locks_of_the_notebook_are_taken_along_and_are_free_there():
     namespace = {"__name__": "__main__"}
     exec(LOCKS, namespace)
@@ -291,6 +293,7 @@ class Talks(GentleTank):
         super().initialize(io)
 
 
+@pytest.mark.process
 def test_what_it_prints_is_shown_below():
     said = said_about(Talks).splitlines()
     below = said[said.index("Your code printed:") + 1 :]
@@ -303,6 +306,7 @@ class TellsItsDomain(GentleTank):
         super().initialize(io)
 
 
+@pytest.mark.process
 def test_it_runs_in_another_ros_domain(domain, monkeypatch):
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
     other, reach = said_about(TellsItsDomain).splitlines()[-1].removeprefix("  | ").split("|")
@@ -347,6 +351,7 @@ def crash_in_the_middle(answer):
 crashing = Exercise("crashing", "", crash_in_the_middle, (Anything,), object, ("method",), (), "")
 
 
+@pytest.mark.process
 def test_a_crash_in_the_middle_of_a_message_ends_at_once_and_leaves_the_others_whole():
     async def check():
         task = asyncio.create_task(crashing._contained(Anything))
@@ -401,6 +406,7 @@ def child_of(process):
     return found()[0]
 
 
+@pytest.mark.process
 def test_an_interrupt_ends_the_process_and_is_passed_on(parent):
     child = child_of(parent)
     parent.send_signal(signal.SIGINT)
@@ -409,6 +415,7 @@ def test_an_interrupt_ends_the_process_and_is_passed_on(parent):
     until(lambda: not child.is_running(), "the end of the process that judges")
 
 
+@pytest.mark.process
 def test_it_is_gone_when_who_has_asked_is_killed(parent):
     child = child_of(parent)
     parent.kill()
@@ -420,6 +427,7 @@ class HaltsPython(GentleTank):
         ctypes.PyDLL(None).sleep(3600)
 
 
+@pytest.mark.process
 def test_an_interpreter_that_has_come_to_a_halt_is_ended():
     """A call into C that lets nothing else run is the one thing that the watchdog cannot see."""
     said = said_about(HaltsPython)
@@ -427,6 +435,7 @@ def test_an_interpreter_that_has_come_to_a_halt_is_ended():
     assert "in control, line" in said
 
 
+@pytest.mark.process
 def test_nothing_of_the_package_prints_on_import():
     code = "import tutorial.checks.tank_controller, tutorial.checks._child"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -42,6 +42,7 @@ def test_there_are_exercises_for_each_controller_and_each_is_called_by_its_name(
         assert getattr(importlib.import_module(exercise.module), exercise.name) is exercise
 
 
+@pytest.mark.process
 @every_exercise
 def test_the_solution_is_right_in_a_process_of_its_own(exercise, capfd):
     asyncio.run(exercise.check(exercise.right_answer))
@@ -50,6 +51,7 @@ def test_the_solution_is_right_in_a_process_of_its_own(exercise, capfd):
     assert "\nAll right. Notice " in said
 
 
+@pytest.mark.process
 @every_exercise
 def test_it_is_asked_hinted_and_solved(exercise, capsys):
     name = exercise.right_answer.__name__
@@ -121,6 +123,7 @@ def imports_and_cell(name):
     raise AssertionError(f"no notebook has a cell for {name}")
 
 
+@pytest.mark.process
 @every_exercise
 def test_the_solution_as_printed_is_right_in_its_notebook(exercise, domain, capsys):
     name = exercise.right_answer.__name__

@@ -6,6 +6,8 @@ import pytest
 from kernels import kernel
 from programs import until
 
+pytestmark = pytest.mark.process
+
 RIGHT = """
 import tutorial
 from sensor_msgs.msg import Joy
@@ -95,6 +97,8 @@ try:
 finally:
     ticking.cancel()
 """
+
+pytestmark = pytest.mark.process
 
 
 @pytest.fixture(scope="module")

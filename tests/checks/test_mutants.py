@@ -30,6 +30,7 @@ def sample(exercise):
     return [wrong[(2 * i + 1) * len(wrong) // (2 * SAMPLE)] for i in range(SAMPLE)]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("name", EXERCISES)
 def test_mutants_are_rejected(name, monkeypatch):
     monkeypatch.setattr(_contain, "subprocess", forks)
@@ -48,6 +49,7 @@ def test_mutants_are_rejected(name, monkeypatch):
     assert [mutant.change for mutant, rejected in zip(chosen, asyncio.run(judged())) if not rejected] == []
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("name", EXERCISES)
 def test_mutants_are_told_apart_by_their_change_and_can_be_defined(name):
     made = mutants_of(EXERCISES[name])

@@ -7,8 +7,12 @@ import contextlib
 import io
 import threading
 
+import pytest
+
 from tutorial.checks.joint_state_publisher import SlowPublisher, publish
 from tutorial.checks.tank_controller import GentleTank, drive
+
+pytestmark = pytest.mark.process
 
 
 class LocksAllOfControl(GentleTank):

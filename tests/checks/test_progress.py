@@ -40,6 +40,7 @@ def notebook(folder, monkeypatch):
     return folder
 
 
+@pytest.mark.process
 def test_a_kernel_remembers_what_is_solved_beside_its_notebook(folder):
     with kernel() as running:
         printed = running.run(SOLVE)
@@ -50,6 +51,7 @@ def test_a_kernel_remembers_what_is_solved_beside_its_notebook(folder):
     assert [path.name for path in folder.iterdir()] == [FILE]
 
 
+@pytest.mark.process
 def test_where_there_is_no_notebook_nothing_is_remembered(folder):
     asyncio.run(by_name.check(by_name.right_answer))
     remember("aim")
@@ -107,6 +109,7 @@ def test_the_overview_has_every_exercise_once_under_its_notebook(folder):
     assert page.count("✓") == 1
 
 
+@pytest.mark.process
 def test_tank_progress_shows_the_folder_one_is_in_or_names(program, folder):
     (folder / "notebooks").mkdir()
     (folder / "notebooks" / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')

@@ -6,10 +6,8 @@ import json
 import re
 
 import pytest
-from click.testing import CliRunner
 from programs import until
 
-from tutorial.commands.tank import tank
 from tutorial.errors import TutorialError
 from tutorial.ros.bags import Bag
 
@@ -34,7 +32,8 @@ def report(folder, node):
     return json.loads((folder / f"{node}.json").read_text())
 
 
-def test_a_drive_is_recorded_and_played_into_the_same_final_joints(program, tmp_path):
+@pytest.mark.process
+def test_a_drive_is_recorded_and_played_into_the_same_final_joints(program, tank, tmp_path):
     """Three recorders: that of the run, one of all topics, and one that is killed in the middle."""
     everything = program("bag", "record", "-a", "-o", tmp_path / "all")
     doomed = program("bag", "record", JOINTS, "-o", tmp_path / "doomed")
@@ -61,7 +60,7 @@ def test_a_drive_is_recorded_and_played_into_the_same_final_joints(program, tmp_
     first = run.index(cut_off[0])
     assert cut_off == run[first : first + len(cut_off)]
     assert len(cut_off) >= 50
-    info = CliRunner().invoke(tank, ["bag", "info", str(tmp_path / "doomed")])
+    info = tank("bag info", tmp_path / "doomed")
     assert f"Messages:          {len(cut_off)}\n" in info.stdout
     assert "This bag is damaged, and is read as far as it goes: its metadata.yaml is missing" in info.stderr
 
@@ -72,49 +71,17 @@ def test_a_drive_is_recorded_and_played_into_the_same_final_joints(program, tmp_
     assert "200 messages played\n" in player.output
     assert report(tmp_path / "again", "viewer")["joints"] == report(tmp_path, "viewer")["joints"]
 
-    endless = program("bag", "play", tmp_path / "run", "--loop", "--rate", 100)
-    endless.says("Ctrl-C ends it")
-    endless.asks_to_stop()
-    assert endless.ends() == 0
-    assert "messages played\n" in endless.output
-    assert "Traceback" not in endless.output + player.output
+    endless = tank("bag play --loop --rate 100", tmp_path / "run", once="Ctrl-C ends it")
+    assert (endless.status, endless.stdout.endswith("messages played\n")) == (0, True)
+    assert "Traceback" not in player.output
 
 
-def test_a_topic_that_nobody_publishes_is_waited_for_and_said(program, tmp_path):
-    running = program("bag", "record", "/nobody", "-o", tmp_path / "bag", "-s", "sqlite3")
-    running.says("waiting for /nobody, which nobody publishes yet")
-    running.asks_to_stop()
-    assert running.ends() == 0
-    assert "0 messages of 0 topics in 0.0 s\n" in running.output
+def test_a_topic_that_nobody_publishes_is_waited_for_and_said(tank, tmp_path):
+    waits = "waiting for /nobody, which nobody publishes yet"
+    run = tank("bag record /nobody -s sqlite3 -o", tmp_path / "bag", once=waits)
+    assert (run.status, "0 messages of 0 topics in 0.0 s\n" in run.stdout) == (0, True)
     assert Bag(tmp_path / "bag").damage == ""
-    again = program("bag", "record", "-a", "-o", tmp_path / "bag")
-    assert again.ends() == 1
-    assert "and a bag overwrites nothing. Give another name." in again.output
-    player = program("bag", "play", tmp_path / "bag")
-    assert player.ends() == 1
-    assert "Error: there is nothing to play" in player.output
-
-
-@pytest.mark.parametrize(
-    ("command", "said"),
-    [
-        ("record", "name topics, or give -a for all of them."),
-        ("record -a /joy", "name topics, or give -a for all of them."),
-        ("record -a -s rosbag1", "'rosbag1' is not one of 'mcap', 'sqlite3'"),
-        ("record -a --max-bag-duration 0", "0.0 is not in the range"),
-        ("play", "Missing argument 'BAG'"),
-        ("play a b", "'b' is too much: one bag is played at a time."),
-        ("play a --rate 0", "0.0 is not in the range"),
-        ("play a --clock often", "'often' is not a valid number"),
-    ],
-)
-def test_a_slip_of_the_pen_is_met_before_anything_starts(command, said):
-    result = CliRunner().invoke(tank, ["bag", *command.split()], obj=[])
-    assert result.exit_code == 2
-    assert said in result.output
-
-
-def test_what_is_no_bag_is_a_clear_error(tmp_path):
-    result = CliRunner().invoke(tank, ["bag", "info", str(tmp_path / "nowhere")])
-    assert isinstance(result.exception, TutorialError)
-    assert "there is no bag" in str(result.exception)
+    again = tank("bag record -a -o", tmp_path / "bag")
+    assert (again.status, "and a bag overwrites nothing. Give another name." in again.stderr) == (1, True)
+    played = tank("bag play", tmp_path / "bag")
+    assert (played.status, "Error: there is nothing to play" in played.stderr) == (1, True)

@@ -58,7 +58,7 @@ def command_lines():
             continue
 
 
-pytestmark = pytest.mark.timeout(320)
+pytestmark = [pytest.mark.process, pytest.mark.timeout(320)]
 
 
 @pytest.fixture(scope="module")
@@ -105,60 +105,47 @@ def judged(school, tmp_path_factory):
     return by_learner, whole, done, junit
 
 
-def test_each_answer_has_its_verdict_and_the_cause(judged):
-    learners, *_ = judged
-    assert learners["anna"][1]["by_name"]["verdict"] == "right"
-    assert learners["anna"][1]["aim"]["verdict"] == "not tried"
+DISTURBED = "The answer has disturbed the process that judged it."
+TABLE = [
+    ("anna", "by_name", "right", ""),
+    ("anna", "aim", "not tried", ""),
+    ("carl", "aim", "not judged", f"The answer did not come to its end within {LIMIT} s."),
+    ("carl", "by_name", "right", ""),
+    ("jack", "aim", "not judged", DISTURBED),
+    ("jack", "by_name", "right", ""),
+    ("kim", "aim", "not judged", "The answer ended the process that judged it."),
+    ("kim", "by_name", "right", ""),
+    ("moe", "aim", "not judged", DISTURBED),
+    ("moe", "by_name", "right", ""),
+]
+
+
+@pytest.mark.parametrize(("learner", "exercise", "verdict", "cause"), TABLE)
+def test_each_answer_has_its_verdict_and_what_it_did_is_charged_to_it_alone(judged, learner, exercise, verdict, cause):
+    answer = judged[0][learner][1][exercise]
+    assert (answer["verdict"], answer["cause"]) == (verdict, cause)
+
+
+def test_a_wrong_answer_has_its_cause_and_what_is_no_answer_has_none(judged):
+    learners, _, done, _ = judged
     ben = learners["ben"][1]["by_name"]
-    assert ben["verdict"] == "wrong"
-    assert ben["cause"]
-    assert "✗" in ben["text"]
+    assert (ben["verdict"], bool(ben["cause"]), "✗" in ben["text"]) == ("wrong", True, True)
     assert {answer["verdict"] for answer in learners["lena"][1].values()} == {"not tried"}
     assert "anna-checkpoint" not in learners
-
-
-def test_an_endless_loop_is_charged_to_its_own_answer(judged):
-    _, answers = judged[0]["carl"]
-    assert answers["aim"]["verdict"] == "not judged"
-    assert answers["aim"]["cause"] == f"The answer did not come to its end within {LIMIT} s."
-    assert answers["by_name"]["verdict"] == "right"
-
-
-def test_who_ends_the_process_leaves_nothing_and_loses_nothing_else(judged, school):
-    _, answers = judged[0]["kim"]
-    assert answers["aim"]["cause"] == "The answer ended the process that judged it."
-    assert answers["by_name"]["verdict"] == "right"
-    assert not [line for line in command_lines() if SLEEPER.format(school) in line]
-
-
-def test_what_is_written_into_the_report_is_charged_to_the_answer(judged):
-    _, answers = judged[0]["jack"]
-    assert answers["aim"]["cause"] == "The answer has disturbed the process that judged it."
-    assert answers["by_name"]["verdict"] == "right"
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="the walls around files are Linux's")
-def test_nothing_is_deleted_or_filled(judged, school):
-    learners, whole, *_ = judged
-    assert (school.parent / "grades.txt").read_text() == "all of them"
-    for learner in ("dora", "emil", "fred"):
-        assert learners[learner][1]["by_name"]["verdict"] == "wrong"
-    assert len(learners["emil"][1]["by_name"]["text"]) < 10_000
-    assert len(whole["walls"]) >= 3
-
-
-def test_what_is_no_notebook_is_said_and_nothing_of_it_reaches_the_terminal(judged):
-    learners, _, done, _ = judged
     assert learners["gina"][0].startswith("it is no notebook: JSONDecodeError: ")
     assert learners["hans"][0] == "it cannot be opened: it has more than 50 MB"
     assert learners["ida"][0] == "it cannot be opened: it is no file"
     assert "\x1b" not in done.stdout
 
 
-def test_who_calls_himself_right_is_noticed(judged):
-    _, answers = judged[0]["moe"]
-    assert answers["aim"]["cause"] == "The answer has disturbed the process that judged it."
-    assert answers["by_name"]["verdict"] == "right"
+@pytest.mark.skipif(sys.platform != "linux", reason="the walls around files are Linux's")
+def test_nothing_is_deleted_or_filled_or_left(judged, school):
+    learners, whole, *_ = judged
+    assert (school.parent / "grades.txt").read_text() == "all of them"
+    assert {learners[learner][1]["by_name"]["verdict"] for learner in ("dora", "emil", "fred")} == {"wrong"}
+    assert len(learners["emil"][1]["by_name"]["text"]) < 10_000
+    assert len(whole["walls"]) >= 3
+    assert not [line for line in command_lines() if SLEEPER.format(school) in line]
 
 
 def test_it_is_summed_up(judged):
@@ -185,13 +172,11 @@ def test_a_table_is_printed_where_all_is_right(program, tmp_path):
         assert words in running.output
 
 
-def test_there_has_to_be_a_notebook(program, tmp_path):
-    running = program("check", tmp_path)
-    assert running.ends() == 1
-    assert f"Error: there is no notebook in {tmp_path}" in running.output
-    running = program("check", tmp_path / "other.ipynb")
-    assert running.ends() == 1
-    assert f"Error: there is no file or folder '{tmp_path / 'other.ipynb'}'" in running.output
+def test_there_has_to_be_a_notebook(tank, tmp_path):
+    there_is_none = f"there is no file or folder '{tmp_path / 'other.ipynb'}'"
+    for path, said in ((tmp_path, f"there is no notebook in {tmp_path}"), (tmp_path / "other.ipynb", there_is_none)):
+        run = tank("check", path)
+        assert (run.status, f"Error: {said}" in run.stderr) == (1, True)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="an orphan is found on Linux")
@@ -213,33 +198,28 @@ def test_without_namespaces_nothing_is_left_either(program, tmp_path):
     assert not [line for line in command_lines() if sleeper in line]
 
 
-def judges(running):
-    """The processes in which it judges."""
-    return [p for p in psutil.Process(running.process.pid).children() if p.status() != psutil.STATUS_ZOMBIE]
-
-
-def test_ctrl_c_shows_what_is_done_and_leaves_nothing(program, tmp_path):
-    room = tmp_path / "class"
-    room.mkdir()
-    notebook(room / "a.ipynb", RIGHT)
-    notebook(room / "b.ipynb", f"# {tmp_path}", AT_ONCE.format("while True: pass"))
-    running = program("check", room, "--jobs", "1")
+@pytest.fixture
+def judging(program, tmp_path):
+    """A check that has judged one notebook of two, and is at the second."""
+    notebook(tmp_path / "a.ipynb", RIGHT)
+    notebook(tmp_path / "b.ipynb", f"# {tmp_path}", AT_ONCE.format("while True: pass"))
+    running = program("check", tmp_path, "--jobs", "1")
     running.says("1 of 2: a.ipynb")
-    until(lambda: judges(running), "the second notebook")
-    below = psutil.Process(running.process.pid).children(recursive=True)
-    running.asks_to_stop()
-    assert running.ends() == 130
-    assert " right " in running.output
-    assert "Interrupted: 1 of 2 notebooks are not judged." in running.output
+    teacher = psutil.Process(running.process.pid)
+    until(lambda: [p for p in teacher.children() if p.status() != psutil.STATUS_ZOMBIE], "the second notebook")
+    below = teacher.children(recursive=True)
+    yield running
     psutil.wait_procs(below, timeout=60)
     assert not [process for process in below if process.is_running() and process.status() != psutil.STATUS_ZOMBIE]
 
 
-def test_nothing_goes_on_when_the_teachers_process_is_killed(program, tmp_path):
-    running = program("check", notebook(tmp_path / "b.ipynb", AT_ONCE.format("while True: pass")))
-    until(lambda: judges(running), "the judge")
-    below = psutil.Process(running.process.pid).children(recursive=True)
-    running.process.kill()
-    running.ends()
-    psutil.wait_procs(below, timeout=60)
-    assert not [process for process in below if process.is_running() and process.status() != psutil.STATUS_ZOMBIE]
+def test_ctrl_c_shows_what_is_done_and_leaves_nothing(judging):
+    judging.asks_to_stop()
+    assert judging.ends() == 130
+    assert " right " in judging.output
+    assert "Interrupted: 1 of 2 notebooks are not judged." in judging.output
+
+
+def test_nothing_goes_on_when_the_teachers_process_is_killed(judging):
+    judging.process.kill()
+    judging.ends()

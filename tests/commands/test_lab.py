@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import json
 import logging
-import os
 import re
 import shutil
 import socket
-import sys
+import webbrowser
 from base64 import b64encode
 from contextlib import closing, contextmanager
 from http.client import HTTPConnection
 from http.cookiejar import CookieJar
+from types import SimpleNamespace
 from urllib.parse import urlsplit
 from urllib.request import HTTPCookieProcessor, Request, build_opener
 
 import nbformat
 import pytest
 from nbformat.sign import NotebookNotary
-from programs import PATIENCE, answer, until
+from programs import PATIENCE, Program, answer, until
 from tornado.websocket import WebSocketClosedError
 
 from tutorial.commands import lab
@@ -27,6 +27,7 @@ from tutorial.commands.lab import NOTEBOOKS, lab_command, own_course, trust
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME
 
+JUPYTERS_FOLDERS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")
 ADDRESS = re.compile(r"http://127\.0\.0\.1:(\d+)/lab/tree/notebooks/0_setup\.ipynb\?token=(\w+)")
 CODESPACE = {"CODESPACE_NAME": "animated-tank", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN": "app.github.dev"}
 FORWARDED = "https://animated-tank-8888.app.github.dev"
@@ -60,19 +61,29 @@ def is_trusted(path, folder):
         notary.store.close()
 
 
-@pytest.fixture
-def open_lab(program, own_folders):
-    """Start ``tank lab`` where there is no browser, with more of JupyterLab's arguments, until it has said its say."""
+NOWHERE = dict.fromkeys(("BROWSER", "DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"), "")
+NOWHERE |= dict.fromkeys(("JUPYTER_TOKEN", "JUPYTER_TOKEN_FILE", *CODESPACE), "")
 
-    def start(*arguments, environment=None):
-        nowhere = dict.fromkeys(("BROWSER", "DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"), "")
-        nowhere |= dict.fromkeys(("JUPYTER_TOKEN", "JUPYTER_TOKEN_FILE", *CODESPACE), "")
-        arguments = ("--ServerApp.port=0", *arguments)
-        running = program("lab", "--", *arguments, environment={**nowhere, **own_folders, **(environment or {})})
+
+@contextmanager
+def opened(folder, *arguments, **environment):
+    """``tank lab`` where there is no browser, with more of JupyterLab's arguments, when it has said its say."""
+    folders = {name: str(folder / name) for name in JUPYTERS_FOLDERS}
+    running = Program("lab", "--", "--ServerApp.port=0", *arguments, environment={**NOWHERE, **folders, **environment})
+    try:
         running.says("Ctrl-C ends it.\n")
-        return running
+        yield running
+    finally:
+        running.clear()
+        print(running.output)
 
-    return start
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    """One in a codespace, where its page is forwarded, and its folder."""
+    folder = tmp_path_factory.mktemp("jupyter")
+    with opened(folder, **CODESPACE) as running:
+        yield running, folder
 
 
 def address_of(running):
@@ -80,35 +91,157 @@ def address_of(running):
     return ADDRESS.search(running.output)[0]
 
 
-def part_of(address, path):
-    """Another address of the same server, with the token."""
-    return f"{address.partition('/lab/')[0]}{path}?{urlsplit(address).query}"
+def cookies_of(address):
+    """Those by which a page goes on that was opened with the token."""
+    cookies = CookieJar()
+    build_opener(HTTPCookieProcessor(cookies)).open(address).close()
+    return {cookie.name: cookie.value for cookie in cookies}
 
 
-def test_where_there_is_no_browser_it_says_in_one_line_what_to_open(open_lab):
+def as_header(cookies):
+    return "; ".join(f"{name}={value}" for name, value in cookies.items())
+
+
+@contextmanager
+def websocket(url, **headers):
+    """Ask a server to go on as a websocket; yield the status that it answers with."""
+    url = urlsplit(url)
+    asking = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
+    asking["Sec-WebSocket-Key"] = b64encode(bytes(16)).decode()
+    with closing(HTTPConnection(url.netloc, timeout=PATIENCE)) as connection:
+        connection.request("GET", f"{url.path}?{url.query}", headers={**asking, **headers})
+        yield connection.getresponse().status
+
+
+@pytest.mark.process
+def test_where_there_is_no_browser_it_says_in_one_line_what_to_open_and_trusts_the_notebooks(server):
     """As root, too, which the tests are in a container."""
-    running = open_lab()
-    said, how_to_end, *more = running.output.splitlines()
+    running, folder = server
+    said, how_to_end = running.output.splitlines()
     assert re.fullmatch("Open this in a browser: " + ADDRESS.pattern, said)
     assert how_to_end == "Ctrl-C ends it."
-    assert more == []
     with answer(address_of(running)) as page:
         assert page.url == address_of(running)  # and not the page that asks for the token
+    for path in NOTEBOOKS.glob("*.ipynb"):
+        assert is_trusted(path, folder / "JUPYTER_DATA_DIR"), path
 
 
-def test_ctrl_c_ends_it_and_its_kernels_without_a_word(open_lab):
-    running = open_lab("--LanguageServerManager.autodetect=False")  # it asks npm where they might be
-    said = list(running.lines)
-    run_kernel(address_of(running))
-    assert len(running.family()) == 2
-    running.asks_to_stop()
-    assert running.ends() == 0
-    assert [line for line in running.lines if not line.startswith("[IPKernelApp]")] == said
-    running.leaves_nothing()
+@pytest.mark.process
+def test_in_a_codespace_the_forwarded_page_reaches_its_server_and_no_other_does(server):
+    address = address_of(server[0])
+    events, cookies = address.partition("/lab/")[0] + "/api/events/subscribe", as_header(cookies_of(address))
+    answered = []
+    for origin in (FORWARDED, "https://another-tank-8888.app.github.dev", f"{FORWARDED}.example"):
+        with websocket(events, Cookie=cookies, Origin=origin) as status:
+            answered.append(status)
+    assert answered == [101, 403, 403]
 
 
+@pytest.mark.process
+def test_what_a_stranger_sends_is_not_read(server):
+    url = urlsplit(address_of(server[0]))
+
+    def answered(*lines, body=""):
+        """The first line of the answer; empty if there is none."""
+        with socket.create_connection(("127.0.0.1", url.port), timeout=PATIENCE) as connection:
+            connection.sendall("\r\n".join((*lines, "", body)).encode())
+            return connection.makefile().readline().strip()
+
+    head = f"PUT /api/contents/x.txt HTTP/1.1\r\nHost: {url.netloc}"
+    refused = "HTTP/1.1 403 Forbidden"
+    for length in ("Content-Length: 89000000", "Transfer-Encoding: chunked"):
+        assert answered(head, length) == answered(head, length, "Authorization: token wrong") == refused
+    held, body = cookies_of(address_of(server[0])), "x" * 100_000  # which is read, and found to be no JSON
+    by_cookie = f"Cookie: {as_header(held)}\r\nX-XSRFToken: {held['_xsrf']}"
+    for known in (f"Authorization: token {url.query.partition('=')[2]}", by_cookie):
+        assert answered(head, known, f"Content-Length: {len(body)}", body=body) == "HTTP/1.1 400 Bad Request"
+    small = (f"POST /login HTTP/1.1\r\nHost: {url.netloc}", "Content-Length: 3")
+    assert answered(*small, body="x=y") == refused  # by Jupyter, as it has no _xsrf
+
+
+@pytest.mark.process
+def test_ctrl_c_ends_it_and_its_kernels_without_a_word(tmp_path):
+    with opened(tmp_path, "--LanguageServerManager.autodetect=False") as running:  # it asks npm where they might be
+        said, (before, _, after) = list(running.lines), address_of(running).partition("/lab/")
+        kernels = f"{before}/api/kernels?{after.partition('?')[2]}"
+        with answer(Request(kernels, data=b"{}", method="POST")) as reply:
+            channels = kernels.replace("?", f"/{json.load(reply)['id']}/channels?")
+
+        def is_ready():
+            with answer(kernels) as reply:
+                return json.load(reply)[0]["execution_state"] == "idle"
+
+        with websocket(channels) as status:
+            assert status == 101
+            until(is_ready, "the kernel")
+        assert len(running.family()) == 2
+        running.asks_to_stop()
+        assert running.ends() == 0
+        assert [line for line in running.lines if not line.startswith("[IPKernelApp]")] == said
+        running.leaves_nothing()
+
+
+@pytest.mark.process
+def test_where_there_is_a_browser_it_opens(tmp_path):
+    script, seen = tmp_path / "browser", tmp_path / "opened"
+    script.write_text(f'#!/bin/sh\necho "$1" > "{seen}.part" && mv "{seen}.part" "{seen}"\n')
+    script.chmod(0o755)
+    with opened(tmp_path, BROWSER=str(script)) as running:
+        assert running.output == f"It opens in the browser, at {address_of(running)}\nCtrl-C ends it.\n"
+        until(seen.exists, "the browser to be opened")
+        with build_opener().open(seen.read_text().strip()) as page:  # a file that hides the token from other users
+            assert address_of(running) in page.read().decode()
+        running.process.terminate()
+        assert running.ends() == 0
+
+
+@pytest.mark.process
+def test_the_users_own_arguments_are_heard_and_a_port_in_use_leads_to_another(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        more = ("--no-browser", "--log-level=INFO", "--IdentityProvider.token=mine", "--ServerApp.prot=1")
+        with opened(tmp_path, *more, f"--port={port}") as running:
+            for said in ("Jupyter Server", "Did you mean `port`?"):
+                assert said in running.output
+            shown = re.search(r":(\d+)/lab/tree/notebooks/0_setup.ipynb\?token=\.\.\.", running.output)
+            assert int(shown[1]) not in (0, port)  # the token is his, and others may look on
+
+
+@pytest.mark.process
+def test_what_the_server_decides(monkeypatch):
+    from tutorial.commands import lab_server  # and with it JupyterLab, which asks node
+
+    for name, value in NOWHERE.items():
+        monkeypatch.setenv(name, value)
+    decided = lab_server.CourseServer()
+    assert (decided.ip, decided.use_redirect_file, decided.allow_origin_pat) == ("127.0.0.1", True, "")
+    roots = ["127.0.0.1", "localhost", "::1", "127.0.0.2"]
+    assert [lab_server.CourseServer(ip=ip).allow_root for ip in roots] == [True, True, True, False]
+    for sign in ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"):
+        with monkeypatch.context() as patch:
+            patch.setenv(sign, "yes")
+            assert not lab_server.CourseServer().use_redirect_file
+    monkeypatch.setenv("CODESPACE_NAME", "animated-tank")
+    assert lab_server.CourseServer().allow_origin_pat == ""
+
+
+@pytest.mark.process
+def test_a_browser_in_the_terminal_is_none(monkeypatch):
+    from tutorial.commands import lab_server
+
+    def get(name):
+        if name is None:
+            raise webbrowser.Error
+        return SimpleNamespace(name=name)
+
+    monkeypatch.setattr(webbrowser, "get", get)
+    found = [lab_server._browser(name) for name in ("firefox", "lynx", "w3m", "")]
+    assert found == [SimpleNamespace(name="firefox"), None, None, None]
+
+
+@pytest.mark.process
 def test_a_page_that_was_closed_is_no_news(caplog):
-    from tutorial.commands import lab_server  # and with it JupyterLab, for a second: not while tests are collected
+    from tutorial.commands import lab_server
 
     log = logging.getLogger("asyncio")
     log.addFilter(lab_server._is_news)
@@ -118,145 +251,6 @@ def test_a_page_that_was_closed_is_no_news(caplog):
     finally:
         log.removeFilter(lab_server._is_news)
     assert [record.exc_info[0] for record in caplog.records] == [ValueError]
-
-
-def run_kernel(address):
-    """Start a kernel, as a notebook does, and wait until it is ready."""
-    kernels = part_of(address, "/api/kernels")
-    with answer(Request(kernels, data=b"{}", method="POST")) as reply:
-        channels = f"/api/kernels/{json.load(reply)['id']}/channels"
-
-    def is_ready():
-        with answer(kernels) as reply:
-            return json.load(reply)[0]["execution_state"] == "idle"
-
-    with websocket(part_of(address, channels)) as status:
-        assert status == 101
-        until(is_ready, "the kernel")
-
-
-@contextmanager
-def websocket(address, **headers):
-    """Ask a server to go on as a websocket; yield the status that it answers with."""
-    url = urlsplit(address)
-    asking = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec-WebSocket-Version": "13"}
-    connection = HTTPConnection(url.netloc, timeout=PATIENCE)
-    with closing(connection):
-        key = b64encode(bytes(16)).decode()
-        connection.request("GET", f"{url.path}?{url.query}", headers={**asking, "Sec-WebSocket-Key": key, **headers})
-        yield connection.getresponse().status
-
-
-def test_it_trusts_the_notebooks(open_lab, own_folders):
-    running = open_lab()
-    for path in NOTEBOOKS.glob("*.ipynb"):
-        assert is_trusted(path, own_folders["JUPYTER_DATA_DIR"]), path
-    running.process.terminate()
-    assert running.ends() == 0
-    running.leaves_nothing()
-
-
-@pytest.fixture
-def browser(tmp_path):
-    """A browser that writes down what it is asked to open."""
-    script, opened = tmp_path / "browser", tmp_path / "opened"
-    script.write_text(f'#!/bin/sh\necho "$1" > "{opened}.part" && mv "{opened}.part" "{opened}"\n')
-    script.chmod(0o755)
-    return script, opened
-
-
-def test_where_there_is_a_browser_it_opens(open_lab, browser):
-    script, opened = browser
-    running = open_lab(environment={"BROWSER": str(script)})
-    assert running.output == f"It opens in the browser, at {address_of(running)}\nCtrl-C ends it.\n"
-    until(opened.exists, "the browser to be opened")
-    with build_opener().open(opened.read_text().strip()) as page:  # a file that hides the token from other users
-        assert address_of(running) in page.read().decode()
-
-
-@pytest.mark.parametrize("sign", ["WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"])
-def test_a_browser_that_cannot_read_this_machines_files_gets_the_address(open_lab, browser, sign):
-    script, opened = browser
-    running = open_lab(environment={"BROWSER": str(script), sign: "yes"})
-    until(opened.exists, "the browser to be opened")
-    assert opened.read_text().strip() == address_of(running)
-
-
-def test_a_browser_in_the_terminal_is_none(open_lab, browser):
-    script, opened = browser
-    lynx = script.rename(script.with_name("lynx"))
-    path = os.pathsep.join((str(lynx.parent), os.environ["PATH"]))
-    running = open_lab(environment={"BROWSER": "lynx", "PATH": path})
-    assert running.output.startswith("Open this in a browser: ")
-    assert not opened.exists()
-
-
-def test_the_users_own_arguments_are_heard(open_lab):
-    running = open_lab("--no-browser", "--log-level=INFO", "--IdentityProvider.token=mine", "--ServerApp.prot=1")
-    assert "Jupyter Server" in running.output
-    assert "Did you mean `port`?" in running.output
-    assert "/lab/tree/notebooks/0_setup.ipynb?token=..." in running.output  # he knows it, and others may look on
-
-
-def test_a_port_in_use_leads_to_another(program, own_folders):
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        options = ("--no-browser", f"--port={port}")
-        running = program("lab", "--", *options, environment=own_folders)
-        running.says("Ctrl-C ends it.\n")
-        assert len(running.lines) == 2
-        assert ADDRESS.search(running.output)[1] != str(port)
-        running = program("lab", "--", *options, "--port-retries=0", environment=own_folders)
-        assert running.ends() == 1
-        assert f"port {port} is not available" in running.output
-
-
-@pytest.mark.skipif(os.geteuid() != 0 or sys.platform != "linux", reason="is about root, and an address that Linux has")
-def test_root_has_to_ask_for_another_address(program, own_folders):
-    options = ("--no-browser", "--port=0", "--ip=127.0.0.2")
-    running = program("lab", "--", *options, environment=own_folders)
-    assert running.ends() == 1
-    assert "Use --allow-root" in running.output
-
-
-def test_in_a_codespace_the_forwarded_page_reaches_its_server_and_no_other_does(open_lab):
-    running = open_lab(environment=CODESPACE)
-    cookies = CookieJar()  # by which a page goes on that was opened with the token
-    build_opener(HTTPCookieProcessor(cookies)).open(address_of(running)).close()
-    sent = "; ".join(f"{cookie.name}={cookie.value}" for cookie in cookies)
-    events = address_of(running).partition("/lab/")[0] + "/api/events/subscribe"
-    answered = {}
-    for origin in (FORWARDED, "https://another-tank-8888.app.github.dev", f"{FORWARDED}.example"):
-        with websocket(events, Cookie=sent, Origin=origin) as status:
-            answered[origin] = status
-    assert list(answered.values()) == [101, 403, 403]
-
-
-def first_line(port, text):
-    """Send something, and return the first line of the answer; empty if there is none."""
-    with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE) as connection:
-        connection.sendall(text.encode())
-        return connection.makefile().readline().strip()
-
-
-def test_what_a_stranger_sends_is_not_read(open_lab):
-    address = address_of(open_lab())
-    url = urlsplit(address)
-    head = f"PUT /api/contents/x.txt HTTP/1.1\r\nHost: {url.netloc}\r\n"
-    refused = "HTTP/1.1 403 Forbidden"
-    for length in ("Content-Length: 89000000", "Transfer-Encoding: chunked"):
-        assert first_line(url.port, f"{head}{length}\r\n\r\n") == refused
-        assert first_line(url.port, f"{head}{length}\r\nAuthorization: token wrong\r\n\r\n") == refused
-    cookies = CookieJar()
-    build_opener(HTTPCookieProcessor(cookies)).open(address).close()
-    held = {cookie.name: cookie.value for cookie in cookies}
-    by_cookie = f"Cookie: {'; '.join(f'{name}={held[name]}' for name in held)}\r\nX-XSRFToken: {held['_xsrf']}"
-    body = "x" * 100_000  # which is read, and found to be no JSON
-    for known in (f"Authorization: token {url.query.partition('=')[2]}", by_cookie):
-        sent = f"{head}{known}\r\nContent-Length: {len(body)}\r\n\r\n{body}"
-        assert first_line(url.port, sent) == "HTTP/1.1 400 Bad Request"
-    small = f"POST /login HTTP/1.1\r\nHost: {url.netloc}\r\nContent-Length: 3\r\n\r\nx=y"
-    assert first_line(url.port, small) == refused  # by Jupyter, as it has no _xsrf
 
 
 def test_only_what_is_there_now_is_trusted(tmp_path):
@@ -277,30 +271,24 @@ def test_in_a_checkout_the_checkout_is_opened():
     assert own_course() == HOME
     assert set(HOME.iterdir()) == before
     assert f"--ServerApp.root_dir={HOME}" in lab_command()
+    assert lab_command()[1] == "-P"  # no Python file that lies about is run
 
 
-def test_where_there_is_no_course_folder_one_is_made(shipped, tmp_path, caplog):
+def test_where_there_is_no_course_folder_one_is_made_of_all_but_what_pip_has_compiled(shipped, tmp_path, caplog):
+    compiled = shipped / "launch_py" / "__pycache__" / "step1.launch.cpython-311.pyc"
+    compiled.parent.mkdir()
+    compiled.write_bytes(b"")
     caplog.set_level(logging.INFO)
     course = own_course()
     assert course == tmp_path / "here" / "tank-tutorial"
     copied = files_in(course)
     controllers = {name: text for name, text in copied.items() if name.startswith("tutorial/controllers/")}
     assert "class TankController" in controllers["tutorial/controllers/tank_controller.py"]
+    compiled.unlink()
     assert files_in(shipped) == {name: text for name, text in copied.items() if name not in controllers}
+    assert all((course / name).stat().st_mode & 0o200 for name in copied)  # though the package is read-only
     assert caplog.messages == [f"the course is now in {course}; all that you change there stays"]
     assert f"--ServerApp.root_dir={course}" in lab_command((), course)
-
-
-def test_what_pip_has_compiled_is_not_copied(shipped):
-    compiled = shipped / "launch_py" / "__pycache__" / "step1.launch.cpython-311.pyc"
-    compiled.parent.mkdir()
-    compiled.write_bytes(b"")
-    assert [path.name for path in (own_course() / "launch_py").iterdir()] == ["step1.launch.py"]
-
-
-def test_what_is_copied_can_be_changed_though_the_package_is_read_only(shipped):
-    for name in files_in(shipped):
-        assert (own_course() / name).stat().st_mode & 0o200, name
 
 
 def test_what_a_learner_has_changed_stays_and_what_is_missing_is_added(shipped, caplog):
@@ -341,24 +329,19 @@ def test_nothing_is_added_to_a_checkout(shipped, tmp_path, monkeypatch):
     assert files_in(tmp_path / "checkout") == {"tutorial/__init__.py": ""}
 
 
-def test_a_folder_that_cannot_be_written_to_is_said(shipped, tmp_path):
-    (tmp_path / "here" / "tank-tutorial").write_text("a file in the way")
-    with pytest.raises(TutorialError, match=r"cannot be copied to .*tank-tutorial: .*\. Go to a folder of your own"):
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (
+            lambda here: (here / "tank-tutorial").write_text(""),
+            r"cannot be copied to .*tank-tutorial: .*\. Go to a folder",
+        ),
+        (lambda here: own_course(), r"tank-tutorial belongs to another user\. Go to a folder of your own"),
+        (lambda here: here.rmdir(), "the current directory has been deleted"),
+    ],
+)
+def test_a_folder_in_which_there_can_be_no_course_is_said(shipped, tmp_path, monkeypatch, spoil, said):
+    spoil(tmp_path / "here")
+    monkeypatch.setattr(lab, "is_ours", lambda folder: folder.is_file())
+    with pytest.raises(TutorialError, match=said):
         own_course()
-
-
-def test_a_strangers_course_is_not_opened(shipped, monkeypatch):
-    own_course()
-    monkeypatch.setattr(lab, "is_ours", lambda folder: False)
-    with pytest.raises(TutorialError, match=r"tank-tutorial belongs to another user\. Go to a folder of your own"):
-        own_course()
-
-
-def test_a_deleted_directory_is_said(shipped, tmp_path):
-    (tmp_path / "here").rmdir()
-    with pytest.raises(TutorialError, match="the current directory has been deleted"):
-        own_course()
-
-
-def test_no_python_file_that_lies_about_is_run():
-    assert lab_command()[1] == "-P"

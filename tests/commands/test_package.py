@@ -11,11 +11,13 @@ from click.testing import CliRunner
 from packages import CONTROLLERS, install, run
 
 from tutorial.commands.package import package
+from tutorial.commands.packaging import maintainer
 from tutorial.commands.packaging.maintainer import NOBODY, Maintainer, find_maintainer
 from tutorial.commands.packaging.naming import check_name
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME
 
+ANN = Maintainer('Ann "A" <O\'Hara> & Son', "ann@example.com")
 COMMON = {"README.md", "package.xml", "setup.cfg", "setup.py"}
 
 
@@ -23,9 +25,7 @@ COMMON = {"README.md", "package.xml", "setup.cfg", "setup.py"}
 def here(tmp_path, monkeypatch):
     """The current directory, in which a learner's file with two controllers lies, on a machine that knows its user."""
     (tmp_path / "mine.py").write_text(CONTROLLERS)
-    (tmp_path / "gitconfig").write_text('[user]\nname = "Ann \\"A\\" <O\'Hara> & Son"\nemail = ann@example.com\n')
-    monkeypatch.setenv("GIT_CONFIG_NOSYSTEM", "1")
-    monkeypatch.setenv("GIT_CONFIG_GLOBAL", str(tmp_path / "gitconfig"))
+    monkeypatch.setattr(maintainer, "_ask_git", {"user.name": ANN.name, "user.email": ANN.email}.__getitem__)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -39,6 +39,11 @@ def files(folder):
     return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
 
 
+def files_of(name, module):
+    own = (f"launch/{name}.launch.py", f"{name}/__init__.py", f"{name}/{module}.py", f"test/test_{module}.py")
+    return COMMON | {*own, f"resource/{name}"}
+
+
 def depends(folder):
     return {each.text for each in ElementTree.parse(folder / "package.xml").findall("exec_depend")}
 
@@ -46,13 +51,7 @@ def depends(folder):
 def test_a_package_of_the_example(here):
     said = make("my_listener")
     folder = here / "my_listener"
-    assert files(folder) == COMMON | {
-        "launch/my_listener.launch.py",
-        "my_listener/__init__.py",
-        "my_listener/listener.py",
-        "resource/my_listener",
-        "test/test_listener.py",
-    }
+    assert files(folder) == files_of("my_listener", "listener")
     assert (folder / "my_listener" / "listener.py").read_bytes() == (HOME / "notebooks" / "listener.py").read_bytes()
     assert depends(folder) == {"rclpy", "ros2launch", "sensor_msgs"}
     assert set(said.splitlines()) >= {"my_listener/package.xml", "    ros2 run my_listener listener"}
@@ -61,14 +60,7 @@ def test_a_package_of_the_example(here):
 def test_a_package_of_a_controller_is_around_the_first_step_that_has_it(here):
     said = make("my_tank", "--controller", "mine.py:JointStatePublisher", "--destination-directory", "src")
     folder = here / "src" / "my_tank"
-    assert files(folder) == COMMON | {
-        "launch/my_tank.launch.py",
-        "my_tank/__init__.py",
-        "my_tank/joint_state_publisher.py",
-        "my_tank/node.py",
-        "resource/my_tank",
-        "test/test_joint_state_publisher.py",
-    }
+    assert files(folder) == files_of("my_tank", "joint_state_publisher") | {"my_tank/node.py"}
     assert (folder / "my_tank" / "joint_state_publisher.py").read_text() == CONTROLLERS
     assert '"run", "step2", "--controller"' in (folder / "my_tank" / "node.py").read_text()
     assert 'name="simulation"' in (folder / "launch" / "my_tank.launch.py").read_text()
@@ -92,11 +84,10 @@ def test_catkin_pkg_reads_it_without_a_complaint(here, arguments):
     assert complaints == []
     assert (found.package_format, found.name, found.version) == (3, "my_tank", "0.0.0")
     assert found.get_build_type() == "ament_python"
-    assert [(each.name, each.email) for each in found.maintainers] == [
-        ('Ann "A" <O\'Hara> & Son', "ann@example.com"),
-    ]
+    assert [(each.name, each.email) for each in found.maintainers] == [ANN]
 
 
+@pytest.mark.process
 def test_it_is_installed_where_ros2_looks(here):
     pytest.importorskip("setuptools", reason="a package is installed by setuptools, which ROS 2 has")
     make("my_listener")
@@ -111,6 +102,7 @@ def test_it_is_installed_where_ros2_looks(here):
     assert (prefix / "lib" / "my_listener" / "listener").exists()
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("arguments", [[], ["--controller", "mine.py:TankController"]])
 def test_the_test_that_it_brings_passes(here, domain, arguments):
     make("my_tank", *arguments)
@@ -118,6 +110,7 @@ def test_the_test_that_it_brings_passes(here, domain, arguments):
     assert "1 passed" in run("-m", "pytest", "-p", "tutorial", cwd=here / "my_tank", **alone)
 
 
+@pytest.mark.process
 def test_its_node_runs_the_learners_controller_and_takes_what_tank_run_takes(here, domain):
     make("my_tank", "--controller", "mine.py:JointStatePublisher")
     start = "import sys; from my_tank.node import main; main()"
@@ -150,7 +143,7 @@ def test_a_name_that_no_package_can_have(here, name, said):
     with pytest.raises(TutorialError) as info:
         make(name)
     assert said.replace(r"\\", "\\") in str(info.value)
-    assert files(here) == {"gitconfig", "mine.py"}
+    assert files(here) == {"mine.py"}
 
 
 @pytest.mark.parametrize("name", ["tank", "t2", "my_2nd_tank", "x" * 60])
@@ -212,22 +205,28 @@ def test_a_disk_that_is_full_leaves_nothing_behind(here, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "config", ["", "[user]\nname = Ann\nemail = ann@localhost\n", '[user]\nname = "A\\bB"\nemail = a@b.cd\n']
+    ("name", "email"),
+    [("", ""), ("Ann", "ann@localhost"), ("A\bB", "a@b.cd"), ("A" * 101, "a@b.cd"), ("Ann", f"{'a' * 96}@b.cd")],
 )
-def test_whom_git_does_not_know_is_to_be_filled_in(here, config):
-    (here / "gitconfig").write_text(config)
+def test_whom_git_does_not_know_is_to_be_filled_in(here, monkeypatch, name, email):
+    assert find_maintainer() == ANN
+    assert "Fill in its license, in package.xml" in make("my_first")
+    monkeypatch.setattr(maintainer, "_ask_git", {"user.name": name, "user.email": email}.__getitem__)
     assert find_maintainer() == NOBODY
-    assert "Fill in its license and maintainer" in make("my_tank")
+    assert "Fill in its license and maintainer, in package.xml" in make("my_tank")
 
 
-def test_where_there_is_no_git_the_maintainer_is_to_be_filled_in(here, monkeypatch):
-    assert find_maintainer() == Maintainer('Ann "A" <O\'Hara> & Son', "ann@example.com")
-    monkeypatch.setenv("PATH", str(here))
+@pytest.mark.process
+def test_git_is_asked_if_there_is_one(tmp_path, monkeypatch):
+    (tmp_path / "gitconfig").write_text('[user]\nname = "Ann \\"A\\" <O\'Hara> & Son"\nemail = ann@example.com\n')
+    monkeypatch.setenv("GIT_CONFIG_GLOBAL", str(tmp_path / "gitconfig"))
+    monkeypatch.chdir(tmp_path)
+    assert find_maintainer() == ANN
+    monkeypatch.setenv("PATH", str(tmp_path))
     assert find_maintainer() == NOBODY
 
 
-def test_one_controller_of_a_file_is_enough_for_a_run(program, here):
+def test_one_controller_of_a_file_is_enough_for_a_run(tank, here):
     """`tank run` parts file and class, too."""
-    running = program("run", "step1", "--headless", "--duration", 0.1, "--controller", "mine.py:TankController")
-    assert running.ends() == 0, running.output
-    assert "- TankController (mine.py)" in running.output
+    run = tank("run step1 --headless --duration 0.1 --controller mine.py:TankController")
+    assert (run.status, "- TankController (mine.py)" in run.stdout) == (0, True), run.said

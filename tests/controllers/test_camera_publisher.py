@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from controlled import stamps_ms
+from loops import in_a_loop, until
 from pictures import is_red, need_pictures, red_block
-from programs import PATIENCE
 from sensor_msgs.msg import Image
 
 from tutorial.controllers.camera_publisher import CameraPublisher, image
@@ -28,19 +28,10 @@ def project(domain, tmp_path):
     return replace(loaded, bodies=(*loaded.bodies, item))
 
 
-class Ear:
-    def __init__(self, host):
-        self.heard = []
-        self.subscription = host.node.create_subscription(Image, "/Tank/camera/image", self.heard.append, 30)
-
-    async def hear(self, count):
-        async with asyncio.timeout(PATIENCE):
-            while len(self.heard) < count:
-                await asyncio.sleep(0.01)
-
-
-def stamps_ms(messages):
-    return [m.header.stamp.sec * 1000 + m.header.stamp.nanosec // 1_000_000 for m in messages]
+def ear(host):
+    """(what is heard of the camera, the subscription)"""
+    heard = []
+    return heard, host.node.create_subscription(Image, "/Tank/camera/image", heard.append, 30)
 
 
 def test_an_image_holds_its_pixels_row_by_row():
@@ -52,24 +43,17 @@ def test_an_image_holds_its_pixels_row_by_row():
     assert list(image(pixels[::-1]).data) == [*range(15, 30), *range(15)]
 
 
-def test_what_is_before_the_tank_arrives_in_lockstep_ten_times_a_second(project):
+@in_a_loop
+async def test_what_is_before_the_tank_arrives_in_lockstep_ten_times_a_second(project):
     need_pictures()
-
-    async def run():
-        async with Host(project) as host:
-            ear = Ear(host)
-            async with asyncio.timeout(PATIENCE):
-                while not ear.subscription.get_publisher_count():
-                    await asyncio.sleep(0.01)
-            host.simulation.advance(1.001)
-            await ear.hear(11)
+    async with Host(project) as host:
+        heard, subscription = ear(host)
+        await until(subscription.get_publisher_count)
+        for seconds, count in ((1.001, 11), (0.101, 13)):
             host.simulation.restart()
-            host.simulation.advance(0.101)
-            await ear.hear(13)
-            assert host.error is None
-            return ear.heard
-
-    heard = asyncio.run(run())
+            host.simulation.advance(seconds)
+            await until(lambda n=count: len(heard) >= n)
+        assert host.error is None
     assert stamps_ms(heard) == [*range(0, 1001, 100), 0, 100]
     message = heard[10]
     assert (message.header.frame_id, message.encoding) == ("CAMERA", "rgb8")
@@ -79,42 +63,34 @@ def test_what_is_before_the_tank_arrives_in_lockstep_ten_times_a_second(project)
     assert not is_red(pixels[10, 10])
 
 
-def test_a_tank_that_is_deleted_while_pictures_are_taken_leaves_nothing(project):
+@in_a_loop
+async def test_a_tank_that_is_deleted_while_pictures_are_taken_leaves_nothing(project):
     need_pictures()
-
-    async def run():
-        async with Host(project) as host:
-            ear = Ear(host)
-            host.simulation.start()
-            await ear.hear(2)
-            host.remove("Tank")
-            assert host.simulation.running
-            assert host.error is None
-            host.simulation.stop()
-        return ear.heard
-
-    heard = asyncio.run(run())
+    async with Host(project) as host:
+        heard, _ = ear(host)
+        host.simulation.start()
+        await until(lambda: len(heard) >= 2)
+        host.remove("Tank")
+        assert host.simulation.running
+        assert host.error is None
+        host.simulation.stop()
     assert all(stamp % 100 == 0 for stamp in stamps_ms(heard))
     assert not any(thread.name == "camera" for thread in threading.enumerate())
 
 
-def test_what_a_receiver_of_pictures_raises_is_the_programs_error(project):
+@in_a_loop
+async def test_what_a_receiver_of_pictures_raises_is_the_programs_error(project):
     need_pictures()
 
     class Broken(CameraPublisher):
         def publish(self, pixels, time_ns):
             raise ZeroDivisionError
 
-    async def run():
-        async with Host(project.with_controllers("Tank", Broken)) as host:
-            host.simulation.start()
-            async with asyncio.timeout(PATIENCE):
-                while host.error is None:
-                    await asyncio.sleep(0.01)
-            assert isinstance(host.error, ZeroDivisionError)
-            assert host.simulation.running
-            host.simulation.stop()
-            host.forget_errors()
-            assert host.error is None
-
-    asyncio.run(run())
+    async with Host(project.with_controllers("Tank", Broken)) as host:
+        host.simulation.start()
+        await until(lambda: host.error is not None)
+        assert isinstance(host.error, ZeroDivisionError)
+        assert host.simulation.running
+        host.simulation.stop()
+        host.forget_errors()
+        assert host.error is None

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from math import atan2, remainder, tau
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from controlled import on_course, stamps_ms
 
 from tutorial.controller import SimpleController
 from tutorial.controllers.imu_publisher import ImuPublisher
 from tutorial.paths import HOME
 from tutorial.project import Project
-from tutorial.simulation import Simulation
 from tutorial.world import Placement
 
 
@@ -35,68 +34,54 @@ class Recorder(SimpleController):
         self.headings.append(atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
 
 
-class Course:
-    """The simulated tank with an `ImuPublisher`, and the messages that it has sent."""
-
-    def __init__(self, placements, name="Tank", time_step=0.001, controllers=()):
-        self.sent = []
-        node = SimpleNamespace(create_publisher=lambda *_: SimpleNamespace(publish=self.sent.append))
-        publisher = ImuPublisher()
-        publisher.configure(SimpleNamespace(node=node, body=SimpleNamespace(name=name)))
-        every = [(name, each) for each in (*controllers, publisher)]
-        self.simulation = Simulation(placements, every, time_step)
-
-
 @pytest.fixture
 def tank():
+    """(what takes notes, the messages, the simulation)"""
     recorder = Recorder()
     placements = [item.placement for item in Project.load(HOME / "project" / "step4.yaml").bodies]
-    course = Course(placements, controllers=[recorder])
-    course.recorder = recorder
-    return course
+    node, simulation = on_course(ImuPublisher(), placements, controllers=[recorder])
+    return recorder, node.sent["Tank/imu"], simulation
 
 
 def numbers(vector):
     return vector.x, vector.y, vector.z
 
 
-def stamp_ns(message):
-    return message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
-
-
 def test_each_message_is_the_mean_of_the_steps_since_the_one_before(tank):
-    tank.recorder.tracks = (-1.0, 1.0)
-    tank.simulation.advance(1.001)
-    samples = np.array(tank.recorder.samples)
-    assert [stamp_ns(message) for message in tank.sent] == [50_000_000 * i for i in range(21)]
-    for i, message in enumerate(tank.sent[1:]):
+    recorder, sent, simulation = tank
+    recorder.tracks = (-1.0, 1.0)
+    simulation.advance(1.001)
+    samples = np.array(recorder.samples)
+    assert stamps_ms(sent) == [50 * i for i in range(21)]
+    for i, message in enumerate(sent[1:]):
         acceleration, velocity = samples[50 * i + 1 : 50 * i + 51].mean(axis=0)
         assert numbers(message.linear_acceleration) == pytest.approx(acceleration, abs=1e-12)
         assert numbers(message.angular_velocity) == pytest.approx(velocity, abs=1e-12)
 
 
 def test_a_resting_tank_feels_the_floor(tank):
-    tank.simulation.advance(3.0)
-    message = tank.sent[-1]
-    x, y, z = numbers(message.linear_acceleration)
+    _, sent, simulation = tank
+    simulation.advance(3.0)
+    x, y, z = numbers(sent[-1].linear_acceleration)
     assert z == pytest.approx(9.807, rel=2e-3)
     assert max(abs(x), abs(y)) < 0.05
-    assert max(map(abs, numbers(message.angular_velocity))) < 1e-3
+    assert max(map(abs, numbers(sent[-1].angular_velocity))) < 1e-3
 
 
 def test_the_angular_velocity_is_the_change_of_heading(tank):
-    tank.simulation.advance(1.0)
-    tank.recorder.tracks = (-1.0, 1.0)
-    tank.simulation.advance(1.001)
-    headings = tank.recorder.headings
+    recorder, sent, simulation = tank
+    simulation.advance(1.0)
+    recorder.tracks = (-1.0, 1.0)
+    simulation.advance(1.001)
     for i in range(31, 40):
-        turned = remainder(headings[50 * i] - headings[50 * (i - 1)], tau)
-        assert tank.sent[i].angular_velocity.z * 0.05 == pytest.approx(turned, rel=0.02)
+        turned = remainder(recorder.headings[50 * i] - recorder.headings[50 * (i - 1)], tau)
+        assert sent[i].angular_velocity.z * 0.05 == pytest.approx(turned, rel=0.02)
 
 
 def test_what_is_not_measured_is_said(tank):
-    tank.simulation.advance(0.001)
-    (message,) = tank.sent
+    _, sent, simulation = tank
+    simulation.advance(0.001)
+    (message,) = sent
     o = message.orientation
     assert (o.x, o.y, o.z, o.w) == (0.0, 0.0, 0.0, 0.0)
     assert message.orientation_covariance.tolist() == [-1.0] + [0.0] * 8
@@ -106,18 +91,21 @@ def test_what_is_not_measured_is_said(tank):
 
 
 def test_another_robot_with_another_time_step_has_sensors_too():
-    crane = Course([Placement("Kran", HOME / "project" / "models" / "crane.xml")], "Kran", 0.002)
-    crane.simulation.advance(1.002)
-    assert [stamp_ns(message) for message in crane.sent] == [50_000_000 * i for i in range(21)]
-    assert crane.sent[-1].header.frame_id == "Kran/base_link"
-    assert np.linalg.norm(numbers(crane.sent[-1].linear_acceleration)) == pytest.approx(9.807, rel=0.02)
+    crane = Placement("Kran", HOME / "project" / "models" / "crane.xml")
+    node, simulation = on_course(ImuPublisher(), [crane], "Kran", 0.002)
+    simulation.advance(1.002)
+    sent = node.sent["Kran/imu"]
+    assert stamps_ms(sent) == [50 * i for i in range(21)]
+    assert sent[-1].header.frame_id == "Kran/base_link"
+    assert np.linalg.norm(numbers(sent[-1].linear_acceleration)) == pytest.approx(9.807, rel=0.02)
 
 
 def test_it_begins_anew_when_the_simulation_does(tank):
-    tank.simulation.advance(0.12)
-    tank.simulation.restart()
-    before = len(tank.sent)
-    tank.simulation.advance(0.051)
-    assert [stamp_ns(message) for message in tank.sent[before:]] == [0, 50_000_000]
-    acceleration, _ = np.array(tank.recorder.samples)[1:51].mean(axis=0)
-    assert numbers(tank.sent[-1].linear_acceleration) == pytest.approx(acceleration, abs=1e-12)
+    recorder, sent, simulation = tank
+    simulation.advance(0.12)
+    simulation.restart()
+    before = len(sent)
+    simulation.advance(0.051)
+    assert stamps_ms(sent[before:]) == [0, 50]
+    acceleration, _ = np.array(recorder.samples)[1:51].mean(axis=0)
+    assert numbers(sent[-1].linear_acceleration) == pytest.approx(acceleration, abs=1e-12)

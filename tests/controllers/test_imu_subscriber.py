@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import math
-import threading
 from itertools import groupby
 
 import numpy as np
 import pytest
+from controlled import Node, on_course
+from loops import in_a_loop, until
+from scenes import lines, raised_elsewhere
 from sensor_msgs.msg import Imu, JointState, Joy
 
 from tutorial.body import Body
@@ -17,14 +19,14 @@ from tutorial.controller import ControllerConfig
 from tutorial.controllers.imu_publisher import ImuPublisher
 from tutorial.controllers.imu_subscriber import ImuSubscriber, stand_at
 from tutorial.controllers.tank_controller import TankController
+from tutorial.errors import WrongThreadError
 from tutorial.handoff import Latest
 from tutorial.host import Host
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
-from tutorial.simulation import Simulation
 from tutorial.view.bodies import View
-from tutorial.view.scene import Record, Scene, unpack_records
+from tutorial.view.scene import Scene
 from tutorial.world import Placement
 
 PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # numbers that + and - do not bring back
@@ -37,27 +39,11 @@ def imu(x=0.0, y=0.0, z=9.8, turn=0.0):
     return message
 
 
-async def until(condition):
-    async with asyncio.timeout(60):
-        while not condition():
-            await asyncio.sleep(0.005)
-
-
-class Silent:
-    """A node on which nothing arrives."""
-
-    def create_subscription(self, message_type, topic, callback, depth):
-        self.topic = topic
-
-    def destroy_subscription(self, subscription):
-        self.topic = None
-
-
 class Viewer:
     """A controller on a displayed body, on an event loop whose clock stands still."""
 
     def __init__(self, model):
-        self.loop, self.node = ClockedLoop(), Silent()
+        self.loop, self.node = ClockedLoop(), Node()
         self.body = Body.displayed(Placement("Robot", HOME / "project" / "models" / f"{model}.xml", PLACE))
         self.places = []
         self.body.on_change(lambda _: self.places.append(self.body.data.xpos[1].tolist()))
@@ -84,7 +70,7 @@ def viewer(request):
 
 
 def test_it_writes_down_what_is_measured(viewer):
-    assert viewer.node.topic == "Robot/imu"
+    assert viewer.node.topics == ["Robot/imu"]
     assert viewer.hear(imu(1.0, 2.0, 3.0, turn=0.5))
     assert viewer.body.sensor("ACCEL_SENSOR").value.tolist() == [1.0, 2.0, 3.0]
     assert viewer.body.sensor("GYRO").value.tolist() == [0.0, 0.0, 0.5]
@@ -129,23 +115,10 @@ def test_when_it_leaves_there_is_no_timer_and_the_body_stands(viewer, blows):
         viewer.hear(imu(30.0))
         viewer.loop.advance(0.0625)
     viewer.controller.unconfigure()
-    assert viewer.node.topic is None
+    assert viewer.node.topics == []
     assert not viewer.loop.timers
     assert viewer.body.position.tolist() == list(PLACE)
     assert not viewer.places or viewer.stands
-
-
-class Collector:
-    """A node whose publishers put away what they are given."""
-
-    def __init__(self):
-        self.messages = []
-
-    def create_publisher(self, message_type, topic, depth):
-        return self
-
-    def publish(self, message):
-        self.messages.append(message)
 
 
 class FullSpeed(TankController):
@@ -156,14 +129,11 @@ class FullSpeed(TankController):
 
 
 def test_full_speed_into_the_wall_shakes_once_for_half_a_second():
-    node, publisher = Collector(), ImuPublisher()
-    project = Project.load(find_project("step1"))
-    placements = [item.placement for item in project.bodies]
-    simulation = Simulation(placements, [("Tank", FullSpeed()), ("Tank", publisher)])
-    publisher.configure(ControllerConfig(simulation.bodies["Tank"], node, None, None))
+    placements = [item.placement for item in Project.load(find_project("step1")).bodies]
+    node, simulation = on_course(ImuPublisher(), placements, controllers=[FullSpeed()])
     simulation.advance(4.0)
     viewer, still = Viewer("tank"), []
-    for message in node.messages:
+    for message in node.sent["Tank/imu"]:
         viewer.hear(message)
         viewer.loop.advance(0.05)
         still.append(viewer.stands)
@@ -173,51 +143,35 @@ def test_full_speed_into_the_wall_shakes_once_for_half_a_second():
     assert runs[1][1] in (9, 10)  # 50 ms each; the first message of the next run is that after which it stands
 
 
-def test_deleted_while_it_shakes_it_leaves_no_timer_and_no_error(domain, caplog):
+@in_a_loop
+async def test_deleted_while_it_shakes_it_leaves_no_timer_and_no_error(domain, caplog):
     """In a program, with messages from another node; joint states go on being shown meanwhile."""
-
-    async def scenario():
-        scene = Scene()
-        async with Host(Project.load(find_project("step5")), view=View(scene)) as host:
-            body, loop = host.bodies["Tank"], asyncio.get_running_loop()
-            place, handled = body.position, []
-            loop.set_exception_handler(lambda _, context: handled.append(context))
-            shaker = host.controllers["ImuSubscriber"].shaker
-            with NodeThread("tester") as tester:
-                blows = tester.node.create_publisher(Imu, "/Tank/imu", 1)
-                joints = tester.node.create_publisher(JointState, "/Tank/joint_state", 1)
-                await until(lambda: blows.get_subscription_count() and joints.get_subscription_count())
-                blows.publish(imu(-30.0))
-                await until(lambda: shaker.timer)
-                joints.publish(JointState(name=["TURRET_Y"], position=[0.5]))
-                await until(lambda: body.joint("TURRET_Y").position == 0.5)
-                host.refresh()
-                line = next(text.decode() for kind, text in unpack_records(scene.snapshot()) if kind is Record.LINE)
-                assert "1 joint shown" in line.splitlines()[0]
-                assert "Tank\tacceleration\t-30.00\t0.00\t9.80\tm/s²\t" in line
-                await until(lambda: shaker.timer is None)
-                assert body.position.tolist() == place.tolist()
-                blows.publish(imu(-30.0))
-                await until(lambda: shaker.timer)
-                host.remove("Tank")
-                assert shaker.timer is None
-                assert body.position.tolist() == place.tolist()
-            return host.error, handled
-
-    assert asyncio.run(scenario()) == (None, [])
+    scene, handled = Scene(), []
+    async with Host(Project.load(find_project("step5")), view=View(scene)) as host:
+        body, loop = host.bodies["Tank"], asyncio.get_running_loop()
+        place, shaker = body.position, host.controllers["ImuSubscriber"].shaker
+        loop.set_exception_handler(lambda _, context: handled.append(context))
+        with NodeThread("tester") as tester:
+            blows = tester.node.create_publisher(Imu, "/Tank/imu", 1)
+            joints = tester.node.create_publisher(JointState, "/Tank/joint_state", 1)
+            await until(lambda: blows.get_subscription_count() and joints.get_subscription_count())
+            blows.publish(imu(-30.0))
+            await until(lambda: shaker.timer)
+            joints.publish(JointState(name=["TURRET_Y"], position=[0.5]))
+            await until(lambda: body.joint("TURRET_Y").position == 0.5)
+            host.refresh()
+            (line,) = lines(scene.snapshot())
+            assert "1 joint shown" in line.splitlines()[0]
+            assert "Tank\tacceleration\t-30.00\t0.00\t9.80\tm/s²\t" in line
+            await until(lambda: shaker.timer is None)
+            assert body.position.tolist() == place.tolist()
+            blows.publish(imu(-30.0))
+            await until(lambda: shaker.timer)
+            host.remove("Tank")
+            assert (shaker.timer, body.position.tolist()) == (None, place.tolist())
+        assert (host.error, handled) == (None, [])
     assert not [record for record in caplog.records if record.levelname == "ERROR"]
 
 
 def test_another_thread_may_not_shake_it(viewer):
-    raised = []
-
-    def shake():
-        try:
-            stand_at(viewer.body, np.zeros(3))
-        except Exception as error:  # noqa: BLE001 - which it is, is looked at below
-            raised.append(type(error).__name__)
-
-    thread = threading.Thread(target=shake)
-    thread.start()
-    thread.join()
-    assert raised == ["WrongThreadError"]
+    assert isinstance(raised_elsewhere(stand_at, viewer.body, np.zeros(3)), WrongThreadError)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from copy import copy
-from types import SimpleNamespace
 
 import mujoco
 import numpy as np
 import pytest
+from controlled import on_course, stamps_ms
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
@@ -15,7 +15,6 @@ from tutorial.controller import SimpleController
 from tutorial.controllers.pose_publisher import PosePublisher
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
-from tutorial.simulation import Simulation
 from tutorial.world import Placement
 
 
@@ -24,25 +23,6 @@ class Tracks(SimpleController):
 
     def initialize(self, io):
         io.body.actuator("TRACK_L").ctrl, io.body.actuator("TRACK_R").ctrl = 0.5, 1.5
-
-
-class Course:
-    """A simulated body with a `PosePublisher`, and the messages that it has sent, by topic."""
-
-    def __init__(self, placements, name="Tank", time_step=0.001, controllers=()):
-        self.sent, self.types = {}, {}
-        publisher = PosePublisher()
-        publisher.configure(SimpleNamespace(node=self, body=SimpleNamespace(name=name)))
-        every = [(name, each) for each in (*controllers, publisher)]
-        self.simulation = Simulation(placements, every, time_step)
-
-    def create_publisher(self, message_type, topic, depth):
-        self.types[topic], self.sent[topic] = message_type, []
-        return SimpleNamespace(publish=self.sent[topic].append)
-
-
-def stamp_ns(message):
-    return message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
 
 
 def pose_of(message):
@@ -58,25 +38,27 @@ def twist_of(message):
 @pytest.fixture(scope="module")
 def tank():
     placements = [item.placement for item in Project.load(find_project("step7")).bodies]
-    course = Course(placements, controllers=[Tracks()])
-    course.simulation.advance(1.001)
-    return course
+    node, simulation = on_course(PosePublisher(), placements, controllers=[Tracks()])
+    simulation.advance(1.001)
+    return node, simulation
 
 
 def test_it_says_50_times_a_second_what_the_snapshot_has(tank):
-    messages = tank.sent["Tank/odom"]
-    assert tank.types == {"/tf": TFMessage, "Tank/odom": Odometry}
-    assert [stamp_ns(message) for message in messages] == [20_000_000 * i for i in range(51)]
-    tank.simulation.advance(0.019)
-    snapshot = tank.simulation.snapshot.get()
-    tank.simulation.advance(0.001)
-    assert stamp_ns(messages[-1]) / 1e9 == pytest.approx(snapshot.time, abs=1e-12)
-    root = snapshot.qpos[tank.simulation.bodies["Tank"].qpos_slice][:7]
+    node, simulation = tank
+    messages = node.sent["Tank/odom"]
+    assert node.types == {"/tf": TFMessage, "Tank/odom": Odometry}
+    assert stamps_ms(messages) == [20 * i for i in range(51)]
+    simulation.advance(0.019)
+    snapshot = simulation.snapshot.get()
+    simulation.advance(0.001)
+    assert stamps_ms(messages)[-1] / 1e3 == pytest.approx(snapshot.time, abs=1e-12)
+    root = snapshot.qpos[simulation.bodies["Tank"].qpos_slice][:7]
     assert np.concatenate(pose_of(messages[-1])).tolist() == root.tolist()
 
 
 def test_the_transform_says_what_the_odometry_says(tank):
-    for message, tf in zip(tank.sent["Tank/odom"], tank.sent["/tf"], strict=True):
+    node, _ = tank
+    for message, tf in zip(node.sent["Tank/odom"], node.sent["/tf"], strict=True):
         (transform,) = tf.transforms
         assert transform.header == message.header
         assert (transform.header.frame_id, transform.child_frame_id) == ("odom", "Tank/base_link")
@@ -87,32 +69,29 @@ def test_the_transform_says_what_the_odometry_says(tank):
 
 
 def test_its_velocity_is_what_mujoco_computes_for_the_root_in_its_own_frame(tank):
-    simulation = tank.simulation
+    node, simulation = tank
     simulation.advance((20 - simulation.step % 20) / 1000)
     data = copy(simulation.data)
     simulation.advance(0.001)
     mujoco.mj_forward(simulation.model, data)
     velocity, root = np.empty(6), simulation.model.body("Tank/CHASSIS").id
     mujoco.mj_objectVelocity(simulation.model, data, mujoco.mjtObj.mjOBJ_XBODY, root, velocity, 1)
-    linear, angular = twist_of(tank.sent["Tank/odom"][-1])
+    message = node.sent["Tank/odom"][-1]
+    linear, angular = twist_of(message)
     assert linear == pytest.approx(velocity[3:], abs=1e-9)
     assert angular == pytest.approx(velocity[:3], abs=1e-9)
     assert linear[0] > 0.5, "ahead"
     assert angular[2] > 0.2, "to the left"
-
-
-def test_what_a_simulator_knows_exactly_has_no_variance(tank):
-    message = tank.sent["Tank/odom"][-1]
-    assert not np.any(message.pose.covariance)
+    assert not np.any(message.pose.covariance), "a simulator knows it exactly"
     assert not np.any(message.twist.covariance)
 
 
 def test_what_is_fixed_to_the_ground_is_published_too():
-    crane = Course([Placement("Kran", HOME / "project" / "models" / "crane.xml", (1.0, 2.0, 0.5))], "Kran", 0.002)
-    crane.simulation.advance(0.042)
-    messages = crane.sent["Kran/odom"]
-    assert [stamp_ns(message) for message in messages] == [0, 20_000_000, 40_000_000]
-    assert pose_of(messages[-1])[0].tolist() == [1.0, 2.0, 0.5]
-    assert pose_of(messages[-1])[1].tolist() == [1.0, 0.0, 0.0, 0.0]
+    crane = Placement("Kran", HOME / "project" / "models" / "crane.xml", (1.0, 2.0, 0.5))
+    node, simulation = on_course(PosePublisher(), [crane], "Kran", 0.002)
+    simulation.advance(0.042)
+    messages = node.sent["Kran/odom"]
+    assert stamps_ms(messages) == [0, 20, 40]
+    assert np.concatenate(pose_of(messages[-1])).tolist() == [1.0, 2.0, 0.5, 1.0, 0.0, 0.0, 0.0]
     assert not np.any(twist_of(messages[-1]))
     assert messages[-1].child_frame_id == "Kran/base_link"

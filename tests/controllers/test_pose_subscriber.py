@@ -5,13 +5,15 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from controlled import Node
 from geometry_msgs.msg import TransformStamped
 from hypothesis import given
 from hypothesis import strategies as st
+from loops import in_a_loop, until
+from scenes import commands, lines
 from sensor_msgs.msg import JointState, Joy
 from tf2_msgs.msg import TFMessage
 
@@ -23,7 +25,7 @@ from tutorial.paths import HOME, find_project
 from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
 from tutorial.view.bodies import View
-from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
+from tutorial.view.scene import Scene
 from tutorial.world import Placement
 
 PLACE = (1.0, 2.0, 3.0)
@@ -49,30 +51,11 @@ def transform(milliseconds, x=0.0, wxyz=(1.0, 0.0, 0.0, 0.0), parent="odom", chi
     return message
 
 
-class Silent:
-    """A node on which nothing arrives, and the lines of its log."""
-
-    publishers = 1
-
-    def __init__(self):
-        self.topics, self.said = [], []
-
-    def create_subscription(self, message_type, topic, callback, depth):
-        self.topics.append(topic)
-        return SimpleNamespace(topic=topic, get_publisher_count=lambda: self.publishers)
-
-    def destroy_subscription(self, subscription):
-        self.topics.remove(subscription.topic)
-
-    def get_logger(self):
-        return SimpleNamespace(warning=lambda text, **_: self.said.append(text))
-
-
 class Viewer:
     """A `PoseSubscriber` on a displayed body."""
 
     def __init__(self, model="tank"):
-        self.node, self.posted, self.reports = Silent(), 0, []
+        self.node, self.posted, self.reports = Node(), 0, []
         self.body = Body.displayed(Placement("Robot", HOME / "project" / "models" / f"{model}.xml", PLACE))
         self.body.on_change(self.reports.append)
         self.controller = PoseSubscriber()
@@ -101,6 +84,7 @@ def viewer():
 
 
 def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(viewer):
+    assert viewer.node.topics == ["Robot/joint_state", "/tf"]
     assert viewer.hear(joint_state(20, 0.25)) == (1.0, 0.0)
     assert viewer.hear(transform(20, 5.0, LEFT)) == (5.0, 0.25)
     assert viewer.body.data.xpos[1].tolist() == [5.0, 0.0, 0.0]
@@ -108,7 +92,13 @@ def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(v
     assert viewer.hear(transform(40, 6.0)) == (5.0, 0.25)
     assert viewer.hear(joint_state(40, 0.5)) == (6.0, 0.5)
     assert list(map(str, viewer.reports)) == ["1 joint shown"] * 2
+    viewer.hear(transform(60, 5.0, tuple(1.004 * q for q in LEFT)), joint_state(60))  # a little too long a quaternion
+    assert np.linalg.det(viewer.body.data.xmat[1].reshape(3, 3)) == pytest.approx(1.0)
+    assert viewer.hear(joint_state(50, 0.25), transform(50, 4.0)) == (5.0, 0.0), "what is late moves nothing"
+    assert viewer.reports[-1].late
     assert viewer.left_out == {}
+    viewer.controller.unconfigure()
+    assert viewer.node.topics == []
 
 
 def test_what_is_fixed_to_the_ground_is_moved_too():
@@ -156,12 +146,6 @@ def test_a_publisher_that_was_started_again_is_shown_at_once(viewer):
     assert viewer.left_out == {ALONE: 40}
 
 
-def test_a_pair_of_a_moment_ago_is_late_and_moves_nothing(viewer):
-    viewer.hear(joint_state(500, 0.5), transform(500, 5.0))
-    assert viewer.hear(joint_state(400, 0.25), transform(400, 4.0)) == (5.0, 0.5)
-    assert viewer.reports[-1].late
-
-
 def test_of_two_publishers_one_is_followed_with_its_pose(viewer):
     viewer.node.publishers = 2
     for i in range(10):
@@ -172,30 +156,21 @@ def test_of_two_publishers_one_is_followed_with_its_pose(viewer):
     assert viewer.left_out == {}
 
 
-def test_messages_that_nobody_stamps_are_no_pairs(viewer):
+def test_messages_that_nobody_stamps_are_no_pairs_and_of_two_of_one_stamp_the_last_is_shown(viewer):
     assert viewer.hear(joint_state(0, 0.5), transform(0, 5.0)) == (5.0, 0.5)
     assert viewer.hear(joint_state(0, 0.75), transform(0, 6.0), transform(0, 7.0)) == (5.0, 0.5)
     assert viewer.left_out == {REPEATED: 3}
-
-
-def test_of_two_messages_of_one_stamp_the_last_is_shown(viewer):
-    viewer.hear(joint_state(20, 0.5))
-    assert viewer.hear(joint_state(20, 0.25), transform(20, 5.0)) == (5.0, 0.25)
-    assert viewer.left_out == {REPEATED: 1}
+    assert viewer.hear(joint_state(20, 0.5), joint_state(20, 0.25), transform(20, 8.0)) == (8.0, 0.25)
+    assert viewer.left_out == {REPEATED: 4}
 
 
 NAN, FAR = math.nan, 1e300
+PARENT, FINITE, UNIT = "another parent than odom", "a place that is not finite", "no unit quaternion"
 UNFIT = [
-    ("another parent than odom", transform(20, 5.0, parent="map")),
-    ("another parent than odom", transform(20, 5.0, parent="\x1b[2J" * 1_000_000)),
-    ("a place that is not finite", transform(20, NAN)),
-    ("a place that is not finite", transform(20, -math.inf)),
-    ("a place that is not finite", transform(20, FAR)),
-    ("no unit quaternion", transform(20, 5.0, (0.0, 0.0, 0.0, 0.0))),
-    ("no unit quaternion", transform(20, 5.0, (1.0, NAN, 0.0, 0.0))),
-    ("no unit quaternion", transform(20, 5.0, (math.inf, 0.0, 0.0, 0.0))),
-    ("no unit quaternion", transform(20, 5.0, (FAR, 0.0, 0.0, 0.0))),
-    ("no unit quaternion", transform(20, 5.0, (1.0, 0.0, 0.0, 0.2))),
+    (PARENT, transform(20, 5.0, parent="map")),
+    *((FINITE, transform(20, x)) for x in (NAN, -math.inf, FAR)),
+    *((UNIT, transform(20, 5.0, (w, x, 0.0, 0.0))) for w, x in ((0.0, 0.0), (1.0, NAN), (math.inf, 0.0), (FAR, 0.0))),
+    (UNIT, transform(20, 5.0, (1.0, 0.0, 0.0, 0.2))),
 ]
 
 
@@ -228,11 +203,6 @@ def test_what_is_too_large_is_not_kept(viewer, message):
     assert list(viewer.controller.display.pairs.waiting.values()) == [{"transform": transform(20, 5.0)}]
 
 
-def test_a_quaternion_that_is_a_little_too_long_is_shown_as_a_rotation(viewer):
-    viewer.hear(transform(20, 5.0, tuple(1.004 * q for q in LEFT)), joint_state(20))
-    assert np.linalg.det(viewer.body.data.xmat[1].reshape(3, 3)) == pytest.approx(1.0)
-
-
 def test_only_its_own_transform_reaches_the_main_thread(viewer):
     others = [transform(20, child=f"Robot_{i}/base_link") for i in range(9_000)]
     viewer.controller.on_tf(TFMessage(transforms=others))
@@ -241,12 +211,6 @@ def test_only_its_own_transform_reaches_the_main_thread(viewer):
     assert viewer.posted == 1
     viewer.controller.on_tf(TFMessage(transforms=2 * others + [transform(40)]))
     assert viewer.posted == 1, "no robot has so many links"
-
-
-def test_when_it_leaves_nothing_listens(viewer):
-    assert viewer.node.topics == ["Robot/joint_state", "/tf"]
-    viewer.controller.unconfigure()
-    assert viewer.node.topics == []
 
 
 @given(st.lists(st.tuples(st.sampled_from("ab"), st.integers(0, 12)), max_size=60))
@@ -264,39 +228,36 @@ def test_a_pair_is_of_one_stamp_and_each_message_is_in_a_pair_waits_or_is_left_o
         assert count == paired + len(pairs.waiting) + len(left_out)
 
 
-@given(st.lists(st.booleans(), min_size=200, max_size=200))
-def test_two_streams_in_order_lose_nothing_however_they_are_interleaved(turns):
+@given(st.lists(st.tuples(st.sampled_from("ab"), st.integers(1, 60)), max_size=10))
+def test_two_streams_in_order_lose_nothing_however_they_are_interleaved(runs):
     left_out, found, sent = [], [], {"a": 0, "b": 0}
     pairs = StampPairs(left_out.append)
-    for turn in turns:
+    for turn in (stream for stream, length in runs for _ in range(length)):
         ahead = sent["a"] - sent["b"]
-        stream = "ab"[ahead > 0] if abs(ahead) == MOST_WAITING else "ab"[turn]
+        stream = "ab"[ahead > 0] if abs(ahead) == MOST_WAITING else turn
         sent[stream] += 1
-        pair = pairs.add(stream, stamped(JointState(), 20 * sent[stream]))
-        if pair is not None:
+        if pairs.add(stream, stamped(JointState(), 20 * sent[stream])) is not None:
             assert sent[stream] == min(sent.values())
             found.append(sent[stream])
     assert found == list(range(1, min(sent.values()) + 1))
     assert not left_out
 
 
-def test_the_line_below_the_view_says_that_joints_alone_are_not_shown(domain):
-    async def scenario():
-        scene = Scene()
-        async with Host(Project.load(find_project("step7_viewer")), view=View(scene)) as host:
+@in_a_loop
+async def test_the_line_below_the_view_says_that_joints_alone_are_not_shown(domain):
+    scene = Scene()
+    async with Host(Project.load(find_project("step7_viewer")), view=View(scene)) as host:
 
-            def line():
-                host.refresh()
-                return next(text.decode() for kind, text in unpack_records(scene.snapshot()) if kind is Record.LINE)
+        def says(line):
+            host.refresh()
+            return lines(scene.snapshot()) == [f"Tank: nothing {line}"]
 
-            assert line() == "Tank: nothing has come on /Tank/joint_state yet"
-            with NodeThread("tester") as tester:
-                publisher = tester.node.create_publisher(JointState, "/Tank/joint_state", 10)
-                await until(publisher.get_subscription_count)
-                publisher.publish(joint_state(20, 0.5))
-                await until(lambda: line() == "Tank: nothing of what has come on /Tank/joint_state could be shown yet")
-
-    asyncio.run(scenario())
+        assert says("has come on /Tank/joint_state yet")
+        with NodeThread("tester") as tester:
+            publisher = tester.node.create_publisher(JointState, "/Tank/joint_state", 10)
+            await until(publisher.get_subscription_count)
+            publisher.publish(joint_state(20, 0.5))
+            await until(lambda: says("of what has come on /Tank/joint_state could be shown yet"))
 
 
 class Witness(SimpleController):
@@ -323,25 +284,8 @@ class Stick:
         return Joy(axes=[0.3, 0.25, 0.8 * way, 0.3 * way])
 
 
-async def until(condition):
-    async with asyncio.timeout(60):
-        while not condition():
-            await asyncio.sleep(0.005)
-
-
-def busy(seconds):
-    """Keep the main thread, and the interpreter."""
-    ends_at = time.perf_counter() + seconds
-    while time.perf_counter() < ends_at:
-        pass
-
-
-async def drive_and_watch(seconds, hold=0.1):
-    """Drive in one program, and show it in another whose main thread is busy nearly all of the time.
-
-    Returns:
-        For each displayed frame where the tank was, as simulated at the stamp of the joints, and as displayed, (n, 7).
-    """
+@in_a_loop
+async def test_each_frame_is_of_one_moment_while_the_main_thread_is_busy_and_the_view_follows(domain):
     frames, scene = [], Scene()
     project = Project.load(find_project("step7"))
     controllers = {type_.__name__: type_ for item in project.bodies for type_ in item.controllers}
@@ -352,39 +296,28 @@ async def drive_and_watch(seconds, hold=0.1):
     ):
         shown, witness = viewer.bodies["Tank"], simulation.controllers["Witness"]
         simulation.controllers["TankController"].joy = Stick(simulation.simulation)
-        names = "JointStatePublisher", "PosePublisher"
-        states, poses = (simulation.controllers[name] for name in names)
+        states, poses = (simulation.controllers[name] for name in ("JointStatePublisher", "PosePublisher"))
         subscriber = viewer.controllers["PoseSubscriber"]
         sides = ((states.publisher, subscriber.joint_states), (poses.tf_publisher, subscriber.transforms))
         await until(lambda: all(p.get_subscription_count() and s.get_publisher_count() for p, s in sides))
 
-        def look(_):
+        def look(_):  # where it was, as simulated at the stamp of the joints, and as displayed
             stamp = witness.joints[tuple(joint.position for joint in shown.joints)]
             frames.append((witness.poses[stamp], np.concatenate([shown.position, shown.orientation_wxyz])))
 
         shown.on_change(look)
-        simulation.simulation.start(seconds)
+        simulation.simulation.start(3.0)
         while simulation.simulation.running:
-            busy(hold)
+            ends_at = time.perf_counter() + 0.1
+            while time.perf_counter() < ends_at:
+                pass  # keep the main thread, and the interpreter
             viewer.refresh()
             await asyncio.sleep(0)
         await until(lambda: not viewer.waiting)
         viewer.refresh()
         assert (simulation.error, viewer.error) == (None, None)
-        return np.array(frames), dict(subscriber.display.tally.left_out), scene
-
-
-def drawn_at(scene, path):
-    """Where something is drawn [m]: the transform that the scene keeps."""
-    commands = [unpack_command(payload) for kind, payload in unpack_records(scene.snapshot()) if kind is Record.COMMAND]
-    (matrix,) = [c["matrix"] for c in commands if c["type"] == "set_transform" and c["path"] == path]
-    return np.array(matrix)[12:15]
-
-
-def test_each_frame_is_of_one_moment_while_the_main_thread_is_busy_and_the_view_follows(domain):
-    frames, _, scene = asyncio.run(drive_and_watch(3.0))
-    simulated, displayed = frames.transpose(1, 0, 2)
-    assert len(frames) > 50
+    simulated, displayed = np.array(frames).transpose(1, 0, 2)
     assert abs(simulated - displayed).max() < 1e-9
     assert np.linalg.norm(displayed[-1, :2] - (-2.0, -0.5)) > 0.3, "it has driven"
-    assert drawn_at(scene, "/Bodies/Tank/Tank.CHASSIS") == pytest.approx(displayed[-1, :3], abs=1e-6)
+    drawn = {each["path"]: each["matrix"] for each in commands(scene.snapshot()) if each["type"] == "set_transform"}
+    assert drawn["/Bodies/Tank/Tank.CHASSIS"][12:15] == pytest.approx(displayed[-1, :3], abs=1e-6)

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
-
-import pytest
-from programs import PATIENCE
+from loops import in_a_loop, until
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
@@ -19,46 +16,22 @@ from tutorial.ros.node_thread import NodeThread
 TOPIC = "/Tank/robot_description"
 
 
-@pytest.fixture
-def project(domain):
-    return Project.load(find_project("step3")).with_controllers("Tank", RobotDescriptionPublisher)
-
-
-async def until(condition):
-    async with asyncio.timeout(PATIENCE):
-        while not condition():
-            await asyncio.sleep(0.01)
-
-
-def test_whoever_subscribes_later_gets_it_once(project):
+@in_a_loop
+async def test_whoever_subscribes_later_gets_it_once_as_robot_descriptions_are_offered(domain):
+    project = Project.load(find_project("step3")).with_controllers("Tank", RobotDescriptionPublisher)
     qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-
-    async def scenario():
-        first, second = [], []
-        async with Host(project) as host:
-            expected = robot_description(host.bodies["Tank"])
-            late = NodeThread("late")
-            try:
-                late.node.create_subscription(String, TOPIC, first.append, qos)
-                await until(lambda: first)
-                late.node.create_subscription(String, TOPIC, second.append, qos)
-                await until(lambda: second)
-            finally:
-                late.close()
-            assert [message.data for message in first + second] == [expected] * 2
-
-    asyncio.run(scenario())
-
-
-def test_it_is_offered_as_robot_descriptions_are(project):
-    async def scenario():
-        async with Host(project) as host:
-            await until(lambda: host.node.get_publishers_info_by_topic(TOPIC))
-            (info,) = host.node.get_publishers_info_by_topic(TOPIC)
-            assert info.topic_type == "std_msgs/msg/String"
-            assert info.qos_profile.reliability == ReliabilityPolicy.RELIABLE
-            assert info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-            host.remove("Tank")
-            await until(lambda: not host.node.get_publishers_info_by_topic(TOPIC))
-
-    asyncio.run(scenario())
+    first, second = [], []
+    async with Host(project) as host:
+        expected = robot_description(host.bodies["Tank"])
+        with NodeThread("late") as late:
+            for received in (first, second):
+                late.node.create_subscription(String, TOPIC, received.append, qos)
+                await until(received.__len__)
+        assert [message.data for message in first + second] == [expected] * 2
+        await until(lambda: host.node.get_publishers_info_by_topic(TOPIC))
+        (info,) = host.node.get_publishers_info_by_topic(TOPIC)
+        assert info.topic_type == "std_msgs/msg/String"
+        assert info.qos_profile.reliability == ReliabilityPolicy.RELIABLE
+        assert info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        host.remove("Tank")
+        await until(lambda: not host.node.get_publishers_info_by_topic(TOPIC))

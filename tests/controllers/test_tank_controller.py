@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import math
-from array import array
-from timeit import repeat
+from types import SimpleNamespace
 
 import pytest
 from sensor_msgs.msg import Joy
 
 from tutorial.controllers.tank_controller import TankController, complain, sticks
+from tutorial.handoff import Latest
 from tutorial.paths import HOME
 from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import Simulation
 from tutorial.world import Placement
 
-MILLION = Joy(axes=array("f", [0.5, -0.5, 0.25, 1.0]) * 250_000)
+
+class Million(list):
+    """So many axes that nobody may look through all of them."""
+
+    __iter__ = None
 
 
 @pytest.mark.parametrize(
@@ -35,18 +39,17 @@ def test_sticks_are_four_numbers_from_minus_one_to_one(axes, expected):
     assert sticks(Joy(axes=axes)) == expected
 
 
-def test_a_million_axes_cost_what_four_do():
-    four = Joy(axes=MILLION.axes[:4])
-    assert sticks(MILLION) == sticks(four)
-    many, few = (min(repeat(lambda message=message: sticks(message), number=100)) for message in (MILLION, four))
-    assert many < 10 * few
+def test_of_a_million_axes_nobody_looks_at_more_than_there_are_sticks():
+    message = SimpleNamespace(axes=Million([0.5, -0.5, 0.25, 1.0] * 250_000))
+    assert sticks(message) == (0.5, -0.5, 0.25, 1.0)
+    complain(None, message)
 
 
 class Given(TankController):
     """Has got a message before it was asked for control, and no node."""
 
     def __init__(self, message):
-        self.joy = type("Held", (), {"get": lambda _: message})()
+        self.joy = Latest(message)
 
 
 @pytest.mark.parametrize("axes", [[3e38] * 4, [-1e9, 2.0, math.nan, 5.0], [math.inf] * 4])

@@ -1,28 +1,32 @@
-"""Step 3 as a whole, as a user runs it: real processes that talk over real topics."""
+"""The steps as a whole: two programs in one process, in lockstep over real topics; and as a user runs them."""
 
 from __future__ import annotations
 
 import asyncio
 import json
-import re
+import logging
 import signal
+from contextlib import AsyncExitStack, asynccontextmanager
 from itertools import pairwise
 
-import psutil
+import numpy as np
 import pytest
 from browser import Witness, chromium, open_browser, pixels
 from browser import until as browser_until
 from domains import reserved_domain
 from programs import PATIENCE, until
 from rclpy.utilities import get_rmw_implementation_identifier
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import JointState, Joy
 
-from tutorial.paths import HOME
-from tutorial.ros.bags import Bag
+from tutorial.commands.launcher import load_launch_file
+from tutorial.host import Host
+from tutorial.paths import HOME, find_project
+from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
 
 CRANE = HOME / "project" / "models" / "crane.xml"
 STEP_NS = 20_000_000
+TOPICS = ("/joy", "/tf", "/Tank/joint_state")
 
 
 @pytest.fixture
@@ -52,6 +56,140 @@ def read(directory):
     return {path.stem: json.loads(path.read_text()) for path in directory.glob("*.json")}
 
 
+async def soon(condition, what):
+    """Wait until something is so, and let posted calls run meanwhile."""
+    async with asyncio.timeout(PATIENCE):
+        while not condition():
+            await asyncio.sleep(0.005)
+
+
+@asynccontextmanager
+async def met(simulated, shown, node):
+    """Two programs that have met, and a function that drives: it holds the sticks for so many seconds."""
+    async with AsyncExitStack() as stack:
+        programs = []
+        for project, name in ((simulated, "simulation"), (shown, "viewer")):
+            host = Host(Project.load(find_project(project)), ["--ros-args", "-r", f"__node:={name}"])
+            programs.append(await stack.enter_async_context(host))
+        simulation, viewer = programs
+        joystick = node.create_publisher(Joy, "/joy", 1)
+        ends = [end for host in programs for end in (*host.node.publishers, *host.node.subscriptions)]
+        for end in (joystick, *(end for end in ends if end.topic_name in TOPICS)):
+            others = end.get_subscription_count if hasattr(end, "publish") else end.get_publisher_count
+            await soon(others, f"others on {end.topic_name}")
+
+        async def drive(seconds, *axes):
+            joystick.publish(Joy(axes=axes))
+            held = simulation.controllers["TankController"].joy
+            await soon(lambda: list(held.get().axes) == list(axes), "the joystick")
+            simulation.simulation.advance(seconds)
+
+        yield simulation, viewer, drive
+
+
+def both(host):
+    record = host.record()
+    return record, record["topics"]["/Tank/joint_state"]
+
+
+def test_the_rail_moves_the_barrel_and_the_viewer_shows_it(node):
+    async def scenario():
+        async with met("step2", "step3", node) as (simulation, viewer, drive):
+            world, tank = simulation.simulation, simulation.simulation.bodies["Tank"]
+            await drive(1.0, 0.0, 0.0, 0.0, 0.0)
+            at_rest = tank.joint("TURRET_P").position
+            await drive(5.5, 0.0, 0.5, 0.0, 0.0)  # ahead, and nothing for the turret
+            geoms = [{world.model.geom(geom).name for geom in pair} for pair in world.data.contact.geom]
+            assert {"Tank/BARREL", "Labo/RAIL"} in geoms
+            assert tank.joint("TURRET_P").position - at_rest > 0.01
+            assert np.degrees(np.arccos(min(world.data.body("Tank/CHASSIS").xmat[8], 1))) < 5.0, "it stands level"
+            await soon(lambda: viewer.record()["joints"] == simulation.record()["joints"], "the last message")
+            shown, counts = both(viewer)
+            assert shown["joints"]["TURRET_P"] - at_rest > 0.01
+            assert abs(shown["joints"]["TURRET_Y"]) < 0.05, "no turret command was given"
+            assert shown["report"].pop("matched") == 2 * counts["applied"] == 2 * counts["received"] > 0
+            assert not any(shown["report"].values())
+            said, counts = both(simulation)
+            assert (said["node"], said["seconds"], counts["published"]) == ("simulation", 6.5, 325)
+
+    asyncio.run(scenario())
+
+
+def test_the_turret_moves_with_the_right_stick(node):
+    async def scenario():
+        async with met("step2", "step3", node) as (simulation, viewer, drive):
+            await drive(0.5, 0.0, 0.0, 1.0, 1.0)
+            await drive(0.5, 0.0, 0.0, 0.0, 0.0)
+            await soon(lambda: viewer.record()["joints"] == simulation.record()["joints"], "the last message")
+            joints = viewer.record()["joints"]
+            assert joints["TURRET_Y"] < -0.5, "a turn to the left, which is negative: the axis points down"
+            assert joints["TURRET_P"] > 0.5, "a raised barrel"
+
+    asyncio.run(scenario())
+
+
+def test_step_7_shows_pose_and_joints_together(node):
+    async def scenario():
+        async with met("step7", "step7_viewer", node) as (simulation, viewer, drive):
+            chassis = [host.data.body("Tank/CHASSIS") for host in (simulation.simulation, viewer.bodies["Tank"])]
+            await drive(0.02, 0.0, 0.0, 0.0, 0.0)
+            start = chassis[0].xpos[0]
+            for number in range(2, 51):
+                await drive(0.02, 0.0, 1.0, 0.0, 0.0)
+                await soon(lambda number=number: both(viewer)[1]["applied"] == number, "the pair")
+            said, shown = simulation.record(), viewer.record()
+            assert {said["topics"][topic]["published"] for topic in ("/tf", "/Tank/odom", "/Tank/joint_state")} == {50}
+            assert shown["topics"]["/tf"]["received"] == 50
+            assert shown["joints"] == said["joints"]
+            driven, seen = (each.xpos[0] - start for each in chassis)
+            assert driven > 0.5
+            assert seen == pytest.approx(driven, abs=0.05), "it is 20 ms behind"
+
+    asyncio.run(scenario())
+
+
+def test_two_nodes_of_one_name_are_said_in_plain_words(domain, caplog):
+    async def scenario():
+        step3 = Project.load(find_project("step3"))
+        async with Host(step3) as first, Host(step3):
+
+            def said():
+                first.refresh()
+                return "there are 2 nodes of the name /tank" in caplog.text
+
+            await soon(said, "the warning")
+            assert "--ros-args -r __node:=tank_2" in caplog.text
+
+    with caplog.at_level(logging.WARNING):
+        asyncio.run(scenario())
+
+
+def test_two_runs_at_once_do_not_hear_each_other(domain, listen, monkeypatch):
+    heard = listen()
+
+    async def scenario(other):
+        step2 = Project.load(find_project("step2"))
+        async with Host(step2) as mine:
+            monkeypatch.setenv("ROS_DOMAIN_ID", str(other))
+            async with Host(step2) as another:
+                await soon(mine.controllers["JointStatePublisher"].publisher.get_subscription_count, "the match")
+                another.simulation.advance(0.5)
+                mine.simulation.advance(1.0)
+                await soon(lambda: heard and stamp_ns(heard[-1]) == 980_000_000, "the last message")
+        assert len({stamp_ns(message) for message in heard}) == len(heard), "one simulation is heard, not two"
+
+    with reserved_domain() as other:
+        asyncio.run(scenario(other))
+
+
+@pytest.mark.parametrize("path", sorted((HOME / "launch_py").glob("*.launch.py")), ids=lambda path: path.name)
+def test_the_programs_of_a_launch_file_have_projects(path):
+    commands = [process.cmd for process in load_launch_file(path)]
+    assert [command[:2] for command in commands][:2] == [["tank", "joy"], ["tank", "run"]]
+    assert all(Project.load(find_project(command[2])).bodies for command in commands[1:])
+
+
+@pytest.mark.process
 def test_the_launched_step_3_drives_publishes_and_is_seen(program, listen, tmp_path):
     heard = listen()
     running = program("launch", "step3", "--duration", 10, "--headless", "--report", tmp_path)
@@ -84,54 +222,7 @@ def test_the_launched_step_3_drives_publishes_and_is_seen(program, listen, tmp_p
     assert max(turned) > 0.01 or max(raised) > 0.02, "the turret has moved"
 
 
-def test_the_launched_step_7_shows_pose_and_joints_together(program, tmp_path):
-    running = program("launch", "step7", "--duration", 6, "--headless", "--report", tmp_path)
-    assert running.ends() == 0, running.output
-    records = read(tmp_path)
-    simulation, viewer = (records[name] for name in ("simulation", "viewer"))
-    assert {simulation["topics"][topic]["published"] for topic in ("/tf", "/Tank/odom", "/Tank/joint_state")} == {300}
-    joints, transforms = (viewer["topics"][topic] for topic in ("/Tank/joint_state", "/tf"))
-    assert 50 < joints["applied"] <= min(joints["received"], transforms["received"])
-    assert viewer["joints"] == simulation["joints"]
-    missed = 2 * 300 - joints["received"] - transforms["received"]  # a busy machine overtakes step 2's publisher
-    alone = {f"{count} without a partner of the same stamp" for count in range(1, missed + 1)}
-    assert set(re.findall(r"not shown so far: (.*?)\s*$", running.output, re.MULTILINE)) <= alone
-
-
-def test_the_turret_moves_with_the_right_stick(program, listen, tmp_path):
-    drive = tmp_path / "drive.yaml"
-    drive.write_text("drive:\n  - {time: 0.2, axes: [0, 0, 1, 1]}\n  - {time: 0.7, axes: [0, 0, 0, 0]}\n")
-    heard = listen()
-    simulation = program("run", "step2", "--headless", "--ros-args", "-r", "__node:=simulation")
-    joystick = program("joy", "--drive", drive)
-    until(lambda: heard and heard[-1].position[0] < -0.5, "a turn to the left, which is negative: the axis points down")
-    until(lambda: heard[-1].position[1] > 0.5, "a raised barrel")
-    for running in (joystick, simulation):
-        running.asks_to_stop()
-        assert running.ends() == 0
-        running.leaves_nothing()
-
-
-def test_the_rail_moves_the_barrel_and_the_viewer_shows_it(program, listen, tmp_path):
-    drive = tmp_path / "drive.yaml"
-    drive.write_text("drive:\n  - {time: 0.5, axes: [0, 1.0]}\n  - {time: 4.5, axes: [0, 0.3]}\n")
-    heard = listen()
-    drains = ("--duration", 1, "--linger", 2 * PATIENCE)  # it ends when the simulation has gone and all is shown
-    viewer = program("run", "step3", "--headless", "--report", tmp_path, *drains, "--ros-args", "-r", "__node:=viewer")
-    viewer.says("- JointStateSubscriber")
-    simulation = program("run", "step2", "--headless", "--ros-args", "-r", "__node:=simulation")
-    joystick = program("joy", "--drive", drive)
-    until(lambda: heard and heard[-1].position[1] > -0.0098 + 0.02, "the rail lifting the barrel")
-    for running in (simulation, joystick):
-        running.asks_to_stop()
-        assert running.ends() == 0
-    assert viewer.ends() == 0
-    shown = read(tmp_path)["viewer"]["joints"]
-    until(lambda: shown == dict(zip(heard[-1].name, heard[-1].position)), "the last message")
-    assert shown["TURRET_P"] > 0.01
-    assert abs(shown["TURRET_Y"]) < 0.05, "no turret command was given"
-
-
+@pytest.mark.process
 def test_the_same_viewer_project_shows_another_robot(program, node, tmp_path):
     drains = ("--duration", 0.5, "--linger", PATIENCE)  # it ends when the publisher has gone and all is shown
     viewer = program("run", "step3", "--robot", CRANE, "--headless", "--report", tmp_path, *drains)
@@ -149,33 +240,7 @@ def test_the_same_viewer_project_shows_another_robot(program, node, tmp_path):
     assert record["topics"]["/Crane/joint_state"]["applied"] == 1
 
 
-OWN = """
-from sensor_msgs.msg import JointState
-from tutorial.controller import SimpleController
-
-class JointStatePublisher(SimpleController):
-    def configure(self, config):
-        self.node = config.node
-        self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/joint_state", 1)
-
-    def control(self):
-        self.publisher.publish(JointState(name=["MINE"]))
-
-    def unconfigure(self):
-        self.node.destroy_publisher(self.publisher)
-"""
-
-
-def test_a_users_own_controller_takes_the_librarys_place(program, listen, tmp_path):
-    heard = listen()
-    (tmp_path / "mine.py").write_text(OWN)
-    running = program("run", "step2", "--headless", "--controller", tmp_path / "mine.py")
-    until(lambda: heard, "a message")
-    assert heard[0].name == ["MINE"]
-    running.asks_to_stop()
-    assert running.ends() == 0, running.output
-
-
+@pytest.mark.process
 def test_a_killed_simulation_leaves_the_viewer_alive_and_a_new_one_is_picked_up(program, listen, tmp_path):
     heard = listen()
     viewer = program("run", "step3", "--headless", "--report", tmp_path, "--ros-args", "-r", "__node:=viewer")
@@ -204,53 +269,7 @@ def test_a_killed_simulation_leaves_the_viewer_alive_and_a_new_one_is_picked_up(
         running.leaves_nothing()
 
 
-def test_nothing_is_left_of_a_launched_step_whose_launcher_is_killed(program):
-    running = program("launch", "step3", "--duration", 300)
-    running.says("viewer     | look at")
-    running.says("simulation | look at")
-    ports = {int(line.rsplit(":", 1)[1].strip().strip("/")) for line in running.lines if "look at" in line}
-    assert len(ports) == 2
-    family = {process.pid for process in running.family()}
-    connections = [each for each in psutil.net_connections("tcp") if each.pid in family]
-    owned = {each.laddr.port for each in connections if each.status == psutil.CONN_LISTEN}
-    assert owned == ports, "they go with the processes that have them"
-    running.process.kill()
-    running.leaves_nothing()
-
-
-def test_the_launched_step_8_leaves_a_bag_of_all_that_was_published(program, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    running = program("launch", "step8", "--duration", 2, "--headless", "--report", tmp_path / "report")
-    assert running.ends() == 0, running.output
-    published = read(tmp_path / "report")["simulation"]["topics"]["/Tank/joint_state"]["published"]
-    (path,) = tmp_path.glob("rosbag2_*")
-    bag = Bag(path)
-    assert [tuple(topic) for topic in bag.topics] == [("/Tank/joint_state", "sensor_msgs/msg/JointState", published)]
-    assert published == 100
-    assert not bag.damage
-
-
-def test_two_nodes_of_one_name_are_said_in_plain_words(program):
-    first = program("run", "step3", "--headless")
-    first.says("+ Tank")
-    second = program("run", "step3", "--headless")
-    second.says("there are 2 nodes of the name /tank")
-    assert "--ros-args -r __node:=tank_2" in second.output
-
-
-def test_two_runs_at_once_do_not_hear_each_other(program, listen):
-    heard = listen()
-    with reserved_domain() as other:
-        simulation = program("run", "step2", "--headless", environment={"ROS_DOMAIN_ID": str(other)})
-        simulation.says("+ Simulator")
-        mine = program("run", "step2", "--headless", "--duration", 5)  # Fast DDS takes up to 4 s to find it
-        assert mine.ends() == 0
-        assert heard
-        assert len({stamp_ns(message) for message in heard}) == len(heard), "one simulation is heard, not two"
-        simulation.asks_to_stop()
-        assert simulation.ends() == 0
-
-
+@pytest.mark.process
 @pytest.mark.browser
 def test_both_pages_show_the_turret_moving(program, tmp_path):
     path = chromium()

@@ -13,6 +13,8 @@ from programs import marked, until
 
 from tutorial.paths import HOME
 
+pytestmark = pytest.mark.nightly
+
 ROUNDS = 10
 TROUBLE = re.compile("Traceback|InvalidHandle|ERROR")
 

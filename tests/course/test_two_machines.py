@@ -21,6 +21,8 @@ from sensor_msgs.msg import JointState
 
 from tutorial.ros.node_thread import NodeThread
 
+pytestmark = pytest.mark.process
+
 CLONE_NEWNET = 0x40000000  # from linux/sched.h
 TOPIC = "/Tank/joint_state"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -43,7 +45,6 @@ class Machine:
             ["unshare", "--net", "cat"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
         )
         until(lambda: self._made() or self._holder.poll() is not None, "a network namespace")
-        self._name = _namespace_of(self._holder.pid)
         if self._holder.poll() is not None:
             pytest.skip(f"no network namespace can be made here: {self._holder.communicate()[1].decode().strip()}")
 
@@ -85,11 +86,6 @@ class Machine:
         self._holder.stdin.close()
         self._holder.wait(PATIENCE)
         self._holder.stderr.close()
-
-    @property
-    def inhabitants(self) -> list[psutil.Process]:
-        """The processes on this machine."""
-        return [process for process in psutil.process_iter() if _namespace_of(process.pid) == self._name]
 
     @property
     def _namespace(self) -> Path:
@@ -187,24 +183,6 @@ def stop(running):
 
 def read(directory, name):
     return json.loads((directory / f"{name}.json").read_text())
-
-
-def test_nothing_is_left_of_the_machines_when_a_test_fails():
-    made, home = [], _namespace_of("self")
-
-    def fail():
-        with joined_machines() as machines:
-            made.extend(machines)
-            with machines[0].inside():
-                assert set(psutil.net_if_addrs()) == {"lo", "lan"}
-                raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        fail()
-    assert len(made) == 2
-    assert not any(machine.inhabitants for machine in made)
-    assert _namespace_of("thread-self") == home
-    assert "lan" not in psutil.net_if_addrs()
 
 
 SAYS_IT = """

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
-from forward_kinematics import Robot, angle
+from forward_kinematics import Robot, is_at, matrix_of, rotation_of
 
 from tutorial.body import Body
 from tutorial.description.urdf import robot_description
@@ -97,23 +97,14 @@ def move(body, generator):
     return positions
 
 
-def assert_same_places(body, robot, positions, names, root=1):
+def assert_same_places(body, robot, positions, names):
     """Each link is where MuJoCo has the body, as seen from the root: to a micrometre and a microradian."""
-    found = robot.link_poses(positions)
-    base = np.eye(4)
-    base[:3, :3], base[:3, 3] = rotation(body.model.body_quat[root]), body.model.body_pos[root]
+    found, root = robot.link_poses(positions), 1
+    base = matrix_of(rotation_of(*body.model.body_quat[root]), body.model.body_pos[root])
     if body.model.body(root).jntnum and body.model.jnt_type[body.model.body_jntadr[root]] == mujoco.mjtJoint.mjJNT_FREE:
-        base[:3, :3], base[:3, 3] = body.data.xmat[root].reshape(3, 3), body.data.xpos[root]
+        base = matrix_of(body.data.xmat[root].reshape(3, 3), body.data.xpos[root])
     for number, name in names.items():
-        expected = base @ found[name]
-        assert np.abs(expected[:3, 3] - body.data.xpos[number]).max() < 1e-6, name
-        assert angle(expected[:3, :3].T @ body.data.xmat[number].reshape(3, 3)) < 1e-6, name
-
-
-def rotation(quaternion):
-    matrix = np.empty(9)
-    mujoco.mju_quat2Mat(matrix, quaternion)
-    return matrix.reshape(3, 3)
+        assert is_at(base @ found[name], body.data, number), name
 
 
 def plain_names(body):
@@ -121,10 +112,22 @@ def plain_names(body):
 
 
 @pytest.mark.parametrize(("model", "links"), [("tank", 17), ("crane", 5)])
-def test_every_link_is_where_mujoco_has_it(model, links):
+def test_links_joints_masses_and_inertias_are_mujocos(model, links):
     body, generator = body_of(MODELS / f"{model}.xml"), np.random.default_rng(17)
     robot = Robot(robot_description(body))
     assert len(robot.links) == links
+    assert [name for name, joint in robot.joints.items() if joint.get("type") != "fixed"] == list(body.joint_names)
+    for name, ends in body.joint_ranges.items():
+        limit = robot.joints[name].find("limit")
+        assert (float(limit.get("lower")), float(limit.get("upper"))) == pytest.approx(ends)
+    assert robot.links["base_link"].find("inertial") is None  # KDL knows no root that has one
+    for number, name in plain_names(body).items():
+        inertial = robot.links[name].find("inertial")
+        assert float(inertial.find("mass").get("value")) == pytest.approx(body.model.body_mass[number], rel=1e-9)
+        np.testing.assert_allclose(robot.center_of_mass(name), body.model.body_ipos[number], atol=1e-9)
+        axes = rotation_of(*body.model.body_iquat[number])
+        expected = axes @ np.diag(body.model.body_inertia[number]) @ axes.T
+        np.testing.assert_allclose(robot.inertia(name), expected, rtol=1e-9, atol=1e-11)
     body.qpos[3:7] = body.qpos[3:7] if model == "crane" else (0.5, 0.5, -0.5, 0.5)  # the tank lies on its side
     for _ in range(100):
         assert_same_places(body, robot, move(body, generator), plain_names(body))
@@ -139,39 +142,23 @@ def test_every_link_of_a_curious_model_is_where_mujoco_has_it(described):
     assert {"LOST", "WITH_IT"}.isdisjoint(robot.links)
 
 
-def test_what_is_not_as_in_the_model_is_said_at_the_top(described, caplog):
-    _, robot = described(CURIOUS)
-    said = (
-        " Other than in the MuJoCo model are shapes in no body (1), ellipsoid shapes (1), "
-        "ball joints that are fixed (1), joints without a name that are fixed (1), "
-        "bodies that move freely beside others (1) "
-    )
-    assert robot.comment == said
-    (record,) = caplog.records
-    assert record.getMessage() == (
-        "the robot description of Robot does not move as the robot does: ball joints that are fixed (1), "
-        "joints without a name that are fixed (1), bodies that move freely beside others (1)"
-    )
+FIXED = (
+    "ball joints that are fixed (1), joints without a name that are fixed (1), "
+    "bodies that move freely beside others (1)"
+)
 
 
-def test_what_the_tank_has_and_urdf_has_not_is_no_warning(caplog):
+def test_what_is_not_as_in_the_model_is_said_at_the_top_and_what_moves_otherwise_in_the_log(described, caplog):
+    top = " Other than in the MuJoCo model are "
     assert Robot(robot_description(body_of(MODELS / "tank.xml"))).comment == (
-        " Other than in the MuJoCo model are tendons (2), equalities (8), joints of hidden groups that are fixed (10), "
-        "ellipsoid shapes (10) "
+        f"{top}tendons (2), equalities (8), joints of hidden groups that are fixed (10), ellipsoid shapes (10) "
     )
     assert Robot(robot_description(body_of(MODELS / "crane.xml"))).comment is None
     assert caplog.records == []
-
-
-def test_the_joints_that_move_are_those_of_the_joint_states():
-    for model in ("tank", "crane"):
-        body = body_of(MODELS / f"{model}.xml")
-        robot = Robot(robot_description(body))
-        assert [name for name, joint in robot.joints.items() if joint.get("type") != "fixed"] == list(body.joint_names)
-        for name, (lower, upper) in body.joint_ranges.items():
-            limit = robot.joints[name].find("limit")
-            assert float(limit.get("lower")) == pytest.approx(lower)
-            assert float(limit.get("upper")) == pytest.approx(upper)
+    _, robot = described(CURIOUS)
+    assert robot.comment == f"{top}shapes in no body (1), ellipsoid shapes (1), {FIXED} "
+    said = [record.getMessage() for record in caplog.records]
+    assert said == [f"the robot description of Robot does not move as the robot does: {FIXED}"]
 
 
 def test_a_limit_says_what_the_actuators_can_do(described):
@@ -187,20 +174,6 @@ def test_a_limit_says_what_the_actuators_can_do(described):
     assert [robot.joints[name].get("type") for name in "ABCD"] == ["revolute", "continuous", "revolute", "prismatic"]
     assert robot.joints["A"].find("dynamics").attrib == {"damping": "3", "friction": "0.5"}
     assert robot.joints["B"].find("dynamics") is None
-
-
-@pytest.mark.parametrize("model", ["tank", "crane"])
-def test_masses_and_inertias_are_mujocos(model):
-    body = body_of(MODELS / f"{model}.xml")
-    robot = Robot(robot_description(body))
-    assert robot.links["base_link"].find("inertial") is None  # KDL knows no root that has one
-    for number, name in plain_names(body).items():
-        inertial = robot.links[name].find("inertial")
-        assert float(inertial.find("mass").get("value")) == pytest.approx(body.model.body_mass[number], rel=1e-9)
-        np.testing.assert_allclose(robot.center_of_mass(name), body.model.body_ipos[number], atol=1e-9)
-        axes = rotation(body.model.body_iquat[number])
-        expected = axes @ np.diag(body.model.body_inertia[number]) @ axes.T
-        np.testing.assert_allclose(robot.inertia(name), expected, rtol=1e-9, atol=1e-11)
 
 
 def shapes(link, tag):
@@ -246,7 +219,7 @@ def test_a_mesh_is_the_models_file_where_mujoco_has_it(described, tmp_path):
     assert mesh.attrib == {"filename": (tmp_path / "a mesh.obj").as_uri(), "scale": "2 -1 1"}
     corners = np.array([(0, 0, 0, 1), (2, 0, 0, 1), (0, -1, 0, 1), (0, 0, 1, 1)], dtype=float)
     model = body.model
-    expected = model.mesh_vert[:4] @ rotation(model.geom_quat[0]).T + model.geom_pos[0]
+    expected = model.mesh_vert[:4] @ rotation_of(*model.geom_quat[0]).T + model.geom_pos[0]
     np.testing.assert_allclose((robot.origin(visual) @ corners.T).T[:, :3], expected, atol=1e-6)
 
 
@@ -262,8 +235,7 @@ def test_a_root_that_is_called_base_link_is_the_root(described):
     _, robot = described(
         '<mujoco><worldbody><body name="base_link"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>'
     )
-    assert list(robot.links) == ["base_link"]
-    assert robot.joints == {}
+    assert (list(robot.links), robot.joints) == (["base_link"], {})
     assert len(robot.links["base_link"].findall("visual")) == 1
 
 

@@ -6,7 +6,11 @@ import pkgutil
 import subprocess
 import sys
 
+import pytest
+
 import tutorial
+
+pytestmark = pytest.mark.process
 
 SCRIPT = """
 import importlib, signal, sys

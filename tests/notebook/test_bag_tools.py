@@ -11,7 +11,7 @@ from sensor_msgs.msg import JointState
 
 from tutorial.controllers.bag_recorder import open_bag
 from tutorial.errors import TutorialError
-from tutorial.notebook import bag_play, close_all, open_node, until
+from tutorial.notebook import bag_play, open_node, until
 from tutorial.ros.bags import Bag
 from tutorial.ros.node_thread import NodeThread
 
@@ -32,44 +32,24 @@ def drive(tmp_path):
     return bag.path
 
 
-def with_an_ear(scenario):
-    """Run a scenario, which is given a list of the positions that are heard."""
-
-    async def main():
-        heard = []
-        ear = open_node("ear")
-        ear.create_subscription(JointState, TOPIC, lambda message: heard.append(message.position[0]), 100)
-        try:
-            await scenario(heard)
-            assert [thread.full_name for thread in NodeThread.alive] == ["/ear"], "the player's node has gone"
-        finally:
-            close_all()
-
-    asyncio.run(main())
-
-
-def test_it_is_heard_whole_faster_and_from_the_middle(drive, domain):
-    async def scenario(heard):
-        await bag_play(drive, rate=5.0)
-        await until(lambda: len(heard) == 25)
-        assert heard == [i / 100 for i in range(25)]
-        heard.clear()
-        await bag_play(Bag(drive), rate=5.0, start_offset=0.4, topics=[TOPIC])
-        await until(lambda: len(heard) == 5)
-        assert heard == [i / 100 for i in range(20, 25)]
-        with pytest.raises(TutorialError, match="there is no topic '/joy' in this bag"):
-            await bag_play(drive, topics=["/joy"])
-
-    with_an_ear(scenario)
-
-
-def test_an_interrupt_ends_it(drive, domain):
-    async def scenario(heard):
-        playing = asyncio.ensure_future(bag_play(drive, rate=0.001))
-        await until(lambda: heard)
-        playing.cancel()
-        with pytest.raises(asyncio.CancelledError):
-            await playing
-        assert heard == [0.0]
-
-    with_an_ear(scenario)
+async def test_it_is_heard_whole_faster_and_from_the_middle_until_it_is_interrupted(drive, domain):
+    heard = []
+    ear = open_node("ear")
+    ear.create_subscription(JointState, TOPIC, lambda message: heard.append(message.position[0]), 100)
+    await bag_play(drive, rate=5.0)
+    await until(lambda: len(heard) == 25)
+    assert heard == [i / 100 for i in range(25)]
+    heard.clear()
+    await bag_play(Bag(drive), rate=5.0, start_offset=0.4, topics=[TOPIC])
+    await until(lambda: len(heard) == 5)
+    assert heard == [i / 100 for i in range(20, 25)]
+    with pytest.raises(TutorialError, match="there is no topic '/joy' in this bag"):
+        await bag_play(drive, topics=["/joy"])
+    heard.clear()
+    playing = asyncio.ensure_future(bag_play(drive, rate=0.001))
+    await until(lambda: heard)
+    playing.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await playing
+    assert heard == [0.0]
+    assert [thread.full_name for thread in NodeThread.alive] == ["/ear"], "the player's node has gone"

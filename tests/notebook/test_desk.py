@@ -13,80 +13,53 @@ from tutorial.errors import TutorialError
 from tutorial.notebook import desk
 from tutorial.notebook.desk import close_all, keep, keep_once, log, until
 
+logger = logging.getLogger("tutorial.somewhere")
+
 
 @pytest.fixture(autouse=True)
 def empty_desk(monkeypatch):
     monkeypatch.setattr(desk, "_open", {})
+    desk.logged.lines.clear()
 
 
-class Thing:
-    closed = 0
-
-    def __init__(self, diary=None, name=""):
-        self.diary, self.name = diary, name
-
-    def close(self):
-        self.closed += 1
-        if self.diary is not None:
-            self.diary.append(self.name)
-
-
-def test_what_was_open_under_a_name_is_closed_before_the_new_is_made():
-    first = keep("node a", Thing, Thing.close)
-
-    def make():
-        assert first.closed == 1
-        return Thing()
-
-    second = keep("node a", make, Thing.close)
-    assert second is not first
-    assert second.closed == 0
+def test_what_was_open_under_a_name_is_closed_first_and_in_the_end_all_is_the_newest_first():
+    diary = []
+    for name in "abac":
+        keep(name, lambda name=name: diary.append(f"+{name}"), lambda _, name=name: diary.append(f"-{name}"))
+    close_all()
+    close_all()
+    assert diary == ["+a", "+b", "-a", "+a", "+c", "-c", "-a", "-b"]
 
 
 def test_when_making_fails_the_old_is_closed_all_the_same_and_nothing_is_kept():
-    first = keep("node a", Thing, Thing.close)
+    closed = []
+    keep("node a", object, closed.append)
     with pytest.raises(ZeroDivisionError):
         keep("node a", lambda: 1 / 0, print)
     close_all()
-    assert first.closed == 1
+    assert len(closed) == 1
 
 
 def test_what_is_kept_once_stays():
-    assert keep_once("tools", Thing, Thing.close) is keep_once("tools", Thing, Thing.close)
-
-
-def test_all_is_closed_the_newest_first_and_twice_is_once():
-    diary = []
-    for name in "abc":
-        keep(name, lambda name=name: Thing(diary, name), Thing.close)
-    close_all()
-    close_all()
-    assert diary == ["c", "b", "a"]
+    assert keep_once("tools", object, print) is keep_once("tools", object, print)
 
 
 def test_one_that_cannot_be_closed_does_not_keep_the_others_open(capsys):
-    first = keep("a", Thing, Thing.close)
-    keep("b", Thing, lambda thing: 1 / 0)
-    log()
-    capsys.readouterr()
+    closed = []
+    first = keep("a", object, closed.append)
+    keep("b", object, lambda thing: 1 / 0)
     close_all()
-    assert first.closed == 1
+    assert closed == [first]
     log()
     assert capsys.readouterr().out == "[ERROR] b could not be closed: ZeroDivisionError: division by zero\n"
 
 
-def test_until_leaves_the_loop_free():
-    async def scenario():
-        done = []
-        asyncio.get_running_loop().call_later(0.05, done.append, True)
-        await until(lambda: done)
-
-    asyncio.run(scenario())
-
-
-def test_until_says_what_it_waited_for():
+async def test_until_leaves_the_loop_free_and_says_what_it_waited_for():
+    done = []
+    asyncio.get_running_loop().call_later(0.05, done.append, True)
+    await until(lambda: done)
     with pytest.raises(TutorialError, match=r"waited 0\.02 s in vain for the match\. Run the cells above"):
-        asyncio.run(until(lambda: False, "the match", 0.02))
+        await until(lambda: False, "the match", 0.02)
 
 
 def test_errors_may_pour_in_while_they_are_looked_at(capsys):
@@ -95,7 +68,7 @@ def test_errors_may_pour_in_while_they_are_looked_at(capsys):
 
     def pour():
         while not enough.is_set():
-            logging.getLogger("tutorial.somewhere").error("again")
+            logger.error("again")
 
     thread = threading.Thread(target=pour)
     interval = sys.getswitchinterval()
@@ -114,10 +87,6 @@ def test_errors_may_pour_in_while_they_are_looked_at(capsys):
 
 
 def test_what_is_logged_on_any_thread_is_printed_when_asked_for(capsys):
-    log()
-    capsys.readouterr()
-    logger = logging.getLogger("tutorial.somewhere")
-
     def work():
         logger.warning("the rate is %d", 50)
         try:
@@ -130,6 +99,5 @@ def test_what_is_logged_on_any_thread_is_printed_when_asked_for(capsys):
     thread.join()
     assert capsys.readouterr() == ("", "")
     log()
-    assert capsys.readouterr().out == "[WARNING] the rate is 50\n[ERROR] it failed: ValueError: mine\n"
     log()
-    assert capsys.readouterr().out == ""
+    assert capsys.readouterr().out == "[WARNING] the rate is 50\n[ERROR] it failed: ValueError: mine\n"

@@ -2,30 +2,68 @@
 
 from __future__ import annotations
 
-from kernels import kernel
+import logging
+import os
+from contextlib import ExitStack
+from types import SimpleNamespace
 
-FORGOTTEN = """
-from tutorial.notebook import topic_list
-shown, _ = get_ipython().display_formatter.format({call})
-print(shown["text/plain"])
-"""
+import pytest
+from IPython.core.formatters import DisplayFormatter
 
-
-def test_a_forgotten_await_is_named_and_python_does_not_complain_later():
-    with kernel() as desk:
-        assert desk.run(FORGOTTEN.format(call="topic_list()")) == (
-            "topic_list has not run yet: this takes a while, so write await before it.\n"
-        )
-        desk.run("from tutorial.checks.tank_controller import drive")
-        assert desk.run(FORGOTTEN.format(call="drive.check()")).startswith("Exercise.check has not run yet")
-        assert desk.run("import gc; gc.collect(); print()") == "\n"
+from tutorial.checks.tank_controller import drive
+from tutorial.notebook import close_all, process, topic_list
+from tutorial.notebook.desk import logged
 
 
-def test_a_notebook_is_heard_on_its_own_machine_unless_it_is_told_otherwise(monkeypatch):
-    monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE", raising=False)
-    asked = "import os, tutorial.notebook; print(os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'])"
-    with kernel() as desk:
-        assert desk.run(asked) == "LOCALHOST\n"
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF")
-    with kernel() as desk:
-        assert desk.run(asked) == "OFF\n"
+@pytest.fixture
+def prepare(monkeypatch):
+    """Prepare this process for a notebook with some variables, as if it were another one; return what comes of it."""
+    shell, at_exit = SimpleNamespace(display_formatter=DisplayFormatter()), []
+    with ExitStack() as until_exit, monkeypatch.context() as patch:
+        patch.setattr(process, "_until_exit", until_exit)
+        patch.setattr(process, "get_ipython", lambda: shell)
+        patch.setattr(process.atexit, "register", at_exit.append)
+
+        def run(**variables):
+            for name in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
+                patch.delenv(name, raising=False)
+            for name, value in variables.items():
+                patch.setenv(name, value)
+            process.prepare_process()
+            return shell, at_exit
+
+        yield run
+
+
+def test_a_forgotten_await_is_named_and_python_does_not_complain_later(prepare):
+    shell, _ = prepare()
+    for call, name in ((topic_list(), "topic_list"), (drive.check(), "Exercise.check")):
+        shown, _ = shell.display_formatter.format(call)
+        assert shown["text/plain"] == f"{name} has not run yet: this takes a while, so write await before it."
+
+
+def test_two_notebooks_do_not_hear_each_other_unless_they_are_told_to(prepare):
+    domains = [prepare() and os.environ["ROS_DOMAIN_ID"] for _ in range(2)]
+    assert domains[0] != domains[1]
+    prepare(ROS_DOMAIN_ID="7")
+    assert os.environ["ROS_DOMAIN_ID"] == "7"
+
+
+def test_a_notebook_is_heard_on_its_own_machine_unless_it_is_told_otherwise(prepare):
+    prepare()
+    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    prepare(ROS_AUTOMATIC_DISCOVERY_RANGE="OFF")
+    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "OFF"
+
+
+def test_what_is_logged_goes_nowhere_else_and_everything_is_closed_at_the_end(prepare):
+    logger = logging.getLogger("tutorial")
+    assert logged in logger.handlers
+    assert prepare()[1] == [close_all]
+    assert not logger.propagate
+
+
+def test_without_ipython_there_is_nothing_to_explain(prepare, monkeypatch):
+    for shell in (None, SimpleNamespace(display_formatter=None)):
+        monkeypatch.setattr(process, "get_ipython", lambda shell=shell: shell)
+        prepare()

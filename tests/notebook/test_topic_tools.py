@@ -16,15 +16,10 @@ class Late:
     full_name = "/late"
 
 
-def test_they_wait_for_a_node_of_their_own_kernel_that_is_met_late(domain, monkeypatch, capsys):
-    async def scenario():
-        asyncio.get_running_loop().call_later(1.0, lambda: open_node("late").create_publisher(String, "words", 1))
-        try:
-            await topic_list()
-        finally:
-            close_all()
-
+async def test_they_wait_for_a_node_of_their_own_kernel_that_is_met_late(domain, monkeypatch, capsys):
     monkeypatch.setattr(NodeThread, "alive", {Late})
-    asyncio.run(scenario())
+    asyncio.get_running_loop().call_later(1.0, lambda: open_node("late").create_publisher(String, "words", 1))
+    await topic_list()
+    close_all()
     assert "/words\n" in capsys.readouterr().out
     assert NodeThread.alive == {Late}, "what is closed is not waited for"

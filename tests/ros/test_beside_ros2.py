@@ -38,7 +38,7 @@ bodies:
 """
 JOINT_STATE, STICK_TO_THE_RIGHT = "sensor_msgs/msg/JointState", "{axes: [0, 0, 0.3, 0]}"
 
-pytestmark = pytest.mark.timeout(300)
+pytestmark = [pytest.mark.ros2, pytest.mark.timeout(300)]
 if not REAL:
     pytest.skip("TANK_REAL_ROS2 is not set: it names a command that runs another with ROS 2", allow_module_level=True)
 

@@ -27,7 +27,7 @@ KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPol
 PAYLOADS = [serialize_message(JointState(name=["TURRET_Y"], position=[i / 10])) for i in range(COUNT)]
 FIRST = serialize_message(JointState(name=["TURRET_Y"], position=[-1.0]))
 
-pytestmark = pytest.mark.timeout(300)
+pytestmark = [pytest.mark.ros2, pytest.mark.timeout(300)]
 if not REAL:
     pytest.skip("TANK_REAL_ROS2 is not set: it names a command that runs another with ROS 2", allow_module_level=True)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
+from unittest.mock import Mock
 
 import pytest
 from programs import until
@@ -22,29 +23,33 @@ def meter():
 def test_a_meter_counts_and_keeps_the_newest(meter):
     assert (meter.count, meter.rate, meter.last) == (0, 0.0, None)
     assert meter.type_name == "sensor_msgs/msg/Joy"
-    for latency in (1_000_000, 3_000_000):
-        meter.add(latency, latency)
+    meter.add(1_000_000, 1_000_000)
+    assert meter.latency_ms() == {"median": None, "p99": None}  # until there are two
+    meter.add(3_000_000, 3_000_000)
     assert (meter.count, meter.last) == (2, 3_000_000)
     assert meter.rate > 0
     assert meter.latency_ms() == {"median": 2.0, "p99": 2.98}
 
 
+@pytest.fixture
+def many_switches():
+    """Threads give way to one another all the time."""
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(interval)
+
+
 def test_without_an_answer_a_node_counts_itself(domain, monkeypatch):
     """A real ROS 2 names no node while another's name is empty."""
 
-    def fail():
-        raise RuntimeError("Failed to get node names: empty node name returned by the RMW layer")
-
+    fail = Mock(side_effect=RuntimeError("Failed to get node names: empty node name returned by the RMW layer"))
     with NodeThread("tank") as thread:
         monkeypatch.setattr(thread.node, "get_node_names_and_namespaces", fail)
         assert thread.namesakes() == 1
 
 
-def test_latency_is_unknown_until_there_are_two(meter):
-    meter.add("message", 1_000_000)
-    assert meter.latency_ms() == {"median": None, "p99": None}
-
-
+@pytest.mark.usefixtures("many_switches")
 def test_latencies_may_be_asked_for_while_messages_arrive(meter, monkeypatch):
     monkeypatch.setattr(meter, "_latencies_ns", type(meter._latencies_ns)(maxlen=100))
     stop = threading.Event()
@@ -53,8 +58,6 @@ def test_latencies_may_be_asked_for_while_messages_arrive(meter, monkeypatch):
         while not stop.is_set():
             meter.add("message", 1_000_000)
 
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-6)
     thread = threading.Thread(target=receive)
     thread.start()
     try:
@@ -63,7 +66,6 @@ def test_latencies_may_be_asked_for_while_messages_arrive(meter, monkeypatch):
     finally:
         stop.set()
         thread.join()
-        sys.setswitchinterval(interval)
 
 
 def test_a_callback_that_does_not_return_does_not_hold_whoever_closes(domain, monkeypatch, caplog):
@@ -124,16 +126,12 @@ def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):
     assert not thread._context.ok()
 
 
+@pytest.mark.usefixtures("many_switches")
 def test_what_is_destroyed_while_the_executor_looks_around_is_no_failure(domain, caplog):
-    interval = sys.getswitchinterval()
     with NodeThread("spins") as thread:
-        sys.setswitchinterval(1e-6)
-        try:
-            for _ in range(500):
-                thread.node.destroy_publisher(thread.node.create_publisher(String, "words", 1))
-                thread.node.destroy_subscription(thread.node.create_subscription(String, "words", print, 1))
-        finally:
-            sys.setswitchinterval(interval)
+        for _ in range(500):
+            thread.node.destroy_publisher(thread.node.create_publisher(String, "words", 1))
+            thread.node.destroy_subscription(thread.node.create_subscription(String, "words", print, 1))
         assert thread.error is None, caplog.text
 
 

@@ -174,16 +174,12 @@ def test_what_destroys_itself_is_gone_and_its_node_does_not_know(domain):
     publisher = thread.node.create_publisher(String, "words", 1)
     subscription = thread.node.create_subscription(String, "words", print, 1)
     other = thread.node.create_subscription(String, "words", print, 1)
-    watched, (by_itself, by_node) = thread.node.watched(WatchedPublisher), thread.node.watched(WatchedSubscription)
+    taps = [*thread.node.watched(WatchedPublisher), *thread.node.watched(WatchedSubscription)]
     publisher.destroy()
     subscription.destroy()
     thread.node.destroy_subscription(other)
     assert publisher in thread.node.publishers
-    assert [(each.destroyed, each.by_itself) for each in (*watched, by_itself, by_node)] == [
-        (True, True),
-        (True, True),
-        (True, False),
-    ]
+    assert [(each.destroyed, each.by_itself) for each in taps] == [(True, True), (True, True), (True, False)]
     thread.close()
 
 
@@ -205,46 +201,32 @@ def test_a_timer_calls_back_until_it_is_destroyed(node):
     assert timer not in node.timers
 
 
-FAILURES = [SystemExit, KeyboardInterrupt, GeneratorExit, ValueError]
-
-
-@pytest.mark.parametrize("failure", FAILURES)
-def test_whatever_a_callback_raises_is_seen_and_the_node_goes_on_hearing(thread, caplog, failure):
+@pytest.mark.parametrize("failure", [SystemExit, KeyboardInterrupt, GeneratorExit, ValueError])
+@pytest.mark.parametrize("what", ["subscription", "timer"])
+def test_whatever_a_callback_raises_is_seen_and_the_node_goes_on(thread, caplog, failure, what):
     heard = []
 
-    def fail_at_first(message):
-        heard.append(message.data)
+    def fail_at_first(message=None):
+        heard.append(message and message.data)
         if len(heard) == 1:
             raise failure
 
-    thread.node.create_subscription(String, "words", fail_at_first, 10)
-    send(thread.node.create_publisher(String, "words", 10), 1, "first", "second")
-    until(lambda: heard == ["first", "second"], "both messages")
-    if isinstance(thread, CheckThread):
-        assert isinstance(thread.node.watched(WatchedSubscription)[0].failure.error, failure)
+    if what == "timer":
+        thread.node.create_timer(0.001, fail_at_first)
+        until(lambda: len(heard) > 1, "the next call")
     else:
+        thread.node.create_subscription(String, "words", fail_at_first, 10)
+        send(thread.node.create_publisher(String, "words", 10), 1, "first", "second")
+        until(lambda: heard == ["first", "second"], "both messages")
+    if not isinstance(thread, CheckThread):
         assert isinstance(thread.error, failure)
         assert "a callback of the node 'tank' failed; the others go on" in caplog.text
-
-
-@pytest.mark.parametrize("failure", FAILURES)
-def test_whatever_a_timer_raises_is_seen_and_the_node_goes_on_hearing(thread, caplog, failure):
-    calls = []
-
-    def fail_at_first():
-        calls.append(None)
-        if len(calls) == 1:
-            raise failure
-
-    thread.node.create_timer(0.001, fail_at_first)
-    until(lambda: len(calls) > 1, "the next call")
-    if isinstance(thread, CheckThread):
+    elif what == "timer":
         with pytest.raises(Failure) as raised:
             thread.close()
         assert isinstance(raised.value.error, failure)
     else:
-        assert isinstance(thread.error, failure)
-        assert "a callback of the node 'tank' failed; the others go on" in caplog.text
+        assert isinstance(thread.node.watched(WatchedSubscription)[0].failure.error, failure)
 
 
 def test_a_node_that_its_program_has_destroyed_can_be_closed(thread):

@@ -6,94 +6,95 @@ stays flat; then the same into the viewer of step 3, whose queue must not grow; 
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Sequence
+import json
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
 
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
-import click
-from domains import reserved_domain
+from harness import GROWTH, MEMORY, WARM_UP, above, console, python, show, soak
 from hostile import hostile
-from memory import WARM_UP
-from rich.console import Console
-from rich.table import Table
-from run import Outcome, run
-from verdict import judge
+from traffic import PATIENCE, RATE
 
-from tutorial.commands.terminal import INTERRUPTED, progress_bar
+from tutorial.commands.terminal import progress_bar
 
-KINDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "show"}
-HOSTILE = "hostile"
+TRAFFIC = Path(__file__).with_name("traffic.py")
+KINDS = ("reliable", "best effort", "hand-off", "hostile")
+BACKLOG = 100  # calls that may wait for the viewer's main thread, in the median of a third: a tenth of a second's
+RATE_BOUND = 0.99 * RATE
+
+Result = dict[str, Any]
 
 
-def table_of_messages(outcomes: list[Outcome]) -> Table:
-    """What was sent and what arrived."""
-    table = Table("messages", "sent/s", "sent", "received", "lost", "median", "p99 [ms]")
-    table.caption = (
+def run(kind: str, seconds: float) -> tuple[str, Result, Result]:
+    """Run a publisher and another end for a while; return the kind, and what both have said.
+
+    Raises:
+        SystemExit: one of them has failed, or does not end.
+    """
+    console.print(f"{kind}, {seconds} s:")
+    other = "show" if kind == "hand-off" else "subscribe"
+    with progress_bar(seconds, shown=True) as progress, ExitStack() as stack:
+        ends = [stack.enter_context(python(TRAFFIC, role, kind, seconds)) for role in ("publish", other)]
+        stack.callback(lambda: [end.stdin.close() for end in ends])  # both are asked before either is waited for
+        began = time.monotonic()
+        while any(end.poll() is None for end in ends):
+            progress(time.monotonic() - began)
+            if any(end.poll() for end in ends) or time.monotonic() - began > 3 * seconds + 2 * PATIENCE:
+                raise SystemExit(f"{kind}: a process has failed, or should have ended long ago; see above")
+            time.sleep(0.05)
+        sent, got = (json.loads(end.stdout.read().splitlines()[-1]) for end in ends)
+    return kind, sent, got
+
+
+def complaints(kind: str, sent: Result, got: Result) -> Iterator[str]:
+    """What does not hold of what should."""
+    if sent["rate"] < RATE_BOUND:
+        yield f"{sent['rate']:.0f} messages a second were sent, at least {RATE_BOUND:.0f} are asked for"
+    if kind == "reliable" and sent["sent"] > got["received"]:
+        yield f"{sent['sent'] - got['received']} messages were lost"
+    if got["disordered"]:
+        yield f"{got['disordered']} messages came out of order"
+    for (start, end), whose in ((sent["memory"], "publisher"), (got["memory"], "other end")):
+        yield from above((end - start, GROWTH, f"the {whose}'s {MEMORY}"))
+    if got["received"] != got.get("applied", got["received"]):
+        yield f"{got['received']} messages were received, but {got['applied']} shown"
+    last = got.get("waiting", [0])[-1]
+    yield from above((last, BACKLOG, "the viewer's queue has grown: in the last third {:.0f} waited, at most {} may"))
+
+
+def messages_and_memory(duration: int, kinds: Sequence[str]) -> list[str]:
+    """Run each kind of traffic in turn, and print the tables; return what does not hold."""
+    outcomes = [run(kind, duration) for kind in kinds if kind != "hostile"]
+    if outcomes:
+        show_messages(outcomes)
+    found = [f"{outcome[0]}: {complaint}" for outcome in outcomes for complaint in complaints(*outcome)]
+    return found + (hostile(duration) if "hostile" in kinds else [])
+
+
+def show_messages(outcomes: Sequence[tuple[str, Result, Result]]) -> None:
+    """Print what was sent and what arrived, and how the memory went."""
+
+    def row(kind: str, sent: Result, got: Result) -> tuple[str, ...]:
+        counts = (f"{number:,}" for number in (sent["sent"], got["received"], sent["sent"] - got["received"]))
+        growths = (f"{end - start:+.1f} to {end:.0f}" for start, end in (sent["memory"], got["memory"]))
+        return kind, f"{sent['rate']:.1f}", *counts, f"{got['median']:.2f}", f"{got['p99']:.2f}", *growths
+
+    show(
+        ("messages", "sent/s", "sent", "received", "lost", "median", "p99 [ms]", "memory [MB]", "of the other end"),
+        (row(*outcome) for outcome in outcomes),
         "median and p99: of the time from publication to callback. Best effort may lose messages, and so may the "
-        "viewer, whose subscription keeps the newest: its depth is 1."
+        "viewer, whose subscription keeps the newest: its depth is 1. memory: how much the publisher's, and the other "
+        f"end's, has grown after a warm-up of {WARM_UP:.0%} of the run.",
     )
-    for outcome in outcomes:
-        sent, got = outcome.publisher, outcome.subscriber
-        counts = (f"{number:,}" for number in (sent["sent"], got["received"], outcome.lost))
-        table.add_row(outcome.kind, f"{sent['rate']:.1f}", *counts, f"{got['median']:.2f}", f"{got['p99']:.2f}")
-    return table
-
-
-def table_of_memory(outcomes: list[Outcome]) -> Table:
-    """How the memory of each process went."""
-    table = Table("memory [MB]", "process", "start", "1st third", "2nd third", "3rd third", "end", "growth")
-    table.caption = f"resident memory, after a warm-up of {WARM_UP:.0%} of the run."
-    for outcome in outcomes:
-        for process, memory in outcome.memories.items():
-            values = (f"{value:.1f}" for value in (memory.start, *memory.thirds, memory.end))
-            table.add_row(outcome.kind, process, *values, f"{memory.growth:+.1f}")
-    return table
-
-
-def show(outcomes: list[Outcome], console: Console) -> None:
-    """Print the tables."""
-    for table in (table_of_messages(outcomes), table_of_memory(outcomes)):
-        for column in table.columns[1:]:
-            column.justify = "right"
-        table.caption_justify = "left"
-        console.print(table)
-    for waiting in (outcome.subscriber["waiting"] for outcome in outcomes if "waiting" in outcome.subscriber):
-        thirds = ", ".join(f"{third:.0f}" for third in waiting["thirds"])
-        console.print(f"calls that waited for the viewer's main thread: {thirds} by thirds, {waiting['most']} at most")
-
-
-def soak(duration: int, kinds: Sequence[str], console: Console) -> int:
-    """Run each kind of traffic in turn; return the exit status."""
-    outcomes = []
-    with reserved_domain() as domain:
-        os.environ["ROS_DOMAIN_ID"] = str(domain)
-        for kind in [kind for kind in kinds if kind in KINDS]:
-            console.print(f"{kind}, {duration} s:")
-            with progress_bar(duration, shown=True) as progress:
-                outcomes.append(run(kind, KINDS[kind], duration, progress))
-        if outcomes:
-            show(outcomes, console)
-        complaints = [f"{outcome.kind}: {complaint}" for outcome in outcomes for complaint in outcome.complaints()]
-        if HOSTILE in kinds:
-            complaints += hostile(duration, console)
-    return judge(complaints, console)
-
-
-@click.command(help=__doc__)
-@click.argument("duration", metavar="[SECONDS]", type=click.IntRange(1, 86_400), default=60)
-@click.argument("kinds", metavar="[KIND]...", nargs=-1, type=click.Choice([*KINDS, HOSTILE]))
-def main(duration: int, kinds: tuple[str, ...]) -> None:
-    """Do what the command line asks for, and exit with its status."""
-    console = Console(width=None if sys.stdout.isatty() else 120)
-    try:
-        sys.exit(soak(duration, kinds or (*KINDS, HOSTILE), console))
-    except KeyboardInterrupt:
-        console.print("stopped")
-        sys.exit(INTERRUPTED)
+    for got in (got for *_, got in outcomes if "waiting" in got):
+        thirds = ", ".join(f"{third:.0f}" for third in got["waiting"])
+        console.print(f"calls that waited for the viewer's main thread: {thirds} by thirds, {got['most']} at most")
 
 
 if __name__ == "__main__":
-    main()
+    soak(__doc__, 60, KINDS, messages_and_memory)

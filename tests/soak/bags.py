@@ -1,7 +1,7 @@
 """A thousand joint states of 40 joints a second for a while, recorded by ``tank bag record``: whether one is missing.
 
-``python tests/soak/bags.py [SECONDS] [mcap|sqlite3]`` runs it. The publisher is that of the other soaks: by its number,
-each message that is missing in the bag is found.
+The publisher is that of the other soaks: by its number, each message that is missing in the bag is found. ``make soak``
+runs it, too.
 """
 
 from __future__ import annotations
@@ -10,69 +10,64 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
-import click
 import psutil
-from domains import reserved_domain
+from harness import GRACE, console, python, soak
 from programs import TANK
-from rich.console import Console
-from run import GRACE, RATE_BOUND, one_end
-from traffic import TOPIC
-from verdict import judge
+from traffic import RATE, TOPIC
 
 from tutorial.commands.terminal import progress_bar
 from tutorial.ros.bags import Bag
 
+TRAFFIC = Path(__file__).with_name("traffic.py")
 
-def soak(seconds: float, storage: str, folder: Path, console: Console) -> list[str]:
-    """Record; return what does not hold."""
-    path = folder / "bag"
-    before, began = psutil.cpu_times(), time.monotonic()
-    recorder = subprocess.Popen([TANK, "bag", "record", TOPIC, "-s", storage, "-o", str(path)], process_group=0)
+
+def record(seconds: int, path: Path) -> tuple[dict[str, float], float]:
+    """Record a bag of what is published meanwhile; return what the publisher said, and the recorder's memory [MB]."""
+    recorder = subprocess.Popen([TANK, "bag", "record", TOPIC, "-o", str(path)], process_group=0)
     try:
-        with one_end("publish", "reliable", seconds) as publisher, progress_bar(seconds, shown=True) as progress:
+        with (
+            python(TRAFFIC, "publish", "reliable", seconds) as publisher,
+            progress_bar(seconds, shown=True) as progress,
+        ):
+            began = time.monotonic()
             while publisher.poll() is None:
                 progress(time.monotonic() - began)
                 time.sleep(0.05)
             sent = json.loads(publisher.stdout.read().splitlines()[-1])
-        memory = psutil.Process(recorder.pid).memory_info().rss / 2**20
+        memory = psutil.Process(recorder.pid).memory_info().rss / 1e6
         recorder.send_signal(signal.SIGINT)
         recorder.wait(GRACE)
     finally:
         recorder.kill()
-    busy = sum(psutil.cpu_times()[:3]) - sum(before[:3])
-    share = busy / (psutil.cpu_count() * (time.monotonic() - began))
-    bag = Bag(path)
-    numbers = [int(message.header.frame_id) for *_, message in bag.messages()]
+    return sent, memory
+
+
+def check(seconds: int, _: Sequence[str]) -> list[str]:
+    """Hold a bag against what was sent; return what does not hold."""
+    with tempfile.TemporaryDirectory() as folder:
+        sent, memory = record(seconds, Path(folder) / "bag")
+        bag = Bag(Path(folder) / "bag")
+        numbers = [int(message.header.frame_id) for *_, message in bag.messages()]
+        size = bag.size / 2**20
     missing = sent["sent"] - len(set(numbers))
     console.print(
-        f"{storage}: {sent['rate']:.1f} sent/s; {sent['sent']:,} sent, {len(numbers):,} in the bag, "
-        f"{missing:,} missing; {bag.size / 2**20:.1f} MiB; {memory:.0f} MB of memory; "
-        f"{psutil.cpu_count()} cores {share:.0%} busy, load {os.getloadavg()[0]:.1f}"
+        f"{sent['rate']:.1f} sent/s; {sent['sent']:,} sent, {len(numbers):,} in the bag, {missing:,} missing; "
+        f"{size:.1f} MiB; {memory:.0f} MB of memory; {psutil.cpu_count()} cores, load {os.getloadavg()[0]:.1f}",
+        soft_wrap=True,
     )
-    complaints = [f"{missing:,} messages are missing"] if missing else []
-    if sent["rate"] < RATE_BOUND:
-        complaints.append(f"{sent['rate']:.0f} messages a second were sent, at least {RATE_BOUND:.0f} are asked for")
-    return complaints + (["they are out of order"] if numbers != sorted(numbers) else [])
-
-
-@click.command(help=__doc__)
-@click.argument("seconds", type=click.IntRange(1, 86_400), default=60)
-@click.argument("storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap")
-def main(seconds: int, storage: str) -> None:
-    """Do what the command line asks for, and exit with its status."""
-    console = Console(width=None if sys.stdout.isatty() else 200)
-    with reserved_domain() as domain, tempfile.TemporaryDirectory() as folder:
-        os.environ["ROS_DOMAIN_ID"] = str(domain)
-        sys.exit(judge(soak(seconds, storage, Path(folder), console), console))
+    found = [f"{missing:,} messages are missing"] if missing else []
+    if sent["rate"] < 0.99 * RATE:
+        found.append(f"{sent['rate']:.0f} messages a second were sent, at least {0.99 * RATE:.0f} are asked for")
+    return found + (["they are out of order"] if numbers != sorted(numbers) else [])
 
 
 if __name__ == "__main__":
-    main()
+    soak(__doc__, 60, ["mcap"], check)

@@ -11,7 +11,7 @@ import asyncio
 import logging
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Awaitable, Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import count
@@ -23,10 +23,8 @@ from typing import Any
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
-from memory import BOUND, Memory, Trend
+from harness import GROWTH, MEMORY, Memory, above, console, show
 from rclpy.qos import HistoryPolicy, QoSProfile
-from rich.console import Console
-from rich.table import Table
 from sensor_msgs.msg import JointState
 from tqdm import tqdm
 
@@ -39,40 +37,13 @@ from tutorial.ros.chaos.faults import CONTROL, MARKUP, SECOND_NS
 from tutorial.ros.chaos.stream import JOINTS, TOPIC, swing
 from tutorial.ros.node_thread import NodeThread
 
-MATCHED_IN_A_MINUTE, VIEWED_IN_A_MINUTE = 1_000_000, 100_000
 WARM_UP = 0.1
 GARBAGE = 0.05  # of the messages of the second half
 PATIENCE = 60.0  # [s] until the viewer has shown a message
-KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL)
 NAMES = (*JOINTS, *MARKUP, *CONTROL, "", "x" * 10_000)
 COUNTED = {"unknown": ("rename", "markup", "control"), "duplicate": ("duplicate",), "late": ("late",)}
 COUNTED |= {"non_finite": ("nan", "infinite")}
 """By what is counted of messages, the faults that cause one each."""
-
-
-@dataclass
-class Outcome:
-    """What became of the messages of one kind.
-
-    Attributes:
-        kind: where they went.
-        messages: how many there were.
-        seconds: how long it took [s].
-        memory: of this process.
-        wrong: what does not hold.
-    """
-
-    kind: str
-    messages: int = 0
-    seconds: float = 0.0
-    memory: Trend | None = None
-    wrong: list[str] = field(default_factory=list)
-
-    def complaints(self) -> Iterator[str]:
-        """What does not hold of what should."""
-        yield from self.wrong
-        if self.memory is not None and self.memory.growth > BOUND:
-            yield f"memory has grown by {self.memory.growth:.1f} MB, at most {BOUND:g} are allowed"
 
 
 class Hostility:
@@ -93,8 +64,7 @@ class Hostility:
 
     def with_one_fault(self) -> list[Any]:
         """Make what becomes of the next good message when one fault hits it."""
-        self._chaos.faults = {self._random.choice(self._counted): 1.0}
-        messages = self._next()
+        messages = self._next({self._random.choice(self._counted): 1.0})
         for message in messages:
             missing = len(message.name) - len(message.position)
             self._uneven["short" if missing > 0 else "long"] += abs(missing)
@@ -102,113 +72,103 @@ class Hostility:
 
     def with_all_faults(self) -> list[Any]:
         """Make what becomes of the next good message when many faults hit it; now and then garbage."""
-        if self._random.random() < GARBAGE:
-            return [self._garbage()]
-        self._chaos.faults = dict.fromkeys(self._faults, 0.3)
-        return self._next()
-
-    def counts(self) -> dict[str, int]:
-        """What has to have been counted of the messages with one fault."""
-        made = self._chaos.made
-        return {kind: sum(made[name] for name in names) for kind, names in COUNTED.items()} | self._uneven
-
-    def _next(self) -> list[Any]:
-        actions = self._chaos.apply(swing(next(self._numbers)))
-        return [action.message for action in actions if action.message is not None]
-
-    def _garbage(self) -> JointState:
         random = self._random
+        if random.random() >= GARBAGE:
+            return self._next(dict.fromkeys(self._faults, 0.3))
         message = JointState(name=random.choices(NAMES, k=random.randrange(20)))
         message.position = [unpack("d", random.randbytes(8))[0] for _ in range(random.randrange(20))]
         message.header.stamp.sec = random.randrange(-(2**31), 2**31)
         message.header.stamp.nanosec = random.randrange(SECOND_NS)
-        return message
+        return [message]
+
+    def disagreements(self, counted: dict[str, int]) -> Iterator[str]:
+        """Say where what was counted of the messages with one fault is not what was made of them."""
+        made = {kind: sum(self._chaos.made[name] for name in names) for kind, names in COUNTED.items()} | self._uneven
+        for kind in made.keys() & counted.keys():
+            if counted[kind] != made[kind]:
+                yield f"{counted[kind]} {kind} were counted, but {made[kind]} made"
+
+    def _next(self, faults: dict[str, float]) -> list[Any]:
+        self._chaos.faults = faults
+        actions = self._chaos.apply(swing(next(self._numbers)))
+        return [action.message for action in actions if action.message is not None]
 
 
-def agree(counted: dict[str, int], made: dict[str, int]) -> Iterator[str]:
-    """Say where what was counted is not what was made; what nobody counts is not compared."""
-    for kind in made.keys() & counted.keys():
-        if counted[kind] != made[kind]:
-            yield f"{counted[kind]} {kind} were counted, but {made[kind]} made"
+@dataclass
+class Outcome:
+    """What has become of hostile messages: how many there were, in how many seconds, the memory, and what is wrong."""
+
+    messages: int
+    progress: Callable[[int], object]
+    seconds: float = 0.0
+    memory: tuple[float, float] = (0.0, 0.0)
+    wrong: list[str] = field(default_factory=list)
+
+    async def send(
+        self,
+        hostility: Hostility,
+        take: Callable[[Any], Awaitable[Iterable[float]]],
+        counted: Callable[[], dict[str, int]],
+    ) -> None:
+        """Send both halves: `take` takes a message and returns the positions displayed."""
+        memory, began, done = Memory(), time.monotonic(), 0
+        for make in (hostility.with_one_fault, hostility.with_all_faults):
+            end = done + self.messages // 2
+            while done < end:
+                for message in make():
+                    if not all(map(isfinite, await take(message))):
+                        self.wrong.append(f"displayed where no number is, after {message}"[:500])
+                    done += 1
+                memory.look()
+                self.progress(done)
+            if make == hostility.with_one_fault:
+                self.wrong += hostility.disagreements(counted())
+        self.messages, self.seconds, self.memory = done, time.monotonic() - began, memory.trend(WARM_UP)
 
 
-def match(messages: int, progress: Callable[[float], object]) -> Outcome:
-    """Have a matcher match so many hostile messages.
-
-    Args:
-        messages: how many.
-        progress: called with the number that is done.
-    """
-    outcome, memory = Outcome("matcher"), Memory()
-    began = time.monotonic()
-    hostility, matcher = Hostility(1), JointMatcher(dict.fromkeys(JOINTS, (-1.0, 1.0)))
+async def match(outcome: Outcome) -> None:
+    """Have a matcher match hostile messages."""
+    matcher = JointMatcher(dict.fromkeys(JOINTS, (-1.0, 1.0)))
     counted: Counter[str] = Counter()
-    displayed: set[bool] = set()
-    for make in (hostility.with_one_fault, hostility.with_all_faults):
-        end = outcome.messages + messages // 2
-        while outcome.messages < end:
-            for message in make():
-                positions, report = matcher.match(message)
-                displayed.update(map(isfinite, positions.values()))
-                counted.update(report.counts())
-                str(report)
-                outcome.messages += 1
-            memory.look()
-            progress(outcome.messages)
-        if make == hostility.with_one_fault:
-            outcome.wrong += agree(counted, hostility.counts())
-    if False in displayed:
-        outcome.wrong.append("joints were to be displayed where no number is")
-    outcome.seconds, outcome.memory = time.monotonic() - began, memory.trend(WARM_UP)
-    return outcome
+
+    async def take(message: Any) -> Iterable[float]:
+        positions, report = matcher.match(message)
+        counted.update(report.counts())
+        str(report)
+        return positions.values()
+
+    await outcome.send(Hostility(1), take, lambda: counted)
 
 
-def view(messages: int, progress: Callable[[float], object]) -> Outcome:
-    """Have the viewer of step 3, as ``tank run step3 --headless`` is, show so many hostile messages.
+async def view(outcome: Outcome) -> None:
+    """Have the viewer of step 3, as ``tank run step3 --headless`` is, show hostile messages.
 
-    Args:
-        messages: how many. Each is published when the one before it has been shown, so none is lost.
-        progress: called with the number that is done.
+    Each is published when the one before it has been shown, so none is lost.
     """
+    shown = asyncio.Event()
     with logged() as lines:
-        outcome = asyncio.run(_view(messages, progress))
+        async with Host(Project.load(find_project("step3"))) as host:
+            body = host.bodies["Tank"]
+            body.on_change(lambda _: shown.set())
+            running = asyncio.ensure_future(host.run())
+            with NodeThread("hostile") as thread:
+                keep_all = QoSProfile(history=HistoryPolicy.KEEP_ALL)
+                publisher = thread.node.create_publisher(JointState, TOPIC, keep_all)
+                while not publisher.get_subscription_count():
+                    await asyncio.sleep(0.01)
+
+                async def take(message: Any) -> Iterable[float]:
+                    shown.clear()
+                    publisher.publish(message)
+                    await asyncio.wait_for(shown.wait(), PATIENCE)
+                    return [joint.position for joint in body.joints]
+
+                hostility = Hostility(2, (name for name in FAULTS if name != "second"))  # it follows one publisher
+                await outcome.send(hostility, take, lambda: host.record()["report"])
+            running.cancel()
+            outcome.wrong += [] if host.error is None else [f"the viewer failed: {host.error!r}"]
     if len(lines) > 2 + outcome.seconds:
         outcome.wrong.append(f"{len(lines)} lines were logged in {outcome.seconds:.0f} s")
-    return outcome
-
-
-async def _view(messages: int, progress: Callable[[float], object]) -> Outcome:
-    outcome, memory = Outcome("viewer"), Memory()
-    hostility = Hostility(2, (name for name in FAULTS if name != "second"))  # it follows one publisher
-    shown = asyncio.Event()
-    async with Host(Project.load(find_project("step3"))) as host:
-        body = host.bodies["Tank"]
-        body.on_change(lambda _: shown.set())
-        running = asyncio.ensure_future(host.run())
-        with NodeThread("hostile") as thread:
-            publisher = thread.node.create_publisher(JointState, TOPIC, KEEP_ALL)
-            while not publisher.get_subscription_count():
-                await asyncio.sleep(0.01)
-            began = time.monotonic()
-            for make in (hostility.with_one_fault, hostility.with_all_faults):
-                end = outcome.messages + messages // 2
-                while outcome.messages < end:
-                    for message in make():
-                        shown.clear()
-                        publisher.publish(message)
-                        await asyncio.wait_for(shown.wait(), PATIENCE)
-                        outcome.messages += 1
-                        if not all(isfinite(joint.position) for joint in body.joints):
-                            raise SystemExit(f"displayed where no number is: {body.joints}, after {message}")
-                    memory.look()
-                    progress(outcome.messages)
-                if make == hostility.with_one_fault:
-                    outcome.wrong += agree(host.record()["report"], hostility.counts())
-            outcome.seconds, outcome.memory = time.monotonic() - began, memory.trend(WARM_UP)
-        running.cancel()
-        if host.error is not None:
-            outcome.wrong.append(f"the viewer failed: {host.error!r}")
-    return outcome
 
 
 @contextmanager
@@ -227,30 +187,29 @@ def logged() -> Iterator[list[str]]:
         logger.propagate = propagate
 
 
-def table(outcomes: list[Outcome]) -> Table:
-    """What became of the hostile messages."""
-    shown = Table("hostile messages", "through the", "each [us]", "memory [MB]: start", "end", "growth")
-    shown.caption = f"resident memory, after a warm-up of {WARM_UP:.0%}; each: made, sent and shown."
-    for outcome in outcomes:
-        memory = outcome.memory
-        each = f"{1e6 * outcome.seconds / outcome.messages:.0f}"
-        row = (f"{memory.start:.1f}", f"{memory.end:.1f}", f"{memory.growth:+.1f}")
-        shown.add_row(f"{outcome.messages:,}", outcome.kind, each, *row)
-    return shown
-
-
-def hostile(duration: float, console: Console) -> list[str]:
+def hostile(duration: float) -> list[str]:
     """Send hostile messages through a matcher and a viewer; print what became of them, and return what does not hold.
 
     Args:
         duration: how many messages there are, as the time of the other traffic: in 60 s they are all of them [s].
-        console: where to print.
     """
-    outcomes = []
-    for run, in_a_minute in ((match, MATCHED_IN_A_MINUTE), (view, VIEWED_IN_A_MINUTE)):
+    outcomes = {}
+    for run, in_a_minute in ((match, 1_000_000), (view, 100_000)):
         messages = max(round(in_a_minute * duration / 60), 1000)
         console.print(f"{messages:,} hostile messages to {run.__name__}:")
         with tqdm(total=messages, mininterval=2.0, ascii=" =") as bar:
-            outcomes.append(run(messages, lambda done, bar=bar: bar.update(min(done, bar.total) - bar.n)))
-    console.print(table(outcomes))
-    return [f"{outcome.kind}: {complaint}" for outcome in outcomes for complaint in outcome.complaints()]
+            outcome = Outcome(messages, lambda done, bar=bar: bar.update(min(done, bar.total) - bar.n))
+            asyncio.run(run(outcome))
+        outcome.wrong += above((outcome.memory[1] - outcome.memory[0], GROWTH, MEMORY))
+        outcomes[run.__name__] = outcome
+    rows = (
+        f"{name} {each.messages:,} {1e6 * each.seconds / each.messages:.0f} {each.memory[0]:.1f} {each.memory[1]:.1f} "
+        f"{each.memory[1] - each.memory[0]:+.1f}".split()
+        for name, each in outcomes.items()
+    )
+    show(
+        ("hostile messages to", "messages", "each [us]", "memory [MB]: start", "end", "growth"),
+        rows,
+        f"resident memory, after a warm-up of {WARM_UP:.0%}; each: made, sent and shown.",
+    )
+    return [f"{name}: {complaint}" for name, each in outcomes.items() for complaint in each.wrong[:10]]

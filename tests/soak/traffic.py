@@ -9,11 +9,11 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import statistics
 import sys
 import threading
 import time
 from array import array
-from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -22,10 +22,9 @@ import tutorial  # noqa: F401 - promises an rclpy
 # isort: split
 import numpy as np
 import rclpy
-from memory import Memory, thirds
+from harness import Memory
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 
@@ -36,31 +35,25 @@ from tutorial.project import Project
 RATE = 1000  # [Hz]
 QUIET = 1.0  # [s] without a message, after which none is on its way any more
 PATIENCE = 60.0  # [s] that one end waits for the other
-
+TOPIC = "/Tank/joint_state"
+QOS = {"best effort": qos_profile_sensor_data}
 KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
 """Nothing is ever replaced by something newer: what the callback has not had yet waits with the subscription, and a
 publisher with too much that is not acknowledged is made to wait. So nothing is lost however busy the machine is: that
 shows in the rate, the latency and the memory instead. With a depth of N it would be lost once the callback is N
 messages behind: at the usual 10, after 10 ms."""
 
-QOS = {"reliable": KEEP_ALL, "best effort": qos_profile_sensor_data, "hand-off": KEEP_ALL}
-JOINTS = {
-    "reliable": tuple(f"JOINT_{i:02}" for i in range(40)),
-    "best effort": tuple(f"JOINT_{i:02}" for i in range(40)),
-    "hand-off": ("TURRET_Y", "TURRET_P"),
-}
-TOPIC = "/Tank/joint_state"
-
-Result = dict[str, Any]
+stop = threading.Event()
+"""Set when standard input ends."""
+memory = Memory()
 
 
-def publish(kind: str, seconds: float, stop: threading.Event) -> Result:
+def publish(kind: str, seconds: float) -> dict[str, Any]:
     """Send messages by a schedule: what is due is sent, so that a delay costs no message and no rate."""
-    node = rclpy.create_node("publisher")
-    publisher = node.create_publisher(JointState, TOPIC, QOS[kind])
-    zeros = [0.0] * len(JOINTS[kind])
-    message = JointState(name=list(JOINTS[kind]), position=zeros, velocity=zeros, effort=zeros)
-    memory = Memory()
+    publisher = rclpy.create_node("publisher").create_publisher(JointState, TOPIC, QOS.get(kind, KEEP_ALL))
+    joints = ["TURRET_Y", "TURRET_P"] if kind == "hand-off" else [f"JOINT_{i:02}" for i in range(40)]
+    zeros = [0.0] * len(joints)
+    message = JointState(name=joints, position=zeros, velocity=zeros, effort=zeros)
     count = round(seconds * RATE)
     while not publisher.get_subscription_count() and not stop.wait(0.01):
         pass
@@ -72,25 +65,24 @@ def publish(kind: str, seconds: float, stop: threading.Event) -> Result:
         message.position[0] = 0.3 * i / count  # [rad]
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(time.time_ns(), 1_000_000_000)
         publisher.publish(message)
-        if i % 10 == 0:
-            memory.look()
+        memory.look()
     took = time.monotonic() - began
-    go_on_unless(stop)
-    publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
-    return {"sent": count, "rate": count / max(took, count / RATE), "memory": memory.trend()}
+    if not stop.is_set():
+        publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
+    return {"sent": count, "rate": count / max(took, count / RATE)}
 
 
-def subscribe(kind: str, seconds: float, stop: threading.Event) -> Result:
-    """Count what arrives until the publisher has come and gone."""
+def subscribe(kind: str, seconds: float) -> dict[str, Any]:
+    """Count what arrives until the publisher has come and gone, and all is quiet."""
     node = rclpy.create_node("subscriber")
-    memory = Memory()
     latencies = array("q", bytes(8 * round(seconds * RATE)))  # [ns], there from the start: it is not to grow
     seen = disordered = 0
     newest = -1
+    heard_at = time.monotonic()
 
     def callback(message: JointState) -> None:
-        nonlocal seen, newest, disordered
-        stamp = message.header.stamp
+        nonlocal seen, newest, disordered, heard_at
+        stamp, heard_at = message.header.stamp, time.monotonic()
         latencies[seen] = time.time_ns() - stamp.sec * 1_000_000_000 - stamp.nanosec
         number = int(message.header.frame_id)
         disordered += number <= newest
@@ -98,35 +90,20 @@ def subscribe(kind: str, seconds: float, stop: threading.Event) -> Result:
         seen += 1
         memory.look()
 
-    subscription = node.create_subscription(JointState, TOPIC, callback, QOS[kind])
-    spin_until_over(node, lambda: seen, subscription.get_publisher_count, stop)
-    go_on_unless(stop)
-    median, p99 = np.percentile(latencies[:seen], (50, 99)) / 1e6
-    return {"received": seen, "disordered": disordered, "median": median, "p99": p99, "memory": memory.trend()}
-
-
-def spin_until_over(node: Node, count: Callable[[], int], publishers: Callable[[], int], stop: threading.Event) -> None:
-    """Run callbacks until messages have come, their publisher has gone, and all is quiet."""
-    last = time.monotonic()
+    subscription = node.create_subscription(JointState, TOPIC, callback, QOS.get(kind, KEEP_ALL))
     with SingleThreadedExecutor() as executor:
         executor.add_node(node)
-        while not stop.is_set():
-            before = count()
+        while not stop.is_set() and time.monotonic() < heard_at + QUIET:
             executor.spin_once(timeout_sec=0.1)
-            if count() > before or not before or publishers():
-                last = time.monotonic()
-            elif time.monotonic() - last > QUIET:
-                return
+            if not seen or subscription.get_publisher_count():
+                heard_at = time.monotonic()
+    median, p99 = np.percentile(latencies[: seen or 1], (50, 99)) / 1e6
+    return {"received": seen, "disordered": disordered, "median": median, "p99": p99}
 
 
-def show(kind: str, seconds: float, stop: threading.Event) -> Result:
+async def show(kind: str, seconds: float) -> dict[str, Any]:
     """Be the viewer of step 3, as ``tank run step3 --headless`` is, and see how many posted calls wait."""
-    return asyncio.run(_show(seconds, stop))
-
-
-async def _show(seconds: float, stop: threading.Event) -> Result:
-    memory = Memory()
-    waiting: list[int] = []
+    waiting = [0]
     async with Host(Project.load(find_project("step3"))) as host:
         meter = next(meter for meter in host.node.meters if meter.topic == TOPIC)
 
@@ -141,47 +118,35 @@ async def _show(seconds: float, stop: threading.Event) -> Result:
         with suppress(asyncio.CancelledError):
             await running
         record = host.record()
-    go_on_unless(stop)
     counts = record["topics"][TOPIC]
+    size = max(len(waiting) // 3, 1)
+    thirds = [statistics.median(part) for part in (waiting[:size], waiting[size:-size] or waiting, waiting[-size:])]
     return {
         "received": counts["received"],
         "disordered": record["report"]["late"],
         **counts["latency_ms"],
-        "memory": memory.trend(),
         "applied": counts["applied"],
-        "waiting": {"thirds": thirds(waiting), "most": max(waiting)},
+        "waiting": thirds,
+        "most": max(waiting),
     }
 
 
-def go_on_unless(stop: threading.Event) -> None:
-    """End the process, with nothing to say, if it was asked to stop."""
-    if stop.is_set():
-        sys.exit()
-
-
-def end_of_input() -> threading.Event:
-    """Return an event that is set when standard input ends."""
-    ended = threading.Event()
-
-    def read() -> None:
-        os.read(0, 1)
-        ended.set()
-
-    threading.Thread(target=read, daemon=True).start()
-    return ended
-
-
-def main() -> None:
-    """Be the end that the command line says."""
-    role, kind, seconds = sys.argv[1:]
-    stop = end_of_input()
-    rclpy.init(args=[])
-    try:
-        result = {"publish": publish, "subscribe": subscribe, "show": show}[role](kind, float(seconds), stop)
-    finally:
-        rclpy.try_shutdown()
-    print(json.dumps(result))
+def wait_for_the_end() -> None:
+    """Wait until standard input ends, on a thread."""
+    os.read(0, 1)
+    stop.set()
 
 
 if __name__ == "__main__":
-    main()
+    role, kind, seconds = sys.argv[1:]
+    threading.Thread(target=wait_for_the_end, daemon=True).start()
+    rclpy.init(args=[])
+    try:
+        if role == "show":
+            result = asyncio.run(show(kind, float(seconds)))
+        else:
+            result = {"publish": publish, "subscribe": subscribe}[role](kind, float(seconds))
+    finally:
+        rclpy.try_shutdown()
+    if not stop.is_set():
+        print(json.dumps({**result, "memory": memory.trend()}))

@@ -2,69 +2,95 @@
 
 from __future__ import annotations
 
+import ast
+import gc
 import json
 import os
 import re
 import subprocess
 import sys
+import warnings
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryFile
+from typing import IO, Any
+from unittest.mock import patch
 
 from domains import reserved_domain
 
 FOLDER = Path(__file__).parents[1] / "ros/underlay/behaviours"
-"""One file a theme, one cell (``# %% what it shows``) a behaviour; ``prelude.py`` comes before each."""
+"""One file a theme, one cell (``# %% what it shows``) a behaviour; ``prelude.py`` comes before each, and what stands
+above the file's first cell."""
 
 RECORD = FOLDER.parent / "data/more_rclpy_behaviour.json"
 """What a real rclpy did with them; made by record_behaviours.py."""
+
+EXPRESSIONS = FOLDER.parent / "data/rclpy_expressions.json"
+"""Expressions, and what a real rclpy made of them, in groups that begin with the same lines."""
 
 TIME = re.compile(r"\[\d+\.\d+\]")
 LOG_LINE = re.compile(r"\[[A-Z]+\] \[\d")
 PLACE = re.compile(r"( \(unknown location\)| \(\S+\.py\)|(, at \S+\.c:\d+)+)$")
 """Where an error comes from, which recordings leave out: a module's file, or lines of rcl."""
 
-# A process may run several snippets, one after the other, because starting Python takes longer than most of them.
-# `exec` stands for the fresh process of the recording: ROS 2 is shut down between snippets.
-RUNNER = """
-import tutorial
-import contextlib, gc, io, json, os, rclpy, sys, tempfile
-prelude, snippets = json.load(sys.stdin)
-exec(prelude, {})
-gc.freeze()  # what is there now is not looked at again
 
-@contextlib.contextmanager
-def stderr_in(file):
-    # also what C writes there, as a real rclpy does
-    sys.stderr.flush()
+@contextmanager
+def stderr_in(file: IO[str]) -> Iterator[None]:
+    """Write into a file what goes to stderr, also what C writes there, as a real rclpy does."""
     kept = os.dup(2)
     os.dup2(file.fileno(), 2)
     try:
-        yield
+        with redirect_stderr(file):
+            yield
     finally:
-        sys.stderr.flush()
         os.dup2(kept, 2)
         os.close(kept)
 
-results = []
-for snippet in snippets:
-    printed, logged, raised = io.StringIO(), tempfile.TemporaryFile("w+"), None
-    scope = {}
-    with contextlib.redirect_stdout(printed), stderr_in(logged):
+
+def snippets(group: dict[str, Any]) -> list[str]:
+    """A group's expressions as snippets that print a value, or what is raised instead; of several values each."""
+    made = []
+    for code in group["expressions"]:
+        several = isinstance(ast.parse(code, mode="eval").body, ast.Tuple)
+        shown = f"' | '.join(map(str, ({code})))" if several else code
+        made.append("\n".join([*group["setup"], f"attempt(lambda: {shown})"]))
+    return made
+
+
+def outcome(prelude: str, snippet: str) -> dict[str, Any]:
+    """Run a snippet, shut ROS 2 down, and return what the snippet printed, raised and logged.
+
+    What differs from run to run is left out: places in files, times of log lines, and their order.
+    """
+    import rclpy
+
+    scope: dict[str, Any] = {}
+    raises, printed = None, StringIO()
+    with (
+        TemporaryFile("w+") as logged,
+        redirect_stdout(printed),
+        stderr_in(logged),
+        patch.dict(os.environ),
+        warnings.catch_warnings(),
+    ):
+        warnings.simplefilter("default")
         try:
             exec(prelude, scope)
             exec(snippet, scope)
-        except BaseException as error:
-            raised = [type(error).__module__ + "." + type(error).__name__, str(error)]
+        except BaseException as error:  # noqa: BLE001
+            place = f"{type(error).__module__}.{type(error).__name__}"
+            raises = {"type": place, "text": PLACE.sub("", str(error))}
         rclpy.try_shutdown()
         for context in [value for value in scope.values() if isinstance(value, rclpy.Context)]:
             context.try_shutdown()
         scope.clear()
         gc.collect()  # in rclpy a shutdown alone leaves nodes in the graph, where the next snippet may see them
-    logged.seek(0)
-    results.append([printed.getvalue(), raised, logged.read()])
-print(json.dumps(results))
-"""
+        logged.flush()
+        logged.seek(0)
+        lines = [TIME.sub("[T]", line) for line in logged.read().splitlines() if LOG_LINE.match(line)]
+    return {"printed": printed.getvalue(), "raises": raises, "logged": sorted(lines)}
 
 
 def prelude() -> str:
@@ -75,29 +101,30 @@ def prelude() -> str:
 def behaviours() -> Iterator[tuple[str, str, str]]:
     """Every behaviour of this folder: its theme, what it shows, and its code."""
     for file in sorted(FOLDER.glob("*.py")):
-        for cell in file.read_text(encoding="utf-8").split("# %% ")[1:]:
+        opening, *cells = file.read_text(encoding="utf-8").split("# %% ")
+        for cell in cells:
             title, _, code = cell.partition("\n")
-            yield file.stem, title, code.strip()
+            yield file.stem, title, (opening.strip() + "\n" + code.strip()).strip()
 
 
 def outcomes(prelude: str, snippets: Sequence[str]) -> list[dict[str, Any]]:
-    """Run snippets in one process, in a domain of its own, and return of each what it printed, raised and logged."""
+    """Run snippets in a process of their own, one after the other, in a domain of its own."""
     with reserved_domain() as domain:
         done = subprocess.run(
-            [sys.executable, "-c", RUNNER],
-            env=os.environ | {"ROS_DOMAIN_ID": str(domain)},
+            [sys.executable, __file__],
+            env=os.environ | {"ROS_DOMAIN_ID": str(domain), "PYTHONPATH": os.pathsep.join(sys.path)},
             input=json.dumps([prelude, snippets]),
             capture_output=True,
             text=True,
             check=True,
-            cwd=Path(__file__).parents[2],
             timeout=100,
         )
-    return [_comparable(*outcome) for outcome in json.loads(done.stdout)]
+    found: list[dict[str, Any]] = json.loads(done.stdout)
+    return found
 
 
-def _comparable(printed: str, raised: list[str] | None, stderr: str) -> dict[str, Any]:
-    """Leave out what differs from run to run: places in files, times of log lines, and their order."""
-    raises = raised and {"type": raised[0], "text": PLACE.sub("", raised[1])}
-    logged = sorted(TIME.sub("[T]", line) for line in stderr.splitlines() if LOG_LINE.match(line))
-    return {"printed": printed, "raises": raises, "logged": logged}
+if __name__ == "__main__":
+    import tutorial  # noqa: F401
+
+    given, several = json.load(sys.stdin)
+    print(json.dumps([outcome(given, snippet) for snippet in several]))

@@ -102,8 +102,6 @@ async def pixels(page: Page, selector: str) -> np.ndarray:
 
 def red_spot(picture: np.ndarray) -> tuple[float, float] | None:
     """The middle of all that is red, (x, y) in pixels from the left top; None if there is next to nothing."""
-    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    red, green, blue = np.moveaxis(picture, -1, 0)
     rows, columns = np.nonzero((red > 90) & (red > 2.5 * green) & (red > 2.5 * blue))
-    if len(rows) < 20:
-        return None
-    return float(columns.mean()), float(rows.mean())
+    return None if len(rows) < 20 else (float(columns.mean()), float(rows.mean()))

@@ -1,10 +1,10 @@
-"""The course in a JupyterLab of its own and a page that is watched, for all tests of a file."""
+"""A JupyterLab, with the course or empty, and a page that is watched, for all tests of a file."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
-from contextlib import asynccontextmanager, contextmanager
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import AsyncExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,12 +18,12 @@ from playwright.async_api import Page
 from tutorial.commands.lab import trust
 from tutorial.paths import HOME
 
-__all__ = ["CourseDesk", "course_desk"]
+__all__ = ["CourseDesk", "course_desk", "lab_desk"]
 
 
 @dataclass
 class CourseDesk:
-    """A JupyterLab with the course, in a browser's page.
+    """A JupyterLab in a browser's page.
 
     Attributes:
         lab: the JupyterLab.
@@ -40,29 +40,31 @@ class CourseDesk:
 
 @contextmanager
 def course_desk(folder: Path, base_url: str = "/", **browser: Any) -> Iterator[CourseDesk]:
-    """Open the course, in a ROS domain of its own, and see to it that the page asks nobody but its own server.
+    """Open the course; see `lab_desk`."""
+    with lab_desk(folder, base_url, **browser) as desk:
+        copy_files(desk.lab, HOME / "notebooks", HOME / "project", HOME / "launch_py")
+        trust(desk.lab.notebooks / "notebooks", data_dir=str(folder / "data"))
+        yield desk
+
+
+@contextmanager
+def lab_desk(folder: Path, base_url: str = "/", **browser: Any) -> Iterator[CourseDesk]:
+    """Open a JupyterLab in a ROS domain of its own, and see to it that the page asks nobody but its own server.
 
     Args:
         folder: an empty folder for all of it.
-        base_url: the path of the server, such as ``/user/ada/``.
+        base_url: see `jupyter_lab`.
         browser: see `open_browser`.
     """
     with asyncio.Runner() as runner, reserved_domain() as domain, pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_DOMAIN_ID", str(domain))
-        opened = _open(folder, base_url, browser)
-        lab, page = runner.run(opened.__aenter__())
+        opened = AsyncExitStack()
         try:
+            page = runner.run(opened.enter_async_context(open_browser(chromium(), **browser)))
+            lab = runner.run(opened.enter_async_context(jupyter_lab(folder, base_url)))
             witness = Witness(page)
             yield CourseDesk(lab, page, witness, lambda main: runner.run(asyncio.wait_for(main, 6 * PATIENCE)))
             own = (lab.root, lab.root.replace("http", "ws", 1), "data:", "blob:")
             assert [url for url in witness.requests if not url.startswith(own)] == []
         finally:
-            runner.run(opened.__aexit__(None, None, None))
-
-
-@asynccontextmanager
-async def _open(folder: Path, base_url: str, browser: dict[str, Any]) -> AsyncIterator[tuple[Lab, Page]]:
-    async with jupyter_lab(folder, base_url) as lab, open_browser(chromium(), **browser) as page:
-        copy_files(lab, HOME / "notebooks", HOME / "project", HOME / "launch_py")
-        trust(lab.notebooks / "notebooks", data_dir=str(folder / "data"))
-        yield lab, page
+            runner.run(opened.aclose())

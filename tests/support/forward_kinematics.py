@@ -36,6 +36,12 @@ def matrix_of(rotation=None, position=(0, 0, 0)):
     return matrix
 
 
+def is_at(matrix, data, number):
+    """Whether a pose is that of one of MuJoCo's bodies, to a micrometre and a microradian."""
+    off, turned = matrix[:3, 3] - data.xpos[number], matrix[:3, :3].T @ data.xmat[number].reshape(3, 3)
+    return np.abs(off).max() < 1e-6 and angle(turned) < 1e-6
+
+
 def numbers(text):
     return [float(part) for part in text.split()]
 

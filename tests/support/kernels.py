@@ -26,15 +26,10 @@ class Kernel:
 
     def run(self, code: str) -> str:
         """Run a cell, and return what it printed; one that fails is an error."""
-        printed = []
-
-        def hook(message):
-            if message["msg_type"] == "stream":
-                printed.append(message["content"]["text"])
-
-        reply = self.client.execute_interactive(code, timeout=PATIENCE, output_hook=hook)
-        assert reply["content"]["status"] == "ok", "\n".join(reply["content"].get("traceback", ["interrupted"]))
-        return "".join(printed)
+        said = []
+        reply = self.client.execute_interactive(code, timeout=PATIENCE, output_hook=said.append)["content"]
+        assert reply["status"] == "ok", "\n".join(reply.get("traceback", ["interrupted"]))
+        return "".join(message["content"]["text"] for message in said if message["msg_type"] == "stream")
 
     def interrupt(self, code: str, once: Callable[[dict], object]) -> dict:
         """Run a cell, and interrupt it once a message of a certain kind has come; return the reply."""
@@ -42,10 +37,9 @@ class Kernel:
         while not once(self.client.get_iopub_msg(timeout=PATIENCE)):
             pass
         self.manager.interrupt_kernel()
-        while True:
-            reply = self.client.get_shell_msg(timeout=PATIENCE)
-            if reply["parent_header"].get("msg_id") == message_id:
-                return reply["content"]
+        while (reply := self.client.get_shell_msg(timeout=PATIENCE))["parent_header"].get("msg_id") != message_id:
+            pass
+        return reply["content"]
 
 
 @contextmanager

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import AsyncIterator, Iterable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -23,17 +23,9 @@ START = "import sys; sys.modules['rfc3987_syntax'] = None; from jupyterlab.labap
 """As ``python -m jupyterlab``, without what takes a second to import: see tutorial/commands/lab_server.py."""
 DARK = "JupyterLab Dark"
 
-_FOLDERS = {
-    "JUPYTER_CONFIG_DIR": "config",
-    "JUPYTER_DATA_DIR": "data",
-    "JUPYTER_RUNTIME_DIR": "runtime",
-    "JUPYTERLAB_SETTINGS_DIR": "settings",
-    "JUPYTERLAB_WORKSPACES_DIR": "workspaces",
-    "IPYTHONDIR": "ipython",
-}
-_QUIET = {
-    "@jupyterlab/apputils-extension/notification": {"fetchNews": "false", "checkForUpdates": False},
-}
+_FOLDERS = {f"JUPYTER_{name.upper()}_DIR": name for name in ("config", "data", "runtime")}
+_FOLDERS |= {f"JUPYTERLAB_{name.upper()}_DIR": name for name in ("settings", "workspaces")}
+_FOLDERS["IPYTHONDIR"] = "ipython"
 
 
 class Lab:
@@ -57,18 +49,16 @@ class Lab:
     async def open(self, page: Page, name: str) -> "Notebook":
         """Open a notebook in a browser's page, which may show the lab already, and wait for its kernel."""
         if page.url.startswith(self.root):
-            await page.evaluate("(path) => void window.jupyterapp.commands.execute('docmanager:open', {path})", name)
+            await _execute(page, "docmanager:open", path=name)
         else:
             await page.goto(f"{self.root}lab/tree/{name}?reset&token={TOKEN}")
-        notebook = Notebook(page, self.root)
+        notebook = Notebook(page)
         await notebook.is_ready()
         return notebook
 
     async def wear(self, page: Page, theme: str) -> None:
         """Change the theme of a page that shows the lab, such as to `DARK`."""
-        await page.evaluate(
-            "(theme) => void window.jupyterapp.commands.execute('apputils:change-theme', {theme})", theme
-        )
+        await _execute(page, "apputils:change-theme", theme=theme)
 
 
 class Notebook:
@@ -78,9 +68,8 @@ class Notebook:
         page: the browser's page.
     """
 
-    def __init__(self, page: Page, root: str) -> None:
+    def __init__(self, page: Page) -> None:
         self.page = page
-        self._root = root
 
     async def is_ready(self) -> None:
         """Wait until the notebook and its kernel are there, and put away what asks for attention."""
@@ -103,7 +92,7 @@ class Notebook:
     async def start(self, cell: int) -> None:
         """Start one cell; don't wait."""
         await self._choose(cell)
-        await self.page.evaluate("void window.jupyterapp.commands.execute('notebook:run-cell')")
+        await _execute(self.page, "notebook:run-cell")
 
     async def run(self, cell: int) -> str:
         """Run one cell, wait until it is done, and return the text that it printed."""
@@ -173,8 +162,8 @@ class Notebook:
 
     async def text(self, cell: int) -> str:
         """What a cell printed."""
-        outputs = [output for output in await self.outputs(cell) if output["output_type"] == "stream"]
-        return "".join("".join(output["text"]) for output in outputs)
+        outputs = await self.outputs(cell)
+        return "".join("".join(output["text"]) for output in outputs if output["output_type"] == "stream")
 
     async def errors(self) -> list[str]:
         """What the cells raised, as one line each, with the cell's number."""
@@ -237,17 +226,21 @@ class Notebook:
         await self.page.evaluate("(name) => window.jupyterapp.commands.execute(name)", name)
 
 
+async def _execute(page: Page, name: str, **arguments: str) -> None:
+    """Have JupyterLab do something; don't wait."""
+    await page.evaluate("(all) => void window.jupyterapp.commands.execute(...all)", [name, arguments])
+
+
 @asynccontextmanager
-async def jupyter_lab(folder: Path, base_url: str = "/", theme: str | None = None) -> AsyncIterator[Lab]:
+async def jupyter_lab(folder: Path, base_url: str = "/") -> AsyncIterator[Lab]:
     """Run a JupyterLab of our own, which knows nothing of the user's, and end it with all its children.
 
     Args:
         folder: an empty folder for its notebooks and everything that it remembers.
         base_url: the path of its server, such as ``/user/ada/``.
-        theme: such as `DARK`.
     """
     environment = _environment(folder)
-    _write_settings(folder, theme)
+    _write_settings(folder)
     notebooks = folder / "notebooks"
     notebooks.mkdir()
     with (folder / "server.log").open("wb") as log:
@@ -273,14 +266,11 @@ def _environment(folder: Path) -> dict[str, str]:
     return environment
 
 
-def _write_settings(folder: Path, theme: str | None) -> None:
-    settings = dict(_QUIET)
-    if theme is not None:
-        settings["@jupyterlab/apputils-extension/themes"] = {"theme": theme}
-    for name, values in settings.items():
-        path = folder / _FOLDERS["JUPYTERLAB_SETTINGS_DIR"] / f"{name}.jupyterlab-settings"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(values), encoding="utf-8")
+def _write_settings(folder: Path) -> None:
+    path = folder / _FOLDERS["JUPYTERLAB_SETTINGS_DIR"] / "@jupyterlab/apputils-extension"
+    path.mkdir(parents=True)
+    quiet = json.dumps({"fetchNews": "false", "checkForUpdates": False})
+    (path / "notification.jupyterlab-settings").write_text(quiet, encoding="utf-8")
 
 
 def _command(notebooks: Path, base_url: str) -> list[str]:
@@ -295,13 +285,7 @@ def _command(notebooks: Path, base_url: str) -> list[str]:
         "LabApp.news_url": "None",
         "LanguageServerManager.autodetect": "False",  # it asks npm where they might be
     }
-    return [
-        sys.executable,
-        "-c",
-        START,
-        "--no-browser",
-        *(f"--{name}={value}" for name, value in options.items()),
-    ]
+    return [sys.executable, "-c", START, "--no-browser", *(f"--{name}={value}" for name, value in options.items())]
 
 
 async def _address(folder: Path, server: psutil.Popen) -> str:
@@ -319,10 +303,8 @@ async def _address(folder: Path, server: psutil.Popen) -> str:
 def _end(server: psutil.Popen) -> None:
     family = [server, *server.children(recursive=True)]
     server.terminate()
-    try:
+    with suppress(psutil.TimeoutExpired, subprocess.TimeoutExpired):
         server.wait(10)
-    except (psutil.TimeoutExpired, subprocess.TimeoutExpired):
-        server.kill()
     for process in family:
         if process.is_running():
             process.kill()

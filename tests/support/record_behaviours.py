@@ -9,9 +9,10 @@ import json
 import os
 import platform
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
-from behaviours import RECORD, behaviours, outcomes, prelude
+from behaviours import EXPRESSIONS, RECORD, behaviours, outcomes, prelude, snippets
 
 from tutorial import ros_backend
 
@@ -28,16 +29,32 @@ def record(row_id: int, about: str, shows: str, code: str) -> dict[str, Any]:
 def main() -> None:
     if ros_backend() != "rclpy":
         raise SystemExit("The embedded ROS 2 is in use: what is recorded here is what a real one does.")
+    groups = json.loads(EXPRESSIONS.read_text(encoding="utf-8"))["groups"]
     with ThreadPoolExecutor(os.cpu_count()) as workers:
         rows = list(workers.map(lambda given: record(given[0], *given[1]), enumerate(behaviours(), FIRST_ID)))
+        printed = list(workers.map(lambda group: outcomes(prelude(), snippets(group)), groups))
+    for group, those in zip(groups, printed, strict=True):
+        group["expressions"] = {
+            code: done["printed"].removesuffix("\n") for code, done in zip(group["expressions"], those, strict=True)
+        }
+    where = f"{os.environ.get('RMW_IMPLEMENTATION', 'default rmw')}, Python {platform.python_version()}"
     note = (
         "Recorded by tests/support/record_behaviours.py: each snippet, after the prelude, in a fresh process on a real "
-        f"ROS 2 Jazzy ({os.environ.get('RMW_IMPLEMENTATION', 'default rmw')}, Python {platform.python_version()}). "
+        f"ROS 2 Jazzy ({where}). "
         "'raises' is the exception's type and text; 'logged' the log lines on stderr, sorted, with the time replaced "
         "by [T]. Paths are cut."
     )
-    RECORD.write_text(json.dumps({"note": note, "prelude": prelude(), "rows": rows}, indent=1) + "\n", encoding="utf-8")
-    print(f"{len(rows)} behaviours in {RECORD}")
+    _write(RECORD, {"note": note, "prelude": prelude(), "rows": rows})
+    note = (
+        "Expressions are written here by hand; their outcomes are recorded by tests/support/record_behaviours.py on a "
+        f"real ROS 2 Jazzy ({where}). The prelude, and the lines of the group's setup, come before each."
+    )
+    _write(EXPRESSIONS, {"note": note, "groups": groups})
+    print(f"{len(rows)} behaviours in {RECORD}, {sum(map(len, printed))} expressions in {EXPRESSIONS}")
+
+
+def _write(file: Path, what: dict[str, Any]) -> None:
+    file.write_text(json.dumps(what, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

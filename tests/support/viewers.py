@@ -27,7 +27,7 @@ class Viewer:
         ended: whether an error has ended the program.
     """
 
-    name = source = ""
+    name = ""
     ended = False
 
     def __init__(self, ranges: Mapping[str, tuple[float, float]]) -> None:
@@ -44,10 +44,12 @@ class Viewer:
 
 
 class TankTutorial(Viewer):
-    """This tutorial's viewer."""
+    """This tutorial's viewer.
+
+    Source: `tutorial/joints.py`.
+    """
 
     name = "this tutorial"
-    source = "`tutorial/joints.py`"
 
     def __init__(self, ranges: Mapping[str, tuple[float, float]]) -> None:
         super().__init__(ranges)
@@ -62,10 +64,12 @@ class TankTutorial(Viewer):
 
 
 class ChoreonoidTutorial(Viewer):
-    """The original: the i-th entry moves the i-th joint, if the names agree."""
+    """The original: the i-th entry moves the i-th joint, if the names agree.
+
+    Source: choreonoid/choreonoid_ros_tank_tutorial, `src/RttJointStateSubscriber.cpp`.
+    """
 
     name = "the original"
-    source = "choreonoid/choreonoid_ros_tank_tutorial, `src/RttJointStateSubscriber.cpp`"
 
     def take(self, message: Any, publisher: str = "publish") -> bool:
         for joint, name, position in zip(tuple(self.pose), message.name, message.position):
@@ -80,10 +84,11 @@ class RobotStatePublisher(Viewer):
     Messages of uneven lengths are refused. A message counts if it is an interval newer than what was published last of
     the joint of which that is longest ago, and than now. Of a joint that comes twice the first counts: it is inserted
     into a map. tf2 refuses what is no number, and shows what has the newest stamp.
+
+    Source: ros/robot_state_publisher, `src/robot_state_publisher.cpp`; ros2/geometry2, `tf2/src/buffer_core.cpp`.
     """
 
     name = "robot_state_publisher"
-    source = "ros/robot_state_publisher, `src/robot_state_publisher.cpp`; ros2/geometry2, `tf2/src/buffer_core.cpp`"
     interval_ns = SECOND_NS // 20
 
     def __init__(self, ranges: Mapping[str, tuple[float, float]]) -> None:
@@ -117,10 +122,11 @@ class JointStatePublisher(Viewer):
     """joint_state_publisher with a source_list: by name, and the position of the same index, if there are any.
 
     An index beyond the positions raises in the callback, which ends the program.
+
+    Source: ros/joint_state_publisher, `joint_state_publisher/joint_state_publisher/joint_state_publisher.py`.
     """
 
     name = "joint_state_publisher"
-    source = "ros/joint_state_publisher, `joint_state_publisher/joint_state_publisher/joint_state_publisher.py`"
 
     def take(self, message: Any, publisher: str = "publish") -> bool:
         for i, name in enumerate(message.name):
@@ -133,10 +139,12 @@ class JointStatePublisher(Viewer):
 
 
 class Foxglove(Viewer):
-    """The 3D panel of Foxglove Studio: by name; what has no position is at 0. By the time of arrival, not the stamp."""
+    """The 3D panel of Foxglove Studio: by name; what has no position is at 0. By the time of arrival, not the stamp.
+
+    Source: foxglove/studio, `packages/studio-base/src/panels/ThreeDeeRender/renderables/Urdfs.ts`.
+    """
 
     name = "Foxglove Studio"
-    source = "foxglove/studio, `packages/studio-base/src/panels/ThreeDeeRender/renderables/Urdfs.ts`"
 
     def take(self, message: Any, publisher: str = "publish") -> bool:
         for i, name in enumerate(message.name):
@@ -149,13 +157,12 @@ class PlotJuggler(Viewer):
     """PlotJuggler, whose newest points are the pose: by name, up to the shorter length; what is no number is skipped.
 
     By the time of arrival, which is its default.
+
+    Source: PlotJuggler/PlotJuggler, `plotjuggler_plugins/ParserROS/ros_parser.cpp` since pull request 927,
+    `plotjuggler_base/include/PlotJuggler/plotdatabase.h`.
     """
 
     name = "PlotJuggler"
-    source = (
-        "PlotJuggler/PlotJuggler, `plotjuggler_plugins/ParserROS/ros_parser.cpp` since pull request 927, "
-        "`plotjuggler_base/include/PlotJuggler/plotdatabase.h`"
-    )
 
     def take(self, message: Any, publisher: str = "publish") -> bool:
         for name, position in zip(message.name, message.position):

@@ -1,17 +1,18 @@
 """The view draws what MuJoCo has, where MuJoCo has it."""
 
-import threading
-
 import mujoco
 import numpy as np
 import pytest
+from scenes import commands, sends_away
 
-from tutorial.errors import TutorialError, WrongThreadError
+from tutorial.errors import TutorialError
 from tutorial.view.bodies import View
 from tutorial.view.paint import STALE
-from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
+from tutorial.view.scene import Record, Scene, unpack_records
 
 POSE = 'pos="1 2 3" quat="0.5 0.5 -0.5 0.5"'
+TURN = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]])
+"""The rotation of that."""
 
 FALLING = """
 <mujoco>
@@ -40,10 +41,8 @@ class Eye:
     def read(self, message):
         self.messages.append(message)
         self.moved.clear()
-        for kind, payload in unpack_records(message):
-            if kind is Record.COMMAND:
-                command = unpack_command(payload)
-                getattr(self, command["type"])(command)
+        for command in commands(message):
+            getattr(self, command["type"])(command)
 
     def set_object(self, command):
         self.objects[command["path"]] = command["object"]
@@ -64,16 +63,28 @@ class Eye:
         return {path: drawing for path, drawing in self.objects.items() if path.startswith("/Bodies/")}
 
 
+def drawn(**models):
+    """A view with these models, and what is seen of it."""
+    view = View(scene := Scene())
+    for name, model in models.items():
+        view.add(name, model)
+    eye = Eye(scene)
+    view.flush()
+    return view, eye
+
+
 def model_of(geom, assets=""):
     xml = f"<mujoco><asset>{assets}</asset><worldbody><body name='b'>{geom}</body></worldbody></mujoco>"
     return mujoco.MjModel.from_xml_string(xml)
 
 
+SPHERE = model_of('<geom name="g" type="sphere" size="1"/>')
+
+
 def drawing_of(geom, assets=""):
     """The (geometry, material, 4 x 4 pose in the body) that one geom is drawn with."""
-    scene = Scene()
-    View(scene).add("x", model_of(geom, assets))
-    [drawing] = Eye(scene).drawn().values()
+    _, eye = drawn(x=model_of(geom, assets))
+    [drawing] = eye.drawn().values()
     [geometry], [material] = drawing["geometries"], drawing["materials"]
     assert drawing["object"]["geometry"] == geometry["uuid"]
     assert drawing["object"]["material"] == material["uuid"]
@@ -82,7 +93,7 @@ def drawing_of(geom, assets=""):
 
 def corners(geometry):
     """Some points of the geometry's surface as three.js makes them, (n, 3)."""
-    kind = geometry["type"]
+    kind, turns = geometry["type"], ((1, 0), (0, 1), (-1, 0), (0, -1))
     if kind == "PlaneGeometry":
         return np.array([[x * geometry["width"], y * geometry["height"], 0] for x in (-0.5, 0.5) for y in (-0.5, 0.5)])
     if kind == "BoxGeometry":
@@ -93,11 +104,8 @@ def corners(geometry):
     if kind == "CylinderGeometry":
         radius, half = geometry["radiusTop"], geometry["height"] / 2
         assert radius == geometry["radiusBottom"]
-        return np.array(
-            [[x * radius, y * half, z * radius] for x, z in ((1, 0), (0, 1), (-1, 0), (0, -1)) for y in (-1, 1)]
-        )
+        return np.array([[x * radius, y * half, z * radius] for x, z in turns for y in (-1, 1)])
     if kind == "LatheGeometry":
-        turns = [(1, 0), (0, 1), (-1, 0), (0, -1)]
         return np.array([[p["x"] * x, p["y"], p["x"] * z] for p in geometry["points"] for x, z in turns])
     points = geometry["data"]["attributes"]["position"]
     assert points["itemSize"] == 3
@@ -118,10 +126,8 @@ def corners(geometry):
 )
 def test_each_shape_has_its_size_and_pose(geom, half):
     geometry, _, pose = drawing_of(f"<geom {geom} {POSE}/>")
-    rotation = np.empty(9)
-    mujoco.mju_quat2Mat(rotation, [0.5, 0.5, -0.5, 0.5])
     in_body = corners(geometry) @ pose[:3, :3].T + pose[:3, 3]
-    in_geom = (in_body - [1, 2, 3]) @ rotation.reshape(3, 3)
+    in_geom = (in_body - [1, 2, 3]) @ TURN
     np.testing.assert_allclose(in_geom.max(axis=0), half, atol=1e-3)
     np.testing.assert_allclose(in_geom.min(axis=0), np.negative(half), atol=1e-3)
 
@@ -129,10 +135,8 @@ def test_each_shape_has_its_size_and_pose(geom, half):
 def test_a_mesh_is_where_its_vertices_are():
     vertices = "0 0 0  0.6 0 0  0 0.8 0  0 0 1"
     geometry, _, pose = drawing_of(f'<geom type="mesh" mesh="m" {POSE}/>', f'<mesh name="m" vertex="{vertices}"/>')
-    rotation = np.empty(9)
-    mujoco.mju_quat2Mat(rotation, [0.5, 0.5, -0.5, 0.5])
     in_body = corners(geometry) @ pose[:3, :3].T + pose[:3, 3]
-    given = np.array(vertices.split(), float).reshape(-1, 3) @ rotation.reshape(3, 3).T + [1, 2, 3]
+    given = np.array(vertices.split(), float).reshape(-1, 3) @ TURN.T + [1, 2, 3]
     assert len(in_body) == 3 * 4  # four faces
     assert np.abs(in_body[:, None] - given).max(axis=2).min(axis=1).max() < 1e-5
     normals = geometry["data"]["attributes"]["normal"]["array"].reshape(-1, 3)
@@ -152,11 +156,7 @@ CHECKED = (
         ('rgba="1 0.5 0 1"', "", {"color": 0xFF8000, "opacity": 1, "transparent": False}),
         ('rgba="0 0 1 0.25"', "", {"color": 0x0000FF, "opacity": 0.25, "transparent": True}),
         ("", "", {"color": 0x808080}),
-        (
-            'material="m"',
-            RED,
-            {"color": 0xFF0000, "shininess": 128, "specular": 0x404040, "emissive": 0x330000},
-        ),
+        ('material="m"', RED, {"color": 0xFF0000, "shininess": 128, "specular": 0x404040, "emissive": 0x330000}),
         ('material="m" rgba="0 0 1 1"', RED, {"color": 0x0000FF, "shininess": 128}),
         ('material="m"', CHECKED, {"color": 0x00FF00}),
     ],
@@ -168,103 +168,79 @@ def test_the_colour_is_the_one_that_mujoco_shows(look, assets, expected):
 
 @pytest.mark.parametrize("look", ['group="3"', 'rgba="1 0 0 0"'])
 def test_what_is_not_to_be_seen_is_not_drawn(look):
-    scene = Scene()
-    View(scene).add("x", model_of(f'<geom type="sphere" size="1" {look}/>'))
-    assert Eye(scene).drawn() == {}
+    _, eye = drawn(x=model_of(f'<geom type="sphere" size="1" {look}/>'))
+    assert eye.drawn() == {}
 
 
-def drawn_falling():
+BALL, FLOOR, STILL = (f"/Bodies/world/{part}" for part in ("Tank.ball", "world", "Tank.still"))
+
+
+@pytest.fixture
+def falling():
+    """(model, data, view, what is seen of it)"""
     model = mujoco.MjModel.from_xml_string(FALLING)
-    scene = Scene()
-    view = View(scene)
-    view.add("world", model)
-    eye = Eye(scene)
-    view.flush()
-    return model, mujoco.MjData(model), scene, view, eye
+    return model, mujoco.MjData(model), *drawn(world=model)
 
 
-def test_paths_are_readable_in_the_viewers_controls():
-    *_, eye = drawn_falling()
-    ball, floor, still = "Tank.ball/Tank.skin", "world/floor", "Tank.still/1"
-    assert sorted(eye.drawn()) == [f"/Bodies/world/{part}" for part in (ball, still, floor)]
+def test_what_was_only_added_stands_where_its_model_has_it_at_a_path_that_is_readable(falling):
+    *_, eye = falling
+    assert sorted(eye.drawn()) == [f"{BALL}/Tank.skin", f"{STILL}/1", f"{FLOOR}/floor"]
+    np.testing.assert_allclose(eye.transforms[BALL][:3, 3], [0, 0, 1])
 
 
-def test_a_body_that_was_only_added_stands_where_its_model_has_it():
-    *_, eye = drawn_falling()
-    np.testing.assert_allclose(eye.transforms["/Bodies/world/Tank.ball"][:3, 3], [0, 0, 1])
-
-
-def test_a_moving_body_is_where_mujoco_has_it_and_only_it_is_sent():
-    model, data, _, view, eye = drawn_falling()
+def test_a_moving_body_is_where_mujoco_has_it_and_only_it_is_sent(falling):
+    model, data, view, eye = falling
     data.qvel[:6] = [1, 0, 0, 1, 2, 3]
     for _ in range(5):
         mujoco.mj_step(model, data, nstep=10)
         mujoco.mj_kinematics(model, data)
-        view.update("world", data)
-        view.flush()
-        pose = eye.transforms["/Bodies/world/Tank.ball"]
+        for _ in range(2):  # the second time it stands still
+            view.update("world", data)
+            view.flush()
+        pose = eye.transforms[BALL]
         np.testing.assert_allclose(pose[:3, :3], data.body("Tank/ball").xmat.reshape(3, 3), atol=1e-6)
         np.testing.assert_allclose(pose[:3, 3], data.body("Tank/ball").xpos, atol=1e-6)
         assert pose[3].tolist() == [0, 0, 0, 1]
-        assert eye.moved == ["/Bodies/world/Tank.ball"]
-
-
-@pytest.mark.parametrize("far", [np.nan, np.inf, 1e300, -1e39])
-def test_what_is_nowhere_stays_where_it_was_and_the_others_move(far):
-    model, data, _, view, eye = drawn_falling()
-    mujoco.mj_kinematics(model, data)
-    data.xpos[model.body("Tank/ball").id] = [far, 0, 2]
-    data.xpos[model.body("Tank/still").id] = [0, 1, 2]
-    view.update("world", data)
-    view.flush()
-    assert eye.moved == ["/Bodies/world/Tank.still"]
-    data.xpos[model.body("Tank/ball").id] = [0, 0, 3]
-    view.update("world", data)
-    view.flush()
-    assert eye.moved == ["/Bodies/world/Tank.ball"]
-
-
-def test_what_stands_still_sends_nothing():
-    model, data, _, view, eye = drawn_falling()
-    mujoco.mj_forward(model, data)
-    for _ in range(3):
-        view.update("world", data)
-        view.flush()
-    assert len(eye.messages) == 1
-
-
-def test_a_late_view_is_complete():
-    model, data, scene, view, eye = drawn_falling()
-    mujoco.mj_step(model, data, nstep=100)
-    view.update("world", data)
-    view.flush()
-    late = Eye(scene)
+        assert eye.moved == [BALL]
+    assert len(eye.messages) == 1 + 5
+    late = Eye(view._scene)
     assert late.objects == eye.objects
     for path, transform in eye.transforms.items():
         np.testing.assert_array_equal(late.transforms[path], transform)
 
 
-def test_adding_a_name_again_replaces_it_and_removing_takes_it_away():
-    _, _, scene, view, _ = drawn_falling()
-    view.add("world", model_of('<geom name="g" type="sphere" size="1"/>'))
-    assert list(Eye(scene).drawn()) == ["/Bodies/world/b/g"]
+@pytest.mark.parametrize("far", [np.nan, np.inf, 1e300, -1e39])
+def test_what_is_nowhere_stays_where_it_was_and_the_others_move(falling, far):
+    model, data, view, eye = falling
+    mujoco.mj_kinematics(model, data)
+    for ball, still, moved in (([far, 0, 2], [0, 1, 2], STILL), ([0, 0, 3], [0, 1, 2], BALL)):
+        data.xpos[model.body("Tank/ball").id], data.xpos[model.body("Tank/still").id] = ball, still
+        view.update("world", data)
+        view.flush()
+        assert eye.moved == [moved]
+
+
+def test_adding_a_name_again_replaces_it_and_removing_takes_it_away(falling):
+    *_, view, _ = falling
+    view.add("world", SPHERE)
+    assert list(Eye(view._scene).drawn()) == ["/Bodies/world/b/g"]
     assert view.names == ("world",)
     view.remove("world")
-    assert Eye(scene).drawn() == {}
+    assert Eye(view._scene).drawn() == {}
     assert view.names == ()
 
 
 def test_the_grid_is_there_as_long_as_there_is_no_floor():
-    scene = Scene()
-    view = View(scene)
-    view.add("ball", model_of('<geom type="sphere" size="1"/>'))
-    assert Eye(scene).properties["/Grid", "visible"] is True
-    view.add("room", mujoco.MjModel.from_xml_string(FALLING))
-    assert Eye(scene).properties["/Grid", "visible"] is False
-    view.remove("room")
-    assert Eye(scene).properties["/Grid", "visible"] is True
-    view.show_grid(False)
-    assert Eye(scene).properties["/Grid", "visible"] is False
+    view, _ = drawn(ball=SPHERE)
+    for change, arguments, visible in (
+        (view.add, ("ball", SPHERE), True),
+        (view.add, ("room", mujoco.MjModel.from_xml_string(FALLING)), False),
+        (view.remove, ("room",), True),
+        (view.show_grid, (False,), False),
+        (view.show_grid, (), True),
+    ):
+        change(*arguments)
+        assert Eye(view._scene).properties["/Grid", "visible"] is visible
 
 
 TURRET = """
@@ -285,9 +261,7 @@ TURRET = """
 
 
 def test_what_stale_joints_move_is_grey_until_they_are_heard_of_again():
-    view = View(scene := Scene())
-    view.add("Tank", mujoco.MjModel.from_xml_string(TURRET))
-    eye = Eye(scene)
+    view, eye = drawn(Tank=mujoco.MjModel.from_xml_string(TURRET))
 
     def colours(*stale):
         eye.properties.clear()
@@ -302,78 +276,47 @@ def test_what_stale_joints_move_is_grey_until_they_are_heard_of_again():
     assert colours("PITCH") == {"Tank.tower": [0, 1, 0, 1], "Tank.lid": [1, 0, 0, 0.5], "Tank.gun": [*grey, 1.0]}
     assert colours("PITCH", "RECOIL") == {}
     assert colours("RECOIL") == {}
-    assert Eye(scene).properties["/Bodies/Tank/Tank.barrel/Tank.gun/<object>", "color"] == [*grey, 1.0]
+    assert Eye(view._scene).properties["/Bodies/Tank/Tank.barrel/Tank.gun/<object>", "color"] == [*grey, 1.0]
     assert colours() == {"Tank.gun": [0, 0, 1, 1]}
 
 
-@pytest.mark.parametrize("method", ["update", "remove", "show_stale"])
-def test_an_unknown_name_is_told_the_nearest(method):
-    _, data, _, view, _ = drawn_falling()
-    arguments = {"update": ("wordl", data), "remove": ("wordl",), "show_stale": ("wordl", ["A"])}[method]
-    with pytest.raises(TutorialError, match=r"no 'wordl' in the 3D view. Did you mean 'world'\? .* add\(name, model\)"):
-        getattr(view, method)(*arguments)
-
-
-def test_data_of_another_model_is_refused():
-    *_, view, _ = drawn_falling()
-    other = mujoco.MjData(model_of('<geom type="sphere" size="1"/>'))
-    with pytest.raises(TutorialError, match=r"with 4 bodies, and this data has 2. Give data of the same model"):
-        view.update("world", other)
-
-
-@pytest.mark.parametrize("name", ["", "a/b"])
-def test_a_name_that_makes_no_path_is_refused(name):
-    with pytest.raises(TutorialError, match="Give one without a slash"):
-        View(Scene()).add(name, model_of('<geom type="sphere" size="1"/>'))
+NONE = r"there is no 'wordl' in the 3D view. Did you mean 'world'\? .* add\(name, model\)"
+SPHERES = mujoco.MjData(SPHERE)
 
 
 @pytest.mark.parametrize(
-    ("method", "arguments"),
+    ("method", "arguments", "why"),
     [
-        ("add", ("x", model_of('<geom type="sphere" size="1"/>'))),
-        ("update", ("x", None)),
-        ("remove", ("x",)),
-        ("show_stale", ("x", ["A"])),
-        ("look_at", ((1, 1, 1), (0, 0, 0))),
-        ("show_grid", ()),
-        ("flush", ()),
+        *((method, ("wordl",), NONE) for method in ("remove", "readings", "look_at_bodies")),
+        ("update", ("wordl", SPHERES), NONE),
+        ("show_stale", ("wordl", ["A"]), NONE),
+        ("update", ("world", SPHERES), r"with 4 bodies, and this data has 2. Give data of the same model"),
+        ("add", ("", SPHERE), "Give one without a slash"),
+        ("add", ("a/b", SPHERE), "Give one without a slash"),
     ],
 )
-def test_another_thread_is_sent_away(method, arguments):
-    view, errors = View(Scene()), []
+def test_what_it_cannot_do_is_refused_with_the_mend(falling, method, arguments, why):
+    *_, view, _ = falling
+    with pytest.raises(TutorialError, match=why):
+        getattr(view, method)(*arguments)
 
-    def visit():
-        try:
-            getattr(view, method)(*arguments)
-        except WrongThreadError as error:
-            errors.append(str(error))
 
-    thread = threading.Thread(target=visit, name="simulation")
-    thread.start()
-    thread.join()
-    assert errors == [
-        f"View.{method} was called on the thread 'simulation', but the 3D view belongs to the thread "
-        "'MainThread'. Post the call instead: call_later(f, message)."
-    ]
+def test_another_thread_is_sent_away():
+    calls = {"add": ["x", SPHERE], "update": ["x", None], "remove": ["x"], "show_stale": ["x", ["A"]], "show_grid": []}
+    calls |= {"look_at": [(1, 1, 1), (0, 0, 0)], "look_at_bodies": ["x"], "readings": ["x"], "line": [""], "flush": []}
+    for method, arguments in calls.items():
+        assert sends_away(View(Scene()), method, *arguments), method
 
 
 @pytest.mark.parametrize("size", [0.1, 2.0])
 def test_a_close_up_is_as_far_away_as_the_body_is_large(size):
-    model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><worldbody><body pos="1 2 3"><geom type="sphere" size="{size}"/></body></worldbody></mujoco>'
-    )
-    view = View(scene := Scene())
-    eye = Eye(scene)
-    view.add("Ball", model)
+    xml = f'<mujoco><worldbody><body pos="1 2 3"><geom type="sphere" size="{size}"/></body></worldbody></mujoco>'
+    model = mujoco.MjModel.from_xml_string(xml)
+    view, eye = drawn(Ball=model)
     view.look_at_bodies("Ball")
     view.flush()
-    camera = [payload for kind, payload in unpack_records(scene.snapshot()) if kind is Record.CAMERA]
+    camera = [payload for kind, payload in unpack_records(view._scene.snapshot()) if kind is Record.CAMERA]
     numbers = np.frombuffer(camera[-1], dtype="<f8")
     assert numbers[3:] == pytest.approx([1, 2, 3])
     assert np.linalg.norm(numbers[:3] - numbers[3:]) == pytest.approx(np.sqrt(2) * model.stat.extent)
     assert eye.properties["/Grid", "scale"] == pytest.approx([model.stat.extent / 10] * 3)
-
-
-def test_a_close_up_of_what_is_not_there_is_a_clear_error():
-    with pytest.raises(TutorialError, match="there is no 'Tnak' in the 3D view"):
-        View(Scene()).look_at_bodies("Tnak")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import logging
 import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from pictures import is_red, need_pictures, red_block
@@ -32,12 +32,25 @@ class Stage:
     def move(self, aside):
         self.simulation.data.qpos[0] = aside
 
-    def elsewhere(self, function, *args):
-        """Call a function as the simulation's thread does, which does not wait for pictures."""
-        thread = threading.Thread(target=function, args=args)
-        thread.start()
-        thread.join(PATIENCE)
-        assert not thread.is_alive()
+
+def elsewhere(function, *args):
+    """Call a function as the simulation's thread does, which does not wait for pictures."""
+    with ThreadPoolExecutor(1) as pool:
+        pool.submit(function, *args).result(PATIENCE)
+
+
+class Slow:
+    """A receiver that takes as long as it is told to."""
+
+    def __init__(self, eye):
+        self.taken, self.entered, self.may_leave = [], threading.Event(), threading.Event()
+        elsewhere(eye.capture, self)
+        assert self.entered.wait(PATIENCE)
+
+    def __call__(self, pixels):
+        self.entered.set()
+        assert self.may_leave.wait(PATIENCE)
+        self.taken.append(pixels)
 
 
 @pytest.fixture
@@ -80,33 +93,23 @@ def test_the_topmost_row_comes_first(stage, eye):
 
 
 def test_the_world_goes_on_while_a_picture_is_delivered_and_the_newest_replaces_what_waits(stage, eye):
-    taken, entered, leave = [], threading.Event(), threading.Event()
-
-    def slow(pixels):
-        entered.set()
-        assert leave.wait(PATIENCE)
-        taken.append(pixels)
-
-    stage.elsewhere(eye.capture, slow)
-    assert entered.wait(PATIENCE)
+    slow = Slow(eye)
     for aside in (0.9, 0.9, 0.0):
         stage.move(aside)
-        stage.elsewhere(eye.capture, taken.append)
+        elsewhere(eye.capture, slow.taken.append)
     stage.move(0.9)  # after the copies were made
     assert eye.missed == 2
-    leave.set()
+    slow.may_leave.set()
     stage.body.camera("CAMERA").capture(lambda _: None)  # comes after them
-    assert len(taken) == 2
-    assert is_red(middle(taken[1]))
+    assert len(slow.taken) == 2
+    assert is_red(middle(slow.taken[1]))
 
 
 def test_that_many_pictures_are_missed_is_said_once(stage, eye, caplog):
-    entered, leave = threading.Event(), threading.Event()
-    stage.elsewhere(eye.capture, lambda _: (entered.set(), leave.wait(PATIENCE)))
-    assert entered.wait(PATIENCE)
+    slow = Slow(eye)
     for _ in range(40):
-        stage.elsewhere(eye.capture, lambda _: None)
-    leave.set()
+        elsewhere(eye.capture, lambda _: None)
+    slow.may_leave.set()
     assert [record.getMessage() for record in caplog.records] == [
         "the camera 'CAMERA' has missed 10 pictures: rendering takes too long here"
     ]
@@ -116,7 +119,7 @@ def test_that_the_first_picture_takes_long_is_not_said(stage, eye, monkeypatch, 
     begin, make = threading.Event(), offscreen._gl_context
     monkeypatch.setattr(offscreen, "_gl_context", lambda *size: begin.wait(PATIENCE) and make(*size))
     for _ in range(20):
-        stage.elsewhere(eye.capture, lambda _: None)
+        elsewhere(eye.capture, lambda _: None)
     begin.set()
     eye.capture(lambda _: None)
     assert (eye.missed, caplog.text) == (0, "")
@@ -144,35 +147,24 @@ def test_elsewhere_a_receivers_error_is_kept_and_logged_once(stage, eye, caplog)
         raise SystemExit("no")
 
     for _ in range(3):
-        stage.elsewhere(eye.capture, broken)
+        elsewhere(eye.capture, broken)
         stage.body.camera("SMALL").capture(lambda _: None)  # comes after it
     assert isinstance(stage.renderer.error, SystemExit)
     assert [record.getMessage() for record in caplog.records] == ["a receiver of pictures failed; the others go on"]
 
 
 def test_a_closed_camera_delivers_nothing_more(stage, eye):
-    taken, entered, leave = [], threading.Event(), threading.Event()
-
-    def slow(_):
-        entered.set()
-        assert leave.wait(PATIENCE)
-        taken.append("first")
-
-    stage.elsewhere(eye.capture, slow)
-    assert entered.wait(PATIENCE)
-    stage.elsewhere(eye.capture, taken.append)
+    slow = Slow(eye)
+    elsewhere(eye.capture, slow.taken.append)
     closing = threading.Thread(target=eye.close)
     closing.start()
-    leave.set()
+    slow.may_leave.set()
     closing.join(PATIENCE)
-    assert taken == ["first"]  # what was being delivered has come to its end before close() returns
+    assert len(slow.taken) == 1  # what was being delivered has come to its end before close() returns
     stage.body.camera("SMALL").capture(lambda _: None)
-    assert taken == ["first"]
+    assert len(slow.taken) == 1
     eye.close()
-
-
-def test_a_receiver_may_close_its_camera(stage, eye):
-    eye.capture(lambda _: eye.close())
+    eye.capture(lambda _: eye.close())  # a receiver may, too
 
 
 def test_after_close_nothing_is_taken(stage, eye):
@@ -192,23 +184,23 @@ def test_where_nothing_renders_it_is_said_once_and_all_else_goes_on(stage, monke
     for name in ("CAMERA", "CAMERA", "SMALL"):
         stage.body.camera(name).capture(taken.append)
     assert taken == []
-    (record,) = caplog.records
-    assert record.levelno == logging.WARNING
-    assert record.getMessage() == (
-        "cameras take no pictures, all else goes on: nothing renders here (ImportError: there is neither "
-        "libNoSuchEGL.so.1 nor libNoSuchOSMesa.so.8). On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends "
-        "it, or libosmesa6."
-    )
+    assert [(record.levelname, record.getMessage()) for record in caplog.records] == [
+        (
+            "WARNING",
+            "cameras take no pictures, all else goes on: nothing renders here (ImportError: there is neither "
+            "libNoSuchEGL.so.1 nor libNoSuchOSMesa.so.8). On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 "
+            "mends it, or libosmesa6.",
+        )
+    ]
 
 
 def test_rendering_that_is_switched_off_is_told_so(stage, monkeypatch, caplog):
     monkeypatch.setenv("MUJOCO_GL", "off")
     stage.body.camera("CAMERA").capture(lambda _: None)
-    (record,) = caplog.records
-    assert record.getMessage() == (
+    assert [record.getMessage() for record in caplog.records] == [
         "cameras take no pictures, all else goes on: nothing renders here "
         "(ImportError: MUJOCO_GL=off switches it off). Unset MUJOCO_GL."
-    )
+    ]
 
 
 def test_cameras_have_names_and_sizes(stage):

@@ -12,7 +12,9 @@ from contextlib import suppress
 import mujoco
 import numpy as np
 import pytest
-from browser import PATIENCE, Witness, chromium, open_browser
+from browser import Witness, chromium, open_browser
+from loops import in_a_loop
+from scenes import commands
 from sensor_msgs.msg import JointState
 
 from tutorial.errors import TutorialError
@@ -23,7 +25,7 @@ from tutorial.ros.node_thread import NodeThread
 from tutorial.view import replay
 from tutorial.view.bodies import View
 from tutorial.view.replay import Recorder, recorded
-from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
+from tutorial.view.scene import Scene
 
 BALL = mujoco.MjModel.from_xml_string(
     "<mujoco><worldbody><body name='ball'><freejoint name='Ball/x'/><geom size='0.1'/></body></worldbody></mujoco>"
@@ -56,12 +58,14 @@ class Stage:
 
 
 def clips(made):
-    """The animation within a replay, by path."""
-    commands = [unpack_command(payload) for kind, payload in unpack_records(made.scene) if kind is Record.COMMAND]
-    (animation,) = [command for command in commands if command["type"] == "set_animation"]
-    for track in (track for each in animation["animations"] for track in each["clip"]["tracks"]):
-        track["times"], track["values"] = track["times"].tolist(), list(track["values"])
-    return {each["path"]: each["clip"]["tracks"] for each in animation["animations"]}
+    """The animation within a replay, by path: (name, times, values) of each track."""
+    (animation,) = [command for command in commands(made.scene) if command["type"] == "set_animation"]
+    return {
+        each["path"]: [
+            (track["name"], track["times"].tolist(), list(track["values"])) for track in each["clip"]["tracks"]
+        ]
+        for each in animation["animations"]
+    }
 
 
 def test_what_moves_has_poses_and_stays_where_it_is_until_it_moves():
@@ -69,16 +73,13 @@ def test_what_moves_has_poses_and_stays_where_it_is_until_it_moves():
     for time, x in ((0.1, 0.5), (2.0, 1.0), (2.03, 1.5)):
         stage.move(time, x)
     made = stage.stop(3.0)
-    position, quaternion = clips(made)[PATH]
-    assert position["times"] == pytest.approx([0, 0.067, 0.1, 1.967, 2.0, 2.03], abs=1e-3)
-    assert position["values"][::3] == [0, 0, 0.5, 0.5, 1.0, 1.5]
-    assert quaternion["values"][:4] == [0, 0, 0, 1]
+    (_, times, places), (_, _, turns) = clips(made)[PATH]
+    assert times == pytest.approx([0, 0.067, 0.1, 1.967, 2.0, 2.03], abs=1e-3)
+    assert places[::3] == [0, 0, 0.5, 0.5, 1.0, 1.5]
+    assert turns[:4] == [0, 0, 0, 1]
     assert made.times[-1] == pytest.approx(3.0)
     assert made.joints["Ball x"][-1] == 1.5
-
-
-def test_what_stands_still_has_none():
-    assert clips(Stage().stop(2.0)) == {}
+    assert clips(Stage().stop(2.0)) == {}  # it has stood still
 
 
 def test_what_comes_and_goes_is_seen_while_it_is_there():
@@ -87,11 +88,9 @@ def test_what_comes_and_goes_is_seen_while_it_is_there():
     stage.view.remove("Ball")
     stage.view.add("Late", BALL)
     stage.view.flush()
-    tracks = clips(stage.stop(2.0))
-    sights = {path: track[0] for path, track in tracks.items() if track[0]["name"] == ".visible"}
-    gone, late = (next(sights[path] for path in sights if name in path) for name in ("/Ball", "/Late"))
-    assert (gone["times"], gone["values"]) == ([0.0, 1.0], [True, False])
-    assert (late["times"], late["values"]) == ([0.0, 1.0], [False, True])
+    sights = {path.split("/")[2]: track for path, (track, *_) in clips(stage.stop(2.0)).items()}
+    assert sights["Ball"] == (".visible", [0.0, 1.0], [True, False])
+    assert sights["Late"] == (".visible", [0.0, 1.0], [False, True])
 
 
 def test_what_is_no_number_is_not_in_the_page():
@@ -101,7 +100,7 @@ def test_what_is_no_number_is_not_in_the_page():
     stage.move(1.0, 0.5)
     made = stage.stop(1.5)
     assert math.isnan(made.joints["Ball x"][1]) or math.isnan(made.joints["Ball x"][2])
-    assert clips(made)[PATH][0]["values"][::3][-1] == 0.5
+    assert clips(made)[PATH][0][2][::3][-1] == 0.5
     (timeline,) = re.findall(r'class="timeline">([^<]*)<', made.figure("Ball"))
     assert "NaN" not in gzip.decompress(base64.b64decode(timeline)).decode()
 
@@ -112,8 +111,7 @@ def test_what_was_stale_in_the_end_has_its_colour_in_the_replay():
     stage.view.flush()
 
     def coloured(message):
-        commands = [unpack_command(payload) for kind, payload in unpack_records(message) if kind is Record.COMMAND]
-        return [command for command in commands if command["path"].startswith(PATH) and "property" in command]
+        return [each for each in commands(message) if each["path"].startswith(PATH) and "property" in each]
 
     assert coloured(stage.scene.snapshot())
     assert not coloured(stage.stop(1.0).scene)
@@ -126,33 +124,33 @@ def test_pauses_are_shortened_and_a_long_run_is_kept_only_so_far(monkeypatch):
         stage.move(second, second / 1000)
     made = stage.stop(1000.0)
     assert made.times[-1] == 30.0
-    assert clips(made)[PATH][0]["values"][::3][-1] == pytest.approx(0.3, abs=0.011)
+    assert clips(made)[PATH][0][2][::3][-1] == pytest.approx(0.3, abs=0.011)
 
 
 def test_titles_and_names_are_text():
     assert "<b>" not in Stage().stop(1.0).page("<b>")
 
 
-def test_a_page_that_cannot_be_written_is_an_error_before_the_run(tmp_path):
-    with (
-        pytest.raises(TutorialError, match=r"there is no folder .*nowhere to write out.html to"),
-        recorded(Scene(), tmp_path / "nowhere" / "out.html", "tank", float),
-    ):
+@pytest.mark.parametrize(
+    ("page", "why"), [("nowhere/out.html", r"no folder .*nowhere to write out.html to"), ("", "cannot be written")]
+)
+def test_a_page_that_cannot_be_written_is_an_error_before_the_run(tmp_path, page, why):
+    with pytest.raises(TutorialError, match=why), recorded(Scene(), tmp_path / page, "tank", float):
         raise AssertionError("it ran")
-    (tmp_path / "taken.html").mkdir()
-    with (
-        pytest.raises(TutorialError, match="cannot be written"),
-        recorded(Scene(), tmp_path / "taken.html", "tank", float),
-    ):
-        raise AssertionError("it ran")
+
+
+def test_where_the_page_is_kept_is_said(tmp_path, caplog):
+    page = tmp_path / "out.html"
+    with caplog.at_level("INFO"), recorded(Scene(), page, "tank", float):
+        pass
+    assert caplog.messages == [f"the run is kept in {page}: open it in a browser"]
 
 
 async def show_step_3(path):
     """Run step 3's viewer while its joints are moved evenly; return what was published."""
     scene, published = Scene(), [AT_REST]
     async with Host(Project.load(find_project("step3")), None, View(scene)) as host:
-        keeping = recorded(scene, path, "tank", host.shown_at, host.joint_positions)
-        with NodeThread("publisher") as thread, keeping:
+        with NodeThread("publisher") as thread, recorded(scene, path, "tank", host.shown_at, host.joint_positions):
             publisher = thread.node.create_publisher(JointState, "Tank/joint_state", 1)
             running = asyncio.ensure_future(host.run())
             while not publisher.get_subscription_count():
@@ -186,38 +184,6 @@ def angle(before, after, axis):
     mujoco.mju_negQuat(inverse, np.roll(before, 1))
     mujoco.mju_mulQuat(turn, inverse, np.roll(after, 1))
     return 2 * math.atan2(float(np.dot(turn[1:], axis)), float(turn[0]))
-
-
-@pytest.mark.browser
-@pytest.mark.timeout(300)
-def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
-    path, browser = tmp_path / "viewer.html", chromium()
-
-    async def main():
-        published = await show_step_3(path)
-        async with open_browser(browser) as page:
-            witness = Witness(page)
-            await page.clock.install(time=0)
-            await page.goto(path.as_uri())
-            await page.wait_for_function("document.querySelector('.tank-replay')?.replay?.picture")
-            timeline = await page.evaluate(
-                "(({times, joints}) => ({times, joints}))(document.querySelector('.tank-replay').replay)"
-            )
-            times, joints = timeline["times"], timeline["joints"]
-            for share in (0.3, 0.6, 1.0):
-                frame = round(share * (len(times) - 1))
-                (chassis, turret, barrel), words = await page.evaluate(ANGLES, times[frame])
-                shown = [angle(chassis, turret, (0, 0, -1)), angle(turret, barrel, (0, -1, 0))]
-                kept = [joints[f"Tank {name}"][frame] for name in AT_REST]
-                assert shown == pytest.approx(kept, abs=1e-3)
-                assert any(kept == pytest.approx(list(each.values()), abs=1e-5) for each in published)
-                assert f"TURRET_Y {kept[0]:.3f}" in words
-            assert kept == pytest.approx(list(published[-1].values()), abs=1e-5)
-            await it_plays(page, times[-1])
-            assert not witness.complaints
-            assert all(url.startswith(("file:", "blob:", "data:")) for url in witness.requests)
-
-    asyncio.run(asyncio.wait_for(main(), 4 * PATIENCE))
 
 
 STATE = """() => {
@@ -259,3 +225,31 @@ async def it_plays(page, duration):
     await page.clock.run_for(200)
     await page.get_by_role("slider", name="time").press("End")
     assert await page.evaluate(STATE) == [duration, False, "Play"]
+
+
+@pytest.mark.browser
+@pytest.mark.timeout(300)
+@in_a_loop
+async def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
+    path, browser = tmp_path / "viewer.html", chromium()
+    published = await show_step_3(path)
+    async with open_browser(browser) as page:
+        witness = Witness(page)
+        await page.clock.install(time=0)
+        await page.goto(path.as_uri())
+        await page.wait_for_function("document.querySelector('.tank-replay')?.replay?.picture")
+        times, joints = await page.evaluate(
+            "(({times, joints}) => [times, joints])(document.querySelector('.tank-replay').replay)"
+        )
+        for share in (0.3, 0.6, 1.0):
+            frame = round(share * (len(times) - 1))
+            (chassis, turret, barrel), words = await page.evaluate(ANGLES, times[frame])
+            shown = [angle(chassis, turret, (0, 0, -1)), angle(turret, barrel, (0, -1, 0))]
+            kept = [joints[f"Tank {name}"][frame] for name in AT_REST]
+            assert shown == pytest.approx(kept, abs=1e-3)
+            assert any(kept == pytest.approx(list(each.values()), abs=1e-5) for each in published)
+            assert f"TURRET_Y {kept[0]:.3f}" in words
+        assert kept == pytest.approx(list(published[-1].values()), abs=1e-5)
+        await it_plays(page, times[-1])
+        assert not witness.complaints
+        assert all(url.startswith(("file:", "blob:", "data:")) for url in witness.requests)

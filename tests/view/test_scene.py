@@ -3,7 +3,6 @@
 import math
 import subprocess
 import sys
-import threading
 import warnings
 
 import hypothesis.strategies as st
@@ -11,17 +10,10 @@ import numpy as np
 import pytest
 import umsgpack  # what meshcat packs with
 from hypothesis import given
+from scenes import commands, lines, sends_away
 
-from tutorial.errors import TutorialError, WrongThreadError
-from tutorial.view.scene import (
-    LINE_LENGTH,
-    Record,
-    Scene,
-    pack_command,
-    pack_record,
-    unpack_command,
-    unpack_records,
-)
+from tutorial.errors import TutorialError
+from tutorial.view.scene import Record, Scene, pack_command, pack_record, unpack_command, unpack_records
 
 PATHS = ["/a", "/a/b", "/a/b/c", "/ab", "/a/<object>", "/Grid", "/Lights/SpotLight"]
 
@@ -44,7 +36,7 @@ def delete(path):
 
 paths = st.sampled_from(PATHS)
 numbers = st.integers(0, 9)
-commands = st.one_of(
+any_command = st.one_of(
     st.builds(set_object, paths, numbers),
     st.builds(set_transform, paths, numbers),
     st.builds(set_property, paths, st.sampled_from(["position", "visible", "color"]), numbers),
@@ -76,12 +68,11 @@ class Node:
 
 
 class Viewer:
-    """What a browser makes of the messages, as far as it matters here (meshcat's ``viewer/src/index.js``)."""
+    """What a browser makes of the commands, as far as it matters here (meshcat's ``viewer/src/index.js``)."""
 
-    def __init__(self):
-        self.line = ""
-        self.camera = b""
+    def __init__(self, message=b""):
         self.clear()
+        self.read(message)
 
     def clear(self):
         self.root = Node()
@@ -90,28 +81,22 @@ class Viewer:
 
     def read(self, message):
         for kind, payload in unpack_records(message):
-            if kind is Record.COMMAND:
-                self.handle(unpack_command(payload))
-            elif kind is Record.LINE:
-                self.line = payload.decode()
-            elif kind is Record.CAMERA:
-                self.camera = payload
-            else:
-                self.clear()
+            self.handle(unpack_command(payload)) if kind is Record.COMMAND else self.clear()
 
     def handle(self, command):
         parts = command["path"].strip("/").split("/")
+        node = self.root.find(parts)
         if command["type"] == "delete":
             self.root.find(parts[:-1]).children.pop(parts[-1], None)
         elif command["type"] == "set_object":  # a new object comes as it was made, without children
-            node = self.root.find(parts).children[("<object>")] = Node()
-            node.state["shape"] = command["object"]["shape"]
+            node.children["<object>"] = Node()
+            node.children["<object>"].state["shape"] = command["object"]["shape"]
         elif command["type"] == "set_transform":
-            self.root.find(parts).state.update(position=command["matrix"][0], rotation=command["matrix"][0])
+            node.state.update(position=command["matrix"][0], rotation=command["matrix"][0])
         elif command["property"] == "color":
-            self.colour(self.root.find(parts), command["value"])
+            self.colour(node, command["value"])
         else:
-            self.root.find(parts).state[command["property"]] = command["value"]
+            node.state[command["property"]] = command["value"]
 
     def colour(self, node, value):
         if "shape" in node.state:
@@ -120,13 +105,7 @@ class Viewer:
             self.colour(child, value)
 
     def seen(self):
-        return self.root.seen(), self.line, self.camera
-
-
-def showing(message):
-    viewer = Viewer()
-    viewer.read(message)
-    return viewer.seen()
+        return self.root.seen()
 
 
 @given(st.lists(st.tuples(st.sampled_from(Record), st.binary(max_size=40))))
@@ -141,7 +120,7 @@ def test_a_message_cut_short_is_an_error(payload, data):
         unpack_records(message[: data.draw(st.integers(1, len(message) - 1))])
 
 
-@given(st.lists(st.lists(commands, max_size=6), max_size=6))
+@given(st.lists(st.lists(any_command, max_size=6), max_size=6))
 def test_the_snapshot_shows_what_all_messages_have_shown(frames):
     scene, frame_by_frame, one_by_one = Scene(), Viewer(), Viewer()
     scene.attach(frame_by_frame.read)
@@ -150,17 +129,16 @@ def test_the_snapshot_shows_what_all_messages_have_shown(frames):
             scene.send_message(command)
             one_by_one.handle(command)
         scene.flush()
-        assert frame_by_frame.seen() == one_by_one.seen()
-        assert showing(scene.snapshot()) == one_by_one.seen()
+        assert frame_by_frame.seen() == one_by_one.seen() == Viewer(scene.snapshot()).seen()
 
 
-@given(st.lists(commands, max_size=8), st.lists(commands, max_size=8))
+@given(st.lists(any_command, max_size=8), st.lists(any_command, max_size=8))
 def test_whoever_comes_in_the_middle_of_a_frame_sees_the_same(before, after):
-    scene, first, late = Scene(), Viewer(), Viewer()
+    scene, first = Scene(), Viewer()
     scene.attach(first.read)
     for command in before:
         scene.send_message(command)
-    late.read(scene.snapshot())
+    late = Viewer(scene.snapshot())
     scene.attach(late.read)
     for command in after:
         scene.send_message(command)
@@ -177,8 +155,7 @@ def test_one_frame_is_one_message_with_the_last_transform_of_each_path():
     scene.flush()
     scene.flush()
     [message] = messages
-    sent = [unpack_command(payload) for _, payload in unpack_records(message)]
-    assert sent == [set_transform("/a", 2), set_transform("/b", 2)]
+    assert commands(message) == [set_transform("/a", 2), set_transform("/b", 2)]
 
 
 @pytest.mark.parametrize("attached", [False, True])
@@ -208,39 +185,24 @@ def test_a_meshcat_visualizer_draws_into_it():
     box.set_object(meshcat().geometry.Box([1, 2, 3]))
     box.set_transform(np.eye(4))
     box.set_property("visible", False)
-    commands = [unpack_command(payload) for _, payload in unpack_records(scene.snapshot())[1:]]
-    assert [(command["type"], command["path"]) for command in commands] == [
-        ("set_object", "/meshcat/box"),
-        ("set_transform", "/meshcat/box"),
-        ("set_property", "/meshcat/box"),
-    ]
-    assert commands[0]["object"]["geometries"][0]["depth"] == 3
+    drawn = commands(scene.snapshot())
+    kinds = ["set_object", "set_transform", "set_property"]
+    assert [(each["type"], each["path"]) for each in drawn] == [(kind, "/meshcat/box") for kind in kinds]
+    assert drawn[0]["object"]["geometries"][0]["depth"] == 3
     box.delete()
     assert unpack_records(scene.snapshot()) == [(Record.CLEAR, b"")]
 
 
 def test_a_command_is_packed_as_meshcat_packs_it():
-    wholes = [
-        sign * (2**bits + more) for sign in (1, -1) for bits in (0, 5, 7, 8, 15, 16, 31, 32, 53) for more in (-1, 0, 1)
-    ]
+    bits = (0, 5, 7, 8, 15, 16, 31, 32, 53)
+    wholes = [sign * (2**bit + more) for sign in (1, -1) for bit in bits for more in (-1, 0, 1)]
     texts = ["é" * length for length in (0, 15, 16, 127, 128, 40_000)]
-    others = [
-        0.1,
-        -0.0,
-        math.inf,
-        None,
-        True,
-        False,
-        b"",
-        b"x" * 300,
-        [0] * 15,
-        [0] * 16,
-        {},
-        {text: {"a": []} for text in texts},
-    ]
-    command = {"type": "set_object", "object": [*wholes, *texts, *others]}
+    others = [0.1, -0.0, math.inf, None, True, False, b"", b"x" * 300, [0] * 15, [0] * 16, {}]
+    command = {"type": "set_object", "object": [*wholes, *texts, *others, {text: {"a": []} for text in texts}]}
     assert pack_command(command) == umsgpack.packb(command)
     assert unpack_command(pack_command(command)) == command
+    numpys = [np.float32(0.5), np.float64(0.5), np.int64(2), np.bool_(True)]
+    assert unpack_command(pack_command({"numbers": numpys})) == {"numbers": [0.5, 0.5, 2, True]}
 
 
 def test_arrays_are_packed_as_meshcat_packs_them():
@@ -253,92 +215,52 @@ def test_arrays_are_packed_as_meshcat_packs_them():
     assert pack_command(unpack_command(pack_command({"index": other}))) == pack_command({"index": other})
 
 
-@pytest.mark.parametrize("number", [np.float32(0.5), np.float64(0.5), np.int64(2), np.bool_(True)])
-def test_numpys_numbers_are_numbers(number):
-    scene, viewer = Scene(), Viewer()
-    scene.send_message(set_property("/a", "position", number))
-    viewer.read(scene.snapshot())
-    assert viewer.root.find(["a"]).state["position"] == number
+@pytest.mark.parametrize(
+    ("command", "error", "why"),
+    [
+        (set_property("/a", "position", Node()), TypeError, "cannot hold a Node"),
+        ({"type": "capture_image"}, TutorialError, "cannot do 'capture_image'. Known are 'delete', 'set_a"),
+        ({"type": "set_transfrom", "path": "/a"}, TutorialError, r"'set_transfrom'. Did you mean 'set_transform'\?"),
+        (delete("/"), TutorialError, "Delete what is below it"),
+        (delete(""), TutorialError, "Delete what is below it"),
+    ],
+)
+def test_what_it_cannot_take_is_refused_with_the_reason(command, error, why):
+    with pytest.raises(error, match=why):
+        Scene().send_message(command)
 
 
-def test_what_cannot_be_packed_is_named():
-    with pytest.raises(TypeError, match="cannot hold a Node"):
-        Scene().send_message(set_property("/a", "position", Node()))
+def test_the_line_and_the_rows_below_it_are_short_lines_of_text():
+    scene = Scene()
+    for text, table, expected in (
+        ("<b>joint</b>\n x\ud800", [], "<b>joint</b> x?"),
+        (200 * "x", [], 200 * "x"),
+        (201 * "x", [("", "x"), ("a\tname\n", 300 * "1")], f"{199 * 'x'}…\n\tx\na name\t{199 * '1'}…"),
+        ("", [], ""),
+    ):
+        scene.line(text, table)
+        assert lines(scene.snapshot()) == [expected]
 
 
-def test_what_asks_a_browser_for_an_answer_is_refused():
-    with pytest.raises(TutorialError, match=r"this 3D view cannot do 'capture_image'. Known are 'delete', 'set_a"):
-        Scene().send_message({"type": "capture_image"})
-
-
-def test_a_wrong_command_is_told_the_right_one():
-    with pytest.raises(TutorialError, match=r"cannot do 'set_transfrom'. Did you mean 'set_transform'\?"):
-        Scene().send_message({"type": "set_transfrom", "path": "/a"})
-
-
-@pytest.mark.parametrize("path", ["/", ""])
-def test_deleting_everything_is_refused(path):
-    with pytest.raises(TutorialError, match="Delete what is below it"):
-        Scene().send_message(delete(path))
-
-
-@given(st.text(max_size=600))
-def test_the_line_is_one_short_line(text):
-    scene, viewer = Scene(), Viewer()
-    scene.line(text)
-    viewer.read(scene.snapshot())
-    assert len(viewer.line) <= LINE_LENGTH
-    assert viewer.line.splitlines() in ([], [viewer.line])
-
-
-def test_the_line_is_cut_where_one_can_see_it():
-    scene, viewer = Scene(), Viewer()
-    scene.line("<b>joint</b>\n" + 300 * "x")
-    viewer.read(scene.snapshot())
-    assert viewer.line.startswith("<b>joint</b> xxx")
-    assert viewer.line.endswith("x…")
-
-
-def test_a_table_has_its_rows_below_the_line():
-    scene, viewer = Scene(), Viewer()
-    scene.line("a line", [("", "x"), ("a\tname\n", 300 * "1")])
-    viewer.read(scene.snapshot())
-    line, head, row = viewer.line.split("\n")
-    assert (line, head) == ("a line", "\tx")
-    assert row.startswith("a name\t111")
-    assert row.endswith("1…")
-    scene.line("")
-    viewer.read(scene.snapshot())
-    assert viewer.line == ""
-
-
-def test_one_view_that_fails_does_not_cost_the_others(caplog):
+def test_each_that_is_attached_gets_each_message_once_also_when_another_fails(caplog):
     scene, messages = Scene(), []
+    sink = messages.append
 
     def broken(message):
         raise OSError("gone")
 
-    scene.attach(broken)
-    scene.attach(messages.append)
+    for each in (broken, sink, sink):
+        scene.attach(each)
     for text in ("one", "two"):
         scene.line(text)
         scene.flush()
-    assert len(messages) == 2
+    assert [lines(message) for message in messages] == [["one"], ["two"]]
     assert caplog.text.count("OSError: gone") == 1
-
-
-def test_attaching_and_detaching_twice_is_once():
-    scene, messages = Scene(), []
-    sink = messages.append
-    scene.attach(sink)
-    scene.attach(sink)
-    scene.line("one")
-    scene.flush()
     scene.detach(sink)
     scene.detach(sink)
-    scene.line("two")
+    scene.line("three")
     scene.flush()
-    assert len(messages) == 1
+    assert len(messages) == 2
 
 
 def test_what_is_new_costs_no_look_at_all_the_rest(monkeypatch):
@@ -351,37 +273,14 @@ def test_what_is_new_costs_no_look_at_all_the_rest(monkeypatch):
     assert looked_at == []
 
 
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda scene: scene.send_message(set_object("/a", 1)),
-        lambda scene: scene.send_packed(("set_transform", "/a", ""), b""),
-        lambda scene: scene.line("text"),
-        lambda scene: scene.look_at((1, 1, 1), (0, 0, 0)),
-        lambda scene: scene.flush(),
-        lambda scene: scene.snapshot(),
-        lambda scene: scene.attach(print),
-        lambda scene: scene.detach(print),
-    ],
-)
-def test_another_thread_is_sent_away(call):
-    scene, errors = Scene(), []
-
-    def visit():
-        try:
-            call(scene)
-        except WrongThreadError as error:
-            errors.append(str(error))
-
-    thread = threading.Thread(target=visit, name="executor")
-    thread.start()
-    thread.join()
-    [error] = errors
-    assert error.startswith("Scene.")
-    assert "on the thread 'executor', but the 3D view belongs to the thread 'MainThread'" in error
-    assert "call_later(" in error
+def test_another_thread_is_sent_away():
+    calls = {"send": [None], "line": ["text"], "attach": [print], "detach": [print], "flush": [], "snapshot": []}
+    calls |= {"send_packed": [("set_transform", "/a", ""), b""], "look_at": [(1, 1, 1), (0, 0, 0)]}
+    for method, arguments in calls.items():
+        assert sends_away(Scene(), method, *arguments), method
 
 
+@pytest.mark.process
 def test_it_brings_neither_meshcat_nor_zmq_along():
     modules = "tutorial.view.bodies, tutorial.view.web"
     code = f"import sys, {modules}; print({{'meshcat', 'zmq', 'IPython'}} & set(sys.modules))"

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from array import array
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from math import inf, isfinite, isnan, nan
-from time import perf_counter
+from types import FrameType
 from typing import Any
 
 from sensor_msgs.msg import Joy
@@ -15,6 +16,7 @@ from sensor_msgs.msg import Joy
 from tutorial.checks._answer import name_of
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._explain import Mistake, Probe, judge_probes
+from tutorial.checks._interleave import traced
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, judged, right, wrong
 from tutorial.checks._watch import Failure, watch
@@ -24,8 +26,8 @@ __all__ = ["judge_bound"]
 SHOWN = 9  # numbers of an answer that are looked at
 FOUR = (0.25, -0.5, 0.75, -1.0)
 MILLION = 1_000_000
-CALLS = 3  # of which the quickest is compared
-QUICK = 1e-4  # [s]; a tenth of a simulation step
+STEPS = 1000  # lines that run and axes that are read, of which four axes take some 20
+BYTES = MILLION // 2  # that may be taken at once: less than one for each axis
 
 ENDS = ("up", "down", "there", "back")
 """Where min and max take every axis when they are not the right ones: beyond one end, or exactly there."""
@@ -201,25 +203,57 @@ def _judge_untouched(case: _Case, message: Joy) -> Finding | None:
     return wrong(f"{case.label}: the message is not the same afterwards", CHANGED)
 
 
+class _Spent(BaseException):
+    """The answer has taken more steps than it may."""
+
+
+class _Million(array):  # type: ignore[type-arg]
+    """Axes which count how many of them are read, and how many lines of the answer run meanwhile."""
+
+    steps = 0
+
+    def step(self, count: int = 1) -> None:
+        self.steps += count
+        if self.steps > STEPS:
+            raise _Spent
+
+    def line(self, frame: FrameType, _event: str, _argument: object) -> Any:
+        if frame.f_code.co_filename in watch.files:
+            self.step()
+            return self.line
+        return None
+
+    def __getitem__(self, index: Any) -> Any:
+        found = super().__getitem__(index)
+        self.step(len(found) if isinstance(found, array) else 1)
+        return found
+
+    def __iter__(self) -> Iterator[float]:
+        for axis in super().__iter__():
+            self.step()
+            yield axis
+
+
 def _judge_cost(answer: Callable[[Joy], Any]) -> Finding:
-    """Look whether a million axes take longer than four."""
-    four = Joy(axes=list(FOUR))
-    million = Joy(axes=array("f", FOUR) * (MILLION // len(FOUR)))
+    """Look whether more than a few of a million axes are looked at, or copied."""
+    axes = _Million("f", FOUR * (MILLION // len(FOUR)))
+    million = Joy(axes=axes)
+    returned = None
+    tracemalloc.start()
     try:
-        allowed = QUICK + 10 * min(_seconds(answer, four) for _ in range(CALLS))
-        if all(_seconds(answer, million) > allowed for _ in range(CALLS)):
-            return wrong("a million axes: it takes far longer than for four", SLOW)
-        if _numbers(_call(answer, million)) != FOUR or len(million.axes) != MILLION:
-            return wrong("a million axes: the first four are not returned, or the message is not the same", MANY)
+        with traced(axes.line):
+            returned = _call(answer, million)
     except Failure as failure:
-        return failure.finding(MANY, "a million axes")
+        if axes.steps <= STEPS:
+            return failure.finding(MANY, "a million axes")
+    finally:
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+    if axes.steps > STEPS or most > BYTES:
+        return wrong("a million axes: it takes far longer than for four", SLOW)
+    if _numbers(returned) != FOUR or len(million.axes) != MILLION:
+        return wrong("a million axes: the first four are not returned, or the message is not the same", MANY)
     return right("a million axes: as quick as four")
-
-
-def _seconds(answer: Callable[[Joy], Any], message: Joy) -> float:
-    began = perf_counter()
-    _call(answer, message)
-    return perf_counter() - began
 
 
 def predict(

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import time
+import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from math import degrees, nan, radians
+from pathlib import Path
 from typing import Any
 
 from sensor_msgs.msg import JointState
@@ -23,8 +24,7 @@ __all__ = ["LATEST", "SHARED", "judge_show", "judge_thread", "judge_two", "judge
 
 Publish = Callable[[JointState], None]
 
-TRIES = 12  # messages, after which one that is dropped now and then would have come through
-PAUSE = 0.1  # [s] between them
+TRIES = 12  # messages, a second apart, of which one gets through where some are dropped now and then
 
 DIRECT = "Most likely the callback moves the body itself: post the call instead, {post}; a lock does not help."
 PARTLY = (
@@ -83,7 +83,7 @@ NO_KINEMATICS = (
 NO_NOTIFY = "Most likely self.body.notify_change() is missing: nobody is told to draw."
 EARLY = "Most likely notify_change comes too early: first the positions, then the kinematics, then the news of it."
 LATER = "self.call_later(self.update, message)"
-HELD_UP = 100  # looks, a hundredth of a second each, after which a callback that has not returned is held up
+HELD_UP = 30  # looks, a hundredth of a second each, at a callback that sleeps: it is held up, not slow
 LATEST = "self.call_latest(self.body.name, self.update, message)"
 NO_KEY = f"call_latest takes a key first: {LATEST}."
 THROTTLED = "Most likely messages are dropped by time or by count: post and show every one, whenever it comes."
@@ -218,10 +218,10 @@ def _judge_posting(desk: Desk, publish: Callable[[Any], None], message: Any, pos
 
 
 def _happens_later(publish: Callable[[Any], None], message: Any, happened: Callable[[], object]) -> bool:
-    """Look whether something happens when a message comes again, a little later."""
-    for _ in range(TRIES):
-        time.sleep(PAUSE)
-        publish(message)
+    """Look whether something happens when a message comes again, a little later by the clocks that are asked."""
+    for i in range(TRIES):
+        with watch.clocks_stand(1.0 + i):
+            publish(message)
         if happened():
             return True
     return False
@@ -353,13 +353,12 @@ def judge_held_up(desk: Desk, subscription: WatchedSubscription) -> Finding:
     first, second = (joint_state(names, [q] * len(names), 20 + i) for i, q in enumerate((0.21, 0.22)))
     held_up = []
     with ThreadPoolExecutor(1) as executor:
+        thread = executor.submit(threading.get_native_id).result()
 
         def call_back() -> None:
-            called = executor.submit(subscription.call_back, second)
-            for _ in range(HELD_UP):
-                if called.done():
-                    break
-                time.sleep(0.01)
+            called, asleep = executor.submit(subscription.call_back, second), 0
+            while not wait([called], 0.01).done and asleep < HELD_UP:
+                asleep += _sleeps(thread)
             held_up.append(not called.done())
 
         desk.while_drawn = call_back
@@ -370,6 +369,12 @@ def judge_held_up(desk: Desk, subscription: WatchedSubscription) -> Finding:
     if any(held_up):
         return wrong(f"{when}: the callback waits until it is", HELD)
     return right(f"{when}: the callback does not wait for it")
+
+
+def _sleeps(thread: int) -> bool:
+    """Whether a thread of this process waits for something, rather than for the processor; where Linux tells."""
+    stat = Path(f"/proc/self/task/{thread}/stat")
+    return not stat.exists() or stat.read_text().rpartition(")")[2].split()[0] == "S"
 
 
 def judge_two(answer: type[SimpleController], shared: SharedState) -> Finding:

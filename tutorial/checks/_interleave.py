@@ -11,7 +11,7 @@ from typing import Any
 
 from tutorial.checks._watch import watch
 
-__all__ = ["interleave"]
+__all__ = ["interleave", "traced"]
 
 TURN = 0.05  # [s]; who waits for a lock that the interrupted function holds gets no further, however long this is
 
@@ -51,7 +51,7 @@ def interleave(function: Callable[[], object], between: Callable[[], object], at
         frame.f_trace_opcodes = True
         return step
 
-    with _traced(enter), ThreadPoolExecutor(1) as other:
+    with traced(enter), ThreadPoolExecutor(1) as other:
         function()
     for turn in turns:
         turn.result()  # raises what it has raised
@@ -59,8 +59,8 @@ def interleave(function: Callable[[], object], between: Callable[[], object], at
 
 
 @contextmanager
-def _traced(enter: Callable[[FrameType, str, Any], Any]) -> Iterator[None]:
-    """Have this thread's code traced, instruction by instruction."""
+def traced(enter: Callable[[FrameType, str, Any], Any]) -> Iterator[None]:
+    """Have this thread's code traced, instruction by instruction where a frame asks for it."""
     before = sys.gettrace()
     sys._getframe().f_trace_opcodes = True  # Python 3.12 and 3.13 look only at settrace whether some frame wants them
     watch.interleaved = True

@@ -76,15 +76,10 @@ def ask(
 
 
 async def meet(node: MeteredNode, wanted: Callable[[], object] = lambda: True) -> None:
-    """Wait until a node has met all others, and a little longer for what is asked for.
+    """Wait as `settled`, and say so if that was in vain."""
+    from tutorial.ros.topics import settled
 
-    Args:
-        node: that asks.
-        wanted: whether it is there.
-    """
-    from tutorial.ros.topics.settling import met
-
-    if not await met(node, wanted):
+    if not await settled(node, wanted=wanted):
         _log.warning("nodes still come and go: what is printed may be incomplete")
 
 

@@ -21,7 +21,7 @@ async def topic_list(show_types: bool = False) -> None:
     Args:
         show_types: with their types, as with ``-t``.
     """
-    say(topics.topic_list(await _settled(), show_types))
+    say(topics.topic_list(await _asker(), show_types))
 
 
 async def topic_info(topic: str, verbose: bool = False) -> None:
@@ -34,7 +34,7 @@ async def topic_info(topic: str, verbose: bool = False) -> None:
     Raises:
         TutorialError: there is no such topic.
     """
-    say(topics.topic_info(await _settled(topic), topic, verbose))
+    say(topics.topic_info(await _asker(topic), topic, verbose))
 
 
 async def topic_echo(topic: str, once: bool = False, field: str | None = None, no_arr: bool = False) -> None:
@@ -50,7 +50,7 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None, n
         TutorialError: there is no such topic or field, or nobody publishes on it for 10 s.
     """
     count, form = 1 if once else None, MessageForm(field, no_arr=no_arr)
-    await say_all(topics.topic_echo(await _settled(topic), topic, count=count, timeout=PATIENCE, form=form))
+    await say_all(topics.topic_echo(await _asker(topic), topic, count=count, timeout=PATIENCE, form=form))
 
 
 async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
@@ -64,10 +64,10 @@ async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
     Raises:
         TutorialError: nobody publishes on it for 10 s.
     """
-    await say_all(topics.topic_hz(await _settled(topic), topic, window=window, timeout=PATIENCE), reports)
+    await say_all(topics.topic_hz(await _asker(topic), topic, window=window, timeout=PATIENCE), reports)
 
 
-async def _settled(topic: str | None = None) -> MeteredNode:
+async def _asker(topic: str | None = None) -> MeteredNode:
     """The node that asks, when it has met all others, and a topic if it is there; the kernel stays free meanwhile.
 
     It waits for the other nodes of this kernel, which Fast DDS takes seconds to meet: they are there for certain. Its

@@ -61,10 +61,30 @@ def behind(request, tmp_path):
     return run
 
 
-def test_my_files_stay_as_they_are_and_are_not_read(behind, tmp_path):
-    walls, found = behind("""
-secret = mine / "secret.txt"
+@pytest.mark.process
+def test_my_files_processes_and_the_network_are_out_of_reach_and_what_is_needed_is_there(behind, tmp_path, monkeypatch):
+    """Python, MuJoCo and a child process work behind the walls, which cannot be taken down."""
+    monkeypatch.setenv("PASSWORD", "open sesame")
+    with socket.create_server(("127.0.0.1", 0)) as server, socket.socket(socket.AF_UNIX) as service:
+        service.bind(str(tmp_path / "mine" / "bus"))
+        service.listen()
+        walls, found = behind(f"""
+from tutorial.commands.checking.namespaces import _NEW, _SYS_MOUNT_SETATTR
+from tutorial.commands.checking.system_calls import mount, syscall, unshare
+import struct, subprocess
+import mujoco
+
+def send(kind, family=socket.AF_INET):
+    return socket.socket(family, kind)
+
+def output(code):
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.split()
+
+model = mujoco.MjModel.from_xml_string("<mujoco/>")
+secret, port = mine / "secret.txt", {server.getsockname()[1]}
+clear = ctypes.create_string_buffer(struct.pack("QQQQ", 0, 1, 0, 0))
 say(
+    child=lambda: output("import tutorial; from rclpy.node import Node; print(1)"),
     write=lambda: secret.write_text("hacked"),
     cut=lambda: os.truncate(secret, 0),
     delete=secret.unlink,
@@ -74,58 +94,44 @@ say(
     own=lambda: (folder / "x").write_text("1234"),
     read=secret.read_text,
     listing=lambda: os.listdir(mine),
-)
-""")
-    assert found.pop("own") == "4"
-    reading = {name: found.pop(name) for name in ("read", "listing")}
-    if walls.landlock:
-        assert set(reading.values()) == {"PermissionError"}
-    if walls.namespaces or (walls.landlock >= 3 and walls.seccomp):
-        assert set(found.values()) <= REFUSED
-        assert [path.name for path in (tmp_path / "mine").iterdir()] == ["secret.txt"]
-        assert (tmp_path / "mine" / "secret.txt").read_text() == "the solutions"
-        assert (tmp_path / "mine").stat().st_mode & 0o700 == 0o700
-
-
-def test_the_network_is_out_of_reach(behind, tmp_path):
-    with socket.create_server(("127.0.0.1", 0)) as server, socket.socket(socket.AF_UNIX) as service:
-        service.bind(str(tmp_path / "mine" / "bus"))
-        service.listen()
-        walls, found = behind(f"""
-port = {server.getsockname()[1]}
-say(
     tcp=lambda: socket.create_connection(("127.0.0.1", port), 5).close(),
     far=lambda: socket.create_connection(("192.0.2.1", 80), 0.01).close(),
-    bus=lambda: socket.socket(socket.AF_UNIX).connect(str(mine / "bus")),
-    datagram=lambda: socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b"x", ("192.0.2.1", 9)),
-    loopback=lambda: socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b"x", ("127.0.0.1", 9)),
+    bus=lambda: send(socket.SOCK_STREAM, socket.AF_UNIX).connect(str(mine / "bus")),
+    datagram=lambda: send(socket.SOCK_DGRAM).sendto(b"x", ("192.0.2.1", 9)),
+    loopback=lambda: send(socket.SOCK_DGRAM).sendto(b"x", ("127.0.0.1", 9)),
+    kill=lambda: os.kill({os.getpid()}, 0),
+    look=lambda: Path("/proc/{os.getpid()}/environ").read_bytes(),
+    writable=lambda: syscall(_SYS_MOUNT_SETATTR, -100, b"/", 0x8000, clear, ctypes.c_size_t(32)),
+    mount=lambda: mount("tmpfs", str(folder), "tmpfs", 0),
+    again=lambda: unshare(_NEW),
+    capable=lambda: output("import re; print(re.search('CapEff:.*', open('/proc/self/status').read())[0])"),
 )
 """)
-    assert found["loopback"] == "1"  # DDS needs it
+    assert (found["own"], found["loopback"], found["child"]) == ("4", "1", "['1']")  # DDS needs the loopback
+    if walls.landlock:
+        assert found["read"] == found["listing"] == "PermissionError"
+    if walls.namespaces or (walls.landlock >= 3 and walls.seccomp):
+        assert {found[name] for name in ("write", "cut", "delete", "move", "make", "close")} <= REFUSED
+        assert [path.name for path in (tmp_path / "mine").iterdir() if path.name != "bus"] == ["secret.txt"]
+        assert (tmp_path / "mine" / "secret.txt").read_text() == "the solutions"
+        assert (tmp_path / "mine").stat().st_mode & 0o700 == 0o700
     if walls.namespaces:
         assert found["datagram"] == "OSError"  # there is no way to it
         assert found["tcp"] == ("PermissionError" if walls.landlock >= 4 else "ConnectionRefusedError")
+        assert (found["kill"], found["look"]) == ("ProcessLookupError", "FileNotFoundError")
+        assert found["again"] in REFUSED
+        assert found["capable"] == "['CapEff:', '0000000000000000']"
+        assert found["writable"] == found["mount"] == "PermissionError"
+    elif walls.landlock:
+        assert found["look"] == "PermissionError"
+        assert found["kill"] == ("PermissionError" if walls.landlock >= 6 else "None")
     if walls.landlock >= 4:
         assert found["far"] == "PermissionError"
     if walls.seccomp:
         assert found["bus"] == "PermissionError"
 
 
-def test_this_process_is_neither_killed_nor_looked_into(behind, monkeypatch):
-    monkeypatch.setenv("PASSWORD", "open sesame")
-    walls, found = behind(f"""
-say(
-    kill=lambda: os.kill({os.getpid()}, 0),
-    look=lambda: Path("/proc/{os.getpid()}/environ").read_bytes(),
-)
-""")
-    if walls.namespaces:
-        assert found == {"kill": "ProcessLookupError", "look": "FileNotFoundError"}
-    elif walls.landlock:
-        assert found["look"] == "PermissionError"
-        assert found["kill"] == ("PermissionError" if walls.landlock >= 6 else "None")
-
-
+@pytest.mark.process
 def test_files_memory_and_processes_have_an_end(behind):
     walls, found = behind(f"""
 def fill():
@@ -166,27 +172,6 @@ say(
         assert found["processes"] in {"BlockingIOError", *["None"] * (os.getuid() == 0)}  # root before Linux 6.14
 
 
-def test_they_cannot_be_taken_down(behind):
-    walls, found = behind("""
-from tutorial.commands.checking.namespaces import _NEW, _SYS_MOUNT_SETATTR, enter_namespaces
-from tutorial.commands.checking.system_calls import mount, syscall, unshare
-import resource, struct, subprocess
-
-clear = ctypes.create_string_buffer(struct.pack("QQQQ", 0, 1, 0, 0))
-status = "import re; print(re.search('CapEff:.*', open('/proc/self/status').read())[0])"
-say(
-    writable=lambda: syscall(_SYS_MOUNT_SETATTR, -100, b"/", 0x8000, clear, ctypes.c_size_t(32)),
-    mount=lambda: mount("tmpfs", str(folder), "tmpfs", 0),
-    again=lambda: unshare(_NEW),
-    capable=lambda: subprocess.run([sys.executable, "-c", status], capture_output=True, text=True).stdout.split(),
-)
-""")
-    if walls.namespaces:
-        assert found.pop("again") in REFUSED
-        assert found.pop("capable") == "['CapEff:', '0000000000000000']"
-        assert set(found.values()) == {"PermissionError"}
-
-
 def test_what_stands_and_what_does_not_is_said():
     everything = list(Walls(namespaces=True, landlock=7, seccomp=True).sentences())
     assert len(everything) == 3
@@ -201,16 +186,3 @@ def test_what_stands_and_what_does_not_is_said():
     none = " ".join(Walls().sentences())
     for words in ("COULD CHANGE yours", "COULD READ your files", "COULD REACH it", "MAY STILL RUN"):
         assert words in none
-
-
-def test_the_folder_is_all_that_is_needed(behind):
-    """Python, MuJoCo and a child process work behind them."""
-    _, found = behind("""
-import subprocess
-import mujoco
-
-model = mujoco.MjModel.from_xml_string("<mujoco/>")
-command = [sys.executable, "-c", "import tutorial; from rclpy.node import Node; print(1)"]
-say(child=lambda: subprocess.run(command, capture_output=True, text=True).stdout)
-""")
-    assert found == {"child": r"'1\n'"}

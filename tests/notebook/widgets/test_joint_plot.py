@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import math
 import threading
-from collections.abc import Callable
 from itertools import pairwise
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import pytest
@@ -16,10 +16,10 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 
 from tutorial.errors import TutorialError
+from tutorial.notebook import close_all, open_node, until
 from tutorial.notebook.widgets import joint_plot
 from tutorial.notebook.widgets.chart import Axes, nice_ticks, thin, tick_text
 from tutorial.notebook.widgets.joint_plot import HEIGHT, WIDTH, JointPlot, _History, _picture
-from tutorial.ros.node_thread import NodeThread
 
 SVG = "{http://www.w3.org/2000/svg}"
 TOPIC = "/Tank/joint_state"
@@ -50,172 +50,159 @@ def texts(root) -> list[str]:
     return [element.text for element in root.iter(f"{SVG}text")]
 
 
-async def until(condition: Callable[[], object]) -> None:
-    async with asyncio.timeout(30):
-        while not condition():
-            await asyncio.sleep(0.01)
+def test_each_joint_has_a_curve_and_a_name():
+    root, alt = plot(*(joint_state(i * 0.02, TURRET_Y=0.1 * i, TURRET_P=-0.00979) for i in range(100)))
+    first, second = curves(root)
+    assert len(first) == len(second) == 100
+    assert first[0][1] > first[-1][1], "up is positive"
+    assert {"TURRET_Y", "TURRET_P", "stamp [s]", "[rad]"} <= set(texts(root))
+    assert alt == f"Joint positions on {TOPIC} over the last 10 s. Now: TURRET_Y +9.9000 rad, TURRET_P -0.0098 rad."
 
 
-class TestPicture:
-    def test_each_joint_has_a_curve_and_a_name(self):
-        root, alt = plot(*(joint_state(i * 0.02, TURRET_Y=0.1 * i, TURRET_P=-0.00979) for i in range(100)))
-        first, second = curves(root)
-        assert len(first) == len(second) == 100
-        assert first[0][1] > first[-1][1], "up is positive"
-        assert {"TURRET_Y", "TURRET_P", "stamp [s]", "[rad]"} <= set(texts(root))
-        assert alt == f"Joint positions on {TOPIC} over the last 10 s. Now: TURRET_Y +9.9000 rad, TURRET_P -0.0098 rad."
+def test_only_the_last_seconds_are_shown():
+    root, _ = plot(*(joint_state(i * 0.1, A=float(i)) for i in range(500)), seconds=5.0)
+    assert len(curves(root)[0]) in (50, 51)
 
-    def test_only_the_last_seconds_are_shown(self):
-        root, _ = plot(*(joint_state(i * 0.1, A=float(i)) for i in range(500)), seconds=5.0)
-        assert len(curves(root)[0]) in (50, 51)
 
-    def test_curves_are_not_joined_where_time_steps_back(self):
-        root, _ = plot(*(joint_state(t, A=1.0) for t in (1.0, 1.1, 1.2, 1.05, 1.15)))
-        assert [len(curve) for curve in curves(root)] == [3, 2]
+@pytest.mark.parametrize(
+    ("samples", "lengths"),
+    [
+        pytest.param([(t, {"A": 1.0}) for t in (1.0, 1.1, 1.2, 1.05, 1.15)], [3, 2], id="time steps back"),
+        pytest.param([(t, {"A": 1.0}) for t in (50.0, 50.1, 0.0, 0.1, 0.2)], [3], id="it is started again"),
+        pytest.param(
+            [(i / 10, {"A": a}) for i, a in enumerate((0.0, 0.1, math.nan, 0.2, 0.3, math.inf, 0.4, 0.5, 1e300))],
+            [2, 2, 2],
+            id="no numbers",
+        ),
+        pytest.param([(0.0, {"A": 1.0}), (0.1, {"B": 1.0}), (0.2, {"A": 1.0, "B": 2.0})], [2, 2], id="come and go"),
+    ],
+)
+def test_a_curve_is_in_pieces_where(samples, lengths):
+    root, _ = plot(*(joint_state(stamp, **positions) for stamp, positions in samples))
+    assert [len(curve) for curve in curves(root)] == lengths
 
-    def test_a_publisher_that_was_started_again_begins_anew(self):
-        root, _ = plot(*(joint_state(t, A=1.0) for t in (50.0, 50.1, 0.0, 0.1, 0.2)))
-        assert [len(curve) for curve in curves(root)] == [3]
 
-    def test_what_is_no_number_is_left_out(self):
-        values = (0.0, 0.1, math.nan, 0.2, 0.3, math.inf, 0.4, 0.5, 1e300)
-        root, _ = plot(*(joint_state(0.1 * i, A=value) for i, value in enumerate(values)))
-        assert [len(curve) for curve in curves(root)] == [2, 2, 2]
+@pytest.mark.parametrize(
+    ("stamps", "times"), [((0.0, 0.0, 0.0), [0.0, 0.5, 1.0]), ((0.0, 0.02, 0.04), [0.0, 0.02, 0.04])]
+)
+def test_without_stamps_the_time_of_arrival_counts(monkeypatch, stamps, times):
+    arrivals = iter([1000.0, 1000.5, 1001.0])
+    monkeypatch.setattr(joint_plot, "time", SimpleNamespace(monotonic=lambda: next(arrivals)))
+    history = _History(10.0)
+    for stamp in stamps:
+        history.add(joint_state(stamp, A=0.0))
+    assert [sample.time for sample in history.recent()] == pytest.approx(times)
 
-    def test_without_stamps_the_time_of_arrival_counts(self, monkeypatch):
-        times = iter([1000.0, 1000.5, 1001.0])
-        monkeypatch.setattr(joint_plot.time, "monotonic", lambda: next(times))
-        history = _History(10.0)
-        for _ in range(3):
-            history.add(joint_state(0.0, A=0.0))
-        assert [sample.time for sample in history.recent()] == [0.0, 0.5, 1.0]
 
-    def test_a_simulation_that_begins_at_zero_has_stamps(self):
-        history = _History(10.0)
-        for stamp in (0.0, 0.02, 0.04):
-            history.add(joint_state(stamp, A=0.0))
-        assert [sample.time for sample in history.recent()] == pytest.approx([0.0, 0.02, 0.04])
+def test_many_joints_with_long_names():
+    names = [f"<b>{i}</b>{'x' * 200}" for i in range(50)]
+    root, alt = plot(*(joint_state(t, **dict.fromkeys(names, 0.5)) for t in (0.0, 1.0)))
+    assert len(curves(root)) == 8
+    assert "and 42 more" in texts(root)
+    assert max(map(len, texts(root))) <= 20
+    assert len(alt) < 700
+    assert not list(root.iter(f"{SVG}b"))
 
-    def test_many_joints_with_long_names(self):
-        names = [f"<b>{i}</b>{'x' * 200}" for i in range(50)]
-        root, alt = plot(*(joint_state(t, **dict.fromkeys(names, 0.5)) for t in (0.0, 1.0)))
-        assert len(curves(root)) == 8
-        assert "and 42 more" in texts(root)
-        assert max(map(len, texts(root))) <= 20
-        assert len(alt) < 700
-        assert not list(root.iter(f"{SVG}b"))
 
-    def test_joints_may_come_and_go(self):
-        root, _ = plot(joint_state(0.0, A=1.0), joint_state(0.1, B=1.0), joint_state(0.2, A=1.0, B=2.0))
-        assert [len(curve) for curve in curves(root)] == [2, 2]
+def test_joints_may_come_and_go():
+    root, _ = plot(joint_state(0.0, A=1.0), joint_state(0.1, B=1.0), joint_state(0.2, A=1.0, B=2.0))
+    assert [len(curve) for curve in curves(root)] == [2, 2]
 
-    @pytest.mark.parametrize(
-        ("messages", "text"),
-        [([], f"nothing has come on {TOPIC} yet"), ([joint_state(1.0)], f"no positions on {TOPIC}")],
-    )
-    def test_nothing_to_draw(self, messages, text):
+
+def test_nothing_to_draw():
+    for messages, text in ([], f"nothing has come on {TOPIC} yet"), ([joint_state(1.0)], f"no positions on {TOPIC}"):
         root, alt = plot(*messages)
         assert (texts(root), alt) == ([text], text)
 
-    @settings(deadline=None)
-    @given(
-        st.lists(
-            st.tuples(
-                st.floats(0, 1e9),
-                st.dictionaries(st.text(max_size=30), st.floats(allow_nan=True, allow_infinity=True), max_size=12),
-            ),
-            max_size=40,
-        )
-    )
-    def test_whatever_comes_is_drawn_within_the_picture(self, messages):
-        root, _ = plot(*(joint_state(stamp, **positions) for stamp, positions in messages))
-        for curve in curves(root):
-            assert all(0 <= x <= WIDTH and 0 <= y <= HEIGHT for x, y in curve)
 
-    def test_a_flood_is_thinned(self):
-        root, _ = plot(*(joint_state(i * 0.001, A=math.sin(i)) for i in range(9999)))
-        assert len(curves(root)[0]) <= 600
+@settings(deadline=None)
+@given(
+    st.lists(st.tuples(st.floats(0, 1e9), st.dictionaries(st.text(max_size=9), st.floats(), max_size=5)), max_size=9)
+)
+def test_whatever_comes_is_drawn_within_the_picture(messages):
+    root, _ = plot(*(joint_state(stamp, **positions) for stamp, positions in messages))
+    for curve in curves(root):
+        assert all(0 <= x <= WIDTH and 0 <= y <= HEIGHT for x, y in curve)
 
 
-class TestChart:
-    @settings(deadline=None)
-    @given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6))
-    def test_ticks_are_round_and_few(self, low, span):
-        step, ticks = nice_ticks(low, low + span, most=6)
-        assert 1 <= len(ticks) <= 7
-        assert all(low - 1e-6 * span <= tick <= low + span * (1 + 1e-6) for tick in ticks)
-        assert f"{step:.0e}"[0] in "125"
-        labels = [tick_text(tick, step) for tick in ticks]
-        assert len(set(labels)) == len(labels)
-
-    def test_ticks_have_the_digits_they_need(self):
-        assert [tick_text(value, 0.5) for value in (-0.5, -0.0, 1.0)] == ["-0.5", "0.0", "1.0"]
-        assert tick_text(15.0, 5.0) == "15"
-
-    def test_thinning_keeps_the_extremes(self):
-        points = [(float(i), 0.0) for i in range(1000)]
-        points[333], points[777] = (333.0, 5.0), (777.0, -5.0)
-        few = thin(points, 50)
-        assert len(few) <= 50
-        assert {points[333], points[777]} <= set(few)
-        assert list(few) == sorted(few)
-        assert thin(points[:50], 50) == points[:50]
-
-    def test_places(self):
-        axes = Axes(10, 20, 110, 220, (0.0, 1.0), (-1.0, 1.0))
-        assert (axes.x(0.5), axes.y(1.0), axes.y(-1.0)) == (60, 20, 220)
+def test_a_flood_is_thinned():
+    root, _ = plot(*(joint_state(i * 0.001, A=math.sin(i)) for i in range(9999)))
+    assert len(curves(root)[0]) <= 600
 
 
-class TestWidget:
-    def test_messages_are_drawn(self, domain):
-        async def main():
-            plot = JointPlot(TOPIC)
-            assert plot.alt == f"nothing has come on {TOPIC} yet"
-            qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-            with NodeThread("simulation") as ros:
-                publisher = ros.node.create_publisher(JointState, TOPIC, qos)
-                ros.node.create_timer(0.02, lambda: publisher.publish(joint_state(1.0, TURRET_Y=0.25)))
-                await until(lambda: "TURRET_Y +0.2500 rad" in plot.alt)
-            assert repr(plot) == "JointPlot('/Tank/joint_state')"
-            plot.close()
-            plot.close()
+@settings(deadline=None)
+@given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6))
+def test_ticks_are_round_and_few(low, span):
+    step, ticks = nice_ticks(low, low + span, most=6)
+    assert 1 <= len(ticks) <= 7
+    assert all(low - 1e-6 * span <= tick <= low + span * (1 + 1e-6) for tick in ticks)
+    assert f"{step:.0e}"[0] in "125"
+    labels = [tick_text(tick, step) for tick in ticks]
+    assert len(set(labels)) == len(labels)
 
-        threads = set(threading.enumerate())
-        asyncio.run(main())
-        assert set(threading.enumerate()) <= threads
 
-    def test_it_is_drawn_now_and_then_only(self, domain):
-        async def main():
-            plot = JointPlot(TOPIC)
-            shown = []
-            plot.observe(lambda change: shown.append(asyncio.get_running_loop().time()), "svg")
-            for i in range(200):
-                plot._on_joint_state(joint_state(i * 0.02, A=float(i)))
-                await asyncio.sleep(0.002)
-            await until(lambda: "A +199.0000 rad" in plot.alt)
-            plot.close()
-            return shown
+def test_ticks_have_the_digits_they_need():
+    assert [tick_text(value, 0.5) for value in (-0.5, -0.0, 1.0)] == ["-0.5", "0.0", "1.0"]
+    assert tick_text(15.0, 5.0) == "15"
 
-        shown = asyncio.run(main())
-        assert all(later - earlier > 0.09 for earlier, later in pairwise(shown))
 
-    def test_nothing_is_drawn_after_closing(self, domain):
-        async def main():
-            plot = JointPlot(TOPIC)
-            plot._on_joint_state(joint_state(1.0, A=1.0))
-            plot.close()
-            plot._on_joint_state(joint_state(1.1, A=1.0))
-            await asyncio.sleep(0)  # whatever was posted runs now
-            assert plot._drawing is None
-            assert plot.alt.startswith("nothing has come")
+def test_thinning_keeps_the_extremes():
+    points = [(float(i), 0.0) for i in range(1000)]
+    points[333], points[777] = (333.0, 5.0), (777.0, -5.0)
+    few = thin(points, 50)
+    assert len(few) <= 50
+    assert {points[333], points[777]} <= set(few)
+    assert list(few) == sorted(few)
+    assert thin(points[:50], 50) == points[:50]
 
-        asyncio.run(main())
 
-    @pytest.mark.parametrize("seconds", [0.0, -1.0, math.nan, math.inf])
-    def test_how_much_is_shown_has_to_be_a_time(self, seconds):
+def test_places():
+    axes = Axes(10, 20, 110, 220, (0.0, 1.0), (-1.0, 1.0))
+    assert (axes.x(0.5), axes.y(1.0), axes.y(-1.0)) == (60, 20, 220)
+
+
+async def test_messages_are_drawn_until_it_is_closed(domain):
+    threads = set(threading.enumerate())
+    plot = JointPlot(TOPIC)
+    assert plot.alt == f"nothing has come on {TOPIC} yet"
+    qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    ros = open_node("simulation")
+    publisher = ros.create_publisher(JointState, TOPIC, qos)
+    ros.create_timer(0.02, lambda: publisher.publish(joint_state(1.0, TURRET_Y=0.25)))
+    await until(lambda: "TURRET_Y +0.2500 rad" in plot.alt)
+    assert repr(plot) == "JointPlot('/Tank/joint_state')"
+    assert plot.node.get_name() == "joint_plot"
+    plot.close()
+    plot.close()
+    close_all()
+    assert set(threading.enumerate()) <= threads
+
+
+async def test_it_is_drawn_now_and_then_only(domain):
+    plot = JointPlot(TOPIC)
+    shown = []
+    plot.observe(lambda change: shown.append(asyncio.get_running_loop().time()), "svg")
+    for i in range(200):
+        plot._on_joint_state(joint_state(i * 0.02, A=float(i)))
+        await asyncio.sleep(0.002)
+    await until(lambda: "A +199.0000 rad" in plot.alt)
+    plot.close()
+    assert all(later - earlier > 0.09 for earlier, later in pairwise(shown))
+
+
+async def test_nothing_is_drawn_after_closing(domain):
+    plot = JointPlot(TOPIC)
+    plot._on_joint_state(joint_state(1.0, A=1.0))
+    plot.close()
+    plot._on_joint_state(joint_state(1.1, A=1.0))
+    await asyncio.sleep(0)  # whatever was posted runs now
+    assert plot._drawing is None
+    assert plot.alt.startswith("nothing has come")
+
+
+def test_how_much_is_shown_has_to_be_a_time_and_it_needs_a_loop():
+    for seconds in (0.0, -1.0, math.nan, math.inf):
         with pytest.raises(TutorialError, match=r"a plot cannot show .* s\. Give a number of seconds above 0"):
             JointPlot(seconds=seconds)
-
-    def test_it_needs_a_loop(self):
-        with pytest.raises(TutorialError, match=r"none runs here\. Make it in a cell\."):
-            JointPlot()
+    with pytest.raises(TutorialError, match=r"none runs here\. Make it in a cell\."):
+        JointPlot()

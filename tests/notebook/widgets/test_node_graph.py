@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
 import sys
 import threading
-from collections.abc import Callable
 from itertools import pairwise
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -17,6 +15,7 @@ from hypothesis import strategies as st
 from sensor_msgs.msg import JointState, Joy
 
 from tutorial.errors import TutorialError
+from tutorial.notebook import until
 from tutorial.notebook.widgets.graph_picture import picture
 from tutorial.notebook.widgets.graph_watch import GraphWatch, TopicNews, Topology
 from tutorial.notebook.widgets.layers import GAP, SPACING, lay_out
@@ -60,118 +59,101 @@ def laid_out(arrows: str):
     return lay_out({vertex: (100.0, 40.0) for edge in edges for vertex in edge}, edges)
 
 
-async def until(condition: Callable[[], object]) -> None:
-    async with asyncio.timeout(60):
-        while not condition():
-            await asyncio.sleep(0.02)
-
-
-class TestPicture:
-    def test_the_tutorials_chain_is_one_row(self):
-        root, alt = drawn(CHAIN)
-        where = places(root)
-        chain = [where[name] for name in ("/joystick", "/joy", "/simulation", "/joint_state", "/viewer")]
-        assert [x for x, _ in chain] == sorted(x for x, _ in chain)
-        assert len({y for _, y in chain[::2]}) == 1
-        assert len({y for _, y in chain[1::2]}) == 1
-        assert len(list(root.iter(f"{SVG}ellipse"))) == 3
-        assert len(list(root.iter(f"{SVG}rect"))) == 2
-        assert len(list(root.iter(f"{SVG}polygon"))) == 4
-        assert alt == (
-            "Nodes: /joystick, /simulation, /viewer. /joy (50 Hz): from /joystick to /simulation. "
-            "/joint_state (50 Hz): from /simulation to /viewer."
-        )
-
-    def test_two_nodes_of_one_name(self):
-        root, alt = drawn(topology({"/tank": 2}, joint_state=("/tank", "/tank")))
-        assert "2 nodes of one name" in places(root)
-        assert len(list(root.iter(f"{SVG}ellipse"))) == 1
-        assert alt.startswith("Nodes: /tank (2 nodes of one name). ")
-
-    def test_topics_without_publishers_or_subscribers(self):
-        root, alt = drawn(topology("/a /b", heard=("", "/a"), said=("/b", "")))
-        assert {"/heard", "/said"} <= places(root).keys()
-        assert "/heard (50 Hz): from nobody to /a. /said (50 Hz): from /b to nobody." in alt
-
-    @pytest.mark.parametrize(
-        ("rate", "text"), [(49.96, "50 Hz"), (9.44, "9.4 Hz"), (9.5, "10 Hz"), (0.0, "0 Hz"), (1000.2, "1000 Hz")]
+def test_the_tutorials_chain_is_one_row():
+    root, alt = drawn(CHAIN)
+    where = places(root)
+    chain = [where[name] for name in ("/joystick", "/joy", "/simulation", "/joint_state", "/viewer")]
+    assert [x for x, _ in chain] == sorted(x for x, _ in chain)
+    assert len({y for _, y in chain[::2]}) == 1
+    assert len({y for _, y in chain[1::2]}) == 1
+    assert len(list(root.iter(f"{SVG}ellipse"))) == 3
+    assert len(list(root.iter(f"{SVG}rect"))) == 2
+    assert len(list(root.iter(f"{SVG}polygon"))) == 4
+    assert alt == (
+        "Nodes: /joystick, /simulation, /viewer. /joy (50 Hz): from /joystick to /simulation. "
+        "/joint_state (50 Hz): from /simulation to /viewer."
     )
-    def test_rates(self, rate, text):
-        graph = Topology({"/a": 1}, {"/x": TopicNews("T", rate, ("/a",), ())})
-        assert text in places(drawn(graph)[0])
-
-    def test_a_rate_that_is_not_known_is_not_shown(self):
-        graph = Topology({"/a": 1}, {"/x": TopicNews("T", None, ("/a",), ())})
-        assert places(drawn(graph)[0]).keys() == {"/a", "/x"}
-
-    def test_names_are_text(self):
-        root, _ = drawn(topology("/<script>alert(1)</script>", x=("/a&b", "")))
-        assert not list(root.iter(f"{SVG}script"))
-        assert "/a&b" in places(root)
-
-    def test_a_crowd_is_bounded(self):
-        root, words = drawn(topology({f"/node{i}": 1 for i in range(200)}))
-        assert len(list(root.iter(f"{SVG}ellipse"))) == 80
-        assert "and 120 more, not shown" in places(root)
-        assert words.endswith("/node79, 120 more.")
-
-    def test_topics_that_were_not_looked_into_are_counted(self):
-        root, words = drawn(Topology({"/a": 1}, {"/x": TopicNews("T", None, ("/a",), ())}, more=1999))
-        assert "and 1,999 more, not shown" in places(root)
-        assert words.endswith("And 1,999 more topics.")
-
-    def test_what_is_not_visible_is_an_escape(self):
-        root, _ = drawn(topology("/\u202egpj /\x1b[2J /\ufffe"))
-        assert places(root).keys() == {r"/\u202egpj", r"/\x1b[2J", r"/\ufffe"}
-
-    def test_nobody(self):
-        assert drawn(Topology())[1] == "there are no nodes yet"
 
 
-class TestLayout:
-    def test_arrows_lead_to_the_right(self):
-        layout = laid_out("a>b b>c a>d d>c")
-        x = {vertex[0]: place[0] for vertex, place in layout.places.items()}
-        assert x["a"] < x["b"] == x["d"] < x["c"]
-        assert not layout.backward
+def test_names_may_be_anything_shared_or_without_publishers_or_subscribers():
+    root, alt = drawn(topology({"/tank": 2}, joint_state=("/tank", "/tank")))
+    assert "2 nodes of one name" in places(root)
+    assert len(list(root.iter(f"{SVG}ellipse"))) == 1
+    assert alt.startswith("Nodes: /tank (2 nodes of one name). ")
+    root, alt = drawn(topology("/a /b", heard=("", "/a"), said=("/b", "")))
+    assert {"/heard", "/said"} <= places(root).keys()
+    assert "/heard (50 Hz): from nobody to /a. /said (50 Hz): from /b to nobody." in alt
+    root, _ = drawn(topology("/<script>alert(1)</script>", x=("/a&b", "")))
+    assert not list(root.iter(f"{SVG}script"))
+    assert "/a&b" in places(root)
+    root, _ = drawn(topology("/\u202egpj /\x1b[2J /\ufffe"))
+    assert places(root).keys() == {r"/\u202egpj", r"/\x1b[2J", r"/\ufffe"}
+    assert drawn(Topology())[1] == "there are no nodes yet"
 
-    def test_a_source_is_beside_what_it_leads_to(self):
-        layout = laid_out("a>b b>c z>c")
-        assert layout.places["z",][0] == layout.places["b",][0]
 
-    def test_a_circle_has_one_arrow_back(self):
-        layout = laid_out("a>b b>c c>d d>a")
-        assert len(layout.backward) == 1
-        ((start, end),) = layout.backward
-        assert layout.places[start][0] > layout.places[end][0]
-        x = [place[0] for place in layout.lanes[start, end]]
-        assert x == sorted(x, reverse=True)
+@pytest.mark.parametrize(
+    ("rate", "text"),
+    [(49.96, "50 Hz"), (9.44, "9.4 Hz"), (9.5, "10 Hz"), (0.0, "0 Hz"), (1000.2, "1000 Hz"), (None, None)],
+)
+def test_rates(rate, text):
+    graph = Topology({"/a": 1}, {"/x": TopicNews("T", rate, ("/a",), ())})
+    assert places(drawn(graph)[0]).keys() - {text} == {"/a", "/x"}
+    assert text is None or text in places(drawn(graph)[0])
 
-    def test_a_long_arrow_passes_the_layers_between_in_a_lane_of_its_own(self):
-        layout = laid_out("a>b b>c a>c")
-        lane = layout.lanes[("a",), ("c",)]
-        assert len(lane) == 2
-        assert all(abs(y - layout.places["b",][1]) > 20 for _, y in lane)
 
-    def test_nothing(self):
-        assert lay_out({}, []).size == (0.0, 0.0)
+def test_a_crowd_is_bounded_and_counted():
+    root, words = drawn(topology({f"/node{i}": 1 for i in range(200)}))
+    assert len(list(root.iter(f"{SVG}ellipse"))) == 80
+    assert "and 120 more, not shown" in places(root)
+    assert words.endswith("/node79, 120 more.")
+    root, words = drawn(Topology({"/a": 1}, {"/x": TopicNews("T", None, ("/a",), ())}, more=1999))
+    assert "and 1,999 more, not shown" in places(root)
+    assert words.endswith("And 1,999 more topics.")
 
-    @settings(deadline=None)
-    @given(
-        st.sets(st.tuples(st.integers(0, 9), st.integers(0, 9)).filter(lambda edge: edge[0] != edge[1]), max_size=25)
-    )
-    def test_any_graph_is_laid_out_without_overlaps(self, numbers):
-        layout = laid_out(" ".join(f"{a}>{b}" for a, b in sorted(numbers)))
-        columns: dict[float, list[float]] = {}
-        for x, y in layout.places.values():
-            columns.setdefault(x, []).append(y)
-        for column in columns.values():
-            assert all(b - a >= 40 + SPACING - 1e-6 for a, b in pairwise(sorted(column)))
-        assert all(b - a >= 100 + GAP for a, b in pairwise(sorted(columns)))
-        width, height = layout.size
-        assert all(0 <= x <= width and 0 <= y <= height for x, y in layout.places.values())
-        for a, b in edges_of(" ".join(f"{a}>{b}" for a, b in numbers)):
-            assert (layout.places[a][0] > layout.places[b][0]) == ((a, b) in layout.backward)
+
+def test_arrows_lead_to_the_right():
+    layout = laid_out("a>b b>c a>d d>c")
+    x = {vertex[0]: place[0] for vertex, place in layout.places.items()}
+    assert x["a"] < x["b"] == x["d"] < x["c"]
+    assert not layout.backward
+
+
+def test_a_source_is_beside_what_it_leads_to():
+    layout = laid_out("a>b b>c z>c")
+    assert layout.places["z",][0] == layout.places["b",][0]
+    assert lay_out({}, []).size == (0.0, 0.0)
+
+
+def test_a_circle_has_one_arrow_back():
+    layout = laid_out("a>b b>c c>d d>a")
+    assert len(layout.backward) == 1
+    ((start, end),) = layout.backward
+    assert layout.places[start][0] > layout.places[end][0]
+    x = [place[0] for place in layout.lanes[start, end]]
+    assert x == sorted(x, reverse=True)
+
+
+def test_a_long_arrow_passes_the_layers_between_in_a_lane_of_its_own():
+    layout = laid_out("a>b b>c a>c")
+    lane = layout.lanes[("a",), ("c",)]
+    assert len(lane) == 2
+    assert all(abs(y - layout.places["b",][1]) > 20 for _, y in lane)
+
+
+@settings(deadline=None)
+@given(st.sets(st.tuples(st.integers(0, 9), st.integers(0, 9)).filter(lambda edge: edge[0] != edge[1]), max_size=25))
+def test_any_graph_is_laid_out_without_overlaps(numbers):
+    layout = laid_out(" ".join(f"{a}>{b}" for a, b in sorted(numbers)))
+    columns: dict[float, list[float]] = {}
+    for x, y in layout.places.values():
+        columns.setdefault(x, []).append(y)
+    for column in columns.values():
+        assert all(b - a >= 40 + SPACING - 1e-6 for a, b in pairwise(sorted(column)))
+    assert all(b - a >= 100 + GAP for a, b in pairwise(sorted(columns)))
+    width, height = layout.size
+    assert all(0 <= x <= width and 0 <= y <= height for x, y in layout.places.values())
+    for a, b in edges_of(" ".join(f"{a}>{b}" for a, b in numbers)):
+        assert (layout.places[a][0] > layout.places[b][0]) == ((a, b) in layout.backward)
 
 
 class Crowd:
@@ -194,123 +176,92 @@ class Crowd:
     get_subscriptions_info_by_topic = get_publishers_info_by_topic
 
 
-class TestWatch:
-    def test_of_very_many_topics_it_looks_into_a_few_and_first_into_those_it_knows(self):
-        crowd = Crowd(["/joy", "/Tank/joint_state"])
-        watch = GraphWatch(crowd, rates=False)
-        assert list(watch.look().topics) == ["/Tank/joint_state", "/joy"]
-        crowd.topics += [f"/a{i:04}" for i in range(2000)]
-        crowd.asked.clear()
-        graph = watch.look()
-        assert {"/joy", "/Tank/joint_state"} < graph.topics.keys()
-        assert len(crowd.asked) == 2 * len(graph.topics) == 80
-        assert graph.more == 2002 - 40
-
-    def test_names_of_any_length_are_bounded(self):
-        svg, words = picture(GraphWatch(Crowd([f"/{'t' * 10_000}"]), rates=False).look())
-        assert len(svg) + len(words) < 100_000
-        assert "... and 9,754 more characters" in words
-
-    def test_an_invalid_topic_is_asked_for_by_its_name_in_dds(self):
-        crowd = Crowd(["//x"])
-        assert list(GraphWatch(crowd).look().topics) == ["//x"]  # and nobody subscribes to it, for its rate
-        assert crowd.asked == ["rt//x", "rt//x"]
+def test_of_very_many_topics_it_looks_into_a_few_and_first_into_those_it_knows():
+    crowd = Crowd(["/joy", "/Tank/joint_state"])
+    watch = GraphWatch(crowd, rates=False)
+    assert list(watch.look().topics) == ["/Tank/joint_state", "/joy"]
+    crowd.topics += [f"/a{i:04}" for i in range(2000)]
+    crowd.asked.clear()
+    graph = watch.look()
+    assert {"/joy", "/Tank/joint_state"} < graph.topics.keys()
+    assert len(crowd.asked) == 2 * len(graph.topics) == 80
+    assert graph.more == 2002 - 40
 
 
-class TestWidget:
-    def test_the_graph_is_drawn_with_its_rates(self, domain):
-        async def main():
-            graph = NodeGraph()
-            with (
-                NodeThread("simulation") as simulation,
-                NodeThread("viewer") as viewer,
-                NodeThread("_hidden") as hidden,
-            ):
-                publisher = simulation.node.create_publisher(JointState, "/Tank/joint_state", 1)
-                simulation.node.create_subscription(Joy, "/joy", lambda _: None, 1)
-                simulation.node.create_timer(0.02, lambda: publisher.publish(JointState()))
-                viewer.node.create_subscription(JointState, "/Tank/joint_state", lambda _: None, 1)
-                hidden.node.create_publisher(Joy, "/joy", 1)
-                hidden.node.create_publisher(Joy, "/_joy", 1)
-                await until(lambda: "/Tank/joint_state (" in graph.alt and "/joy: from nobody to" in graph.alt)
-                alt = graph.alt
-            await until(lambda: graph.alt == "there are no nodes yet")
-            assert repr(graph) == "NodeGraph()"
-            graph.close()
-            graph.close()
-            return alt
+def test_names_of_any_length_are_bounded():
+    svg, words = picture(GraphWatch(Crowd([f"/{'t' * 10_000}"]), rates=False).look())
+    assert len(svg) + len(words) < 100_000
+    assert "... and 9,754 more characters" in words
 
-        threads = set(threading.enumerate())
-        alt = asyncio.run(main())
-        assert set(threading.enumerate()) <= threads
-        assert alt.startswith("Nodes: /simulation, /viewer. /Tank/joint_state (")
-        assert alt.endswith(" Hz): from /simulation to /viewer. /joy: from nobody to /simulation.")
 
-    def test_two_nodes_of_one_name(self, domain):
-        async def main():
-            graph = NodeGraph(rates=False)
-            with NodeThread("tank"), NodeThread("tank"):
-                await until(lambda: "/tank (2 nodes of one name)" in graph.alt)
-            graph.close()
+def test_an_invalid_topic_is_asked_for_by_its_name_in_dds():
+    crowd = Crowd(["//x"])
+    assert list(GraphWatch(crowd).look().topics) == ["//x"]  # and nobody subscribes to it, for its rate
+    assert crowd.asked == ["rt//x", "rt//x"]
 
-        asyncio.run(main())
 
-    def test_without_rates_it_subscribes_to_nothing(self, domain):
-        async def main():
-            graph = NodeGraph(rates=False)
-            with NodeThread("joystick") as joystick:
-                joystick.node.create_publisher(Joy, "/joy", 1)
-                await until(lambda: "/joy: from /joystick to nobody." in graph.alt)
-                assert not list(graph.node.subscriptions)
-            graph.close()
+async def test_the_graph_is_drawn_with_its_rates(domain):
+    threads = set(threading.enumerate())
+    graph = NodeGraph()
+    with NodeThread("simulation") as simulation, NodeThread("viewer") as viewer, NodeThread("_hidden") as hidden:
+        publisher = simulation.node.create_publisher(JointState, "/Tank/joint_state", 1)
+        simulation.node.create_subscription(Joy, "/joy", lambda _: None, 1)
+        simulation.node.create_timer(0.02, lambda: publisher.publish(JointState()))
+        viewer.node.create_subscription(JointState, "/Tank/joint_state", lambda _: None, 1)
+        hidden.node.create_publisher(Joy, "/joy", 1)
+        hidden.node.create_publisher(Joy, "/_joy", 1)
+        await until(lambda: "/Tank/joint_state (" in graph.alt and "/joy: from nobody to" in graph.alt)
+        alt = graph.alt
+    await until(lambda: graph.alt == "there are no nodes yet")
+    assert repr(graph) == "NodeGraph()"
+    graph.close()
+    graph.close()
+    assert set(threading.enumerate()) <= threads
+    assert alt.startswith("Nodes: /simulation, /viewer. /Tank/joint_state (")
+    assert alt.endswith(" Hz): from /simulation to /viewer. /joy: from nobody to /simulation.")
 
-        asyncio.run(main())
 
-    def test_an_ended_one_keeps_its_picture_and_no_thread(self, domain):
-        async def main():
-            threads = threading.active_count()
-            graph = NodeGraph()
-            with NodeThread("alone"):
-                await until(lambda: "/alone" in graph.alt)
-            graph.end()
-            graph.end()
-            assert graph.ended
-            assert "/alone" in graph.svg
-            assert threading.active_count() == threads
-            graph.close()
+async def test_without_rates_it_subscribes_to_nothing_and_an_ended_one_keeps_its_picture_and_no_thread(domain):
+    threads = threading.active_count()
+    graph = NodeGraph(rates=False)
+    with NodeThread("tank") as tank, NodeThread("tank"):
+        tank.node.create_publisher(Joy, "/joy", 1)
+        await until(lambda: "/joy: from /tank to nobody." in graph.alt and "/tank (2 nodes of one name)" in graph.alt)
+        assert not list(graph.node.subscriptions)
+        graph.end()
+    graph.end()
+    assert graph.ended
+    assert "/tank" in graph.svg
+    assert threading.active_count() == threads
+    graph.close()
 
-        asyncio.run(main())
 
-    @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the hostile program is made for Linux")
-    def test_hostile_names_are_shown_and_do_no_harm(self, domain):
-        async def main():
-            graph = NodeGraph()
-            await until(lambda: "/plain: from " in graph.alt and "//x: from " in graph.alt)
-            graph.close()
-            return graph.svg, graph.alt
+@pytest.mark.process
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the hostile program is made for Linux")
+async def test_hostile_names_are_shown_and_do_no_harm(domain):
+    with hostile_peer(domain):
+        graph = NodeGraph()
+        await until(lambda: "/plain: from " in graph.alt and "//x: from " in graph.alt)
+        graph.close()
+    assert (graph.svg + graph.alt).isprintable()
+    names = places(ElementTree.fromstring(graph.svg))
+    assert {r"/\x1b[31mb", r"/a\r\nforge", "/<b>x</b>", "/"} < names.keys()
 
-        with hostile_peer(domain):
-            svg, alt = asyncio.run(main())
-        assert (svg + alt).isprintable()
-        names = places(ElementTree.fromstring(svg))
-        assert {r"/\x1b[31mb", r"/a\r\nforge", "/<b>x</b>", "/"} < names.keys()
 
-    def test_a_graph_that_cannot_be_asked_for_is_said(self, domain, monkeypatch):
-        """As with a real ROS 2, while another node's name is empty."""
+async def test_a_graph_that_cannot_be_asked_for_is_said(domain, monkeypatch):
+    """As with a real ROS 2, while another node's name is empty."""
 
-        def fail(_self):
-            raise RuntimeError("Failed to get node names: empty node name\n")
+    def fail(_self):
+        raise RuntimeError("Failed to get node names: empty node name\n")
 
-        async def main():
-            monkeypatch.setattr(GraphWatch, "look", fail)
-            graph = NodeGraph()
-            await until(lambda: graph.alt == r"ROS 2 says: Failed to get node names: empty node name\n")
-            monkeypatch.undo()
-            await until(lambda: graph.alt == "there are no nodes yet")
-            graph.close()
+    monkeypatch.setattr(GraphWatch, "look", fail)
+    graph = NodeGraph()
+    await until(lambda: graph.alt == r"ROS 2 says: Failed to get node names: empty node name\n")
+    monkeypatch.undo()
+    await until(lambda: graph.alt == "there are no nodes yet")
+    graph.close()
 
-        asyncio.run(main())
 
-    def test_it_needs_a_loop(self):
-        with pytest.raises(TutorialError, match=r"none runs here\. Make it in a cell\."):
-            NodeGraph()
+def test_it_needs_a_loop():
+    with pytest.raises(TutorialError, match=r"none runs here\. Make it in a cell\."):
+        NodeGraph()

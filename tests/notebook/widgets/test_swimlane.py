@@ -72,6 +72,8 @@ def test_only_the_newest_messages_are_drawn():
 def test_the_queue_of_a_busy_main_thread_grows():
     trace = trace_of(*(message(20 * i, 2010 + 0.1 * i) for i in range(100)))
     root, texts, alt = drawn(trace, 100)
+    for polyline in root.iter(f"{SVG}polyline"):
+        assert all(LEFT <= float(point.split(",")[0]) <= RIGHT for point in polyline.get("points").split())
     assert "at most 100" in texts
     assert number_of(root, "polyline", "stroke:#1e88e5") == 100
     assert alt.startswith("100 messages over 2.02 s")
@@ -99,35 +101,17 @@ def test_what_is_neither_applied_nor_posted_is_shown_too():
     handled = Handoff("/joy", received=Moment(100.05, "executor"), handled=Moment(100.051, "executor"))
     foreign = Handoff(posted=Moment(100.06, "timer"))
     _, texts, alt = drawn(trace_of(message(0, 1), message(20), handled, foreign))
-    assert [name for name in texts if name in ("executor", "timer", "MainThread")] == [
-        "executor",
-        "timer",
-        "MainThread",
-    ]
+    lanes = ["executor", "timer", "MainThread"]
+    assert [name for name in texts if name in lanes] == lanes
     assert "not applied yet (2)" in texts
     assert alt.endswith("1 applied, 2 waiting, 1 handled. They waited 0.90 ms.")
 
 
-def test_everything_lies_within_the_time_axis():
-    root, *_ = drawn(trace_of(*(message(20 * i, 2010 + 0.1 * i) for i in range(100))))
-    for polyline in root.iter(f"{SVG}polyline"):
-        for point in polyline.get("points").split():
-            assert LEFT <= float(point.split(",")[0]) <= RIGHT
-
-
-def test_nothing_has_happened_yet():
-    picture = swimlane(HandoffTrace())
-    assert picture.alt == "nothing was received or posted yet"
-    assert repr(picture) == "Picture('handoffs')"
-    picture.close()
-
-
-def test_one_call_posted_and_applied_at_once():
+def test_what_happened_at_once_not_at_all_or_on_a_thread_of_any_name():
+    assert drawn(HandoffTrace())[2] == "nothing was received or posted yet"
+    assert repr(swimlane(HandoffTrace())) == "Picture('handoffs')"
     moment = Moment(100.0, "MainThread")
     assert drawn(trace_of(Handoff(posted=moment, applied=moment)))[2].endswith("1 applied. They waited 0.00 ms.")
-
-
-def test_a_thread_can_be_called_anything():
     root, *_ = drawn(trace_of(Handoff(posted=Moment(1.0, "<script>" * 9))))
     assert not list(root.iter(f"{SVG}script"))
 

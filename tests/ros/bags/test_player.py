@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import threading
 import time
+from contextlib import contextmanager
+from functools import partial
+from unittest.mock import Mock
 
 import pytest
-from programs import until
+from programs import PATIENCE, until
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
@@ -57,11 +60,24 @@ def heard(nodes):
     """What arrives on /a and /b, with the time at which it did [s]."""
     got: list[tuple[str, str, float]] = []
     for topic in ("/a", "/b"):
-        nodes[1].create_subscription(
-            String, topic, lambda message, topic=topic: got.append((topic, message.data, time.monotonic())), 1000
-        )
+        hear = partial(lambda topic, message: got.append((topic, message.data, time.monotonic())), topic)
+        nodes[1].create_subscription(String, topic, hear, 1000)
     until(lambda: nodes[0].count_subscribers("/a") and nodes[0].count_subscribers("/b"), "the subscriptions")
     return got
+
+
+@contextmanager
+def playing(player):
+    """Play on a thread, which ends soon after it has been told to stop."""
+    stop = threading.Event()
+    thread = threading.Thread(target=player.run, args=(stop,))
+    thread.start()
+    try:
+        yield
+    finally:
+        stop.set()
+        thread.join(PATIENCE)
+    assert not thread.is_alive()
 
 
 def texts(heard, topic):
@@ -101,25 +117,13 @@ def test_only_some_topics_from_the_middle(nodes, heard, tmp_path):
 
 
 def test_it_loops_until_it_is_stopped_also_within_a_long_pause(nodes, heard, tmp_path):
-    stop = threading.Event()
-    player = Player(nodes[0], make(tmp_path / "bag", count=3, last=0.05), rate=10.0, loop=True)
-    playing = threading.Thread(target=player.run, args=(stop,))
-    playing.start()
-    until(lambda: texts(heard, "/a").count("2") > 3, "some rounds")
-    stop.set()
-    playing.join(10)
-    assert not playing.is_alive()
+    with playing(Player(nodes[0], make(tmp_path / "bag", count=3, last=0.05), rate=10.0, loop=True)):
+        until(lambda: texts(heard, "/a").count("2") > 3, "some rounds")
 
 
 def test_centuries_between_two_messages_can_be_interrupted(nodes, heard, tmp_path):
-    stop = threading.Event()
-    player = Player(nodes[0], make(tmp_path / "bag", count=3, last=7e9), rate=1e-9)
-    playing = threading.Thread(target=player.run, args=(stop,))
-    playing.start()
-    until(lambda: texts(heard, "/a") == ["first", "0"], "the first messages")
-    stop.set()
-    playing.join(10)
-    assert not playing.is_alive()
+    with playing(Player(nodes[0], make(tmp_path / "bag", count=3, last=7e9), rate=1e-9)):
+        until(lambda: texts(heard, "/a") == ["first", "0"], "the first messages")
 
 
 def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, heard, tmp_path):
@@ -141,19 +145,13 @@ def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, he
 
 def test_its_publishers_offer_what_was_offered_then(nodes, heard, tmp_path):
     """And they are gone when it has ended."""
-    stop = threading.Event()
-    player = Player(nodes[0], make(tmp_path / "bag", count=3, last=1000.0))
-    playing = threading.Thread(target=player.run, args=(stop,))
-    playing.start()
-    until(lambda: texts(heard, "/b"), "the first message on /b")
-    durability = {
-        topic: nodes[0].get_publishers_info_by_topic(topic)[0].qos_profile.durability for topic in ("/a", "/b")
-    }
     late = []
-    nodes[1].create_subscription(String, "/b", late.append, LATCHED)
-    until(lambda: late, "what is kept for who comes late")
-    stop.set()
-    playing.join(10)
+    with playing(Player(nodes[0], make(tmp_path / "bag", count=3, last=1000.0))):
+        until(lambda: texts(heard, "/b"), "the first message on /b")
+        offers = {topic: nodes[0].get_publishers_info_by_topic(topic)[0].qos_profile for topic in ("/a", "/b")}
+        durability = {topic: qos.durability for topic, qos in offers.items()}
+        nodes[1].create_subscription(String, "/b", late.append, LATCHED)
+        until(lambda: late, "what is kept for who comes late")
     assert durability == {"/a": DurabilityPolicy.VOLATILE, "/b": DurabilityPolicy.TRANSIENT_LOCAL}
     until(lambda: not nodes[0].get_publishers_info_by_topic("/a"), "the end of the publisher")
 
@@ -166,11 +164,7 @@ def test_a_payload_that_ros_2_refuses_is_left_out_and_said_once(nodes, heard, tm
     def refusing(kind, topic, qos):
         publisher = make_publisher(kind, topic, qos)
         if topic == "/a":
-
-            def publish(payload):
-                raise RuntimeError("cannot publish data")
-
-            publisher.publish = publish
+            publisher.publish = Mock(side_effect=RuntimeError("cannot publish data"))
         return publisher
 
     monkeypatch.setattr(nodes[0], "create_publisher", refusing)

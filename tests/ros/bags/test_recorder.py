@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from functools import cache
+from unittest.mock import Mock
 
 import pytest
 from programs import until
@@ -42,34 +43,33 @@ def publish(recorder, publisher, messages):
         publisher.publish(message)
 
 
-def recorded(bag, topic):
+def recorded(bag, topic="/a"):
     return [data for _, _, data in Bag(bag).raw_messages([topic])]
 
 
+@pytest.fixture
+def publisher(nodes):
+    return nodes[0].create_publisher(JointState, "/a", KEEP_ALL)
+
+
 @pytest.mark.parametrize("storage", ["mcap", "sqlite3"])
-def test_not_one_message_is_missing_and_each_is_what_was_published(nodes, tmp_path, storage):
-    talker, node = nodes
-    publisher = talker.create_publisher(JointState, "/Tank/joint_state", KEEP_ALL)
-    with Recorder(node, tmp_path / "bag", storage=storage) as recorder:
-        until(lambda: "/Tank/joint_state" in recorder.topics, "the topic")
+def test_not_one_message_is_missing_and_each_is_what_was_published(nodes, publisher, tmp_path, storage):
+    with Recorder(nodes[1], tmp_path / "bag", storage=storage) as recorder:
+        until(lambda: "/a" in recorder.topics, "the topic")
         publish(recorder, publisher, payloads())
-        until(lambda: recorder.counts["/Tank/joint_state"] == COUNT, "all of them")
-    assert recorded(recorder.path, "/Tank/joint_state") == payloads()
-    assert (recorder.counts["/Tank/joint_state"], recorder.lost) == (COUNT, 0)
+        until(lambda: recorder.counts["/a"] == COUNT, "all of them")
+    assert recorded(recorder.path) == payloads()
+    assert (recorder.counts["/a"], recorder.lost) == (COUNT, 0)
     bag = Bag(recorder.path)
-    assert bag.duration == recorder.duration
-    assert bag.damage == ""
-    channel = bag.channel("/Tank/joint_state")
-    assert channel.type_hash.startswith("RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a03")
+    assert (bag.duration, bag.damage) == (recorder.duration, "")
+    assert bag.channel("/a").type_hash.startswith("RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a03")
 
 
-def test_what_was_sent_last_is_there_though_the_end_comes_at_once(nodes, tmp_path):
-    talker, node = nodes
-    publisher = talker.create_publisher(JointState, "/a", KEEP_ALL)
-    with Recorder(node, tmp_path / "bag", ["/a"]) as recorder:
+def test_what_was_sent_last_is_there_though_the_end_comes_at_once(nodes, publisher, tmp_path):
+    with Recorder(nodes[1], tmp_path / "bag", ["/a"]) as recorder:
         publish(recorder, publisher, payloads())
-        talker.destroy_publisher(publisher)
-    assert recorded(recorder.path, "/a") == payloads()
+        nodes[0].destroy_publisher(publisher)
+    assert recorded(recorder.path) == payloads()
 
 
 def test_a_topic_that_appears_later_is_recorded_and_so_is_its_quality_of_service(nodes, tmp_path):
@@ -85,9 +85,8 @@ def test_a_topic_that_appears_later_is_recorded_and_so_is_its_quality_of_service
         publish(recorder, fast, [String(data="now")])
         until(lambda: recorder.counts["/latched"] and recorder.counts["/fast"], "the messages")
     bag = Bag(recorder.path)
-    assert [(topic, message.data) for topic, _, message in bag.messages(["/latched"])] == [
-        ("/latched", "before anybody listened")
-    ]
+    said = [(topic, message.data) for topic, _, message in bag.messages(["/latched"])]
+    assert said == [("/latched", "before anybody listened")]
     assert offered(bag.channel("/latched").qos).durability == DurabilityPolicy.TRANSIENT_LOCAL
     assert offered(bag.channel("/fast").qos).reliability == ReliabilityPolicy.BEST_EFFORT
     assert hidden.topic_name not in bag.channels
@@ -114,29 +113,21 @@ def test_a_name_that_breaks_the_rules_is_refused_before_anything_is_made(nodes, 
 def test_a_type_that_is_not_known_is_said_once(nodes, tmp_path, caplog, monkeypatch):
     talker, node = nodes
     talker.create_publisher(String, "/a", 1)
-    looked = []
-    monkeypatch.setattr(
-        module, "topics_with_types", lambda *_, **__: looked.append(1) or {"/a": ["alien_msgs/msg/\x1b[2J"]}
-    )
+    looks = Mock(return_value={"/a": ["alien_msgs/msg/\x1b[2J"]})
+    monkeypatch.setattr(module, "topics_with_types", looks)
     with Recorder(node, tmp_path / "bag") as recorder:
-        until(lambda: len(looked) > 3, "some looks")
+        until(lambda: looks.call_count > 3, "some looks")
     assert recorder.topics == ()
     said = [record.message for record in caplog.records if "is not recorded" in record.message]
     assert said == [r"topic /a is not recorded: The message type 'alien_msgs/msg/\x1b[2J' is invalid"]
 
 
-def test_a_full_disk_ends_the_recording_with_the_mend(nodes, tmp_path, caplog, monkeypatch):
+def test_a_full_disk_ends_the_recording_with_the_mend(nodes, publisher, tmp_path, caplog, monkeypatch):
     """What is in the bag by then can be read."""
-    talker, node = nodes
-    publisher = talker.create_publisher(JointState, "/a", KEEP_ALL)
-    recorder = Recorder(node, tmp_path / "bag", ["/a"])
-    recorder.__enter__()
+    recorder = Recorder(nodes[1], tmp_path / "bag", ["/a"]).__enter__()
     publish(recorder, publisher, payloads(10))
     until(lambda: sum(topic.count for topic in Bag(recorder.path).topics) == 10, "ten messages on the disk")
-
-    def full(*_):
-        raise OSError(28, "No space left on device")
-
+    full = Mock(side_effect=OSError(28, "No space left on device"))
     monkeypatch.setattr(recorder._writer._file._file, "write", full)
     publish(recorder, publisher, payloads(10))
     until(lambda: recorder.error is not None, "the error")
@@ -144,16 +135,16 @@ def test_a_full_disk_ends_the_recording_with_the_mend(nodes, tmp_path, caplog, m
     until(lambda: recorder.lost >= 10, "what is lost")
     with pytest.raises(TutorialError, match=r"No space left on device\. .*Make room, or record to another disk"):
         recorder.close()
-    assert recorded(recorder.path, "/a") == payloads(10)
+    assert recorded(recorder.path) == payloads(10)
     assert [record.message for record in caplog.records if "cannot be written any more" in record.message]
 
 
-def test_what_waits_for_a_slow_disk_has_a_bound_and_what_is_lost_is_said(nodes, tmp_path, caplog, monkeypatch):
-    talker, node = nodes
-    publisher = talker.create_publisher(JointState, "/a", KEEP_ALL)
+def test_what_waits_for_a_slow_disk_has_a_bound_and_what_is_lost_is_said(
+    nodes, publisher, tmp_path, caplog, monkeypatch
+):
     monkeypatch.setattr(module, "MOST_WAITING", 100 * len(payloads(1)[0]))
     stuck = threading.Event()
-    with Recorder(node, tmp_path / "bag", ["/a"]) as recorder:
+    with Recorder(nodes[1], tmp_path / "bag", ["/a"]) as recorder:
         publish(recorder, publisher, [])
         write = recorder._writer.write
         monkeypatch.setattr(recorder._writer, "write", lambda *message: (stuck.wait(60), write(*message)))
@@ -165,28 +156,24 @@ def test_what_waits_for_a_slow_disk_has_a_bound_and_what_is_lost_is_said(nodes, 
     assert any("messages are lost so far" in record.message for record in caplog.records)
 
 
-def test_a_recorder_whose_node_has_gone_completes_its_bag(domain, tmp_path):
-    with NodeThread("talker") as talker:
-        publisher = talker.node.create_publisher(String, "/a", KEEP_ALL)
-        thread = NodeThread("recorder")
-        recorder = Recorder(thread.node, tmp_path / "bag", ["/a"]).__enter__()
-        publish(recorder, publisher, [String(data="x")])
-        until(lambda: recorder.counts["/a"] == 1, "the message")
-        thread.close()
-        recorder.close()
-        recorder.close()
+def test_a_recorder_whose_node_has_gone_completes_its_bag(publisher, tmp_path):
+    thread = NodeThread("gone")
+    recorder = Recorder(thread.node, tmp_path / "bag", ["/a"]).__enter__()
+    publish(recorder, publisher, payloads(1))
+    until(lambda: recorder.counts["/a"] == 1, "the message")
+    thread.close()
+    recorder.close()
+    recorder.close()
     assert Bag(tmp_path / "bag").damage == ""
 
 
-def test_what_is_played_is_recorded_as_it_was(nodes, tmp_path):
+def test_what_is_played_is_recorded_as_it_was(nodes, publisher, tmp_path):
     """From bag to bag: the same bytes."""
-    talker, node = nodes
-    publisher = talker.create_publisher(JointState, "/a", KEEP_ALL)
-    with Recorder(node, tmp_path / "one", ["/a"]) as recorder:
+    with Recorder(nodes[1], tmp_path / "one", ["/a"]) as recorder:
         publish(recorder, publisher, payloads())
         until(lambda: recorder.counts["/a"] == COUNT, "all of them")
-    with Recorder(node, tmp_path / "two", ["/a"]) as again:
+    with Recorder(nodes[1], tmp_path / "two", ["/a"]) as again:
         until(lambda: again.topics == ("/a",), "the subscription")
-        Player(talker, Bag(recorder.path), rate=0.1).run(threading.Event())
+        Player(nodes[0], Bag(recorder.path), rate=0.1).run(threading.Event())
         until(lambda: again.counts["/a"] == COUNT, "all of them once more")
-    assert recorded(again.path, "/a") == payloads()
+    assert recorded(again.path) == payloads()

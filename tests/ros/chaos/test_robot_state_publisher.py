@@ -63,6 +63,7 @@ def is_same(real, model):
     return math.isnan(real[2]) or math.isclose(abs(real[2] * model[2] + real[3] * model[3]), 1, abs_tol=1e-9)
 
 
+@pytest.mark.process
 @pytest.mark.usefixtures("robot_state_publisher")
 def test_the_model_publishes_what_the_program_publishes():
     published = []

@@ -1,6 +1,7 @@
 """The stream, between nodes: what is published where."""
 
 import math
+from contextlib import ExitStack, closing
 
 import pytest
 from programs import until
@@ -17,28 +18,24 @@ KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL)
 class Ends:
     """A node that publishes, and one that listens."""
 
-    def __init__(self):
-        self.chaos, self.listener = NodeThread("chaos"), NodeThread("listener")
+    def __init__(self, stack):
+        self.chaos, self.listener = (stack.enter_context(NodeThread(name)) for name in ("chaos", "listener"))
         self.received = []
         self.listener.node.create_subscription(JointState, TOPIC, self.received.append, KEEP_ALL)
-        self.streams = []
+        self._stack = stack
 
     def start(self, faults, **how):
-        self.streams.append(ChaosStream(self.chaos.node, Chaos(faults), **how))
-        return self.streams[-1]
-
-    def close(self):
-        for each in (*self.streams, self.chaos, self.listener):
-            each.close()
+        stream = self._stack.enter_context(closing(ChaosStream(self.chaos.node, Chaos(faults), **how)))
+        self._stack.callback(stream.close)
+        return stream
 
 
 @pytest.fixture
 def ends(domain):
-    ends = Ends()
-    yield ends
-    assert ends.chaos.error is ends.listener.error is None
-    ends.close()
-    ends.close()
+    with ExitStack() as stack:
+        ends = Ends(stack)
+        yield ends
+        assert ends.chaos.error is ends.listener.error is None
 
 
 def test_it_swings_steadily_by_itself(ends):
@@ -46,9 +43,8 @@ def test_it_swings_steadily_by_itself(ends):
     until(lambda: len(ends.received) > 10 and stream.seconds > 0.2, "messages")
     first = ends.received[0].header.stamp
     number = round(50 * (first.sec + first.nanosec / 1e9))
-    assert [list(message.position) for message in ends.received[:10]] == [
-        list(swing(number + i).position) for i in range(10)
-    ]
+    positions = [list(message.position) for message in ends.received[:10]]
+    assert positions == [list(swing(number + i).position) for i in range(10)]
 
 
 def test_the_faults_go_to_the_topic_from_where_the_good_stream_comes_elsewhere(ends):

@@ -11,7 +11,8 @@ from collections.abc import Callable
 
 import pytest
 
-pytestmark = pytest.mark.embedded  # rclpy 7.1.3 raises what it does not mean to, such as "generator already executing"
+pytestmark = [pytest.mark.process, pytest.mark.embedded]
+# rclpy 7.1.3 raises what it does not mean to, such as "generator already executing"
 
 PROGRAM = """
 import faulthandler, random, sys, threading, traceback

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -137,28 +136,3 @@ def test_what_is_ignored_is_said_once(
     warnings = capfd.readouterr().err.splitlines()
     assert len(warnings) == 1
     assert re.search(rf"\b1 announcements of nodes have been ignored. The last: {said}$", warnings[0])
-
-
-INTERRUPTED = """
-import signal
-import rclpy
-rclpy.init()
-node = rclpy.create_node("interrupted")
-def interrupt(*_):
-    raise KeyboardInterrupt
-signal.signal(signal.SIGALRM, interrupt)
-for _ in range(300):
-    try:
-        signal.setitimer(signal.ITIMER_REAL, 0.002)
-        for _ in range(10):
-            node.get_node_names()
-            node.get_publishers_info_by_topic("/rosout")
-    except KeyboardInterrupt:
-        pass
-print("whole", flush=True)
-"""
-
-
-def test_an_interrupt_while_the_graph_is_looked_at_stays_one(start: Callable[..., subprocess.Popen[str]]) -> None:
-    output, errors = start(INTERRUPTED).communicate(timeout=60)
-    assert output == "whole\n", errors

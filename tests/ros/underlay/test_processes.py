@@ -32,6 +32,7 @@ except BaseException as error:
 """
 
 
+@pytest.mark.process
 def test_messages_and_graph_across_processes(node: Node, spin_until: SpinUntil, start: Start) -> None:
     received: list[str] = []
     node.create_subscription(String, "/words", lambda message: received.append(message.data), 10)
@@ -52,6 +53,7 @@ def test_messages_and_graph_across_processes(node: Node, spin_until: SpinUntil, 
         node.get_subscriber_names_and_types_by_node("nobody", "/far")
 
 
+@pytest.mark.process
 def test_killed_node_leaves_the_graph(node: Node, spin_until: SpinUntil, start: Start) -> None:
     process = start(TALKER)
     spin_until(lambda: "talker" in node.get_node_names())
@@ -59,6 +61,7 @@ def test_killed_node_leaves_the_graph(node: Node, spin_until: SpinUntil, start: 
     spin_until(lambda: "talker" not in node.get_node_names())
 
 
+@pytest.mark.process
 def test_node_that_ends_leaves_the_graph_at_once(node: Node, spin_until: SpinUntil, start: Start) -> None:
     process = start(TALKER)
     spin_until(lambda: "talker" in node.get_node_names())
@@ -73,6 +76,7 @@ LATE = ["KeyboardInterrupt True\n", "RCLError False\n"]
 """Other endings of rclpy, which shuts down on a thread of its own: not yet, and as it was about to wait."""
 
 
+@pytest.mark.process
 @pytest.mark.parametrize(
     ("number", "endings"),
     [
@@ -90,6 +94,7 @@ def test_signals_end_the_spin(start: Start, number: signal.Signals, endings: lis
     assert (errors, process.returncode) == ("", 0)
 
 
+@pytest.mark.process
 def test_a_signal_shuts_every_context_down(start: Start) -> None:
     process = start("""
 import signal, time, rclpy
@@ -107,6 +112,7 @@ print([context.ok() for context in contexts])
     assert (output, errors) == ("[False, False]\n", "")
 
 
+@pytest.mark.process
 def test_a_loop_that_publishes_ends_at_a_signal(start: Start) -> None:
     process = start("""
 import signal, rclpy
@@ -130,6 +136,7 @@ for work in (lambda: publisher.publish(String()), publisher.get_subscription_cou
     assert errors == ""
 
 
+@pytest.mark.process
 @pytest.mark.embedded  # rclpy aborts
 def test_exit_while_another_thread_spins(start: Start) -> None:
     process = start(
@@ -163,6 +170,7 @@ print(status, heard.wait(60))
 """
 
 
+@pytest.mark.process
 @pytest.mark.embedded  # in rclpy the child hangs
 @pytest.mark.parametrize("in_child", ["pass", "node.destroy_node()", "rclpy.try_shutdown()"])
 def test_a_forked_process_comes_to_its_end_and_the_node_stays(start: Start, in_child: str) -> None:
@@ -170,6 +178,7 @@ def test_a_forked_process_comes_to_its_end_and_the_node_stays(start: Start, in_c
     assert (output, errors) == ("7 True\n", "")
 
 
+@pytest.mark.process
 @pytest.mark.embedded  # in rclpy the child hangs
 def test_a_forked_process_is_told_how_to_get_a_node(start: Start) -> None:
     new = "rclpy.try_shutdown(); rclpy.init(args=[]); rclpy.create_node('y')"
@@ -179,6 +188,7 @@ def test_a_forked_process_is_told_how_to_get_a_node(start: Start) -> None:
     assert "multiprocessing's method 'spawn'" in errors
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("busy", ["rclpy.spin(node)", "publish_for_ever()"])
 def test_daemon_threads_say_nothing_at_exit(start: Start, busy: str) -> None:
     process = start(f"""
@@ -197,37 +207,7 @@ time.sleep(0.1)
     assert (process.returncode, errors) == (0, "")
 
 
-def test_threads_may_ask_for_the_graph_at_once(start: Start) -> None:
-    process = start("""
-import contextlib, rclpy, threading
-from rclpy.executors import ExternalShutdownException
-from std_msgs.msg import String
-rclpy.init(args=[])
-node = rclpy.create_node("x")
-def spin():
-    with contextlib.suppress(ExternalShutdownException):
-        rclpy.spin(node)
-spinner = threading.Thread(target=spin)
-spinner.start()
-def ask():
-    for _ in range(100):
-        publisher = node.create_publisher(String, "x", 10)
-        subscription = node.create_subscription(String, "x", print, 10)
-        node.get_topic_names_and_types()
-        node.destroy_publisher(publisher)
-        node.destroy_subscription(subscription)
-threads = [threading.Thread(target=ask) for _ in range(4)]
-for thread in threads:
-    thread.start()
-for thread in threads:
-    thread.join()
-rclpy.shutdown()
-spinner.join()
-""")
-    _, errors = process.communicate(timeout=60)
-    assert (process.returncode, errors) == (0, "")
-
-
+@pytest.mark.process
 @pytest.mark.embedded
 def test_too_many_processes_is_said(domain: int, start: Start) -> None:
     join = f"""
@@ -282,6 +262,7 @@ print(objects_later - objects < 50, counts_later == counts, growth < 100 * int(s
 """
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("node", ["destroyed", "forgotten"])
 def test_rounds_of_everything_leave_nothing_behind(start: Start, node: str, backend: str) -> None:
     kept = 2000 if backend == "underlay" else 4000  # bytes a round; rclpy 7.1 keeps 2,100 to 2,300 itself
@@ -382,21 +363,33 @@ while not subscription.get_publisher_count():
 def interrupt(*_):
     raise KeyboardInterrupt
 signal.signal(signal.SIGALRM, interrupt)
-for _ in range(1_000):
+for _ in range({rounds}):
     for _ in range(50):
         publisher.publish(String(data="hello"))
     try:
-        signal.setitimer(signal.ITIMER_REAL, 0.0003)
-        while True:
-            subscription.execute()
+        signal.setitimer(signal.ITIMER_REAL, {seconds})
+        for _ in range({turns}):
+            {work}
+        signal.setitimer(signal.ITIMER_REAL, 0)
     except KeyboardInterrupt:
         pass
 print("whole", flush=True)
 """
 
 
+@pytest.mark.process
 @pytest.mark.embedded
-def test_an_interrupt_while_a_message_is_taken_is_no_crash(start: Start) -> None:
-    process = start(INTERRUPTED)
-    assert process.communicate(timeout=60)[0] == "whole\n"
-    assert process.returncode == 0
+@pytest.mark.parametrize(
+    ("rounds", "seconds", "turns", "work"),
+    [
+        (1_000, 0.0003, 10**6, "subscription.execute()"),
+        (300, 0.002, 10, "node.get_node_names(), node.get_publishers_info_by_topic('/rosout')"),
+    ],
+    ids=["a message is taken", "the graph is looked at"],
+)
+def test_an_interrupt_is_no_crash_and_stays_one(
+    start: Start, rounds: int, seconds: float, turns: int, work: str
+) -> None:
+    process = start(INTERRUPTED.format(rounds=rounds, seconds=seconds, turns=turns, work=work))
+    output, errors = process.communicate(timeout=60)
+    assert (output, process.returncode) == ("whole\n", 0), errors

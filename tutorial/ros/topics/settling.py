@@ -1,4 +1,4 @@
-"""Waiting until the node graph holds still, so that what is said about it is complete."""
+"""Waiting until the node graph is known, so that what is said about it is complete."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from itertools import islice
+from math import inf
 
 from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
@@ -14,62 +15,52 @@ from rclpy.utilities import get_rmw_implementation_identifier
 from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name
 
-__all__ = ["met", "settled"]
+__all__ = ["settled"]
 
 READ_EVERY = 0.1  # [s] between two looks at the graph
 QUIET_READS = 5  # that have to agree before the graph counts as settled
-PATIENT_READS = 30  # where more may be on its way: see `_lacks_something`
+PATIENT_READS = 30  # on a real rclpy, which does not tell whether more is on its way: see `_reads`
 LOOKED_INTO = 50  # topics, of however many there are, whose publishers and subscriptions are looked at
-PATIENCE = 5.0  # [s] for it to settle
+PATIENCE = 8.0  # [s] for it to settle; Fast DDS says again who its nodes are every 3 s, beginning after 1 s
 SHY = 2.0  # [s] that a node or topic that is asked for may take to turn up
 SHY_ON_FAST_DDS = 6.0  # [s]
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # whose name is still on its way
 
 
-async def settled(node: Node, patience: float = PATIENCE) -> bool:
-    """Wait until the node graph has stopped changing, so that what is said about it is complete.
+async def settled(node: Node, patience: float = PATIENCE, wanted: Callable[[], object] = lambda: True) -> bool:
+    """Wait until all who were discovered have told what they have, and what is known has stopped changing.
 
     Args:
         node: that asks; its thread must spin.
         patience: how long to wait at most [s].
+        wanted: whether what is asked for is there; if it is not, the wait goes on a little longer.
 
     Returns:
         Whether the graph has settled.
     """
-    deadline = time.monotonic() + patience
+    began = time.monotonic()
+    shy = SHY_ON_FAST_DDS if _is_fast_dds() else SHY
     seen: tuple[tuple[str, ...], ...] = ()
     agreeing = 0  # looks in a row
     while True:
         before, seen = seen, _snapshot(node)
-        enough = PATIENT_READS if _lacks_something(node, seen) else QUIET_READS
         agreeing = agreeing + 1 if seen == before else 0
-        if agreeing >= enough or time.monotonic() >= deadline:
-            return agreeing >= enough
+        done, waited = agreeing >= _reads(node, seen), time.monotonic() - began
+        if (done and (waited >= shy or wanted())) or waited >= patience:
+            return done
         await asyncio.sleep(READ_EVERY)
 
 
-async def met(node: Node, wanted: Callable[[], object]) -> bool:
-    """As `settled`, but what is asked for and not there yet is waited for a little longer.
+def _reads(node: Node, seen: tuple[tuple[str, ...], ...]) -> float:
+    """How many looks have to agree.
 
-    Args:
-        node: that asks; its thread must spin.
-        wanted: whether it is there.
-
-    Returns:
-        Whether the graph has settled.
+    The underlay knows who has yet to tell. On a real rclpy a name may be missing, which a program that is DDS alone
+    never tells, or Fast DDS may have found nobody.
     """
-    deadline = time.monotonic() + (SHY_ON_FAST_DDS if _is_fast_dds() else SHY)
-    while True:
-        done = await settled(node)
-        if wanted() or time.monotonic() >= deadline:
-            return done
-
-
-def _lacks_something(node: Node, seen: tuple[tuple[str, ...], ...]) -> bool:
-    """Whether a node's name is missing, which a program that is DDS alone never tells, or Fast DDS has found nobody."""
-    if any(NAMELESS in names for names in seen):
-        return True
-    return _is_fast_dds() and seen[:1] == ((full_name(node.get_name(), node.get_namespace()),),)
+    if hasattr(node.context, "graph"):
+        return QUIET_READS if node.context.graph.is_complete() else inf
+    alone = _is_fast_dds() and seen[:1] == ((full_name(node.get_name(), node.get_namespace()),),)
+    return PATIENT_READS if alone or any(NAMELESS in names for names in seen) else QUIET_READS
 
 
 def _is_fast_dds() -> bool:

@@ -1,7 +1,10 @@
 # %% a start counts once
+import os
+
 rclpy.init(args=[])
 attempt(rclpy.init, args=[])
 print(rclpy.ok())
+print(rclpy.get_default_context().get_domain_id() == int(os.environ["ROS_DOMAIN_ID"]))
 
 # %% a shutdown counts once
 rclpy.init(args=[])
@@ -144,9 +147,6 @@ print(c.get_domain_id())
 # %% arguments of init have to be named
 attempt(rclpy.init, [], Context(), 3, 4, 5)
 
-# %% ok without a start
-print(rclpy.ok(), rclpy.ok(context=Context()), rclpy.get_default_context().ok())
-
 # %% what init returns
 print(rclpy.init(args=[]), rclpy.shutdown())
 
@@ -164,7 +164,11 @@ c.init(args=[])
 e = SingleThreadedExecutor(context=c)
 c.shutdown()
 attempt(e.spin_once, timeout_sec=0.0)
-print(e.shutdown())
+print(e.spin(), e.shutdown())
+try:
+    SingleThreadedExecutor(context=c)
+except RuntimeError as error:
+    print("the given context is not valid" in str(error))
 
 # %% a new start after a shutdown
 for number in range(3):
@@ -173,10 +177,6 @@ for number in range(3):
     n.destroy_node()
     rclpy.shutdown()
 print(rclpy.ok())
-
-# %% try_shutdown twice
-rclpy.init(args=[])
-print(rclpy.try_shutdown(), rclpy.try_shutdown(), rclpy.ok())
 
 # %% nodes of one context with their own arguments
 rclpy.init(args=["--ros-args", "-r", "__ns:=/all"])

@@ -1,26 +1,19 @@
-# %% a node is added twice
 n = start()
+
+# %% a node is added twice
 e = SingleThreadedExecutor()
 print(e.add_node(n), e.add_node(n), e.get_nodes() == [n])
 
 # %% a node is removed twice
-n = start()
 e = SingleThreadedExecutor()
 e.add_node(n)
 print(e.remove_node(n), e.remove_node(n), e.get_nodes())
 
-# %% a node that was never added
-n = start()
-e = SingleThreadedExecutor()
-print(e.remove_node(n))
-
 # %% an executor shut down twice
-rclpy.init(args=[])
 e = SingleThreadedExecutor()
 print(e.shutdown(), e.shutdown(), e.shutdown(timeout_sec=1.0))
 
 # %% an executor that has been shut down does not spin
-n = start()
 e = SingleThreadedExecutor()
 e.add_node(n)
 n.create_timer(0.0, lambda: print("called"))
@@ -28,19 +21,17 @@ e.shutdown()
 print(e.spin_once(timeout_sec=0.01), e.spin())
 
 # %% an executor as a context manager
-n = start()
 with SingleThreadedExecutor() as e:
     print(type(e).__name__, e.add_node(n), len(e.get_nodes()))
 print(e.get_nodes())
 
 # %% an executor's context
-rclpy.init(args=[])
 e = SingleThreadedExecutor()
 print(e.context is rclpy.get_default_context())
 
 # %% an executor of another context
 with Context() as c:
-    n = Node("t", context=c)
+    n = Node("u", context=c)
     e = SingleThreadedExecutor(context=c)
     e.add_node(n)
     n.create_timer(0.0, lambda: print("called"))
@@ -49,30 +40,25 @@ with Context() as c:
     e.shutdown()
 
 # %% a shutdown in a callback ends the spin
-n = start()
 n.create_timer(0.0, rclpy.shutdown)
 attempt(rclpy.spin, n)
 print(rclpy.ok())
 
 # %% a shutdown of the executor in a callback ends its spin
-n = start()
 e = SingleThreadedExecutor()
 e.add_node(n)
 n.create_timer(0.0, e.shutdown)
 print(e.spin(), rclpy.ok())
 
 # %% a node destroyed in a callback
-n = start()
 calls = []
 n.create_timer(0.0, lambda: calls.append(n.destroy_node()))
 for _ in range(3):
     rclpy.spin_once(n, timeout_sec=0.01)
 print(calls)
 
+
 # %% a thread that spins ends at the shutdown
-n = start()
-
-
 def work():
     with suppress(Exception):  # of one kind or another, or none
         rclpy.spin(n)
@@ -88,7 +74,6 @@ thread.join(30)
 print(thread.is_alive(), rclpy.ok())
 
 # %% a thread that spins ends at the executor's shutdown
-n = start()
 e = SingleThreadedExecutor()
 e.add_node(n)
 spinning = threading.Event()
@@ -101,7 +86,6 @@ thread.join(30)
 print(thread.is_alive(), rclpy.ok())
 
 # %% a subscription is destroyed while another thread spins
-n = start()
 e = SingleThreadedExecutor()
 e.add_node(n)
 first, second = threading.Event(), threading.Event()
@@ -118,51 +102,7 @@ e.shutdown()
 thread.join(30)
 print(thread.is_alive())
 
-# %% a publisher and a timer are destroyed while another thread spins
-n = start()
-e = SingleThreadedExecutor()
-e.add_node(n)
-called = threading.Event()
-t = n.create_timer(0.01, called.set)
-p = n.create_publisher(String, "x", 1)
-thread = threading.Thread(target=e.spin)
-thread.start()
-print(called.wait(30), n.destroy_timer(t), n.destroy_publisher(p))
-again = threading.Event()
-n.create_timer(0.0, again.set)
-print(again.wait(30))
-e.shutdown()
-thread.join(30)
-print(thread.is_alive())
-
-# %% entities are made while another thread spins
-n = start()
-e = SingleThreadedExecutor()
-e.add_node(n)
-thread = threading.Thread(target=e.spin)
-thread.start()
-got = threading.Event()
-n.create_subscription(String, "x", lambda message: got.set(), 1)
-n.create_publisher(String, "x", 1).publish(String())
-print(got.wait(30))
-e.shutdown()
-thread.join(30)
-print(thread.is_alive())
-
-# %% a node is added while another thread spins
-n = start()
-e = SingleThreadedExecutor()
-thread = threading.Thread(target=e.spin)
-thread.start()
-called = threading.Event()
-n.create_timer(0.0, called.set)
-print(e.add_node(n), called.wait(30))
-e.shutdown()
-thread.join(30)
-print(thread.is_alive())
-
 # %% callbacks run on the thread that spins
-n = start()
 threads = []
 n.create_timer(0.0, lambda: threads.append(threading.current_thread()))
 thread = threading.Thread(target=rclpy.spin_once, args=(n,), kwargs={"timeout_sec": 1.0})
@@ -171,7 +111,6 @@ thread.join(30)
 print(threads == [thread])
 
 # %% a message from another thread
-n = start()
 got = []
 n.create_subscription(String, "x", lambda message: got.append(message.data), 10)
 p = n.create_publisher(String, "x", 10)
@@ -183,24 +122,20 @@ while len(got) < 3:
 print(got)
 
 # %% spinning needs a node
-rclpy.init(args=[])
 attempt(rclpy.spin_once)
 attempt(rclpy.spin_once, None, timeout_sec=0.0)
 
 # %% spin_once with its own executor
-n = start()
 e = SingleThreadedExecutor()
 n.create_timer(0.0, lambda: print(n.executor is e))
 rclpy.spin_once(n, executor=e, timeout_sec=1.0)
 print(e.get_nodes())
 
 # %% after spin_once the node has no executor any more
-n = start()
 rclpy.spin_once(n, timeout_sec=0.0)
 print(rclpy.get_global_executor().get_nodes())
 
 # %% one turn calls one callback
-n = start()
 calls = []
 for name in "abc":
     n.create_timer(0.0, partial(calls.append, name))
@@ -219,13 +154,11 @@ while len(calls) < 2:
 print(sorted(calls), sorted(node.get_name() for node in e.get_nodes()))
 
 # %% a future that is done ends the spin
-n = start()
 f = Future()
 n.create_timer(0.0, lambda: f.set_result("done"))
 print(rclpy.spin_until_future_complete(n, f, timeout_sec=10.0), f.result())
 
 # %% a future that was done before
-n = start()
 f = Future()
 f.set_result(1)
 n.create_timer(0.0, lambda: print("called"))
@@ -233,14 +166,12 @@ rclpy.spin_until_future_complete(n, f, timeout_sec=10.0)
 print(f.result())
 
 # %% a future that fails
-n = start()
 f = Future()
 n.create_timer(0.0, lambda: f.set_exception(ValueError("mine")))
 rclpy.spin_until_future_complete(n, f, timeout_sec=10.0)
 attempt(f.result)
 
 # %% a future from another thread
-n = start()
 f = Future()
 thread = threading.Thread(target=f.set_result, args=("from there",))
 thread.start()
@@ -249,7 +180,23 @@ thread.join(30)
 print(f.result())
 
 # %% a future in no time
-n = start()
 f = Future()
 rclpy.spin_until_future_complete(n, f, timeout_sec=0.0)
 print(f.done())
+
+# %% a node and entities come and go while another thread spins
+e = SingleThreadedExecutor()
+thread = threading.Thread(target=e.spin)
+thread.start()
+called, again, got = (threading.Event() for _ in range(3))
+t = n.create_timer(0.01, called.set)
+print(e.add_node(n), called.wait(30), n.destroy_timer(t))
+n.create_timer(0.0, again.set)
+print(again.wait(30))
+n.create_subscription(String, "x", lambda message: got.set(), 1)
+p = n.create_publisher(String, "x", 1)
+p.publish(String())
+print(got.wait(30), n.destroy_publisher(p))
+e.shutdown()
+thread.join(30)
+print(thread.is_alive())

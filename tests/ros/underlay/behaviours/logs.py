@@ -12,10 +12,6 @@ logger = logging.get_logger("drops")
 logger.set_level(logging.LoggingSeverity.ERROR)
 print(logger.info("hidden"), logger.warning("hidden"), logger.error("shown"), logger.fatal("shown"))
 
-# %% the level of a logger that has none
-logger = logging.get_logger("without")
-print(logger.get_effective_level().name, logger.is_enabled_for(logging.LoggingSeverity.DEBUG))
-
 # %% levels are numbers, too
 logger = logging.get_logger("numbers")
 logger.set_level(40)
@@ -91,12 +87,13 @@ print([logger.info(f"line {number}", once=False, skip_first=False) for number in
 logger = logging.get_logger("changes")
 
 
-def log(severity):
-    return logger.log("text", severity)
+def log(severity, **options):
+    return logger.log("text", severity, **options)
 
 
 print(log(20))
 attempt(log, 30)
+attempt(log, 20, name="other")
 
 # %% filters change
 logger = logging.get_logger("filters")
@@ -135,10 +132,6 @@ logging.get_logger("mine").info("text", name="other")
 n = start(namespace="/Tank")
 n.get_logger().info("text")
 n.get_logger().get_child("part").warning("text")
-
-# %% a node's logger is always the same
-n = start()
-print(n.get_logger() is n.get_logger())
 
 # %% levels of a node
 n = start(name="levelled")

@@ -3,22 +3,10 @@ n = start(namespace="/Tank")
 for name in ("x", "/x", "a/b", "~", "~/x", "{node}", "/{ns}/x", "{namespace}/x", "x{node}"):
     attempt(n.resolve_topic_name, name)
 
-# %% names are resolved in the root
-n = start()
-print([n.resolve_topic_name(name) for name in ("x", "/x", "~", "~/x", "{node}/x")])
-
 # %% names that cannot be resolved
 n = start()
 for name in ("", "bad name", "x/", "/", "a//b", "1x", "a/1", "~x", "a~", "{what}", "{node", "x-y", "/x/{ns}"):
     attempt(n.resolve_topic_name, name)
-
-# %% names are resolved without remapping
-n = start("-r", "x:=y")
-print(n.resolve_topic_name("x"), n.resolve_topic_name("x", only_expand=True))
-
-# %% names that are none
-n = start()
-attempt(n.resolve_topic_name, "x" * 300)
 
 # %% names of topics
 for name in ("x", "/x", "~/x", "{node}/x", "a_1", "_", "x__y", "a/b/c"):
@@ -52,23 +40,6 @@ for name in ("", "a", "/a/", "//", "/a//b", "/1", "/a b", "/~"):
 for name in ("x", "/x", "~", "~/x", "{node}/x", "{ns}/x", "{namespace}/x"):
     print(expand_topic_name(name, "t", "/Tank"), expand_topic_name(name, "t", "/"))
 
-# %% names that cannot be expanded
-attempt(expand_topic_name, "{what}", "t", "/")
-attempt(expand_topic_name, "bad name", "t", "/")
-attempt(expand_topic_name, "x", "bad name", "/")
-
-# %% a namespace without a slash
-print(start(namespace="Tank").get_namespace())
-
-# %% no namespace
-print(
-    [start(namespace="").get_fully_qualified_name(), rclpy.create_node("u", namespace="/").get_fully_qualified_name()]
-)
-
-# %% a namespace of several parts
-n = start(namespace="/a/b")
-print(n.get_namespace(), n.get_fully_qualified_name(), n.resolve_topic_name("~/x"))
-
 # %% bad namespaces of nodes
 rclpy.init(args=[])
 for namespace in ("/a/", "a//b", "/1", "a b", "~"):
@@ -78,14 +49,6 @@ for namespace in ("/a/", "a//b", "/1", "a b", "~"):
 rclpy.init(args=[])
 for name in ("1a", "a/b", "a-b", "/a"):
     attempt(rclpy.create_node, name)
-
-# %% a private topic
-n = start(namespace="/Tank")
-print(n.create_publisher(String, "~/x", 1).topic_name, n.create_subscription(String, "~", print, 1).topic_name)
-
-# %% a topic with substitutions
-n = start(namespace="/Tank")
-print(n.create_publisher(String, "{node}/x", 1).topic_name)
 
 # %% bad topics of publishers
 n = start()

@@ -1,37 +1,32 @@
-# %% a declared parameter
 n = start()
+
+# %% a declared parameter
 p = n.declare_parameter("a", 1)
 print(type(p).__name__, p.name, p.value, p.type_, n.get_parameter("a") is p, n.has_parameter("a"))
 
 # %% types follow from values
-n = start()
 for index, value in enumerate((True, 1, 1.0, "x", [True], [1], [1.0], ["x"], [b"x"])):
     print(n.declare_parameter(f"p{index}", value).type_.name)
 
 # %% tuples and empty lists as values
-n = start()
 for index, value in enumerate(((1, 2), [], ())):
     p = n.declare_parameter(f"p{index}", value)
     print(p.type_.name, p.value)
 
 # %% values that no parameter has
-n = start()
 for index, value in enumerate(({}, {1}, object, [1, "x"], [None], 1j)):
     attempt(n.declare_parameter, f"p{index}", value)
 
 # %% a parameter declared twice
-n = start()
 n.declare_parameter("a", 1)
 n.declare_parameter("a", 1)
 
 # %% names of parameters
-n = start()
 attempt(n.declare_parameter, "", 1)
 attempt(n.declare_parameter, 3, 1)
 print(n.declare_parameter("a.b/c d", 1).name)
 
 # %% a parameter that is not there
-n = start()
 attempt(n.get_parameter, "a")
 try:
     n.set_parameters([Parameter("a", value=1)])
@@ -40,45 +35,34 @@ except ParameterNotDeclaredException as error:
 print(n.has_parameter("a"))
 
 # %% something instead of a parameter that is not there
-n = start()
 p = n.get_parameter_or("a")
 print(p.name, p.value, p.type_.name)
 print(n.get_parameter_or("a", Parameter("b", value=3)).value)
 
 # %% something instead of a parameter that is there
-n = start()
 n.declare_parameter("a", 1)
 print(n.get_parameter_or("a", Parameter("b", value=3)).value)
 
 # %% a parameter is set
-n = start()
 n.declare_parameter("a", 1)
 print(n.set_parameters([Parameter("a", value=2)]), n.get_parameter("a").value)
 
 # %% a parameter keeps its type
-n = start()
 n.declare_parameter("a", 1)
 print(n.set_parameters([Parameter("a", value="x")])[0], n.get_parameter("a").value)
 print(n.set_parameters([Parameter("a", value=1.5)])[0].successful)
 
 # %% several parameters are set
-n = start()
 n.declare_parameter("a", 1)
 n.declare_parameter("b", "x")
 results = n.set_parameters([Parameter("a", value="no"), Parameter("b", value="y")])
 print([result.successful for result in results], n.get_parameter("a").value, n.get_parameter("b").value)
 
-# %% nothing is set
-n = start()
-print(n.set_parameters([]))
-
 # %% only parameters are set
-n = start()
 n.declare_parameter("a", 1)
 n.set_parameters([3])
 
 # %% of what is set, what comes before an error stays
-n = start()
 n.declare_parameter("a", 1)
 try:
     n.set_parameters([Parameter("a", value=2), Parameter("b", value=2)])
@@ -87,87 +71,51 @@ except ParameterNotDeclaredException as error:
 print(n.get_parameter("a").value)
 
 # %% a parameter of a type without a value
-n = start()
 p = n.declare_parameter("a", Parameter.Type.INTEGER)
 print(p.value, p.type_.name, n.has_parameter("a"))
 attempt(n.get_parameter, "a")
 print(n.set_parameters([Parameter("a", value=2)])[0].successful, n.get_parameter("a").value)
 
-# %% a type without a value, and the command line
-n = start("-p", "a:=3")
-print(n.declare_parameter("a", Parameter.Type.INTEGER).value)
-
-# %% a type that is none
-n = start()
-n.declare_parameter("a", Parameter.Type.NOT_SET)
-
 # %% a read-only parameter
-n = start()
 n.declare_parameter("a", 1, ParameterDescriptor(read_only=True))
 print(n.set_parameters([Parameter("a", value=2)])[0], n.get_parameter("a").value)
 
-# %% a read-only parameter and the command line
-n = start("-p", "a:=3")
-print(n.declare_parameter("a", 1, ParameterDescriptor(read_only=True)).value)
-
 # %% a parameter of any type
-n = start()
 n.declare_parameter("a", 1, ParameterDescriptor(dynamic_typing=True))
 print(n.set_parameters([Parameter("a", value="x")])[0].successful, n.get_parameter("a").value)
 
 # %% a static parameter cannot be unset
-n = start()
 n.declare_parameter("a", 1)
 print(n.set_parameters([Parameter("a")])[0], n.has_parameter("a"))
 
 # %% a dynamic parameter is undeclared by being unset
-n = start()
 n.declare_parameter("a", 1, ParameterDescriptor(dynamic_typing=True))
 print(n.set_parameters([Parameter("a")])[0].successful, n.has_parameter("a"))
 
 # %% a range of integers
-n = start()
 limits = IntegerRange(from_value=0, to_value=10, step=2)
 n.declare_parameter("a", 4, ParameterDescriptor(integer_range=[limits]))
 for value in (6, 0, 10, 5, 11, -1):
     print(n.set_parameters([Parameter("a", value=value)])[0])
 
 # %% a range of integers without steps
-n = start()
 n.declare_parameter("a", 4, ParameterDescriptor(integer_range=[IntegerRange(from_value=0, to_value=10)]))
 print([n.set_parameters([Parameter("a", value=value)])[0].successful for value in (5, 11)])
 
 # %% a range of numbers
-n = start()
 limits = FloatingPointRange(from_value=0.0, to_value=1.0, step=0.25)
 n.declare_parameter("a", 0.5, ParameterDescriptor(floating_point_range=[limits]))
 for value in (0.75, 1.0, 0.3, 1.5, -0.5):
     print(n.set_parameters([Parameter("a", value=value)])[0])
 
 # %% a default out of range
-n = start()
 attempt(n.declare_parameter, "a", 40, ParameterDescriptor(integer_range=[IntegerRange(from_value=0, to_value=10)]))
 print(n.has_parameter("a"))
-
-# %% a value on the command line out of range
-n = start("-p", "a:=40")
-n.declare_parameter("a", 4, ParameterDescriptor(integer_range=[IntegerRange(from_value=0, to_value=10)]))
-
-# %% descriptors are descriptors
-n = start()
-n.declare_parameter("a", 1, "a number")
 
 # %% a parameter's constructor
 for arguments in ({"value": 1}, {"type_": Parameter.Type.DOUBLE, "value": 1.0}, {"type_": Parameter.Type.NOT_SET}, {}):
     p = Parameter("a", **arguments)
     print(p.name, p.type_.name, p.value)
-
-# %% a parameter's constructor refuses
-attempt(Parameter, "a", type_=Parameter.Type.INTEGER, value="x")
-attempt(Parameter, "a", type_=Parameter.Type.INTEGER)
-attempt(Parameter, "a", type_="int", value=1)
-attempt(Parameter, "a", value=object)
-attempt(Parameter)
 
 # %% a parameter cannot be changed
 p = Parameter("a", value=1)
@@ -185,41 +133,22 @@ for type_ in Parameter.Type:
 for value in (None, True, 1, 1.5, "x", b"x", [], [b"x"], [1, True], [1.0, 2]):
     attempt(Parameter.Type.from_parameter_value, value)
 
-# %% values are checked against types
-print(Parameter.Type.INTEGER.check(1), Parameter.Type.INTEGER.check("x"), Parameter.Type.INTEGER.check(True))
-print(Parameter.Type.DOUBLE.check(1), Parameter.Type.STRING_ARRAY.check(["x"]), Parameter.Type.STRING_ARRAY.check([1]))
-
 # %% overrides of the program
 n = start(parameter_overrides=[Parameter("a", value=5), Parameter("b", value="x")])
 print(n.declare_parameter("a", 1).value, n.has_parameter("b"))
 attempt(n.declare_parameter, "b", 1)
 
-# %% simulated time is off
-n = start()
-print(n.has_parameter("use_sim_time"), n.get_parameter("use_sim_time").value, n.get_clock().ros_time_is_active)
-
 # %% no value, no type
-n = start()
 with warnings.catch_warnings(record=True) as said:
     warnings.simplefilter("always")
     p = n.declare_parameter("a")
-print(p.type_.name, said[0].category.__name__, str(said[0].message).splitlines()[0])
+print(p.type_.name, n.get_parameter("a").value, said[0].category.__name__, str(said[0].message).splitlines()[0])
 
 # %% no value, but a type that may change
-n = start()
 p = n.declare_parameter("a", descriptor=ParameterDescriptor(dynamic_typing=True))
 print(p.value, n.get_parameter("a").type_.name)
 
-# %% no value, and a type that must not change
-n = start()
-n.declare_parameter("a", descriptor=ParameterDescriptor())
-
-# %% a type, and a type that may change
-n = start()
-n.declare_parameter("a", Parameter.Type.INTEGER, ParameterDescriptor(dynamic_typing=True))
-
 # %% errors of parameters have a common base
-n = start()
 try:
     n.get_parameter("a")
 except ParameterException as error:

@@ -36,7 +36,8 @@ from std_msgs.msg import Bool, ByteMultiArray, ColorRGBA, Empty, Float32, Header
 
 
 def start(*ros_args, name="t", **options):
-    """Start ROS 2 with these ROS arguments, and return a node."""
+    """Start ROS 2 anew with these ROS arguments, and return a node."""
+    rclpy.try_shutdown()
     rclpy.init(args=["--ros-args", *ros_args])
     return rclpy.create_node(name, **options)
 

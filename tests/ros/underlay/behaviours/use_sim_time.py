@@ -1,5 +1,6 @@
-# %% simulated time by an argument
 n = start("-p", "use_sim_time:=true")
+
+# %% simulated time by an argument
 clock = n.get_clock()
 print(n.get_parameter("use_sim_time").value, clock.ros_time_is_active, clock.now(), clock)
 for s in n.subscriptions:
@@ -29,7 +30,6 @@ for value in (True, True, False, True):
 # %% a clock follows /clock, forwards and back
 from rosgraph_msgs.msg import Clock as ClockMessage
 
-n = start("-p", "use_sim_time:=true")
 clock = n.get_clock()
 p = n.create_publisher(ClockMessage, "/clock", 1)
 for nanoseconds in (1_500_000_000, 7, 2 * 10**18):
@@ -40,7 +40,6 @@ for nanoseconds in (1_500_000_000, 7, 2 * 10**18):
     print(clock.now(), clock.now().to_msg())
 
 # %% a stopped clock stands
-n = start("-p", "use_sim_time:=true")
 clock = n.get_clock()
 clock.set_ros_time_override(Time(seconds=5))
 first = clock.now()
@@ -60,11 +59,9 @@ n.set_parameters([Parameter("use_sim_time", value=False)])
 print(clock.now().nanoseconds > 10**18)
 
 # %% other clocks keep the system's time
-n = start("-p", "use_sim_time:=true")
 print(Clock().now().nanoseconds > 10**18, ROSClock().ros_time_is_active, ROSClock().now().nanoseconds > 10**18)
 
 # %% a timer of simulated time stands with its clock
-n = start("-p", "use_sim_time:=true")
 calls = []
 t = n.create_timer(0.01, lambda: calls.append(n.get_clock().now().nanoseconds))
 for _ in range(3):
@@ -74,7 +71,6 @@ n.get_clock().set_ros_time_override(Time(nanoseconds=4_000_000))
 print(t.is_ready(), t.time_until_next_call(), t.time_since_last_call())
 
 # %% a timer of simulated time calls when its clock passes, once for several periods
-n = start("-p", "use_sim_time:=true")
 calls = []
 t = n.create_timer(0.1, lambda: calls.append(n.get_clock().now().nanoseconds // 10**6))
 for ms in (50, 99, 100, 150, 200, 210, 305, 390, 400, 1234, 1299, 1300):
@@ -84,7 +80,6 @@ for ms in (50, 99, 100, 150, 200, 210, 305, 390, 400, 1234, 1299, 1300):
     print(ms, calls, t.time_until_next_call() // 10**6)
 
 # %% a timer of simulated time when its clock jumps back
-n = start("-p", "use_sim_time:=true")
 calls = []
 n.get_clock().set_ros_time_override(Time(seconds=50))
 t = n.create_timer(1.0, lambda: calls.append(n.get_clock().now().nanoseconds // 10**6))
@@ -115,7 +110,6 @@ n.set_parameters([Parameter("use_sim_time", value=True)])
 print(round(t.time_until_next_call() / 1e11), round(t.time_since_last_call() / 1e11))
 
 # %% a timer when time is no longer simulated
-n = start("-p", "use_sim_time:=true")
 n.get_clock().set_ros_time_override(Time(seconds=5))
 t = n.create_timer(1000.0, print)
 n.get_clock().set_ros_time_override(Time(seconds=305))
@@ -123,7 +117,6 @@ n.set_parameters([Parameter("use_sim_time", value=False)])
 print(round(t.time_until_next_call() / 1e11), round(t.time_since_last_call() / 1e11))
 
 # %% timers that are reset and cancelled in simulated time
-n = start("-p", "use_sim_time:=true")
 t = n.create_timer(1.0, print)
 n.get_clock().set_ros_time_override(Time(seconds=0.5))
 t.reset()
@@ -136,7 +129,6 @@ t.reset()
 print(t.time_until_next_call())
 
 # %% a timer of a steady clock beside simulated time
-n = start("-p", "use_sim_time:=true")
 calls = []
 n.create_timer(0.01, lambda: calls.append("steady"), clock=Clock(clock_type=ClockType.STEADY_TIME))
 rclpy.spin_once(n, timeout_sec=5.0)
@@ -145,7 +137,6 @@ print(calls)
 # %% log lines keep the system's time
 from rcl_interfaces.msg import Log
 
-n = start("-p", "use_sim_time:=true")
 lines = []
 n.create_subscription(Log, "/rosout", lines.append, 10)
 while not lines:
@@ -156,7 +147,6 @@ print(lines[0].stamp.sec > 10**9)
 # %% a time before all times on /clock
 from rosgraph_msgs.msg import Clock as ClockMessage
 
-n = start("-p", "use_sim_time:=true")
 p = n.create_publisher(ClockMessage, "/clock", 1)
 message = ClockMessage()
 message.clock.sec = -1

@@ -41,7 +41,8 @@ DiscoveredEndpoint = Any
 
 TOPIC_NAME, TYPE_NAME, QOS = 5, 6, 7
 """Where Cyclone DDS's ``dds_builtintopic_endpoint_t`` has these pointers [words of 8 bytes], behind two guids and a
-handle. What it lists of a participant begins with a guid, too."""
+handle. What it lists of a participant begins with a guid, too, with these policies behind it."""
+PARTICIPANT_QOS = 2
 
 _announced = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _WRITER_QOS, _base = (to_dds(_announced, ParticipantEntitiesInfo, writer=writer) for writer in (True, False))
@@ -114,6 +115,20 @@ class Graph:
             gid.data.tobytes(): node for node in self.nodes() for gid in (*node.writer_gid_seq, *node.reader_gid_seq)
         }
 
+    def is_complete(self) -> bool:
+        """Whether all ROS 2 programs that were discovered have told their nodes, and all that these have is there.
+
+        Discovery finds the programs first. Fast DDS tells of its nodes at once, or seconds later.
+        """
+        with lock:
+            told = self.owners().keys() | {self.participant.guid.bytes, *self._remote}
+            found = {endpoint.guid for kind in (PUBLISHERS, SUBSCRIPTIONS) for endpoint in self.endpoints(kind)}
+            for entry in self._listed(builtin.BuiltinTopicDcpsParticipant):
+                found.add(gid := ctypes.string_at(entry, 16))
+                if gid not in told and _is_ros(entry):
+                    return False
+            return not self._unread and told <= found
+
     def listen(self) -> None:
         """Take what the others have announced, and forget those that are gone: a killed process says no goodbye.
 
@@ -158,6 +173,7 @@ class Graph:
             self._remote[gid] = list(info.node_entities_info_seq)
         except RCLError as error:
             self._ignored += 1
+            self._remote.setdefault(gid, [])
             text = f"{self._ignored} announcements of nodes have been ignored. The last: {error}"
             self._logger.warning(text, throttle_duration_sec=10.0)
 
@@ -179,3 +195,9 @@ class Graph:
             finally:
                 dds.dds_return_loan(reader._ref, entries, count)
                 close(reader)
+
+
+def _is_ros(entry: Any) -> bool:
+    """Whether a listed participant names its enclave, as all of ROS 2 do."""
+    qos = _CQos.cqos_to_qos(entry[PARTICIPANT_QOS])
+    return Policy.Userdata in qos and b"enclave=" in qos[Policy.Userdata].data

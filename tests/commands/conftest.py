@@ -1,0 +1,83 @@
+"""The commands of ``tank``, run within the test's own process."""
+
+from __future__ import annotations
+
+import gc
+import io
+import logging
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import nullcontext, redirect_stderr, redirect_stdout
+
+import pytest
+from programs import until
+
+from tutorial.commands.tank import main
+
+HEEDING = ("terminal", "tank", "bag", "chaos", "launcher")
+"""The modules that have the process heed signals, which are pytest's here."""
+
+
+class Run:
+    """One run of ``tank``: what it has said so far, its exit status, and whom Ctrl-C asks."""
+
+    def __init__(self) -> None:
+        self.out, self.err = io.StringIO(), io.StringIO()
+        self.status: int | None = None
+        self.asks: list[Callable[[], object]] = []
+
+    @property
+    def stdout(self) -> str:
+        return self.out.getvalue()
+
+    @property
+    def stderr(self) -> str:
+        return self.err.getvalue()
+
+    @property
+    def output(self) -> str:
+        return self.stdout + self.stderr
+
+    @property
+    def said(self) -> tuple[str, str, int | None]:
+        return self.stdout, self.stderr, self.status
+
+    def watch(self, so: Callable[[], object], then: Callable[[], object] | None) -> None:
+        """Do something once something is so: what Ctrl-C does, which comes in vain, too, for the command has to end."""
+        try:
+            until(lambda: (self.asks and so()) or self.status is not None)
+        except AssertionError:
+            then = None
+        (then or self.asks[-1])()
+
+
+@pytest.fixture
+def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
+    """Run ``tank`` with some words, of which the first is split; `once` it says, or is, something, Ctrl-C comes."""
+
+    def run(line: str, *words: object, once: str | Callable[[], object] | None = None, then=None) -> Run:
+        done = Run()
+        with monkeypatch.context() as patch, redirect_stdout(done.out), redirect_stderr(done.err):
+            for module in HEEDING:
+                patch.setattr(f"tutorial.commands.{module}.heed", lambda ask, **_: done.asks.append(ask))
+            patch.setattr("tutorial.commands.terminal.logging_redirect_tqdm", nullcontext)  # it changes all handlers
+            patch.setattr(gc, "freeze", lambda: None)
+            patch.setattr(logging.root, "handlers", [])
+            patch.setattr(logging.root, "level", logging.WARNING)
+            patch.setattr(logging.getLogger("tutorial"), "propagate", True)  # it does not where a notebook's is imported
+            patch.setattr(sys, "argv", ["tank", *line.split(), *map(str, words)])
+            if once is not None:
+                so = once if callable(once) else lambda: once in done.output
+                watcher = threading.Thread(target=done.watch, args=(so, then))
+                watcher.start()
+            try:
+                main()
+            except SystemExit as end:
+                done.status = int(end.code or 0)
+            if once is not None:
+                watcher.join()
+        assert "Traceback" not in done.output
+        return done
+
+    return run

@@ -1,0 +1,30 @@
+"""Running any cell twice does no harm: every notebook in a kernel of its own, without a page."""
+
+from __future__ import annotations
+
+import shutil
+
+import nbformat
+import pytest
+from kernels import kernel
+from pictures import need_pictures
+
+from tutorial.paths import HOME
+
+NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
+
+pytestmark = [pytest.mark.process, pytest.mark.timeout(400)]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_all_cells_run_and_then_each_twice_in_a_row_without_an_error(path, domain, tmp_path, monkeypatch):
+    if "camera" in path.stem:
+        need_pictures()
+    for part in ("notebooks", "project", "launch_py"):
+        shutil.copytree(HOME / part, tmp_path / part)
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
+    monkeypatch.chdir(tmp_path / "notebooks")
+    cells = [cell.source for cell in nbformat.read(path, as_version=4).cells if cell.cell_type == "code"]
+    with kernel() as running:
+        for source in cells + [source for source in cells for _ in range(2)]:
+            running.run(source)

@@ -1,0 +1,66 @@
+"""The notebooks' scripts, as programs of their own: until Ctrl-C they do what their pages say."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+from dataclasses import replace
+
+import pytest
+from programs import PATIENCE
+
+from tutorial.host import Host
+from tutorial.paths import HOME, find_project
+from tutorial.project import Project
+
+AS_IT_IS = ["listener.py"]
+WITH_THE_COURSE = ["-c", "import tutorial; exec(open('listener.py').read())"]
+
+pytestmark = pytest.mark.process
+
+
+@contextmanager
+def script(*arguments):
+    """Run a script, and end it as Ctrl-C does, which it takes without a complaint."""
+    command = [sys.executable, *arguments]
+    with subprocess.Popen(command, cwd=HOME / "notebooks", stderr=subprocess.PIPE, text=True) as running:
+        try:
+            yield running
+        finally:
+            running.send_signal(signal.SIGINT)
+        assert "Traceback" not in running.stderr.read()
+    assert running.returncode == 0
+
+
+def test_every_tank_of_a_fleet_moves(domain):
+    project = Project.load(find_project("fleet"))
+
+    async def scenario():
+        async with Host(replace(project, bodies=project.bodies[:3])) as host, asyncio.timeout(PATIENCE):
+            turrets = [body.joint("TURRET_Y") for body in host.bodies.values()]
+            while not all(turret.position for turret in turrets):
+                await asyncio.sleep(0.01)
+            assert len({turret.position for turret in turrets}) == 3
+
+    with script("fleet.py", "3"):
+        asyncio.run(scenario())
+
+
+@pytest.mark.parametrize("arguments", [AS_IT_IS, WITH_THE_COURSE])
+def test_the_listener_says_where_the_joints_are(domain, backend, arguments):
+    if backend == "underlay" and arguments == AS_IT_IS:
+        pytest.skip("it takes an installed ROS 2 to run it as it is")
+
+    async def scenario(listener):
+        async with Host(Project.load(find_project("step2"))) as host:
+            running = asyncio.create_task(host.run())
+            lines = iter(listener.stderr.readline, "")
+            said = await asyncio.to_thread(next, (line for line in lines if "TURRET_P -0.01" in line))
+            running.cancel()
+            assert said.endswith("[listener]: TURRET_Y 0.00, TURRET_P -0.01\n")
+
+    with script(*arguments) as listener:
+        asyncio.run(asyncio.wait_for(scenario(listener), PATIENCE))

@@ -1,0 +1,110 @@
+"""What the README, the book and the notebooks link to is there, and what they tell a reader to type is understood."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import shlex
+import tomllib
+from itertools import dropwhile, takewhile
+from pathlib import Path
+
+import click
+import pytest
+
+from tutorial.commands.tank import tank
+from tutorial.paths import HOME, find_drive, find_launch_file, find_model, find_project
+
+NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
+PAGES = [HOME / "README.md", HOME / "CONTRIBUTING.md", *sorted((HOME / "book").glob("*.md"))]
+PROJECT = tomllib.loads((HOME / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+FOREIGN = {".", "bash", "cd", "colcon", "export", "pixi", "python", "python3", "ros2", "rviz2", "source", "sudo"}
+"""Programs that are not the tutorial's: of their commands only the files that they name are looked for."""
+FINDERS = {"project": find_project, "step": find_launch_file, "drive": find_drive, "model": find_model}
+
+
+def read(path):
+    return path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_commands_that_a_reader_is_told_to_type_are_understood(page, monkeypatch):
+    monkeypatch.chdir(HOME)
+    blocks = re.findall(r"^```console\n(.*?)^```", read(page), re.MULTILINE | re.DOTALL)
+    for line in re.findall(r"^\$ (.*)", "\n".join(blocks), re.MULTILINE):
+        words = shlex.split(line, comments=True)
+        program, *arguments = dropwhile(lambda word: re.fullmatch(r"[A-Z_]+=\S*", word), words)
+        if program == "tank":
+            is_understood(arguments)
+        elif program == "make":
+            assert re.search(rf"^{arguments[0]}:", read(HOME / "Makefile"), re.MULTILINE), line
+        else:
+            assert program in FOREIGN or program.startswith(".venv/bin/"), line
+        if arguments[:3] == ["-m", "pip", "install"]:
+            extras = re.search(r"\.\[(.+)\]", line)[1]
+            assert set(extras.split(",")) <= set(PROJECT["optional-dependencies"]), line
+        for word in arguments:
+            if "/" in word and not word.startswith(("/", ".venv/")) and (HOME / Path(word).parts[0]).is_dir():
+                assert (HOME / word).exists(), line
+
+
+def is_understood(arguments):
+    """Have the command line parse it, and run nothing."""
+    rest = list(takewhile(lambda word: word not in ("--ros-args", ">"), arguments))
+    command, context = tank, click.Context(tank, info_name="tank")
+    while isinstance(command, click.Group):
+        name, command, rest = command.resolve_command(context, rest)
+        context = click.Context(command, parent=context, info_name=name)
+    values = command.make_context(command.name, rest, parent=context.parent).params
+    for option, find in FINDERS.items():
+        if values.get(option, "mine") not in ("mine", None):  # a file that the reader is asked to write
+            find(values[option])
+
+
+@pytest.mark.parametrize("page", [*PAGES, *NOTEBOOKS], ids=lambda page: page.name)
+def test_every_link_leads_somewhere(page):
+    text = read(page)
+    if page in NOTEBOOKS:
+        cells = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "markdown"]
+        text = "\n".join("".join(cell["source"]) for cell in cells)
+    prose = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    for link in re.findall(r"\]\((?!https?://)([^)\s]+)\)", prose):
+        target, _, anchor = link.partition("#")
+        path = (page.parent / target if target else page).resolve()
+        if page.parent.name == "book" and target.startswith("notebooks/"):  # the book has a copy of them
+            path = HOME / target
+        assert path.exists(), link
+        assert not anchor or anchor in anchors(read(path)), link
+
+
+def anchors(text):
+    """What a link can lead to within a page: its headings, and the terms of the glossary."""
+    glossary = "".join(re.findall(r"^```\{glossary\}\n(.*?)^```", text, re.MULTILINE | re.DOTALL))
+    terms = re.findall(r"^(\w.*)$", glossary, re.MULTILINE)
+    headings = re.findall(r"^#+ (.+)", text, re.MULTILINE)
+    slugs = {re.sub(r"[^\w\s-]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+    return slugs | {f"term-{term.replace(' ', '-')}" for term in terms}
+
+
+def test_the_tables_of_steps_are_as_make_steps_writes_them(monkeypatch):
+    monkeypatch.syspath_prepend(HOME / "book")
+    from step_tables import pages
+
+    assert {page: read(page) for page in pages()} == pages()
+
+
+@pytest.mark.parametrize("page", ["README.md", "book/index.md"])
+def test_the_lines_of_step_3_are_the_librarys(page):
+    def statements(source):
+        functions = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.FunctionDef)]
+        return {(function.name, ast.unparse(line)) for function in functions for line in function.body}
+
+    (block,) = re.findall(r"^```python\n(.*?)^```", read(HOME / page), re.MULTILINE | re.DOTALL)
+    assert statements(block) <= statements(read(HOME / "tutorial/controllers/joint_state_subscriber.py"))
+
+
+def test_every_python_that_the_project_is_for_is_tested():
+    lowest, below = map(int, re.findall(r"3\.(\d+)", PROJECT["requires-python"]))
+    (matrix,) = re.findall(r"python-version: (\[.*\])", read(HOME / ".github/workflows/test.yml"))
+    assert ast.literal_eval(matrix) == [f"3.{minor}" for minor in range(lowest, below)]

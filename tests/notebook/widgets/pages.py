@@ -1,0 +1,26 @@
+"""Pages that are played: what they say arrives as ipykernel delivers it."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Callable
+
+
+def on_a_subshell(call: Callable[..., object], *arguments: object) -> None:
+    """Call something on a thread without an event loop, and wait until it is done."""
+    thread = threading.Thread(target=call, args=arguments, name="subshell-1")
+    thread.start()
+    thread.join()
+
+
+async def settle() -> None:
+    """Let what has been posted run."""
+    for _ in range(3):
+        await asyncio.sleep(0)
+
+
+async def say(widget, kind, view="page", **fields) -> None:
+    """Say something to a widget, as a page does."""
+    on_a_subshell(widget._handle_custom_msg, {"type": kind, "view": view, **fields}, [])
+    await settle()

@@ -1,0 +1,201 @@
+"""Widgets in a page: what gets into it, and what doesn't. Names that are markup are text there, and run nothing."""
+
+from __future__ import annotations
+
+import base64
+from html import escape
+
+import mujoco
+import numpy as np
+import pytest
+from browser import chromium, open_browser, pixels, red_spot, until
+from hostile_peer import MARKUP
+from sensor_msgs.msg import JointState
+
+from tutorial.controllers.camera_publisher import image
+from tutorial.joints import match_joints
+from tutorial.notebook.desk import keep
+from tutorial.notebook.widgets.graph_picture import picture as draw_graph
+from tutorial.notebook.widgets.graph_watch import TopicNews, Topology
+from tutorial.notebook.widgets.image_view import ImageView
+from tutorial.notebook.widgets.joint_plot import _History, _picture
+from tutorial.notebook.widgets.picture import Picture
+from tutorial.notebook.widgets.scene_view import SceneView
+from tutorial.notebook.widgets.svg import INK, draw, new_picture, to_text
+from tutorial.notebook.widgets.swimlane import swimlane
+from tutorial.trace import Handoff, HandoffTrace, Moment
+from tutorial.view.assets import zipped_viewer
+from tutorial.view.bodies import View
+from tutorial.view.scene import Scene
+from tutorial.view.web import SceneServer
+
+from .pages import say
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(300)]
+
+SCRIPT = "</title></script><script>window.pwned=1</script>"
+NAMES = (MARKUP, SCRIPT, f"'\"`{MARKUP}", "javascript:window.pwned=1", "{{ pwned }}")
+SHOW = """async ({script, traits, scene, library, frame, pixels}) => {
+  const bytes = (text) => new DataView(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
+  const module = await import(URL.createObjectURL(new Blob([script], {type: "text/javascript"})));
+  const handlers = {};
+  const answer = (...message) => setTimeout(() => handlers["msg:custom"](...message));
+  const model = {
+    get: (name) => traits[name],
+    set: (name, value) => { traits[name] = value; handlers[`change:${name}`]?.(); },
+    on: (event, handler) => { handlers[event] = handler; },
+    off: (event) => { delete handlers[event]; },
+    send: ({type, view}) => {
+      (window.said ??= []).push(type);
+      if (type === "library") answer({type}, [bytes(library)]);
+      if (type === "hello") answer(frame ?? {type: "scene", view}, [bytes(scene ?? pixels)]);
+    },
+  };
+  const el = document.body.appendChild(document.createElement("div"));
+  Object.assign(window, {model, handlers, close_view: module.default.render({model, el})});
+}"""
+"""Render a widget beside those that are there; to a view, be the kernel."""
+
+HOSTILE = """<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 9 9"
+onload="bad()"><script>bad()</script><a href="javascript:bad()"><text>link</text></a><image href="http://x.invalid/p.png"/>
+<g onclick="bad()"><rect width="9" height="9" style="fill:url(http://x.invalid/#p)"/><animate attributeName="href"/></g>
+<foreignObject><body xmlns="http://www.w3.org/1999/xhtml"><img src="x" onerror="bad()"/></body></foreignObject>
+<style>@import "http://x.invalid/s.css";</style><text xlink:href="#x">&lt;img src=x onerror=bad()&gt;</text></svg>"""
+
+
+def a_picture(colour: str = INK) -> str:
+    root = new_picture(40, 20)
+    draw(root, "rect", f"fill:{colour}", width=40, height=20)
+    return to_text(root)
+
+
+async def show_picture(page, svg: str, alt: str):
+    await page.evaluate(SHOW, {"script": Picture._esm, "traits": {"svg": svg, "alt": alt}})
+
+
+async def test_a_picture_is_drawn_described_redrawn_themed_and_made_of_shapes():
+    async with open_browser(chromium()) as page:
+        await page.evaluate("() => { window.bad = () => { window.harmed = true; }; }")
+        await show_picture(page, a_picture(), "a rectangle")
+        assert (await page.get_by_role("img", name="a rectangle").bounding_box())["width"] == 40
+        assert await colours(page) == ["rgb(255, 255, 255)", "rgb(33, 33, 33)"]
+        await page.evaluate(
+            "document.body.style = '--jp-layout-color0: rgb(1, 2, 3); --jp-ui-font-color1: rgb(4, 5, 6)'"
+        )
+        assert await colours(page) == ["rgb(1, 2, 3)", "rgb(4, 5, 6)"]
+        await page.evaluate("([svg]) => { model.set('alt', 'a dot'); model.set('svg', svg); }", [a_picture("red")])
+        assert await page.get_by_role("img", name="a dot").count() == 1
+        assert await page.locator("svg").count() == 1
+        await page.evaluate("model.set('svg', 'no < picture')")
+        assert await page.locator("svg").count() == 0
+        asked = []
+        page.on("request", lambda request: asked.append(request.url))
+        await page.evaluate("([svg]) => model.set('svg', svg)", [HOSTILE])
+        await until(lambda: shown(page, "svg text", 1), "the picture is shown")
+        await page.locator("svg").click(force=True)
+        html = await page.locator("body").inner_html()
+        assert await page.evaluate("window.harmed") is None
+        assert asked == []
+        for word in [
+            "script",
+            "onload",
+            "onclick",
+            "href",
+            "foreignObject",
+            "url(",
+            "<style",
+            "animate",
+            "image",
+            "link<",
+        ]:
+            assert word not in html, word
+        assert "&lt;img src=x onerror=bad()&gt;" in html
+        assert await page.evaluate("(close_view(), Object.keys(handlers).length)") == 0
+
+
+async def colours(page) -> list[str]:
+    """Of the picture's paper, and of its ink."""
+    style = "getComputedStyle(document.querySelector('{}')).{}"
+    return [await page.evaluate(style.format(*each)) for each in (("svg", "backgroundColor"), ("rect", "fill"))]
+
+
+async def test_the_picture_of_a_camera_is_drawn_and_its_end_is_said(domain, sent):
+    view = keep("pictures", ImageView, ImageView.close)
+    rows = np.zeros((40, 60, 3), np.uint8)
+    rows[10:20, 40:50] = 255, 0, 0
+    view._on_image(image(rows))
+    await say(view, "hello")
+    [(frame, [pixels_sent])] = sent
+    async with open_browser(chromium()) as page:
+        traits = {"title": view.title, "line": view.line, "ended": False}
+        await page.evaluate(
+            SHOW, {"script": ImageView._esm, "traits": traits, "frame": frame, "pixels": text_of(pixels_sent)}
+        )
+        await page.get_by_text(frame["line"]).wait_for()
+        picture = await pixels(page, "canvas")
+        x, y = red_spot(picture)
+        await page.wait_for_function("said.includes('drawn')")
+        assert (x / picture.shape[1], y / picture.shape[0]) == pytest.approx((45 / 60, 15 / 40), abs=0.03)
+        await page.evaluate("model.set('ended', true)")
+        await page.get_by_text("closed: this is its last picture").wait_for()
+
+
+def scene_of(name: str) -> Scene:
+    """A body, a link, a joint and the line of a message, all of one name."""
+    quoted = escape(name, quote=True)
+    link = f"<body name='{quoted}'><joint name='{quoted}'/><geom size='.1'/></body>"
+    scene = Scene()
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{link}</worldbody></mujoco>")
+    View(scene).add(name.replace("/", "_"), model)
+    scene.line(f"{name}: {match_joints({}, JointState(name=[name], position=[0.0]))[1]}")
+    scene.flush()
+    return scene
+
+
+def pictures_of(name: str) -> list[tuple[str, str]]:
+    """Each picture that a cell may show, with its description."""
+    graph = draw_graph(Topology({name: 1}, {name: TopicNews(name, 1.0, (name,), (name,))}))
+    history = _History(10.0)
+    history.add(JointState(name=[name], position=[0.0]))
+    moment = Moment(0.0, name)
+    trace = HandoffTrace()
+    trace._keep(Handoff(name, received=moment, posted=moment, handled=moment, applied=moment))
+    lanes = swimlane(trace)
+    lanes.close()
+    return [graph, (lanes.svg, lanes.alt), _picture(name, history.recent(), 10.0)]
+
+
+async def test_a_name_runs_no_script():
+    async with open_browser(chromium()) as page:
+
+        async def is_clean():
+            assert await page.evaluate("window.pwned") is None
+            assert await page.locator("img, iframe, object, embed").count() == 0
+
+        for name in NAMES:
+            async with SceneServer(scene_of(name), 0, name) as server:
+                await page.goto(server.url)
+                await page.locator("#curtain").wait_for(state="hidden")
+                assert await page.title() == name
+                assert (await page.locator("#line").text_content()).startswith(name)
+                await is_clean()
+        await page.goto("about:blank")
+        for name in NAMES:
+            for picture in pictures_of(name):
+                await show_picture(page, *picture)
+            traits = {"title": name, "height": 90, "ended": False}
+            parts = {"scene": text_of(scene_of(name).snapshot()), "library": text_of(zipped_viewer())}
+            await page.evaluate(SHOW, {"script": SceneView._esm, "traits": traits, **parts})
+        await until(lambda: shown(page, ".tank-view-line", len(NAMES)), "the lines below the views")
+        lines = await page.locator(".tank-view-line").all_text_contents()
+        assert [line.startswith(name) for line, name in zip(lines, NAMES, strict=True)] == [True] * len(NAMES)
+        assert await page.locator("svg").count() == 3 * len(NAMES)
+        await is_clean()
+
+
+def text_of(data: bytes) -> str:
+    return base64.b64encode(data).decode()
+
+
+async def shown(page, selector: str, count: int) -> bool:
+    return await page.locator(f"{selector}:visible").count() == count
