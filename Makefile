@@ -27,7 +27,7 @@ PYTEST := $(BIN)/python -m pytest
 SIDE_BY_SIDE := -n auto --no-loadscope-reorder
 SLOW := process or browser or build
 APART := ros2 or nightly
-FAST_DDS := $(addprefix tests/ros/,$(addprefix underlay/test_,behaviour.py messages.py names.py surface.py) test_tap.py test_node_thread.py bags)
+RMWS := rmw_cyclonedds_cpp rmw_fastrtps_cpp
 export PYTHONDONTWRITEBYTECODE :=  # modules are compiled once, not by each of hundreds of processes
 
 .PHONY: book demo test test-all test-slow test-ros2 nightly nbval notebooks steps screenshots lab install bench soak mutants lint clean
@@ -46,13 +46,12 @@ test-slow: install
 
 test-ros2: install
 	@test -n "$(TANK_REAL_ROS2)" || { echo "Set TANK_REAL_ROS2 to a command that runs another one with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
-	$(PYTEST) -m ros2 tests
-	RMW_IMPLEMENTATION=rmw_cyclonedds_cpp $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not (browser or build or $(APART))" tests/ros tests/checks tests/test_host.py notebooks
-	RMW_IMPLEMENTATION=rmw_fastrtps_cpp $(TANK_REAL_ROS2) $(PYTEST) -m "not ($(APART))" $(FAST_DDS) notebooks
+	$(PYTEST) $(SIDE_BY_SIDE) -m ros2 tests
+	for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" tests/ros/underlay || exit 1; done
 
 nightly: soak mutants
 	$(PYTEST) -m nightly tests
-	$(if $(TANK_REAL_ROS2),for rmw in rmw_cyclonedds_cpp rmw_fastrtps_cpp; do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) -m "not ($(APART))" || exit 1; done)
+	$(if $(TANK_REAL_ROS2),for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" || exit 1; done)
 
 nbval: install
 	$(PYTEST) notebooks $(PYTEST_ARGS)

@@ -31,12 +31,15 @@ def pytest_xdist_auto_num_workers() -> int:
 
 
 class _ByFile(LoadScopeScheduling):
-    """Keeps the tests of a file together, and the cells of a notebook, in their order."""
+    """Keeps the tests of a file together, with each RMW its own, and the cells of a notebook, in their order."""
 
     def _split_scope(self, nodeid: str) -> str:
         file, *_ = nodeid.split("::")
         workers, step = SHARED_OUT.get(os.path.basename(file)), re.search(r"\[(\d+)_", nodeid)  # noqa: PTH119
-        return f"{file}::{int(step[1]) % workers}" if workers and step else file
+        if workers and step:
+            return f"{file}::{int(step[1]) % workers}"
+        rmw = re.search(r"rmw_\w+_cpp", nodeid)
+        return f"{file}::{rmw[0]}" if rmw else file
 
 
 @pytest.hookimpl(tryfirst=True)
