@@ -65,7 +65,7 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
             patch.setattr(gc, "freeze", lambda: None)
             patch.setattr(logging.root, "handlers", [])
             patch.setattr(logging.root, "level", logging.WARNING)
-            patch.setattr(logging.getLogger("tutorial"), "propagate", True)  # it does not where a notebook's is imported
+            patch.setattr(logging.getLogger("tutorial"), "propagate", True)  # tutorial.notebook ends it
             patch.setattr(sys, "argv", ["tank", *line.split(), *map(str, words)])
             if once is not None:
                 so = once if callable(once) else lambda: once in done.output

@@ -6,20 +6,16 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from contextlib import closing
+from typing import Any
 
 import click
-from tqdm import tqdm
 
 from tutorial.commands.asking import named_node
 from tutorial.commands.options import duration_option
 from tutorial.commands.terminal import INTERRUPTED, heed, progress_bar, say
 from tutorial.errors import TutorialError
 from tutorial.ros.chaos import FAULTS, Chaos, parse_fault, share_of
-
-if TYPE_CHECKING:
-    from tutorial.ros.chaos.stream import ChaosStream
 
 __all__ = ["chaos"]
 
@@ -54,12 +50,6 @@ class FaultType(click.ParamType):  # type: ignore[type-arg]
     help="Put this fault into that share of the messages, 0 to 1; without a share, into all. May be repeated.",
 )
 @click.option(
-    "--script",
-    type=click.Path(dir_okay=False, path_type=Path),
-    metavar="FILE",
-    help="Take the faults from this YAML file, which says when each begins and ends.",
-)
-@click.option(
     "--from", "good", metavar="TOPIC", help="Take the good messages from this topic, in place of a steady swing."
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="The same seed gives the same stream again.")
@@ -70,7 +60,6 @@ def chaos(
     /,
     topic_name: str,
     faults: tuple[tuple[str, float], ...],
-    script: Path | None,
     good: str | None,
     seed: int,
     duration: float | None,
@@ -80,39 +69,21 @@ def chaos(
     Without any fault it is a good stream.
     """
     from tutorial.commands.asking import clear_ros_errors
-    from tutorial.ros.chaos.script import ChaosScript
     from tutorial.ros.chaos.stream import ChaosStream
 
-    if faults and script is not None:
-        raise click.UsageError("give either --fault or --script, not both.")
-    plan = ChaosScript(script) if script is not None else None
-    if plan is not None and duration is None:
-        duration = plan.duration
     faulty = Chaos(dict(faults), seed)
     stop = threading.Event()
     heed(stop.set)
-    with named_node("chaos", ros_args) as thread, progress_bar(duration) as progress:
+    with named_node("chaos", ros_args) as thread:
         with clear_ros_errors():
-            stream = ChaosStream(thread.node, faulty, topic_name, good, plan.at if plan is not None else None)
-        try:
-            _watch(stream, duration, stop, progress)
-        finally:
-            stream.close()
+            stream = ChaosStream(thread.node, faulty, topic_name, good)
+        say(f"{_words(faulty.faults)}\n")
+        with closing(stream), progress_bar(duration) as progress:
+            while not stop.wait(LOOK) and (duration is None or stream.seconds < duration):
+                progress(stream.seconds)
+            progress(stream.seconds)
     say(f"{_summary(faulty.made)}\n")
     return INTERRUPTED if stop.is_set() and duration is not None else 0
-
-
-def _watch(stream: ChaosStream, duration: float | None, stop: threading.Event, progress: Any) -> None:
-    """Say which faults hold whenever they change, until it is time to stop."""
-    said = None
-    while not stop.wait(LOOK):
-        seconds, now = stream.seconds, stream.chaos.faults
-        if now != said:
-            said = now
-            tqdm.write(f"{seconds:6.1f} s  {_words(now)}")
-        progress(seconds)
-        if duration is not None and seconds >= duration:
-            return
 
 
 def _words(faults: Mapping[str, float]) -> str:

@@ -82,9 +82,3 @@ def test_a_second_publisher_another_type_and_a_new_start(ends):
     until(lambda: node.count_publishers(TOPIC) == 3, "no more publishers than before")
     stream.close()
     until(lambda: node.count_publishers(TOPIC) == 2, "the end of the other type")
-
-
-def test_faults_go_by_the_time_of_the_stream(ends):
-    stream = ends.start({}, faults_at=lambda seconds: {"subset": 1} if 0.2 <= seconds < 0.5 else {})
-    until(lambda: stream.seconds > 0.6, "its end")
-    assert stream.chaos.made["subset"] == 15

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from rclpy.node import Node
@@ -22,9 +22,6 @@ JOINTS = ("TURRET_Y", "TURRET_P")
 RATE = 50  # [Hz]
 TOPIC = "/Tank/joint_state"
 DEPTH = 100  # holds a burst
-
-FaultsAt = Callable[[float], Mapping[str, float]]
-"""Says which faults hold at a time [s] since the beginning."""
 
 
 def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> JointState:
@@ -53,7 +50,6 @@ class ChaosStream:
         chaos: which puts in the faults.
         topic: where to publish.
         good: the topic of the good stream; None for the steady `swing`.
-        faults_at: which faults hold at which time; None for those of `chaos`, whatever the time.
 
     Attributes:
         chaos: as given.
@@ -62,17 +58,9 @@ class ChaosStream:
         TutorialError: the good stream would come from where the faults go.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        chaos: Chaos,
-        topic: str = TOPIC,
-        good: str | None = None,
-        faults_at: FaultsAt | None = None,
-    ) -> None:
+    def __init__(self, node: Node, chaos: Chaos, topic: str = TOPIC, good: str | None = None) -> None:
         self.chaos = chaos
         self._node: Any = node
-        self._faults_at = faults_at
         self._number = 0
         self._began = time.monotonic() if good is not None else None
         self._sending = threading.Lock()
@@ -107,9 +95,7 @@ class ChaosStream:
         self._number += 1
 
     def _send(self, message: JointState) -> None:
-        """Put the faults of this time into a message, and publish what comes of it."""
-        if self._faults_at is not None:
-            self.chaos.faults = self._faults_at(self.seconds)
+        """Put the faults into a message, and publish what comes of it."""
         with self._sending:
             if self._closed:
                 return
