@@ -5,13 +5,17 @@ from __future__ import annotations
 import gc
 import io
 import logging
+import os
+import pty
+import subprocess
 import sys
+import termios
 import threading
 from collections.abc import Callable
-from contextlib import nullcontext, redirect_stderr, redirect_stdout
+from contextlib import nullcontext, redirect_stderr, redirect_stdout, suppress
 
 import pytest
-from programs import until
+from programs import TANK, until
 
 from tutorial.commands.tank import main
 
@@ -65,7 +69,7 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
             patch.setattr(gc, "freeze", lambda: None)
             patch.setattr(logging.root, "handlers", [])
             patch.setattr(logging.root, "level", logging.WARNING)
-            patch.setattr(logging.getLogger("tutorial"), "propagate", True)  # it does not where a notebook's is imported
+            patch.setattr(logging.getLogger("tutorial"), "propagate", True)  # not so where a notebook's is imported
             patch.setattr(sys, "argv", ["tank", *line.split(), *map(str, words)])
             if once is not None:
                 so = once if callable(once) else lambda: once in done.output
@@ -79,5 +83,24 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
                 watcher.join()
         assert "Traceback" not in done.output
         return done
+
+    return run
+
+
+@pytest.fixture
+def at_a_terminal() -> Callable[..., tuple[int, str]]:
+    """Run ``tank``, a process, at a terminal of its own; its exit status, and what it printed, with its line ends."""
+
+    def run(*words: object) -> tuple[int, str]:
+        master, slave = pty.openpty()
+        termios.tcsetwinsize(slave, (30, 200))
+        printed = b""
+        with subprocess.Popen([TANK, *words], stdin=slave, stdout=slave, stderr=slave) as process:
+            os.close(slave)
+            with suppress(OSError):  # Linux's way to say that nobody has the other end
+                while part := os.read(master, 65536):
+                    printed += part
+        os.close(master)
+        return process.returncode, printed.decode(errors="surrogateescape").replace("\r\n", "\n")
 
     return run
