@@ -81,6 +81,7 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
                 done.status = int(end.code or 0)
             if once is not None:
                 watcher.join()
+        print(done.output)  # shown where the test fails
         assert "Traceback" not in done.output
         return done
 

@@ -47,10 +47,7 @@ def test_the_tour_loads_and_moves_every_stick():
         ("drives: []", "line 1: 'drives' is not known here. Did you mean 'drive'?"),
         ("drive:\n- {time: 0, axes: [2]}", "line 2: drive[0].axes[0]: expected a number <= 1."),
         ("drive:\n- {time: -1, axes: [0]}", "line 2: drive[0].time: expected a number >= 0."),
-        (
-            "drive:\n- {time: 1, axes: []}\n- {time: 1, axes: []}",
-            "line 3: 1.0 is not later than 1.0. Put the moments in",
-        ),
+        ("drive:\n- {time: 1, axes: []}\n- {time: 1, axes: []}", "line 3: 1.0 is not later than 1.0. Put the moments"),
         ("drive:\n- {time: 1, axis: [0]}", "line 2: 'axis' is not known here. Did you mean 'axes'?"),
     ],
 )

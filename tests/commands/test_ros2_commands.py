@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from functools import partial
+from operator import attrgetter
 
 import pytest
 from click.testing import CliRunner
@@ -62,17 +63,8 @@ def heard(nodes, tank, monkeypatch) -> list[list[float]]:
 def eventually(tank):
     """Run a command until its output, its errors and its status are such: a discovery may be slow on a busy machine."""
 
-    def eventually(command, *wanted, words=(), form=lambda run: run.said):
-        last = []
-
-        def agrees():
-            last[:] = form(tank(command, *words))
-            return last == list(wanted)
-
-        try:
-            until(agrees, command)
-        finally:
-            assert last == list(wanted)
+    def eventually(command, wanted, words=(), form=attrgetter("said")):
+        until(lambda: form(tank(command, *words)) == wanted, f"{command}: {wanted}")
 
     return eventually
 
@@ -113,7 +105,7 @@ def test_it_prints_what_ros2_prints(heard, eventually, command):
         return comparable(run.output), run.status
 
     wanted = comparable(recorded(line)), recorded_status(line)
-    eventually(words, *wanted, words=[brace + value] if brace else (), form=form)
+    eventually(words, wanted, words=[brace + value] if brace else (), form=form)
 
 
 def test_pub_publishes_so_many_times(heard, tank):
@@ -151,7 +143,7 @@ def test_pub_writes_the_time_of_each_publication(heard, tank):
     ],
 )
 def test_it_prints_so_much(heard, eventually, command, stdout, status):
-    eventually(command, stdout, "", status)
+    eventually(command, (stdout, "", status))
 
 
 def test_lists_have_all_of_it(heard, eventually):
@@ -161,14 +153,14 @@ def test_lists_have_all_of_it(heard, eventually):
         f" * {JOINT_STATE} [sensor_msgs/msg/JointState] 1 subscriber\n",
         " * /joy [sensor_msgs/msg/Joy] 1 subscriber\n",
     )
-    eventually("topic list -v", True, form=lambda run: [all(line in run.stdout for line in lines)])
-    eventually("node list -a", True, form=lambda run: [set(run.stdout.splitlines()) > NODES])  # with a hidden one
+    eventually("topic list -v", True, form=lambda run: all(line in run.stdout for line in lines))
+    eventually("node list -a", True, form=lambda run: set(run.stdout.splitlines()) > NODES)  # with a hidden one
 
 
 def test_echo_ends_after_a_timeout_and_takes_a_relative_name(heard, eventually):
     timed, short = f"topic echo --timeout 1 --field header.stamp.sec {JOINT_STATE}", JOINT_STATE[1:]
-    eventually(timed, "8\n---\n8\n---", "", 0, form=lambda run: [run.stdout[:11], run.stderr, run.status])
-    eventually(f"topic echo --once --csv {short}", "8,160000000,", form=lambda run: [run.stdout[:12]])
+    eventually(timed, ("8\n---\n8\n---", "", 0), form=lambda run: (run.stdout[:11], run.stderr, run.status))
+    eventually(f"topic echo --once --csv {short}", "8,160000000,", form=lambda run: run.stdout[:12])
 
 
 @pytest.mark.parametrize(
@@ -211,8 +203,8 @@ def test_two_nodes_of_one_name(eventually):
     )
     looked_at = 'There are 2 nodes in the graph with the exact name "/twin". You are seeing information about only one'
     with NodeThread("twin"), NodeThread("twin"):
-        eventually("node list", "/twin\n/twin\n", listed, 0)
-        eventually("node info /twin", f"{looked_at} of them.\n", form=lambda run: [run.stderr])
+        eventually("node list", ("/twin\n/twin\n", listed, 0))
+        eventually("node info /twin", f"{looked_at} of them.\n", form=attrgetter("stderr"))
 
 
 def test_ros_arguments_and_a_name_for_the_node(tank, eventually):
@@ -230,7 +222,7 @@ def test_ros_arguments_and_a_name_for_the_node(tank, eventually):
     with NodeThread("talker") as talker:
         publisher = talker.node.create_publisher(String, "/y", 1)
         talker.node.create_timer(0.05, lambda: publisher.publish(String()))
-        eventually("topic echo --once --field data /x --ros-args -r /x:=/y", "\n---\n", "", 0)
+        eventually("topic echo --once --field data /x --ros-args -r /x:=/y", ("\n---\n", "", 0))
 
 
 @pytest.mark.process
