@@ -56,10 +56,8 @@ def files_in(folder):
 
 def is_trusted(path, folder):
     notary = NotebookNotary(data_dir=str(folder))
-    try:
+    with closing(notary.store):
         return notary.check_signature(nbformat.read(path, as_version=4))
-    finally:
-        notary.store.close()
 
 
 NOWHERE = dict.fromkeys(("BROWSER", "DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"), "")
