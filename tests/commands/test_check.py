@@ -73,7 +73,6 @@ def school(tmp_path_factory):
     notebook(room / "carl.ipynb", IMPORTS, AT_ONCE.format(ENDLESS), "await aim.check(HeldJoint)", RIGHT, CHECK)
     notebook(room / "dora.ipynb", IMPORTS, WHEN_CALLED.format(f"shutil.rmtree({str(folder)!r})"), CHECK)
     notebook(room / "emil.ipynb", IMPORTS, WHEN_CALLED.format("while True: print('x' * 10_000)"), CHECK)
-    notebook(room / "fred.ipynb", IMPORTS, WHEN_CALLED.format("open('f', 'w').write('x' * 10**8)"), CHECK)
     (room / "gina.ipynb").write_text("Dear teacher, \x1b[31m my dog has eaten it.")
     with (room / "hans.ipynb").open("wb") as file:
         file.truncate(submission.LARGEST + 1)
@@ -106,24 +105,19 @@ def judged(school, tmp_path_factory):
 
 
 DISTURBED = "The answer has disturbed the process that judged it."
-TABLE = [
-    ("anna", "by_name", "right", ""),
-    ("anna", "aim", "not tried", ""),
-    ("carl", "aim", "not judged", f"The answer did not come to its end within {LIMIT} s."),
-    ("carl", "by_name", "right", ""),
-    ("jack", "aim", "not judged", DISTURBED),
-    ("jack", "by_name", "right", ""),
-    ("kim", "aim", "not judged", "The answer ended the process that judged it."),
-    ("kim", "by_name", "right", ""),
-    ("moe", "aim", "not judged", DISTURBED),
-    ("moe", "by_name", "right", ""),
+AIM = [
+    ("anna", "not tried", ""),
+    ("carl", "not judged", f"The answer did not come to its end within {LIMIT} s."),
+    ("jack", "not judged", DISTURBED),
+    ("kim", "not judged", "The answer ended the process that judged it."),
+    ("moe", "not judged", DISTURBED),
 ]
 
 
-@pytest.mark.parametrize(("learner", "exercise", "verdict", "cause"), TABLE)
-def test_each_answer_has_its_verdict_and_what_it_did_is_charged_to_it_alone(judged, learner, exercise, verdict, cause):
-    answer = judged[0][learner][1][exercise]
-    assert (answer["verdict"], answer["cause"]) == (verdict, cause)
+@pytest.mark.parametrize(("learner", "verdict", "cause"), AIM)
+def test_each_answer_has_its_verdict_and_what_it_did_is_charged_to_it_alone(judged, learner, verdict, cause):
+    found = {exercise: (answer["verdict"], answer["cause"]) for exercise, answer in judged[0][learner][1].items()}
+    assert found == {"aim": (verdict, cause), "by_name": ("right", "")}
 
 
 def test_a_wrong_answer_has_its_cause_and_what_is_no_answer_has_none(judged):
@@ -142,7 +136,7 @@ def test_a_wrong_answer_has_its_cause_and_what_is_no_answer_has_none(judged):
 def test_nothing_is_deleted_or_filled_or_left(judged, school):
     learners, whole, *_ = judged
     assert (school.parent / "grades.txt").read_text() == "all of them"
-    assert {learners[learner][1]["by_name"]["verdict"] for learner in ("dora", "emil", "fred")} == {"wrong"}
+    assert {learners[learner][1]["by_name"]["verdict"] for learner in ("dora", "emil")} == {"wrong"}
     assert len(learners["emil"][1]["by_name"]["text"]) < 10_000
     assert len(whole["walls"]) >= 3
     assert not [line for line in command_lines() if SLEEPER.format(school) in line]
@@ -151,12 +145,12 @@ def test_nothing_is_deleted_or_filled_or_left(judged, school):
 def test_it_is_summed_up(judged):
     _, whole, done, junit = judged
     assert done.returncode == 1
-    assert whole["summary"][0].startswith("13 notebooks, ")
+    assert whole["summary"][0].startswith("12 notebooks, ")
     assert whole["summary"][1] == "3 notebooks could not be judged."
     assert whole["summary"][2].startswith("The most frequent cause (")
-    assert "13 of 13: " in done.stderr
+    assert "12 of 12: " in done.stderr
     suites = {suite.get("name"): suite for suite in ElementTree.parse(junit).getroot()}
-    assert len(suites) == 13
+    assert len(suites) == 12
     carl = suites["carl.ipynb"]
     assert [carl.get(key) for key in ("tests", "failures", "errors", "skipped")] == ["2", "0", "1", "0"]
     assert carl[0].find("error").get("message").startswith("The answer did not come to its end")

@@ -12,6 +12,7 @@ import threading
 import tomllib
 from contextlib import closing
 from dataclasses import replace
+from unittest.mock import Mock
 
 import psutil
 import pytest
@@ -22,29 +23,9 @@ from tutorial.commands.doctor import examination
 from tutorial.commands.doctor.contained import UnansweredError, ask
 from tutorial.commands.doctor.examination import examine
 from tutorial.commands.doctor.finding import Finding, layout, summary
-from tutorial.commands.doctor.installation import (
-    NEWEST,
-    OLDEST,
-    jupyter,
-    mujoco,
-    packages,
-    python,
-    python_home,
-    rendering,
-)
-from tutorial.commands.doctor.processes import (
-    FIRST_PORT,
-    PORTS,
-    Listener,
-    Process,
-    is_orphan,
-    listeners,
-    ports,
-    processes,
-    running,
-    title,
-)
-from tutorial.commands.doctor.ros import LAST_SAFE_DOMAIN, backend, discovery, domain, nodes
+from tutorial.commands.doctor.installation import jupyter, mujoco, packages, python, python_home, rendering
+from tutorial.commands.doctor.processes import Listener, Process, is_orphan, listeners, ports, processes, running, title
+from tutorial.commands.doctor.ros import backend, discovery, domain, nodes
 from tutorial.commands.lab import lab_command
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME
@@ -55,7 +36,6 @@ from tutorial.view import web
 HERE = "/usr/bin/python3"
 VENV = "in a virtual environment"
 JAZZY = {"version": "7.1.3", "file": "/opt/ros/jazzy/lib/rclpy/__init__.py", "rmw": "rmw_fastrtps_cpp"}
-SAID_OF_JAZZY = "rclpy 7.1.3, /opt/ros/jazzy/lib/rclpy/__init__.py, on rmw_fastrtps_cpp"
 ZENOH, DISTRO = JAZZY | {"rmw": "rmw_zenoh_cpp"}, {"ROS_DISTRO": "jazzy"}
 BROKEN = "there is a real rclpy, and it is broken: ImportError: "
 MINE = Process(pid=12, user="ann", is_mine=True, is_orphan=False, age=300.0, command=("tank", "joy"))
@@ -69,27 +49,14 @@ def only(findings) -> Finding:
 
 def answers(answer):
     """Stand in for a process that answers."""
-    return lambda _question, _environment: answer
+    return Mock(return_value=answer)
 
 
-def vulkan(_question, _environment):
-    raise UnansweredError("MUJOCO_GL is odd")
-
-
-def is_jazzy(_question, _environment):
-    return JAZZY
-
-
-def fails(_question, _environment):
-    raise UnansweredError("ImportError: libcrypto.so.3")
-
-
-REQUIRED = [
-    "numpy>=2",
-    "nowhere; platform_system == 'None'",
-    "pygame-ce>=2.5; extra == 'gamepad'",
-    "pytest; extra == 'test'",
-]
+answers_jazzy = answers(JAZZY)
+fails = Mock(side_effect=UnansweredError("ImportError: libcrypto.so.3"))
+vulkan = Mock(side_effect=UnansweredError("MUJOCO_GL is odd"))
+nonsense = Mock(side_effect=TutorialError("TUTORIAL_ROS is 'ros2'."))
+REQUIRED = ["numpy>=2", "nowhere; platform_system == 'None'", "pygame-ce>=2.5; extra == 'gamepad'"]
 NUMPY, PADS = {"numpy": "2.4.6"}, {"pygame-ce": "2.5.8"}
 RANGE, OTHER = "ROS_AUTOMATIC_DISCOVERY_RANGE", "all machines of this network"
 FAST = {"RMW_IMPLEMENTATION": "rmw_fastrtps_cpp"}
@@ -106,7 +73,7 @@ def draws(environment, good):
     return rendering(environment, ask_one, ("egl", "osmesa", "glfw"))
 
 
-def chosen(environment, choice="rclpy", is_there=True, answer=is_jazzy):
+def chosen(environment, choice="rclpy", is_there=True, answer=answers_jazzy):
     return backend(environment, lambda: choice, lambda: is_there, answer)
 
 
@@ -123,26 +90,23 @@ def has(text, part):
     return text.endswith(part[:-1]) if part.endswith("$") else part in text
 
 
-def nonsense():
-    raise TutorialError("TUTORIAL_ROS is 'ros2'.")
-
-
 @pytest.mark.parametrize(
     ("level", "said", "mend", "probe"),
     [
         ("problem", HERE, "", lambda: python((3, 10, 4), HERE, VENV)),
-        ("ok", VENV, "", lambda: python((3, 11, 0), HERE, VENV)),
         ("ok", "in a conda environment", "", lambda: python((3, 13, 9), HERE, "in a conda environment")),
-        ("problem", HERE, "", lambda: python((3, 14, 0), HERE, VENV)),
         ("note", "not in a virtual environment", "", lambda: python((3, 12, 3), HERE, "")),
         ("problem", "libcrypto", "python -m pip install --force-reinstall mujoco$", lambda: mujoco({}, fails)),
         ("problem", "cannot be imported: MUJOCO_GL is odd$", "unset MUJOCO_GL$", lambda: mujoco({}, vulkan)),
-        ("ok", "off the screen with egl, glfw of egl, osmesa, glfw;", "", lambda: draws({}, ("egl", "glfw"))),
-        ("ok", "; MUJOCO_GL is not set", "", lambda: draws({"MUJOCO_GL": ""}, ("egl", "glfw"))),
+        ("ok", "with egl, glfw of egl, osmesa, glfw; MUJOCO_GL is not set", "", lambda: draws({}, ("egl", "glfw"))),
         ("ok", "MUJOCO_GL is egl", "", lambda: draws({"MUJOCO_GL": "egl"}, ("egl",))),
         ("note", "but MUJOCO_GL is osmesa", "", lambda: draws({"MUJOCO_GL": "osmesa"}, ("egl",))),
-        ("note", "none of egl, osmesa, glfw draws", "", lambda: draws({"MUJOCO_GL": ""}, ())),
-        ("note", "mujoco.Renderer", "", lambda: draws({"MUJOCO_GL": ""}, ())),
+        (
+            "note",
+            "none of egl, osmesa, glfw draws off the screen. The tutorial itself",
+            "",
+            lambda: draws({"MUJOCO_GL": ""}, ()),
+        ),
         ("ok", "all 1 that the tutorial requires$", "", lambda: packages(REQUIRED, (NUMPY | PADS).get)),
         ("problem", "missing or too old: numpy", "-m pip install 'numpy>=2'$", lambda: packages(REQUIRED, PADS.get)),
         ("problem", "numpy 1.26.4 (needs >=2)", "", lambda: packages(REQUIRED, (PADS | {"numpy": "1.26.4"}).get)),
@@ -151,14 +115,8 @@ def nonsense():
         ("ok", "TUTORIAL_ROS=underlay$", "", lambda: chosen({"TUTORIAL_ROS": "underlay"} | DISTRO, "underlay")),
         ("problem", "libcrypto", "cyclonedds", lambda: chosen({}, "underlay", answer=fails)),
         ("note", "ROS 2 jazzy is set up", "--system-site-packages", lambda: chosen(DISTRO, "underlay")),
-        (
-            "ok",
-            f"ROS 2 jazzy, because this Python finds it: {SAID_OF_JAZZY} (the default)$",
-            "",
-            lambda: chosen(DISTRO),
-        ),
         ("ok", "because TUTORIAL_ROS=rclpy:", "", lambda: chosen({"TUTORIAL_ROS": "rclpy"} | DISTRO)),
-        ("ok", f"{SAID_OF_JAZZY} (RMW_IMPLEMENTATION)$", "", lambda: chosen(FAST | DISTRO)),
+        ("ok", "on rmw_fastrtps_cpp (RMW_IMPLEMENTATION)$", "", lambda: chosen(FAST | DISTRO)),
         ("note", "made for jazzy", ". /opt/ros/jazzy/setup.bash", lambda: chosen({"ROS_DISTRO": "humble"})),
         ("note", "does not speak DDS", "export RMW_IMPLEMENTATION=", lambda: chosen(DISTRO, answer=answers(ZENOH))),
         ("problem", f"{BROKEN}libcrypto.so.3", "export TUTORIAL_ROS=underlay", lambda: chosen(DISTRO, answer=fails)),
@@ -172,11 +130,9 @@ def nonsense():
         ("note", "what the middleware is configured for", "=LOCALHOST", lambda: reach("SYSTEM_DEFAULT", True)),
         ("problem", "Did you mean 'LOCALHOST'?", f"unset {RANGE}", lambda: reach("LOCAL", False)),
         ("ok", "0 (the default", "", lambda: domain({"ROS_DOMAIN_ID": ""})),
-        ("ok", "42 (ROS_DOMAIN_ID)", "", lambda: domain({"ROS_DOMAIN_ID": "42"})),
-        ("ok", "101", "", lambda: domain({"ROS_DOMAIN_ID": "101"})),
-        ("note", "its ports, from 32900 on", "", lambda: domain({"ROS_DOMAIN_ID": "102"})),
+        ("ok", f"{domains.LAST} (ROS_DOMAIN_ID)", "", lambda: domain({"ROS_DOMAIN_ID": str(domains.LAST)})),
+        ("note", "its ports, from 32900 on", "", lambda: domain({"ROS_DOMAIN_ID": str(domains.LAST + 1)})),
         ("problem", "is '233', and must be a number from 0 to 232", "", lambda: domain({"ROS_DOMAIN_ID": "233"})),
-        ("problem", "ROS_DOMAIN_ID is '-1'", "", lambda: domain({"ROS_DOMAIN_ID": "-1"})),
         ("problem", "'one'", "", lambda: domain({"ROS_DOMAIN_ID": "one"})),
         ("ok", "in domain 7: nobody else", "", named),
         ("ok", "in domain 7: /joy, /viewer", "", lambda: named("/viewer", "/joy")),
@@ -186,7 +142,6 @@ def nonsense():
         ("note", "nobody was looked for", "", lambda: nodes({"ROS_DOMAIN_ID": "x"}, fails)),
         ("problem", "a node cannot be made: ImportError", "", lambda: nodes({}, fails)),
         ("ok", "", "", lambda: processes([replace(MINE, command=("bash", "-l"))])),
-        ("ok", "the next 3D view of tank run is on 7000$", "", lambda: ports([])),
     ],
 )
 def test_what_there_is_is_found(level, said, mend, probe):
@@ -244,7 +199,6 @@ def test_what_else_was_set_by_hand(name):
         (("/v/bin/python", "/v/bin/tank", "--help"), None),
         (("vim", "/x/tank", "run"), None),
         (("python", "-m", "jupyterlab"), None),
-        (("python",), None),
         ((), None),
     ],
 )
@@ -279,8 +233,11 @@ def test_ports_that_are_taken():
     assert first.text == "7000 is taken by tank run step2, pid 12"
     assert second.text == "7001 is taken by a process of another user"
     assert free.text == "the next 3D view of tank run is on 7002"
-    *_, finding = ports([Listener(7000 + n, 12, "x") for n in range(100)])
+    every = [Listener(web.FIRST_PORT + n, 12, "x") for n in range(web.PORTS_TRIED)]
+    *_, finding = ports(every)
     assert (finding.level, "--port" in finding.mend) == ("problem", True)
+    *_, finding = ports(every[:-1])
+    assert finding.text.endswith(f"on {every[-1].port}")
 
 
 def test_a_port_that_this_process_listens_on_and_one_that_it_only_uses():
@@ -291,12 +248,10 @@ def test_a_port_that_this_process_listens_on_and_one_that_it_only_uses():
     assert port not in [each.port for each in listeners()]
 
 
-def test_the_doctor_knows_what_the_rest_of_the_house_has():
-    python_range = SpecifierSet(tomllib.loads((HOME / "pyproject.toml").read_text())["project"]["requires-python"])
-    assert [minor for minor in range(30) if f"3.{minor}.0" in python_range] == [11, 12, 13]
-    assert (OLDEST, NEWEST) == ((3, 11), (3, 13))
-    assert (FIRST_PORT, PORTS) == (web.FIRST_PORT, web.PORTS_TRIED)
-    assert LAST_SAFE_DOMAIN == domains.LAST
+def test_the_pythons_that_the_project_is_for_are_well():
+    required = SpecifierSet(tomllib.loads((HOME / "pyproject.toml").read_text())["project"]["requires-python"])
+    levels = [only(python((3, minor, 0), HERE, VENV)).level for minor in range(30)]
+    assert levels == ["ok" if f"3.{minor}.0" in required else "problem" for minor in range(30)]
 
 
 def test_a_problem_without_a_mend_is_a_defect():
@@ -323,9 +278,7 @@ def test_a_probe_that_fails_is_a_finding():
         yield Finding("first", "ok", "fine")
         raise ValueError("odd")
 
-    def lacking():
-        raise ModuleNotFoundError("No module named 'psutil'", name="psutil")
-
+    lacking = Mock(side_effect=ModuleNotFoundError("No module named 'psutil'", name="psutil"))
     first, second = map(only, examine({"first": broken, "second": lacking}))
     assert (first.level, first.text) == ("note", "it could not be looked at: ValueError: odd")
     assert (second.level, second.mend) == ("note", "python -m pip install psutil")
@@ -341,11 +294,7 @@ def test_a_probe_that_takes_too_long_is_given_up():
 
 @pytest.mark.process
 @pytest.mark.parametrize(
-    ("module", "said"),
-    [
-        ("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)", "crashed with SIGSEGV"),
-        ("1 / 0", "ZeroDivisionError"),
-    ],
+    ("module", "said"), [("import os; os.abort()", "crashed with SIGABRT"), ("1 / 0", "ZeroDivisionError")]
 )
 def test_what_crashes_elsewhere_is_only_an_answer_that_does_not_come(tmp_path, module, said):
     (tmp_path / "mujoco.py").write_text(module)
@@ -354,15 +303,12 @@ def test_what_crashes_elsewhere_is_only_an_answer_that_does_not_come(tmp_path, m
 
 
 def test_no_answer_in_time_and_a_failure_without_a_word_are_said(monkeypatch):
-    def run(words, timeout, **_):
-        raise subprocess.TimeoutExpired(words, timeout)
-
-    monkeypatch.setattr(subprocess, "run", run)
-    with pytest.raises(UnansweredError, match=r"^no answer within 0\.5 s$"):
-        ask("mujoco", {}, patience=0.5)
-    monkeypatch.setattr(subprocess, "run", lambda *_, **__: subprocess.CompletedProcess((), 3, "", " \n"))
-    with pytest.raises(UnansweredError, match=r"^exit status 3$"):
-        ask("mujoco", {})
+    ends = [subprocess.TimeoutExpired((), 0.5), subprocess.CompletedProcess((), 3, "", " \n")]
+    monkeypatch.setattr(subprocess, "run", run := Mock(side_effect=ends))
+    for said in (r"^no answer within 0\.5 s$", r"^exit status 3$"):
+        with pytest.raises(UnansweredError, match=said):
+            ask("mujoco", {}, patience=0.5)
+        assert run.call_args.kwargs["timeout"] == 0.5
 
 
 def examined(**environment: str) -> subprocess.CompletedProcess[str]:
@@ -389,14 +335,10 @@ def orphan():
 
 @pytest.mark.process
 def test_the_whole_command(domain, orphan):
-    def has_met_the_twins():
-        runs.append(examined())
-        return "2 x /twin" in runs[-1]
-
     runs: list[str] = []
     with closing(NodeThread("twin")), closing(NodeThread("twin")), web._listen(None) as taken:
         port = taken.getsockname()[1]
-        until(has_met_the_twins, "the twins")
+        until(lambda: runs.append(examined()) or "2 x /twin" in runs[-1], "the twins")
     said = runs[-1]
     for line in (
         rf"nodes +note +in domain {domain}: .*2 x /twin.*",
@@ -417,12 +359,7 @@ def test_the_whole_command_where_nothing_is_well(tmp_path):
     (tmp_path / "rclpy").mkdir()
     (tmp_path / "rclpy" / "__init__.py").write_text("raise ImportError('no librcl_action.so')\n")
     said = examined(PYTHONPATH=f"{tmp_path}", TUTORIAL_ROS="", ROS_DOMAIN_ID="many", MUJOCO_GL="vulkan")
-    for words in (
-        f"{BROKEN}no librcl_action.so",
-        "ROS_DOMAIN_ID is 'many'",
-        "nobody was looked for",
-        "-> unset MUJOCO_GL",
-    ):
+    for words in (f"{BROKEN}no librcl_action.so", "ROS_DOMAIN_ID is 'many'", "nobody was looked", "unset MUJOCO_GL"):
         assert words in " ".join(said.split())
     assert "Traceback" not in said
     assert "TUTORIAL_ROS is 'ros2'" in examined(TUTORIAL_ROS="ros2")

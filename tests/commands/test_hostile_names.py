@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import os
-import pty
 import re
-import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 
 import pytest
 from domains import reserved_domain
 from hostile_peer import BACKWARDS, ESCAPES, FORGED, JOINTS, LONG, NODES, SAID, hostile_peer
-from programs import TANK, until
+from programs import until
 
 from tutorial import ros_backend
 from tutorial.ros.topics.names import full_name, shown
@@ -28,19 +25,6 @@ LAYOUT = re.compile(r"\n")
 WITH_A_BAR = re.compile(r"\n|\r|\x1b\[A|\x1b\[[\d;]*m")
 """What ``tank`` sends by itself: a progress bar, and colours."""
 STRING = "std_msgs/msg/String"
-
-
-def at_a_terminal(*words):
-    """Run a command at a terminal of its own; return its exit status, and what it printed, with its own line ends."""
-    master, slave = pty.openpty()
-    environment, printed = {**os.environ, "COLUMNS": "200"}, b""
-    with subprocess.Popen([TANK, *words], stdin=slave, stdout=slave, stderr=slave, env=environment) as process:
-        os.close(slave)
-        with suppress(OSError):  # Linux's way to say that nobody has the other end
-            while part := os.read(master, 65536):
-                printed += part
-    os.close(master)
-    return process.returncode, printed.decode(errors="surrogateescape").replace("\r\n", "\n")
 
 
 @contextmanager
@@ -78,13 +62,8 @@ COMMANDS = [
     (("topic", "type", "/type0"), 0, [r"\x1b[2J\x1b]0;mine\x07/msg/X"]),
     (("topic", "find", STRING), 0, [r"/\u202egpj", "/1abc\n"]),
     (("topic", "echo", "--timeout", "1", SAID), 0, [r'data: "\e[2J\e]0;mine\a"', r'data: "\u202egpj.exe"']),
-    (("topic", "echo", "--timeout", "1", "--csv", SAID), 0, [shown(ESCAPES), shown(FORGED), shown(BACKWARDS)]),
-    (("topic", "echo", "--timeout", "1", "--field", "data", SAID), 0, [shown(ESCAPES), r"/forged\u2028\x85b"]),
     (("topic", "echo", "--once", JOINTS), 0, [r"frame_id: <img src=x onerror=window.pwned=1>", f"- {LONG[:128]}..."]),
     (("topic", "echo", "/type0"), 1, [r"The message type '\x1b[2J\x1b]0;mine\x07/msg/X' is invalid"]),
-    (("topic", "echo", "/type3"), 1, ["The message type 'antigravity/msg/X' is invalid"]),
-    (("topic", "echo", "/1abc"), 1, ["topic name token must not start with a number"]),
-    (("topic", "pub", "--once", "-w", "0", SAID, STRING, f"data: {BACKWARDS}"), 0, [r"(data='\u202egpj.exe')"]),
     (("node", "list"), 0, LISTED),
     (("node", "info", f"/{ESCAPES}"), None, [shown(f"/{ESCAPES}")]),
     (("node", "info", "//x/a/b"), None, ["//x/a/b"]),
@@ -105,23 +84,13 @@ def test_a_command_prints_names_and_texts_without_obeying_them(hostile, tank, co
     until(says_so, f"the end with {status}, and {lines}")
 
 
-@pytest.mark.parametrize(
-    ("command", "said"),
-    [(("node", "list"), f"/{shown(ESCAPES)}\n"), (("run", "step3", "--headless", "--duration", "3"), UNKNOWN)],
-)
-def test_a_terminal_obeys_nothing_but_bars_and_colours(hostile, command, said):
+def test_a_terminal_obeys_nothing_but_bars_and_colours(hostile, at_a_terminal):
     def says_so():
-        status, text = at_a_terminal(*command)
+        status, text = at_a_terminal("run", "step3", "--headless", "--duration", "3")
         harmless(text, WITH_A_BAR)
-        return status == 0 and said in text
+        return status == 0 and UNKNOWN in text
 
-    until(says_so, said)
-
-
-def test_a_command_that_goes_on(hostile, tank):
-    run = tank("topic hz", SAID, once="std dev")
-    harmless(run.output, re.compile(r"[\n\t]"))
-    assert run.status == 2
+    until(says_so, UNKNOWN)
 
 
 def test_a_bag_of_what_they_say(hostile, tank, tmp_path, monkeypatch):

@@ -18,7 +18,6 @@ import pytest
 from tutorial.commands import launcher
 from tutorial.commands.launcher import Launcher, load_launch_file
 from tutorial.errors import TutorialError
-from tutorial.paths import find_launch_file
 
 INT, KILL = signal.SIGINT, signal.SIGKILL
 FILE = """from launch import LaunchDescription
@@ -87,16 +86,13 @@ class Machine:
     """Starts what stands in for processes."""
 
     def __init__(self, monkeypatch):
-        self.processes, self.given, self.out = [], [], io.StringIO()
+        self.processes, self.given, self.out, self.heed = [], [], io.StringIO(), Mock()
         monkeypatch.setattr(asyncio, "create_subprocess_exec", self.spawn)
         monkeypatch.setattr(launcher.lifeline, "signal_group", lambda pid, n: self.processes[pid].signal(n))
         monkeypatch.setattr(launcher, "heed", self.heed)
 
-    def heed(self, ask, at_once, hangup):
-        self.asked, self.at_once, self.hangup = ask, at_once, hangup
-
     def ask(self):
-        self.asked()
+        self.heed.call_args.args[0]()
 
     async def spawn(self, *words, pass_fds, start_new_session, **how):
         (end,) = pass_fds
@@ -165,7 +161,7 @@ def test_asked_to_stop_it_stops_all_and_who_does_not_is_killed(machine, launch_f
     monkeypatch.setattr(launcher, "PATIENCE", 0.2)
     assert machine.run(launch_file(sleeper=["sleeper"], stubborn=["stubborn"]), machine.ask) == 0
     assert machine.launcher.interrupted
-    assert machine.hangup
+    assert machine.heed.call_args.kwargs["hangup"]
     assert machine.lines[-1] == "stubborn | did not stop within 0.2 s and is killed"
     assert machine.heard[0] == [INT]
     assert machine.heard[1][:2] == [INT, KILL]
@@ -196,21 +192,9 @@ def test_what_was_started_is_stopped_when_another_cannot_be(machine, launch_file
 
 
 def test_when_nobody_reads_any_more_all_are_stopped(machine, launch_file, monkeypatch):
-    def fail(_text):
-        raise BrokenPipeError
-
-    monkeypatch.setattr(machine.out, "write", fail)
+    monkeypatch.setattr(machine.out, "write", Mock(side_effect=BrokenPipeError))
     assert machine.run(launch_file(sleeper=["sleeper"])) == 0
     assert machine.heard == [[INT]]
-
-
-@pytest.mark.parametrize("step", ["step1", "step2", "step3", "step7"])
-def test_the_steps_launch_files_list_their_processes(step):
-    processes = load_launch_file(find_launch_file(step))
-    names = ["joystick", "simulation", "viewer"][: 2 + (step in ("step3", "step7"))]
-    assert [process.name for process in processes] == names
-    assert all(process.cmd[0] == "tank" for process in processes)
-    assert all(f"__node:={process.name}" in process.cmd for process in processes)
 
 
 DEFINED = "def generate_launch_description()"
@@ -223,14 +207,11 @@ DEFINED = "def generate_launch_description()"
         ("x = 1", "has no function generate_launch_description()"),
         (f"\n{DEFINED}: 1 / 0", ".py, line 2, in generate_launch_description: ZeroDivisionError: division by zero"),
         ("raise SystemExit(0)", "test.launch.py, line 1: SystemExit: 0"),
-        ("def generate_launch_description(", "SyntaxError"),
-        (f"{DEFINED}: return {{}}['key']", "KeyError: 'key'"),
         (f"{DEFINED}: pass", "returned no LaunchDescription"),
         (FILE.format(""), "describes no process"),
         (FILE.format("ExecuteProcess(cmd=[])"), "its cmd is empty. Give the program and its arguments, such"),
         (FILE.format("ExecuteProcess(cmd=[''])"), "its cmd is empty. Give"),
         (FILE.format("ExecuteProcess(cmd='tank joy')"), "its cmd is 'tank joy'. Give a list of words"),
-        (FILE.format("ExecuteProcess(cmd=None)"), "its cmd is None. Give a list of words"),
         (FILE.format("ExecuteProcess(cmd=[['tank']] * 10_000)"), "its cmd is [['tank'], ['tank']"),
         (FILE.format("ExecuteProcess(cmd=['true'], name='n' * 300)"), "its name is 'nnn"),
         (FILE.format(r"ExecuteProcess(cmd=['a'], name='\x1b[2J')"), r"its name is '\x1b[2J'. Give a text of 60"),

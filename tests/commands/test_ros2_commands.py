@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from functools import partial
+from operator import attrgetter
 
 import pytest
 from click.testing import CliRunner
@@ -29,60 +30,41 @@ JOY = "/joy sensor_msgs/msg/Joy"
 NODES = {"/simulation", "/viewer", "/joystick"}
 
 
-class Graph:
-    """The three nodes of the recording, each with a context of its own, and what the simulation hears."""
-
-    def __init__(self, stack: ExitStack) -> None:
-        self.heard: list[list[float]] = []
-        names = ("simulation", "viewer", "joystick")
-        simulation, viewer, joystick = self.nodes = [stack.enter_context(NodeThread(name)).node for name in names]
+@pytest.fixture(scope="module")
+def nodes() -> Iterator[tuple[int, list[list[float]]]]:
+    """The three nodes of the recording, each with a context of its own: their domain, and what the simulation hears."""
+    heard: list[list[float]] = []
+    with reserved_domain() as domain, pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
+        patch.setenv("ROS_DOMAIN_ID", str(domain))
+        three = [stack.enter_context(NodeThread(name)).node for name in ("simulation", "viewer", "joystick")]
+        simulation, viewer, joystick = three
         message = JointState(name=["TURRET_Y", "TURRET_P"], position=[0.25, -0.00979])
         message.velocity, message.effort = [0.0, 0.0], [0.0, 1.9613]
         message.header.stamp.sec, message.header.stamp.nanosec = 8, 160_000_000
         publisher = simulation.create_publisher(JointState, JOINT_STATE, 1)
         simulation.create_timer(1 / 50.0, lambda: publisher.publish(message))
-        simulation.create_subscription(Joy, "/joy", lambda joy: self.heard.append(list(joy.axes)), 10)
+        simulation.create_subscription(Joy, "/joy", lambda joy: heard.append(list(joy.axes)), 10)
         viewer.create_subscription(JointState, JOINT_STATE, lambda _: None, 1)
         joystick.create_publisher(Joy, "/joy", 1)
-        until(lambda: all(map(self.is_met, self.nodes)), "all nodes")
-
-    def is_met(self, node) -> bool:
-        counts = (node.count_publishers, node.count_subscribers)
-        return all(count(each) for count in counts for each in (JOINT_STATE, "/joy"))
-
-
-@pytest.fixture(scope="module")
-def nodes() -> Iterator[tuple[int, Graph]]:
-    with ExitStack() as stack:
-        domain = stack.enter_context(reserved_domain())
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setenv("ROS_DOMAIN_ID", str(domain))
-            graph = Graph(stack)
-        yield domain, graph
+        counts = [count for node in three for count in (node.count_publishers, node.count_subscribers)]
+        until(lambda: all(count(topic) for count in counts for topic in (JOINT_STATE, "/joy")), "all nodes")
+        yield domain, heard
 
 
 @pytest.fixture
-def graph(nodes, tank, monkeypatch) -> Graph:
-    """The nodes of the recording; the test's commands are in their domain."""
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(nodes[0]))
-    return nodes[1]
+def heard(nodes, tank, monkeypatch) -> list[list[float]]:
+    """What the recording's nodes hear on /joy; the test's commands are in their domain."""
+    domain, heard = nodes
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    return heard
 
 
 @pytest.fixture
 def eventually(tank):
     """Run a command until its output, its errors and its status are such: a discovery may be slow on a busy machine."""
 
-    def eventually(command, *wanted, words=(), form=lambda run: run.said):
-        last = []
-
-        def agrees():
-            last[:] = form(tank(command, *words))
-            return last == list(wanted)
-
-        try:
-            until(agrees, command)
-        finally:
-            assert last == list(wanted)
+    def eventually(command, wanted, words=(), form=attrgetter("said")):
+        until(lambda: form(tank(command, *words)) == wanted, f"{command}: {wanted}")
 
     return eventually
 
@@ -96,47 +78,43 @@ def comparable(text: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("command", "value"),
+    "command",
     [
-        ("node list", None),
-        ("node info /simulation", None),
-        ("node info /nobody", None),
-        ("topic list", None),
-        ("topic list -t", None),
-        (f"topic info {JOINT_STATE}", None),
-        (f"topic info -v {JOINT_STATE}", None),
-        ("topic info /nothing", None),
-        (f"topic type {JOINT_STATE}", None),
-        ("topic find sensor_msgs/msg/JointState", None),
-        (f"topic echo --once {JOINT_STATE}", None),
-        (f"topic echo --once --field position {JOINT_STATE}", None),
-        (f"topic echo --once --csv {JOINT_STATE}", None),
-        ("topic echo --once /nothing", None),
-        ("topic pub --once /joy sensor_msgs/msg/Joyy {}", None),
-        (f"topic pub --once {JOY}", "{axes: [0.0, 0.5]}"),
-        (f"topic pub -r 5 --times 3 {JOY}", "{axes: [0.0, 0.5]}"),
-        (f"topic pub --once {JOY}", "{axis: [0.0, 0.5]}"),
+        "node list",
+        "node info /simulation",
+        "node info /nobody",
+        "topic list -t",
+        f"topic info -v {JOINT_STATE}",
+        "topic info /nothing",
+        f"topic type {JOINT_STATE}",
+        "topic find sensor_msgs/msg/JointState",
+        f"topic echo --once {JOINT_STATE}",
+        "topic echo --once /nothing",
+        "topic pub --once /joy sensor_msgs/msg/Joyy {}",
+        f"topic pub --once {JOY} {{axes: [0.0, 0.5]}}",
+        f"topic pub --once {JOY} {{axis: [0.0, 0.5]}}",
     ],
 )
-def test_it_prints_what_ros2_prints(graph, eventually, command, value):
-    words = (value,) if value else ()
-    line = " ".join(("ros2", command, *words))
+def test_it_prints_what_ros2_prints(heard, eventually, command):
+    line = f"ros2 {command}"
+    words, brace, value = command.partition("{")
 
     def form(run):
         if run.status:
             assert run.stderr.endswith(recorded(line).splitlines()[-1] + "\n")
         return comparable(run.output), run.status
 
-    eventually(command, comparable(recorded(line)), recorded_status(line), words=words, form=form)
+    wanted = comparable(recorded(line)), recorded_status(line)
+    eventually(words, wanted, words=[brace + value] if brace else (), form=form)
 
 
-def test_pub_publishes_so_many_times(graph, tank):
+def test_pub_publishes_so_many_times(heard, tank):
     run = tank(f"topic pub -r 50 --times 3 -p 0 {JOY}", "{axes: [0.0, 0.25]}")
-    assert (run.status, run.stderr) == (0, "")
-    until(lambda: graph.heard.count([0.0, 0.25]) == 3, "three messages")
+    assert (run.status, run.stderr, "publishing" in run.stdout) == (0, "", False)
+    until(lambda: heard.count([0.0, 0.25]) == 3, "three messages")
 
 
-def test_pub_waits_for_a_subscription(graph, tank):
+def test_pub_waits_for_a_subscription(heard, tank):
     received, waits = [], "Waiting for at least 1 matching subscription(s)...\n"
     with NodeThread("listener") as listener:
         listen = partial(listener.node.create_subscription, String, "/x", lambda m: received.append(m.data), 1)
@@ -146,7 +124,7 @@ def test_pub_waits_for_a_subscription(graph, tank):
     assert run.stdout.endswith("publisher: beginning loop\npublishing #1: std_msgs.msg.String(data='hello')\n\n")
 
 
-def test_pub_writes_the_time_of_each_publication(graph, tank):
+def test_pub_writes_the_time_of_each_publication(heard, tank):
     run = tank("topic pub -r 20 -t 2 -w 0 /stamped std_msgs/msg/Header", "{stamp: now}")
     first, second = re.findall(r"Time\(sec=(\d+), nanosec=(\d+)\)", run.stdout)
     assert first > ("0", "0")
@@ -161,42 +139,39 @@ def test_pub_writes_the_time_of_each_publication(graph, tank):
         ("node list -c", "3\n", 0),
         ("topic find -c sensor_msgs/msg/Joy", "1\n", 0),
         ("topic list -c", "4\n", 0),
-        ("topic echo --timeout 0.1 /joy", "", 0),
         ("topic echo --timeout 0.1 /later std_msgs/msg/String", "", 0),
     ],
 )
-def test_it_prints_so_much(graph, eventually, command, stdout, status):
-    eventually(command, stdout, "", status)
+def test_it_prints_so_much(heard, eventually, command, stdout, status):
+    eventually(command, (stdout, "", status))
 
 
-def test_lists_have_all_of_it(graph, eventually):
+def test_lists_have_all_of_it(heard, eventually):
     lines = (
         " * /joy [sensor_msgs/msg/Joy] 1 publisher\n",
         "\n\nSubscribed topics:\n",
         f" * {JOINT_STATE} [sensor_msgs/msg/JointState] 1 subscriber\n",
         " * /joy [sensor_msgs/msg/Joy] 1 subscriber\n",
     )
-    eventually("topic list -v", True, form=lambda run: [all(line in run.stdout for line in lines)])
-    eventually("node list -a", True, form=lambda run: [set(run.stdout.splitlines()) > NODES])  # with a hidden one
+    eventually("topic list -v", True, form=lambda run: all(line in run.stdout for line in lines))
+    eventually("node list -a", True, form=lambda run: set(run.stdout.splitlines()) > NODES)  # with a hidden one
 
 
-def test_echo_ends_after_a_timeout_and_takes_a_relative_name(graph, eventually):
+def test_echo_ends_after_a_timeout_and_takes_a_relative_name(heard, eventually):
     timed, short = f"topic echo --timeout 1 --field header.stamp.sec {JOINT_STATE}", JOINT_STATE[1:]
-    eventually(timed, "8\n---\n8\n---", "", 0, form=lambda run: [run.stdout[:11], run.stderr, run.status])
-    eventually(f"topic echo --once --csv {short}", "8,160000000,", form=lambda run: [run.stdout[:12]])
+    eventually(timed, ("8\n---\n8\n---", "", 0), form=lambda run: (run.stdout[:11], run.stderr, run.status))
+    eventually(f"topic echo --once --csv {short}", "8,160000000,", form=lambda run: run.stdout[:12])
 
 
 @pytest.mark.parametrize(
     ("command", "said"),
     [
         (f"topic hz -w 50 {JOINT_STATE}", "std dev: "),
-        ("topic hz /nothing", recorded("ros2 topic hz /nothing")),
         (f"topic echo {JOINT_STATE}", "---\nheader:\n"),
-        ("topic echo /nothing std_msgs/msg/String", ""),
         ("topic pub -r 2 /mine std_msgs/msg/String", "publishing #2: std_msgs.msg.String(data='')\n\n"),
     ],
 )
-def test_ctrl_c_ends_it_as_it_ends_ros2(graph, tank, command, said):
+def test_ctrl_c_ends_it_as_it_ends_ros2(heard, tank, command, said):
     """Its exit status is 2, the number of the signal."""
     assert tank(command, once=said).status == 2
 
@@ -210,7 +185,7 @@ def test_hz_by_simulated_time_has_a_node_that_uses_it(monkeypatch):
 
 
 @pytest.mark.process
-def test_nobody_reads_on(graph):
+def test_nobody_reads_on(heard):
     """What ``| head -1`` does: each line is in the pipe at once, and then there is no pipe."""
     words = [TANK, "topic", "echo", JOINT_STATE]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
@@ -228,8 +203,8 @@ def test_two_nodes_of_one_name(eventually):
     )
     looked_at = 'There are 2 nodes in the graph with the exact name "/twin". You are seeing information about only one'
     with NodeThread("twin"), NodeThread("twin"):
-        eventually("node list", "/twin\n/twin\n", listed, 0)
-        eventually("node info /twin", f"{looked_at} of them.\n", form=lambda run: [run.stderr])
+        eventually("node list", ("/twin\n/twin\n", listed, 0))
+        eventually("node info /twin", f"{looked_at} of them.\n", form=attrgetter("stderr"))
 
 
 def test_ros_arguments_and_a_name_for_the_node(tank, eventually):
@@ -247,7 +222,7 @@ def test_ros_arguments_and_a_name_for_the_node(tank, eventually):
     with NodeThread("talker") as talker:
         publisher = talker.node.create_publisher(String, "/y", 1)
         talker.node.create_timer(0.05, lambda: publisher.publish(String()))
-        eventually("topic echo --once --field data /x --ros-args -r /x:=/y", "\n---\n", "", 0)
+        eventually("topic echo --once --field data /x --ros-args -r /x:=/y", ("\n---\n", "", 0))
 
 
 @pytest.mark.process
@@ -262,16 +237,12 @@ JOYS = "sensor_msgs/msg/Joy"
 @pytest.mark.parametrize(
     ("type_name", "text", "problem"),
     [
-        (JOYS, "{axis: [0.0, 0.5]}", "'Joy' object has no attribute 'axis'"),
         (JOYS, "{header: {stmp: 1}}", "'Header' object has no attribute 'stmp'"),
         (JOYS, "{axes: [a]}", "must be real number, not str"),
-        (JOYS, "{axes: 0.5}", "'float' object is not iterable"),
-        (JOYS, "{header: 3}", "Value '3' is expected to be a dictionary but is a int"),
         (JOYS, "{header: atuo}", "Value 'atuo' is expected to be a dictionary but is a str"),
         ("std_msgs/msg/Float64", "{data: null}", "Value 'None' is expected to be a dictionary but is a NoneType"),
         ("std_msgs/msg/Float64", "{data: fast}", "could not convert string to float: 'fast'"),
         ("std_msgs/msg/Int8", "{data: 300}", "The 'data' field must be"),
-        ("sensor_msgs/msg/JointState", "{name: [1, 2]}", "The 'name' field must be"),
         ("sensor_msgs/msg/Imu", "{orientation_covariance: [1.0]}", "The 'orientation_covariance' "),
         ("diagnostic_msgs/msg/DiagnosticStatus", "{values: [{ky: a}]}", "'KeyValue' object has no attribute 'ky'"),
     ],
@@ -287,7 +258,6 @@ def test_what_does_not_fit(type_name, text, problem):
         ("sensor_msgs/Joy", "{axes: [0, 0.5], buttons: [1]}", "axes=[0.0, 0.5], buttons=[1])"),
         ("std_msgs/msg/String", "data: 5", "std_msgs.msg.String(data='5')"),
         ("std_msgs/msg/Float64", "{data: 1e-3}", "std_msgs.msg.Float64(data=0.001)"),
-        ("geometry_msgs/msg/Point", "{}", "geometry_msgs.msg.Point(x=0.0, y=0.0, z=0.0)"),
         ("geometry_msgs/msg/Pose", "{position: {x: 1}}", "position=geometry_msgs.msg.Point(x=1.0, y=0.0, z=0.0)"),
         (
             "diagnostic_msgs/msg/DiagnosticStatus",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from click.testing import CliRunner
 
@@ -22,19 +24,9 @@ def test_it_prints_what_the_controller_publishes(given):
     assert done.output == robot_description(Body.displayed(Placement("Crane", MODELS / "crane.xml")))
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (None, "there is no model 'tnak'. Did you mean 'tank'? Known are 'crane', 'labo', 'tank'."),
-        ("<mujoco><worldbody><body><geom/></body></worldbody></mujoco>", "MuJoCo says: "),
-        ("<mujoco><worldbody><body pos='1e99 0 0'><geom size='1'/></body></worldbody></mujoco>", "has a body_pos"),
-    ],
-)
-def test_a_model_that_is_none_is_said(text, said, tmp_path):
-    given = "tnak"
-    if text is not None:
-        given = str(tmp_path / "mine.xml")
-        (tmp_path / "mine.xml").write_text(text, encoding="utf-8")
-    done = CliRunner().invoke(tank, ["urdf", given])
-    assert isinstance(done.exception, TutorialError)
-    assert said in str(done.exception)
+def test_a_model_that_is_none_is_said(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.xml").write_text("<mujoco><worldbody><body><geom/></body></worldbody></mujoco>")
+    for given, said in (("tnak", "there is no model 'tnak'. Did you mean 'tank'?"), ("mine.xml", "MuJoCo says")):
+        with pytest.raises(TutorialError, match=re.escape(said)):
+            CliRunner().invoke(tank, ["urdf", given], catch_exceptions=False)
