@@ -54,33 +54,17 @@ def writer(topic: str, type_name: str, qos: Qos) -> DataWriter:
     return DataWriter(participant, Topic(participant, topic, payload_type(type_name)), qos)
 
 
-def announcement(*names: str) -> bytes:
-    """Return an announcement of nodes."""
-    nodes = [NodeEntitiesInfo(node_namespace="/", node_name=name) for name in names]
-    gid = Gid(data=list(participant.guid.bytes))
-    return encode(ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=nodes))
-
-
-def announcer() -> Callable[[bytes], None]:
-    """Return what sends announcements."""
-    announcing = writer("ros_discovery_info", "rmw_dds_common/msg/ParticipantEntitiesInfo", _WRITER_QOS)
-    return lambda data: announcing.write(announcing.topic.data_type(data))
-
-
-def announcements() -> Step:
-    """Announce two thousand nodes, and, because these are too many to be read, a thousand in turn."""
-    announce = announcer()
-    data = cycle([announcement(*(f"node_{i}" for i in range(number))) for number in (2000, 1000)])
-    return lambda: announce(next(data))
-
-
 def names() -> Step:
     """Let nodes and topics come and go that nobody should be called like."""
-    announce, numbers, there = announcer(), count(), list[DataWriter]()
+    announcing = writer("ros_discovery_info", "rmw_dds_common/msg/ParticipantEntitiesInfo", _WRITER_QOS)
+    gid = Gid(data=list(participant.guid.bytes))
+    numbers, there = count(), list[DataWriter]()
 
     def step() -> None:
         number = next(numbers)
-        announce(announcement(*(f"{name[:240]}{number}" for name in NODES)))
+        nodes = [NodeEntitiesInfo(node_namespace="/", node_name=f"{name[:240]}{number}") for name in NODES]
+        announcement = ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=nodes)
+        announcing.write(announcing.topic.data_type(encode(announcement)))
         for topic in TOPICS:
             there.append(writer(f"{topic}{number}"[:240], "sensor_msgs/msg/JointState", RELIABLE))
         while len(there) > 100:
@@ -116,11 +100,6 @@ def encapsulations() -> Step:
     return step
 
 
-def nothing() -> Step:
-    """Only be there."""
-    return lambda: None
-
-
 def requests() -> Step:
     """Begin to send a lot to the page's server, and never come to an end; ask for the page, and never read it."""
     port, there = int(sys.argv[3]), list[socket.socket]()
@@ -142,7 +121,7 @@ def requests() -> Step:
     return step
 
 
-RATES = {nothing: 1, announcements: 100, names: 20, messages: 5000, requests: 100, encapsulations: 450}  # [Hz]
+RATES = {names: 20, messages: 5000, requests: 100, encapsulations: 450}  # [Hz]
 
 
 def on_time(rate: float, seconds: float) -> Iterator[None]:

@@ -1,4 +1,4 @@
-"""What a viewer bears: somebody means harm, and sends announcements, names, messages, requests or packets without end
+"""What a viewer bears: somebody means harm, and sends names, messages, requests or packets without end
 to the viewer of step 3. Its main loop is not to be held, its memory is not to grow, the terminal is not to be filled,
 and when it is told to end, it ends.
 
@@ -23,7 +23,7 @@ from harness import MEMORY, above, console, python, show, soak
 from tutorial.commands.terminal import progress_bar
 
 HERE = Path(__file__).parent
-KINDS = ("nothing", "announcements", "names", "messages", "requests", "encapsulations")
+KINDS = ("names", "messages", "requests", "encapsulations")
 SETTLED = 20  # tenths of a second that the viewer runs before it is attacked
 PATIENCE = 60.0  # [s]
 BOUNDS = {
