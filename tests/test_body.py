@@ -104,13 +104,6 @@ def test_what_it_does_not_have_is_named_with_the_nearest(tank, find, said):
     assert str(info.value).startswith(f"the body 'Tank' has no {said}")
 
 
-def test_observers_hear_of_a_change(tank):
-    heard = []
-    tank.on_change(heard.append)
-    tank.notify_change()
-    assert heard == [None]
-
-
 @pytest.mark.parametrize(
     ("action", "touch"),
     [

@@ -81,11 +81,6 @@ def show(outcomes: dict[str, Outcome], console: Console) -> int:
                 console.print(
                     f"{name}: {what}: {mutant.change}", style="red", highlight=False, markup=False, soft_wrap=True
                 )
-    for name in outcomes:
-        for why, changes in EQUIVALENT.get(name, {}).items():
-            console.print(f"{name}: equivalent, for {why}:", highlight=False, markup=False, soft_wrap=True)
-            for change in changes:
-                console.print(f"    {change}", highlight=False, markup=False, soft_wrap=True)
     return 1 if refused or min(scores, default=1.0) < REQUIRED else 0
 
 

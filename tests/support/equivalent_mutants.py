@@ -66,14 +66,14 @@ def as_even(line: str, rate: str) -> tuple[str, ...]:
             "if -self.io.step % self.steps_per_message == 0:",
             "if self.io.step % -self.steps_per_message == 0:",
         ),
-        *becomes(
-            line,
-            line.replace(f"({rate} * io.time_step)", f"-({rate} * io.time_step)"),
-            line.replace("io.time_step", "-io.time_step"),
-            line.replace("1 /", "-1 /"),
-            line.replace(rate, f"-{rate}"),
-        ),
+        *negative(line, rate),
     )
+
+
+def negative(line: str, rate: str) -> tuple[str, ...]:
+    """The changes of a number of steps that turn its sign round."""
+    parts = (f"({rate} * io.time_step)", "io.time_step", "1 /", rate)
+    return becomes(line, *(line.replace(part, f"-{part}") for part in parts))
 
 
 EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
@@ -144,13 +144,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         ),
         EVEN: (
             *becomes(NOT_DUE, "if -self.io.step % self.steps_per_look:", "if self.io.step % -self.steps_per_look:"),
-            *becomes(
-                PER_LOOK,
-                "self.steps_per_look = round(1 / -(50 * io.time_step))",
-                "self.steps_per_look = round(1 / (50 * -io.time_step))",
-                "self.steps_per_look = round(-1 / (50 * io.time_step))",
-                "self.steps_per_look = round(1 / (-50 * io.time_step))",
-            ),
+            *negative(PER_LOOK, "50"),
         ),
         DEPTH: becomes(STATE.format(10), STATE.format(11), STATE.format(9)),
     },
