@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections import Counter
 from collections.abc import Sequence
 
 import tutorial  # noqa: F401 - promises an rclpy
@@ -64,29 +63,23 @@ def show(outcomes: dict[str, Outcome], console: Console) -> int:
     table = Table("exercise", "mutants", "rejected", "equivalent", "survived", "score")
     for column in table.columns[1:]:
         column.justify = "right"
-    scores = []
+    failed, bad = False, list[str]()
     for name, outcome in outcomes.items():
-        found = Counter("rejected" if rejected else _if_not_rejected(name, each) for each, rejected in outcome.items())
-        scores.append(1 - found["survived"] / len(outcome))
-        counts = (str(found[each]) for each in ("rejected", "equivalent", "survived"))
-        table.add_row(name, str(len(outcome)), *counts, f"{scores[-1]:.1%}")
+        listed = {change for changes in EQUIVALENT.get(name, {}).values() for change in changes}
+        refused = [mutant.change for mutant, rejected in outcome.items() if rejected and mutant.change in listed]
+        survived = [
+            mutant.change for mutant, rejected in outcome.items() if not rejected and mutant.change not in listed
+        ]
+        rejected, score = sum(outcome.values()), 1 - len(survived) / len(outcome)
+        counts = (len(outcome), rejected, len(outcome) - rejected - len(survived), len(survived))
+        table.add_row(name, *map(str, counts), f"{score:.1%}")
+        bad += [f"{name}: is listed as equivalent, and rejected: {change}" for change in refused]
+        bad += [f"{name}: survived: {change}" for change in survived]
+        failed = failed or bool(refused) or score < REQUIRED
     console.print(table)
-    refused = 0
-    for name, outcome in outcomes.items():
-        for mutant, rejected in outcome.items():
-            is_listed = _if_not_rejected(name, mutant) == "equivalent"
-            refused += rejected and is_listed
-            if rejected == is_listed:
-                what = "is listed as equivalent, and rejected" if rejected else "survived"
-                console.print(
-                    f"{name}: {what}: {mutant.change}", style="red", highlight=False, markup=False, soft_wrap=True
-                )
-    return 1 if refused or min(scores, default=1.0) < REQUIRED else 0
-
-
-def _if_not_rejected(name: str, mutant: Mutant) -> str:
-    listed = any(mutant.change in changes for changes in EQUIVALENT.get(name, {}).values())
-    return "equivalent" if listed else "survived"
+    for line in bad:
+        console.print(line, style="red", highlight=False, markup=False, soft_wrap=True)
+    return int(failed)
 
 
 @click.command(help=__doc__)

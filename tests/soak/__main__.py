@@ -62,8 +62,8 @@ def complaints(kind: str, sent: Result, got: Result) -> Iterator[str]:
         yield from above((end - start, GROWTH, f"the {whose}'s {MEMORY}"))
     if got["received"] != got.get("applied", got["received"]):
         yield f"{got['received']} messages were received, but {got['applied']} shown"
-    last = got.get("waiting", [0])[-1]
-    yield from above((last, BACKLOG, "the viewer's queue has grown: in the last third {:.0f} waited, at most {} may"))
+    grown = "the viewer's queue has grown: in the last third {:.0f} waited, at most {} may"
+    yield from above((got.get("waiting", 0), BACKLOG, grown))
 
 
 def messages_and_memory(duration: int, kinds: Sequence[str]) -> list[str]:
@@ -84,13 +84,10 @@ def show_messages(outcomes: Sequence[tuple[str, Result, Result]]) -> None:
     show(
         ("messages", "sent/s", "sent", "received", "lost", "median", "p99 [ms]", "memory [MB]", "of the other end"),
         (row(*outcome) for outcome in outcomes),
-        "median and p99: of the time from publication to callback, or to the bag. Best effort may lose messages, and so may the "
+        "median and p99: of the time from publication to callback. Best effort may lose messages, and so may the "
         "viewer, whose subscription keeps the newest: its depth is 1. memory: how much the publisher's, and the other "
         f"end's, has grown after a warm-up of {WARM_UP:.0%} of the run.",
     )
-    for got in (got for *_, got in outcomes if "waiting" in got):
-        thirds = ", ".join(f"{third:.0f}" for third in got["waiting"])
-        console.print(f"calls that waited for the viewer's main thread: {thirds} by thirds, {got['most']} at most")
 
 
 if __name__ == "__main__":

@@ -125,15 +125,12 @@ async def show(kind: str, seconds: float) -> dict[str, Any]:
             await running
         record = host.record()
     counts = record["topics"][TOPIC]
-    size = max(len(waiting) // 3, 1)
-    thirds = [statistics.median(part) for part in (waiting[:size], waiting[size:-size] or waiting, waiting[-size:])]
     return {
         "received": counts["received"],
         "disordered": record["report"]["late"],
         **counts["latency_ms"],
         "applied": counts["applied"],
-        "waiting": thirds,
-        "most": max(waiting),
+        "waiting": statistics.median(waiting[-(len(waiting) // 3 + 1) :]),
     }
 
 

@@ -56,24 +56,38 @@ COMPLETE = f"{TWO}; while stamp in self.waiting:; {DROP}; return (together['join
 TOO_MANY = f"if len(self.waiting) > 50:; {DROP}"
 
 
-def as_even(line: str, rate: str) -> tuple[str, ...]:
-    """The changes of the number of steps per message, and of the condition, that the remainder does not mind."""
-    return (
-        *becomes(
-            DUE,
-            "if self.io.step % self.steps_per_message <= 0:",
-            "if -(self.io.step % self.steps_per_message) == 0:",
-            "if -self.io.step % self.steps_per_message == 0:",
-            "if self.io.step % -self.steps_per_message == 0:",
-        ),
-        *negative(line, rate),
-    )
+def now_and_then(due: str, line: str, rate: str, publisher: str) -> dict[str, tuple[str, ...]]:
+    """Those of an answer that publishes at a rate: of its condition, of the number of steps, and of its publisher."""
+    remainder = due.removeprefix("if ").removesuffix(" == 0:")
+    step, steps = remainder.split(" % ")
+    evens = (f"{remainder} <= 0", f"-({remainder}) == 0", f"-{remainder} == 0", f"{step} % -{steps} == 0")
+    return {
+        EVEN: (*becomes(due, *(f"if {even}:" for even in evens)), *negative(line, rate)),
+        FIRST: becomes(due, due.replace("0", "1")),
+        DEPTH: at_any_depth(publisher),
+    }
+
+
+def at_any_depth(line: str, depth: int = 1) -> tuple[str, ...]:
+    """The changes of how many messages may wait."""
+    return becomes(*(line.format(number) for number in (depth, depth + 1, depth - 1)))
 
 
 def negative(line: str, rate: str) -> tuple[str, ...]:
     """The changes of a number of steps that turn its sign round."""
     parts = (f"({rate} * io.time_step)", "io.time_step", "1 /", rate)
     return becomes(line, *(line.replace(part, f"-{part}") for part in parts))
+
+
+def displaying(post: str) -> dict[str, tuple[str, ...]]:
+    """Those of an answer that shows joint states, and posts them with one of the two methods."""
+    return {
+        UNRELATED: exchanged(
+            "self.body = config.body", "self.node = config.node", f"self.{post} = config.{post}", TOPIC
+        ),
+        WHAT_IS_TOLD: becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions")),
+        DEPTH: at_any_depth(HEARD),
+    }
 
 
 EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
@@ -99,7 +113,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
                 "self.track_l.ctrl = 1.0 * left_y - 0.5 * left_x", "self.track_r.ctrl = 1.0 * left_y + 0.5 * left_x"
             ),
         ),
-        DEPTH: becomes(JOY.format(1), JOY.format(2), JOY.format(0)),
+        DEPTH: at_any_depth(JOY),
         "an axis is a float32, and 0.3 is none": becomes(AXES.format(">"), AXES.format(">=")),
         "of four, those before the last two are the first two": becomes(
             AXES.format(">"), AXES.format(">").replace("[:2]", "[:-2]")
@@ -130,9 +144,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
                 "message.effort = [joint.effort for joint in self.joints]",
             ),
         ),
-        EVEN: as_even(PER_MESSAGE, "25"),
-        FIRST: becomes(DUE, DUE.replace("0", "1")),
-        DEPTH: becomes(TURRET.format(1), TURRET.format(2), TURRET.format(0)),
+        **now_and_then(DUE, PER_MESSAGE, "25", TURRET),
     },
     "thrift": {
         UNRELATED: (
@@ -146,24 +158,14 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
             *becomes(NOT_DUE, "if -self.io.step % self.steps_per_look:", "if self.io.step % -self.steps_per_look:"),
             *negative(PER_LOOK, "50"),
         ),
-        DEPTH: becomes(STATE.format(10), STATE.format(11), STATE.format(9)),
+        DEPTH: at_any_depth(STATE, 10),
     },
-    "show": {
-        UNRELATED: exchanged(
-            "self.body = config.body", "self.node = config.node", "self.call_later = config.call_later", TOPIC
-        ),
-        WHAT_IS_TOLD: becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions")),
-        DEPTH: becomes(HEARD.format(1), HEARD.format(2), HEARD.format(0)),
-    },
+    "show": displaying("call_later"),
     "keep_up": {
-        UNRELATED: exchanged(
-            "self.body = config.body", "self.node = config.node", "self.call_latest = config.call_latest", TOPIC
-        ),
+        **displaying("call_latest"),
         "any key does that is the same for every message: a controller's keys are its own": becomes(
             LATEST, LATEST.replace("name", "joint_names")
         ),
-        WHAT_IS_TOLD: becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions")),
-        DEPTH: becomes(HEARD.format(1), HEARD.format(2), HEARD.format(0)),
     },
     "gyro": {
         UNRELATED: (
@@ -180,9 +182,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
             ),
             *exchanged("self.publisher.publish(message)", "self.samples.clear()"),
         ),
-        EVEN: as_even(PER_TENTH, "10"),
-        FIRST: becomes(DUE, DUE.replace("0", "1")),
-        DEPTH: becomes(GYRO.format(1), GYRO.format(2), GYRO.format(0)),
+        **now_and_then(DUE, PER_TENTH, "10", GYRO),
     },
     "hop": {
         UNRELATED: (
@@ -202,7 +202,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
             "self.timer = None", BLOWS.format(10)
         ),
         "a length is the same in either order": becomes(BLOW, BLOW.replace("a.x, a.y", "a.y, a.x")),
-        DEPTH: becomes(BLOWS.format(10), BLOWS.format(11), BLOWS.format(9)),
+        DEPTH: at_any_depth(BLOWS, 10),
     },
     "pair": {
         "a function without a return returns None": (
@@ -225,9 +225,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
                 "message.data = array('B', pixels.mean(axis=2).astype(np.uint8).tobytes())",
             ),
         ),
-        EVEN: tuple(each.replace("message", "picture") for each in as_even(PER_MESSAGE.replace("25", "5"), "5")),
-        FIRST: becomes(PICTURE_DUE, PICTURE_DUE.replace("0", "1")),
-        DEPTH: becomes(GRAY.format(1), GRAY.format(2), GRAY.format(0)),
+        **now_and_then(PICTURE_DUE, PER_PICTURE, "5", GRAY),
     },
     "gaps": {
         UNRELATED: exchanged("found = []", "newest = None"),
