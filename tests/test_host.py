@@ -315,28 +315,6 @@ async def test_a_simulating_program_shows_its_copy(step2):
         assert host.record()["topics"][TOPIC]["published"] == 15
 
 
-class Naive(SimpleController):
-    """The naive callback of step 3: it touches the display from the executor's thread."""
-
-    def configure(self, config):
-        self.config = config
-        self.subscription = config.node.create_subscription(JointState, TOPIC, self.on_joint_state, 1)
-
-    def on_joint_state(self, message):
-        self.config.body.set_joint_positions({"TURRET_Y": 1.0})
-
-    def unconfigure(self):
-        self.config.node.destroy_subscription(self.subscription)
-
-
-@in_a_loop
-async def test_the_naive_callback_is_told_whose_the_body_is(step3, caplog):
-    async with Host(step3.with_controllers("Tank", Naive)) as host, publishers(TOPIC) as [publisher]:
-        publisher.publish(message(0.1, 1))
-        await until(lambda: "WrongThreadError: set_joint_positions was called on" in caplog.text)
-        assert host.bodies["Tank"].joint("TURRET_Y").position == 0.0
-
-
 class Poser(SimpleController):
     """Publishes a message that has a position, and is no joint state; wants to end the program when it leaves."""
 

@@ -15,7 +15,7 @@ import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
 from cell_view import cell_frame
-from costs import frame, import_time, joint_matching, simulation_loop
+from costs import import_time, joint_matching, simulation_loop
 from domains import reserved_domain
 from processes import REAL, measured
 from rich.console import Console
@@ -62,7 +62,6 @@ def rows() -> Iterator[tuple[str, Pair, str, str]]:
     for joints in (2, 7, 40):
         yield f"joint matching / the original's index loop, {joints} joints", joint_matching(joints), "0.5", "us"
     yield "import tutorial", import_time(), "0.5 s", "ms"
-    yield "a frame of the view, everything moving / meshcat's own calls", frame(), "", "us"
     yield "a frame in a cell, everything moving / meshcat's own calls to its server", cell_frame(), "0.2", "us"
 
 

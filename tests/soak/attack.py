@@ -30,7 +30,6 @@ from rclpy._wire import encode, payload_type
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from sensor_msgs.msg import JointState
 
-HOST = "127.0.0.1"
 RELIABLE = Qos(Policy.Reliability.Reliable(10**9), Policy.History.KeepLast(1))
 PROCESSES = 8  # whose ports are tried
 
@@ -95,7 +94,7 @@ def encapsulations() -> Step:
         body = struct.pack("<HH4s4siI", 0, 16, bytes(4), guid[12:], 0, next(numbers)) + b"\0\x09\0\0" + bytes(60)
         packet = b"RTPS\2\1\1\x10" + guid[:12] + struct.pack("<BBH", 0x15, 5, len(body)) + body
         for index in range(PROCESSES):
-            sender.sendto(packet, (HOST, 7411 + 250 * domain + 2 * index))
+            sender.sendto(packet, ("127.0.0.1", 7411 + 250 * domain + 2 * index))
 
     return step
 
