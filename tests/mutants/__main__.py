@@ -16,21 +16,19 @@ import tutorial  # noqa: F401 - promises an rclpy
 # isort: split
 import click
 import forks
-from equivalent_mutants import EQUIVALENT
+from equivalent_mutants import EQUIVALENT, EXERCISES
 from mutation import Mutant, mutants_of, rejects
 from rich.console import Console
 from rich.table import Table
 from tqdm import tqdm
 
 from tutorial.checks import _contain
-from tutorial.checks.catalogue import exercises
 from tutorial.checks.exercise import Exercise
 from tutorial.commands.terminal import INTERRUPTED
 
 REQUIRED = 0.98  # of an exercise's mutants are rejected or equivalent
 LIMIT = 60.0  # [s] that one may take; whoever gives no verdict by then has not rejected it
 JOBS = 2
-EXERCISES = {each.name: each for those in exercises().values() for each in those}
 
 Outcome = dict[Mutant, bool]  # whether it is rejected
 
