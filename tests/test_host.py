@@ -16,7 +16,7 @@ import pytest
 from geometry_msgs.msg import Pose
 from loops import PATIENCE, in_a_loop, until
 from sensor_msgs.msg import JointState
-from unruly import Unruly
+from unruly import Unruly, box_model
 
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
@@ -354,11 +354,6 @@ async def test_a_new_run_forgets_what_failed_before(step3):
         assert host.error is None
 
 
-BOX = """
-<mujoco><worldbody><body name="box"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody></mujoco>
-"""
-
-
 def unruly_class(rng, let, made):
     """A class of controllers that misbehave in one of all the ways that the host has to live with."""
 
@@ -451,8 +446,7 @@ async def live_through(seed, model):
 def test_whatever_controllers_do_a_host_ends_and_no_failure_is_unseen(tens, domain, tmp_path, monkeypatch, caplog):
     for name in ("tutorial.simulation.STUCK", "tutorial.host.HUNG", "tutorial.ros.node_thread.SpinThread.patience"):
         monkeypatch.setattr(name, 0.05)
-    model = tmp_path / "box.xml"
-    model.write_text(BOX)
+    model = box_model(tmp_path)
     before = threads()
     for seed in range(10 * tens, 10 * tens + 10):
         caplog.clear()

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from programs import PATIENCE, until
-from unruly import Unruly
+from unruly import Unruly, box_model
 
 from tutorial import simulation as simulation_module
 from tutorial.body import Body
@@ -394,11 +394,6 @@ def test_a_controller_cannot_wait_for_itself(method):
     assert r"stop() was called by a controller" in str(simulation.error)
 
 
-BOX = """
-<mujoco><worldbody><body name="box"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody></mujoco>
-"""
-
-
 ACTS = (
     *(("start",), ("start", 0.005), ("advance", 0.02), ("wait", 0.005), ("wait", 0.01), ("stop",)),
     *(("restart",), ("release", "A")),
@@ -451,8 +446,7 @@ def let_two_visit(seed, model):
 @pytest.mark.parametrize("tens", range(20))
 def test_whatever_two_threads_do_nothing_hangs_and_no_failure_is_unseen(tens, tmp_path, monkeypatch, caplog):
     monkeypatch.setattr("tutorial.simulation.STUCK", 0.05)
-    model = tmp_path / "box.xml"
-    model.write_text(BOX)
+    model = box_model(tmp_path)
     interval, threads = sys.getswitchinterval(), set(threading.enumerate())
     for seed in range(10 * tens, 10 * tens + 10):
         untold = let_two_visit(seed, model)

@@ -12,7 +12,7 @@ import socket
 import struct
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from itertools import count, cycle
 
@@ -102,22 +102,20 @@ def encapsulations() -> Step:
 RATES = {names: 20, messages: 5000, encapsulations: 450}  # [Hz]
 
 
-def on_time(rate: float, seconds: float) -> Iterator[None]:
-    """Come round so many times a second, for so many seconds; what is late is not made up for."""
+def main(kind: Callable[[], Step], seconds: float) -> int:
+    """Send again and again, for so long, or until Ctrl-C; what is late is not made up for. Return how often."""
+    step, sent = kind(), 0
+    print("on", flush=True)
     began = due = time.monotonic()
-    while due < began + seconds:
-        yield
-        due = max(due + 1 / rate, time.monotonic() - 0.1)
-        time.sleep(max(0.0, due - time.monotonic()))
+    with suppress(KeyboardInterrupt):
+        while due < began + seconds:
+            step()
+            sent += 1
+            due = max(due + 1 / RATES[kind], time.monotonic() - 0.1)
+            time.sleep(max(0.0, due - time.monotonic()))
+    return sent
 
 
 if __name__ == "__main__":
     participant = join(default_domain_id())
-    kind = next(kind for kind in RATES if kind.__name__ == sys.argv[1])
-    step, sent = kind(), 0
-    print("on", flush=True)
-    with suppress(KeyboardInterrupt):
-        for _ in on_time(RATES[kind], float(sys.argv[2])):
-            step()
-            sent += 1
-    print(sent)
+    print(main(next(kind for kind in RATES if kind.__name__ == sys.argv[1]), float(sys.argv[2])))

@@ -66,13 +66,9 @@ def _stream(fault: str) -> list[tuple[Any, list[Action]]]:
 
 
 def _words(found: Counter[str], said: bool, ended: bool) -> str:
-    bad = [f"{verdict} {_share(found[verdict])}" for verdict in ("stale", "wrong") if found[verdict]]
+    bad = [f"{verdict} {100 * found[verdict] / MESSAGES:.0f} %" for verdict in ("stale", "wrong") if found[verdict]]
     end = ["ends"] if ended else ["said"] if said else ["silent"] if bad else []
     return ", ".join([*(bad or ["right"]), *end])
-
-
-def _share(count: int) -> str:
-    return f"{100 * count / MESSAGES:.0f} %"
 
 
 def table() -> str:

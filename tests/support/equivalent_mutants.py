@@ -193,10 +193,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         DEPTH: at_any_depth(BLOWS, 10),
     },
     "pair": {
-        "a function without a return returns None": (
-            "return None → nothing",
-            *becomes("return None", "return"),
-        ),
+        "a function without a return returns None": becomes("return None", "nothing", "return"),
         "a key is a key in either order": becomes(STAMP, STAMP_TURNED),
         "of a stamp there are never more than two": becomes(TWO, TWO.replace("==", ">=")),
         "a message that completes a pair makes no more wait": (swapped(COMPLETE, TOO_MANY),),

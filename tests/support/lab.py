@@ -79,8 +79,11 @@ class Notebook:
         ready = "window.jupyterapp?.shell.currentWidget?.context?.isReady && "
         ready += "window.jupyterapp.shell.currentWidget.sessionContext.session?.kernel?.status === 'idle'"
 
+        dialog = self.page.locator(".jp-Dialog button.jp-mod-accept")
+
         async def is_so() -> bool:
-            await self._dismiss()
+            if await dialog.count():
+                await dialog.first.click()
             return bool(await self.page.evaluate(ready))
 
         await until(is_so, "the notebook's kernel is ready")
@@ -200,11 +203,6 @@ class Notebook:
         await self._do(f"content.activeCellIndex = {cell}")
         await self._do("content.deselectAll()")
 
-    async def _dismiss(self) -> None:
-        dialog = self.page.locator(".jp-Dialog button.jp-mod-accept")
-        if await dialog.count():
-            await dialog.first.click()
-
     async def _do(self, code: str) -> Any:
         """Evaluate something about the notebook's widget."""
         return await self.page.evaluate(f"{NOTEBOOK}.{code}")
@@ -238,11 +236,10 @@ async def jupyter_lab(folder: Path, base_url: str = "/") -> AsyncIterator[Lab]:
             _end(server)
 
 
-def copy_files(lab: Lab, *paths: Path) -> None:
-    """Put copies of files and folders into the lab's folder."""
-    for path in paths:
-        target = lab.notebooks / path.name
-        shutil.copytree(path, target) if path.is_dir() else shutil.copy(path, target)
+def copy_files(lab: Lab, *folders: Path) -> None:
+    """Put copies of folders into the lab's folder."""
+    for folder in folders:
+        shutil.copytree(folder, lab.notebooks / folder.name)
 
 
 def _environment(folder: Path) -> dict[str, str]:
