@@ -18,8 +18,7 @@ import click
 import forks
 from equivalent_mutants import EQUIVALENT, EXERCISES
 from mutation import Mutant, mutants_of, rejects
-from rich.console import Console
-from rich.table import Table
+from tables import console, show
 from tqdm import tqdm
 
 from tutorial.checks import _contain
@@ -56,25 +55,20 @@ async def judge_all(asked: Sequence[Exercise], outcomes: dict[str, Outcome]) -> 
                 group.create_task(judge_one(exercise, mutant))
 
 
-def show(outcomes: dict[str, Outcome], console: Console) -> int:
+def show_all(outcomes: dict[str, Outcome]) -> int:
     """Print the table and what survived; return the exit status."""
-    table = Table("exercise", "mutants", "rejected", "equivalent", "survived", "score")
-    for column in table.columns[1:]:
-        column.justify = "right"
-    failed, bad = False, list[str]()
+    failed, rows, bad = False, list[tuple[str, ...]](), list[str]()
     for name, outcome in outcomes.items():
         listed = {change for changes in EQUIVALENT.get(name, {}).values() for change in changes}
-        refused = [mutant.change for mutant, rejected in outcome.items() if rejected and mutant.change in listed]
-        survived = [
-            mutant.change for mutant, rejected in outcome.items() if not rejected and mutant.change not in listed
-        ]
-        rejected, score = sum(outcome.values()), 1 - len(survived) / len(outcome)
-        counts = (len(outcome), rejected, len(outcome) - rejected - len(survived), len(survived))
-        table.add_row(name, *map(str, counts), f"{score:.1%}")
-        bad += [f"{name}: is listed as equivalent, and rejected: {change}" for change in refused]
+        rejected = {mutant.change for mutant, is_rejected in outcome.items() if is_rejected}
+        survived = [mutant.change for mutant in outcome if mutant.change not in rejected | listed]
+        score = 1 - len(survived) / len(outcome)
+        counts = (len(outcome), len(rejected), len(outcome) - len(rejected) - len(survived), len(survived))
+        rows.append((name, *map(str, counts), f"{score:.1%}"))
+        bad += [f"{name}: is listed as equivalent, and rejected: {change}" for change in rejected & listed]
         bad += [f"{name}: survived: {change}" for change in survived]
-        failed = failed or bool(refused) or score < REQUIRED
-    console.print(table)
+        failed = failed or bool(rejected & listed) or score < REQUIRED
+    show(("exercise", "mutants", "rejected", "equivalent", "survived", "score"), rows)
     for line in bad:
         console.print(line, style="red", highlight=False, markup=False, soft_wrap=True)
     return int(failed)
@@ -85,15 +79,14 @@ def show(outcomes: dict[str, Outcome], console: Console) -> int:
 def main(names: tuple[str, ...]) -> None:
     """Do what the command line asks for, and exit with its status."""
     _contain.subprocess = forks  # type: ignore[assignment]
-    console = Console(width=None if sys.stdout.isatty() else 120)
     outcomes: dict[str, Outcome] = {}
     try:
         asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES], outcomes))
     except KeyboardInterrupt:
         console.print("stopped; so far:")
-        show(outcomes, console)
+        show_all(outcomes)
         sys.exit(INTERRUPTED)
-    sys.exit(show(outcomes, console))
+    sys.exit(show_all(outcomes))
 
 
 if __name__ == "__main__":

@@ -16,7 +16,8 @@ from typing import Any
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
-from harness import GROWTH, MEMORY, WARM_UP, above, console, python, show, soak
+from harness import GROWTH, MEMORY, WARM_UP, above, python, soak
+from tables import console, show
 from traffic import PATIENCE, RATE
 
 from tutorial.commands.terminal import progress_bar

@@ -17,7 +17,8 @@ from contextlib import suppress
 from pathlib import Path
 
 import psutil
-from harness import MEMORY, above, console, python, show, soak
+from harness import MEMORY, above, python, soak
+from tables import console, show
 
 from tutorial.commands.terminal import progress_bar
 

@@ -13,8 +13,7 @@ from contextlib import contextmanager
 import click
 import psutil
 from domains import reserved_domain
-from rich.console import Console
-from rich.table import Table
+from tables import console
 
 from tutorial.commands.terminal import INTERRUPTED
 
@@ -27,8 +26,6 @@ bytes that stay behind of each are found: a copy of a message of 40 joints is 1,
 backlog of a second in which a busy machine did something else, of which malloc keeps the pages, and an arena that the
 interpreter adds."""
 MEMORY = "memory has grown by {:.1f} MB, at most {:g} are allowed"
-
-console = Console(width=None if sys.stdout.isatty() else 120)
 
 
 def soak(text: str | None, seconds: int, kinds: Sequence[str], job: Callable[[int, Sequence[str]], list[str]]) -> None:
@@ -58,16 +55,6 @@ def soak(text: str | None, seconds: int, kinds: Sequence[str], job: Callable[[in
         sys.exit(bool(complaints))
 
     main()
-
-
-def show(columns: Sequence[str], rows: Iterator[Sequence[str]], caption: str) -> None:
-    """Print a table, with its numbers to the right."""
-    table = Table(*columns, caption=caption, caption_justify="left")
-    for column in table.columns[1:]:
-        column.justify = "right"
-    for row in rows:
-        table.add_row(*row)
-    console.print(table)
 
 
 def above(*limits: tuple[float, float, str]) -> list[str]:
