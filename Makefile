@@ -73,7 +73,6 @@ bench: install
 
 soak: install
 	@PYTHONPATH=tests/support $(BIN)/python tests/soak $(DURATION)
-	@PYTHONPATH=tests/support $(BIN)/python tests/soak/bags.py $(DURATION)
 	@PYTHONPATH=tests/support $(BIN)/python tests/soak/floods.py $(DURATION)
 
 mutants: install

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import raised_elsewhere
 
 from tutorial.body import Body
 from tutorial.errors import TutorialError, WrongThreadError
@@ -104,13 +104,6 @@ def test_what_it_does_not_have_is_named_with_the_nearest(tank, find, said):
     assert str(info.value).startswith(f"the body 'Tank' has no {said}")
 
 
-def test_observers_hear_of_a_change(tank):
-    heard = []
-    tank.on_change(heard.append)
-    tank.notify_change()
-    assert heard == [None]
-
-
 @pytest.mark.parametrize(
     ("action", "touch"),
     [
@@ -124,18 +117,10 @@ def test_observers_hear_of_a_change(tank):
     ],
 )
 def test_another_thread_may_not_touch_it(tank, action, touch):
-    errors = []
-
-    def callback():
-        with pytest.raises(WrongThreadError) as info:
-            touch(tank)
-        errors.append(str(info.value))
-
-    thread = threading.Thread(target=callback, name="executor")
-    thread.start()
-    thread.join()
-    assert errors == [
-        f"{action} was called on the thread 'executor', but the body 'Tank' belongs to the thread 'MainThread'. "
+    error = raised_elsewhere(touch, tank)
+    assert isinstance(error, WrongThreadError)
+    assert str(error) == (
+        f"{action} was called on the thread 'other_0', but the body 'Tank' belongs to the thread 'MainThread'. "
         "Post the call instead: call_later(f, message)."
-    ]
+    )
     assert tank.joint("TURRET_Y").position == 0.0

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import math
+import tracemalloc
 from pathlib import Path
+from random import Random
+from struct import unpack
 from types import SimpleNamespace
 
 import pytest
@@ -48,6 +52,25 @@ def test_a_change_with_a_report_of_another_kind_is_drawn_and_not_counted(item, r
     item.body.notify_change(report)
     assert item.take_dirty()
     assert (item.applied, item.line()) == (0, "")
+
+
+def test_of_hostile_messages_nothing_is_kept(item):
+    matcher, random = JointMatcher(item.body.joint_ranges), Random(1)
+
+    def show_hostile(count):
+        for _ in range(count):
+            names = ["TURRET_Y", *(random.randbytes(8).hex() for _ in range(20))]
+            positions = [unpack("d", random.randbytes(8))[0] for _ in range(random.randrange(30))]
+            show(item, matcher, names, positions, random.randrange(1_000_000_000))
+            item.line()
+
+    show_hostile(200)
+    tracemalloc.start()
+    show_hostile(1000)
+    gc.collect()
+    kept, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert kept < 20_000, "20 bytes of each"
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import asyncio
 import threading
 
 import pytest
+from loops import in_a_loop, until
 from std_msgs.msg import String
 
 from tutorial.handoff import CallQueue
@@ -110,21 +111,17 @@ def test_threads_do_not_take_one_anothers_messages():
     assert all(h.topic == h.received.thread == h.posted.thread for h in trace.handoffs())
 
 
-def test_a_nodes_messages_are_followed_from_thread_to_thread(domain):
-    async def main():
-        queue = CallQueue(asyncio.get_running_loop(), trace)
-        scope, arrived = queue.scope("test"), asyncio.Event()
-        with NodeThread("tester") as ros:
-            ros.node.trace = trace
-            ros.node.create_subscription(String, "x", lambda _: scope.call_later(arrived.set), 1)
-            publisher = ros.node.create_publisher(String, "x", 1)
-            while not publisher.get_subscription_count():
-                await asyncio.sleep(0.005)
-            publisher.publish(String())
-            await asyncio.wait_for(arrived.wait(), 30)
-
-    trace = HandoffTrace()
-    asyncio.run(main())
+@in_a_loop
+async def test_a_nodes_messages_are_followed_from_thread_to_thread(domain):
+    trace, arrived = HandoffTrace(), asyncio.Event()
+    scope = CallQueue(asyncio.get_running_loop(), trace).scope("test")
+    with NodeThread("tester") as ros:
+        ros.node.trace = trace
+        ros.node.create_subscription(String, "x", lambda _: scope.call_later(arrived.set), 1)
+        publisher = ros.node.create_publisher(String, "x", 1)
+        await until(publisher.get_subscription_count)
+        publisher.publish(String())
+        await until(arrived.is_set)
     (handoff,) = trace.handoffs()
     assert (handoff.topic, handoff.outcome) == ("/x", "applied")
     moments = (handoff.received, handoff.posted, handoff.handled)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import statistics
-import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 
@@ -15,11 +14,10 @@ import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
 from cell_view import cell_frame
-from costs import frame, import_time, joint_matching, simulation_loop
+from costs import import_time, joint_matching, simulation_loop
 from domains import reserved_domain
 from processes import REAL, measured
-from rich.console import Console
-from rich.table import Table
+from tables import console, show
 
 ROUNDS = 5
 
@@ -62,30 +60,21 @@ def rows() -> Iterator[tuple[str, Pair, str, str]]:
     for joints in (2, 7, 40):
         yield f"joint matching / the original's index loop, {joints} joints", joint_matching(joints), "0.5", "us"
     yield "import tutorial", import_time(), "0.5 s", "ms"
-    yield "a frame of the view, everything moving / meshcat's own calls", frame(), "", "us"
     yield "a frame in a cell, everything moving / meshcat's own calls to its server", cell_frame(), "0.2", "us"
 
 
 def main() -> None:
     """Measure everything and print the table."""
-    table = Table("", "ours", "reference", "ratio", "aim")
-    for column in table.columns[1:]:
-        column.justify = "right"
-    console = Console(width=None if sys.stdout.isatty() else 140)
+    made = []
     with reserved_domain() as domain:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
         for name, pair, aim, unit in rows():
             console.print(f"measuring: {name} ...", style="dim")
             ours, reference = measure(pair)
             scale = {"us": 1e6, "ms": 1e3}[unit]
-            table.add_row(
-                name,
-                f"{ours * scale:.2f} {unit}",
-                "" if reference is None else f"{reference * scale:.2f} {unit}",
-                "" if reference is None else f"{ours / reference:.2f}",
-                aim,
-            )
-    console.print(table)
+            compared = ("", "") if reference is None else (f"{reference * scale:.2f} {unit}", f"{ours / reference:.2f}")
+            made.append((name, f"{ours * scale:.2f} {unit}", *compared, aim))
+    show(("", "ours", "reference", "ratio", "aim"), made)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,6 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from types import SimpleNamespace
 
 import meshcat
 import mujoco
@@ -21,6 +20,7 @@ from tutorial.controller import ControllerConfig
 from tutorial.controllers.joint_state_publisher import JointStatePublisher
 from tutorial.controllers.tank_controller import TankController
 from tutorial.joints import JointMatcher
+from tutorial.notebook.widgets.scene_view import SceneView
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
@@ -104,25 +104,18 @@ def import_time() -> tuple[Timed, None]:
     return lambda: start("import tutorial") - start(""), None
 
 
-def frame(address: str = "") -> tuple[Timed, Timed]:
+def frame(address: str) -> tuple[Timed, Timed]:
     """A frame in which the tank and all its wheels move; and the same with meshcat's own calls.
 
     Args:
-        address: where meshcat sends its calls, and then ours go to the page of a cell; empty where nothing is sent.
+        address: where meshcat sends its calls; ours go to the page of a cell.
     """
     view = View(scene := Scene())
     body = Body.displayed(TANK)
     view.add("Tank", body.model)
-    if address:
-        from tutorial.notebook.widgets.scene_view import SceneView
-
-        shown = SceneView(scene)
-        shown._audience.join("page")
-        visualizer = meshcat.Visualizer(zmq_url=address)
-    else:
-        scene.attach(len)
-        window = SimpleNamespace(send=lambda command: meshcat.visualizer.umsgpack.packb(command.lower()))
-        visualizer = meshcat.Visualizer(window=window)
+    shown = SceneView(scene)
+    shown._audience.join("page")
+    visualizer = meshcat.Visualizer(zmq_url=address)
     parts = [visualizer[str(i)] for i in range(body.model.nbody)]
     angles = itertools.count()
 
@@ -133,11 +126,9 @@ def frame(address: str = "") -> tuple[Timed, Timed]:
     def ours() -> None:
         move()
         view.update("Tank", body.data)
-        if address:
-            shown._next_at = 0.0
+        shown._next_at = 0.0
         view.flush()
-        if address:
-            shown._audience.note("page", shown._audience.frame)
+        shown._audience.note("page", shown._audience.frame)
 
     def meshcats() -> None:
         move()

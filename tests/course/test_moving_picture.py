@@ -109,7 +109,7 @@ class Drive:
         box = await self._page.locator(".tank-stick-pad").first.bounding_box()
         x, y, reach = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, 0.28 * box["height"]
         await self._page.mouse.move(x, y - self._stick * reach)
-        take = json.loads(await self._notebook.ask(f"await take({self._stick}, {FRAME})"))
+        take = json.loads(await self._notebook.run_new(f"await take({self._stick}, {FRAME})"))
         pane = await self._page.locator(".tank-view-pane").element_handle()
         await self._page.wait_for_function(IS_SEEN, arg=[pane, take["seen"]])
         await self._film.shoot()
@@ -136,7 +136,7 @@ def test_the_tank_drives_to_the_rail_and_its_barrel_is_lifted(domain, tmp_path):
             notebook = await lab.open(page, lab.write("drive.ipynb", [CELL]))
             await page.evaluate("void window.jupyterapp.commands.execute('application:toggle-left-area')")
             await notebook.run(0)
-            await notebook.ask(DIRECTOR)
+            await notebook.run_new(DIRECTOR)
             await page.locator(".tank-stick-pad").first.hover()
             await page.mouse.down()
             film = Film(page, await notebook.cell(0).bounding_box(), WIDTH, FRAME)

@@ -7,7 +7,6 @@ import json
 import re
 import subprocess
 import sys
-from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
@@ -106,10 +105,3 @@ def test_pages_open_without_a_complaint_and_their_runs_move(site):
             assert {urlsplit(url).scheme for url in witness.requests} <= {"file", "blob", "data"}
 
     asyncio.run(asyncio.wait_for(main(), 300))
-
-
-def test_the_pages_of_the_course_are_there(site):
-    names = {str(path.relative_to(site)) for path in pages(site)}
-    notebooks = {f"notebooks/{path.stem}.html" for path in (HOME / "notebooks").glob("[0-9]_*.ipynb")}
-    texts = {f"{path.stem}.html" for path in Path(BOOK).glob("*.md")}
-    assert notebooks | texts <= names

@@ -1,10 +1,10 @@
-"""Who opens ``tutorial/`` sees the lesson and what it stands on, and finds the tests in the same places."""
+"""Who opens ``tutorial/`` sees the lesson and what it stands on."""
 
 from __future__ import annotations
 
 from tutorial.paths import HOME
 
-TUTORIAL, TESTS = HOME / "tutorial", HOME / "tests"
+TUTORIAL = HOME / "tutorial"
 WINGS = {"controllers", "description", "ros", "view", "notebook", "checks", "commands"}
 SMALL_LIBRARY = ("controller", "handoff", "trace", "joints", "body", "world", "simulation")
 
@@ -16,8 +16,3 @@ def test_seven_wings_and_few_modules_are_all_there_is():
 
 def test_the_small_library_is_small():
     assert sum(len((TUTORIAL / f"{name}.py").read_text("utf-8").splitlines()) for name in SMALL_LIBRARY) < 1700
-
-
-def test_the_tests_mirror_the_tree():
-    folders = {path.parent.relative_to(TESTS) for path in TESTS.rglob("test_*.py")}
-    assert not [each for each in folders if not {"course", "house"} & {*each.parts} and not (TUTORIAL / each).is_dir()]

@@ -102,9 +102,3 @@ def test_the_lines_of_step_3_are_the_librarys(page):
 
     (block,) = re.findall(r"^```python\n(.*?)^```", read(HOME / page), re.MULTILINE | re.DOTALL)
     assert statements(block) <= statements(read(HOME / "tutorial/controllers/joint_state_subscriber.py"))
-
-
-def test_every_python_that_the_project_is_for_is_tested():
-    lowest, below = map(int, re.findall(r"3\.(\d+)", PROJECT["requires-python"]))
-    (matrix,) = re.findall(r"python-version: (\[.*\])", read(HOME / ".github/workflows/test.yml"))
-    assert ast.literal_eval(matrix) == [f"3.{minor}" for minor in range(lowest, below)]

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-import subprocess
-import sys
 import tarfile
 import zipfile
 from pathlib import Path
 
 import pytest
+from packages import run
 
 from tutorial.paths import PACKAGE
 
@@ -31,14 +30,7 @@ def build(kind, source, target):
     """Build one distribution, and return its file."""
     target.mkdir(exist_ok=True)
     code = f"import sys; from hatchling.build import *; print(build_{kind}(sys.argv[1]))"
-    return target / run("-c", code, target, folder=source)
-
-
-def run(*words, folder, **environment):
-    """Run some Python, and return what it prints."""
-    command, variables = [sys.executable, *words], {**os.environ, **environment}
-    done = subprocess.run(command, env=variables, cwd=folder, stdout=subprocess.PIPE, text=True, check=True)
-    return done.stdout.strip()
+    return target / run("-c", code, target, cwd=source).strip()
 
 
 @pytest.fixture(scope="module")
@@ -104,7 +96,7 @@ def test_the_demo_runs(installed, program):
 
 def test_a_learners_course_has_what_its_notebooks_refer_to(installed, tmp_path):
     code = "from tutorial.paths import *; from tutorial.commands.lab import own_course; print(HOME, own_course())"
-    home, course = map(Path, run("-c", code, folder=".", **installed).split())
+    home, course = map(Path, run("-c", code, cwd=".", **installed).split())
     assert home == tmp_path / "site" / "tutorial" / "_files"
     texts = [path.read_text("utf-8") for path in course.glob("notebooks/*.ipynb")]
     links = {link for text in texts for link in re.findall(r"\]\((\.\./[^)#]+)", text)}
@@ -112,4 +104,4 @@ def test_a_learners_course_has_what_its_notebooks_refer_to(installed, tmp_path):
     for link in links:
         assert (course / "notebooks" / link).exists(), link
     code = "from tutorial.paths import *; print(HOME, find_project('step1'))"
-    assert run("-c", code, folder=course / "notebooks", **installed) == f"{course} {course / 'project' / 'step1.yaml'}"
+    assert run("-c", code, cwd=course / "notebooks", **installed) == f"{course} {course / 'project' / 'step1.yaml'}\n"

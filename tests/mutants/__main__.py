@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections import Counter
 from collections.abc import Sequence
 
 import tutorial  # noqa: F401 - promises an rclpy
@@ -17,21 +16,18 @@ import tutorial  # noqa: F401 - promises an rclpy
 # isort: split
 import click
 import forks
-from equivalent_mutants import EQUIVALENT
+from equivalent_mutants import EQUIVALENT, EXERCISES
 from mutation import Mutant, mutants_of, rejects
-from rich.console import Console
-from rich.table import Table
+from tables import console, show
 from tqdm import tqdm
 
 from tutorial.checks import _contain
-from tutorial.checks.catalogue import exercises
 from tutorial.checks.exercise import Exercise
 from tutorial.commands.terminal import INTERRUPTED
 
 REQUIRED = 0.98  # of an exercise's mutants are rejected or equivalent
 LIMIT = 60.0  # [s] that one may take; whoever gives no verdict by then has not rejected it
 JOBS = 2
-EXERCISES = {each.name: each for those in exercises().values() for each in those}
 
 Outcome = dict[Mutant, bool]  # whether it is rejected
 
@@ -59,39 +55,23 @@ async def judge_all(asked: Sequence[Exercise], outcomes: dict[str, Outcome]) -> 
                 group.create_task(judge_one(exercise, mutant))
 
 
-def show(outcomes: dict[str, Outcome], console: Console) -> int:
+def show_all(outcomes: dict[str, Outcome]) -> int:
     """Print the table and what survived; return the exit status."""
-    table = Table("exercise", "mutants", "rejected", "equivalent", "survived", "score")
-    for column in table.columns[1:]:
-        column.justify = "right"
-    scores = []
+    failed, rows, bad = False, list[tuple[str, ...]](), list[str]()
     for name, outcome in outcomes.items():
-        found = Counter("rejected" if rejected else _if_not_rejected(name, each) for each, rejected in outcome.items())
-        scores.append(1 - found["survived"] / len(outcome))
-        counts = (str(found[each]) for each in ("rejected", "equivalent", "survived"))
-        table.add_row(name, str(len(outcome)), *counts, f"{scores[-1]:.1%}")
-    console.print(table)
-    refused = 0
-    for name, outcome in outcomes.items():
-        for mutant, rejected in outcome.items():
-            is_listed = _if_not_rejected(name, mutant) == "equivalent"
-            refused += rejected and is_listed
-            if rejected == is_listed:
-                what = "is listed as equivalent, and rejected" if rejected else "survived"
-                console.print(
-                    f"{name}: {what}: {mutant.change}", style="red", highlight=False, markup=False, soft_wrap=True
-                )
-    for name in outcomes:
-        for why, changes in EQUIVALENT.get(name, {}).items():
-            console.print(f"{name}: equivalent, for {why}:", highlight=False, markup=False, soft_wrap=True)
-            for change in changes:
-                console.print(f"    {change}", highlight=False, markup=False, soft_wrap=True)
-    return 1 if refused or min(scores, default=1.0) < REQUIRED else 0
-
-
-def _if_not_rejected(name: str, mutant: Mutant) -> str:
-    listed = any(mutant.change in changes for changes in EQUIVALENT.get(name, {}).values())
-    return "equivalent" if listed else "survived"
+        listed = {change for changes in EQUIVALENT.get(name, {}).values() for change in changes}
+        rejected = {mutant.change for mutant, is_rejected in outcome.items() if is_rejected}
+        survived = [mutant.change for mutant in outcome if mutant.change not in rejected | listed]
+        score = 1 - len(survived) / len(outcome)
+        counts = (len(outcome), len(rejected), len(outcome) - len(rejected) - len(survived), len(survived))
+        rows.append((name, *map(str, counts), f"{score:.1%}"))
+        bad += [f"{name}: is listed as equivalent, and rejected: {change}" for change in rejected & listed]
+        bad += [f"{name}: survived: {change}" for change in survived]
+        failed = failed or bool(rejected & listed) or score < REQUIRED
+    show(("exercise", "mutants", "rejected", "equivalent", "survived", "score"), rows)
+    for line in bad:
+        console.print(line, style="red", highlight=False, markup=False, soft_wrap=True)
+    return int(failed)
 
 
 @click.command(help=__doc__)
@@ -99,15 +79,14 @@ def _if_not_rejected(name: str, mutant: Mutant) -> str:
 def main(names: tuple[str, ...]) -> None:
     """Do what the command line asks for, and exit with its status."""
     _contain.subprocess = forks  # type: ignore[assignment]
-    console = Console(width=None if sys.stdout.isatty() else 120)
     outcomes: dict[str, Outcome] = {}
     try:
         asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES], outcomes))
     except KeyboardInterrupt:
         console.print("stopped; so far:")
-        show(outcomes, console)
+        show_all(outcomes)
         sys.exit(INTERRUPTED)
-    sys.exit(show(outcomes, console))
+    sys.exit(show_all(outcomes))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 """A thousand messages a second for a while, between two processes: what is lost, how late it is, and whether memory
-stays flat; then the same into the viewer of step 3, whose queue must not grow; then hostile joint states.
+stays flat; then the same into the viewer of step 3, whose queue must not grow; then into a bag.
 
 ``make soak`` runs it. Its exit status is 1 if something does not hold; below the tables it says what.
 """
@@ -16,14 +16,15 @@ from typing import Any
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
-from harness import GROWTH, MEMORY, WARM_UP, above, console, python, show, soak
-from hostile import hostile
+from harness import GROWTH, MEMORY, WARM_UP, above, python, soak
+from tables import console, show
 from traffic import PATIENCE, RATE
 
 from tutorial.commands.terminal import progress_bar
 
 TRAFFIC = Path(__file__).with_name("traffic.py")
-KINDS = ("reliable", "best effort", "hand-off", "hostile")
+OTHER_ENDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "show", "bag": "record"}
+"""Each kind of traffic, and what receives it: a role of traffic.py."""
 BACKLOG = 100  # calls that may wait for the viewer's main thread, in the median of a third: a tenth of a second's
 RATE_BOUND = 0.99 * RATE
 
@@ -37,9 +38,8 @@ def run(kind: str, seconds: float) -> tuple[str, Result, Result]:
         SystemExit: one of them has failed, or does not end.
     """
     console.print(f"{kind}, {seconds} s:")
-    other = "show" if kind == "hand-off" else "subscribe"
     with progress_bar(seconds, shown=True) as progress, ExitStack() as stack:
-        ends = [stack.enter_context(python(TRAFFIC, role, kind, seconds)) for role in ("publish", other)]
+        ends = [stack.enter_context(python(TRAFFIC, role, kind, seconds)) for role in ("publish", OTHER_ENDS[kind])]
         stack.callback(lambda: [end.stdin.close() for end in ends])  # both are asked before either is waited for
         began = time.monotonic()
         while any(end.poll() is None for end in ends):
@@ -55,7 +55,7 @@ def complaints(kind: str, sent: Result, got: Result) -> Iterator[str]:
     """What does not hold of what should."""
     if sent["rate"] < RATE_BOUND:
         yield f"{sent['rate']:.0f} messages a second were sent, at least {RATE_BOUND:.0f} are asked for"
-    if kind == "reliable" and sent["sent"] > got["received"]:
+    if kind in ("reliable", "bag") and sent["sent"] > got["received"]:
         yield f"{sent['sent'] - got['received']} messages were lost"
     if got["disordered"]:
         yield f"{got['disordered']} messages came out of order"
@@ -63,17 +63,15 @@ def complaints(kind: str, sent: Result, got: Result) -> Iterator[str]:
         yield from above((end - start, GROWTH, f"the {whose}'s {MEMORY}"))
     if got["received"] != got.get("applied", got["received"]):
         yield f"{got['received']} messages were received, but {got['applied']} shown"
-    last = got.get("waiting", [0])[-1]
-    yield from above((last, BACKLOG, "the viewer's queue has grown: in the last third {:.0f} waited, at most {} may"))
+    grown = "the viewer's queue has grown: in the last third {:.0f} waited, at most {} may"
+    yield from above((got.get("waiting", 0), BACKLOG, grown))
 
 
 def messages_and_memory(duration: int, kinds: Sequence[str]) -> list[str]:
     """Run each kind of traffic in turn, and print the tables; return what does not hold."""
-    outcomes = [run(kind, duration) for kind in kinds if kind != "hostile"]
-    if outcomes:
-        show_messages(outcomes)
-    found = [f"{outcome[0]}: {complaint}" for outcome in outcomes for complaint in complaints(*outcome)]
-    return found + (hostile(duration) if "hostile" in kinds else [])
+    outcomes = [run(kind, duration) for kind in kinds]
+    show_messages(outcomes)
+    return [f"{outcome[0]}: {complaint}" for outcome in outcomes for complaint in complaints(*outcome)]
 
 
 def show_messages(outcomes: Sequence[tuple[str, Result, Result]]) -> None:
@@ -91,10 +89,7 @@ def show_messages(outcomes: Sequence[tuple[str, Result, Result]]) -> None:
         "viewer, whose subscription keeps the newest: its depth is 1. memory: how much the publisher's, and the other "
         f"end's, has grown after a warm-up of {WARM_UP:.0%} of the run.",
     )
-    for got in (got for *_, got in outcomes if "waiting" in got):
-        thirds = ", ".join(f"{third:.0f}" for third in got["waiting"])
-        console.print(f"calls that waited for the viewer's main thread: {thirds} by thirds, {got['most']} at most")
 
 
 if __name__ == "__main__":
-    soak(__doc__, 60, KINDS, messages_and_memory)
+    soak(__doc__, 60, list(OTHER_ENDS), messages_and_memory)

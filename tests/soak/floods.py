@@ -1,6 +1,6 @@
-"""What a viewer bears: somebody means harm, and sends announcements, names, messages, requests or packets without end
-to the viewer of step 3. Its main loop is not to be held, its memory is not to grow, the terminal is not to be filled,
-and when it is told to end, it ends.
+"""What a viewer bears: somebody means harm, and sends names, messages or packets without end to the viewer of step 3.
+Its main loop is not to be held, its memory is not to grow, the terminal is not to be filled, and when it is told to
+end, it ends.
 
 ``make soak`` runs it, too. Its exit status is 1 if something does not hold; below the table it says what.
 """
@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
 import subprocess
 import threading
 import time
@@ -18,12 +17,13 @@ from contextlib import suppress
 from pathlib import Path
 
 import psutil
-from harness import MEMORY, above, console, python, show, soak
+from harness import MEMORY, above, python, soak
+from tables import console, show
 
 from tutorial.commands.terminal import progress_bar
 
 HERE = Path(__file__).parent
-KINDS = ("nothing", "announcements", "names", "messages", "requests", "encapsulations")
+KINDS = ("names", "messages", "encapsulations")
 SETTLED = 20  # tenths of a second that the viewer runs before it is attacked
 PATIENCE = 60.0  # [s]
 BOUNDS = {
@@ -46,14 +46,12 @@ def flood(kind: str, seconds: float) -> tuple[str, int, list[float]]:
         The kind, how much was sent, and the values that `BOUNDS` is for.
     """
     console.print(f"{kind}, {seconds} s:")
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
     reading, writing = os.pipe()
     options = {"pass_fds": [writing], "stderr": subprocess.STDOUT, "env": {**os.environ, "HOLDS_FD": str(writing)}}
     holds: list[float] = []  # [s], the longest of each tenth of a second
     lines: list[str] = []
     with (
-        python(HERE / "victim.py", "run", "step3", "--port", port, grace=0, **options) as victim,
+        python(HERE / "victim.py", "run", "step3", grace=0, **options) as victim,
         progress_bar(seconds, shown=True) as progress,
     ):
         os.close(writing)
@@ -64,7 +62,7 @@ def flood(kind: str, seconds: float) -> tuple[str, int, list[float]]:
             if victim.poll() is not None or time.monotonic() > deadline:
                 raise SystemExit("the viewer does not run:\n" + "".join(lines))
             time.sleep(0.02)
-        with python(HERE / "attack.py", kind, seconds + PATIENCE, port) as attacker:
+        with python(HERE / "attack.py", kind, seconds + PATIENCE) as attacker:
             attacker.stdout.readline()
             resident = psutil.Process(victim.pid).memory_info
             start, printed, quiet = resident().rss, len(lines), len(holds)

@@ -13,8 +13,7 @@ from contextlib import contextmanager
 import click
 import psutil
 from domains import reserved_domain
-from rich.console import Console
-from rich.table import Table
+from tables import console
 
 from tutorial.commands.terminal import INTERRUPTED
 
@@ -27,8 +26,6 @@ bytes that stay behind of each are found: a copy of a message of 40 joints is 1,
 backlog of a second in which a busy machine did something else, of which malloc keeps the pages, and an arena that the
 interpreter adds."""
 MEMORY = "memory has grown by {:.1f} MB, at most {:g} are allowed"
-
-console = Console(width=None if sys.stdout.isatty() else 120)
 
 
 def soak(text: str | None, seconds: int, kinds: Sequence[str], job: Callable[[int, Sequence[str]], list[str]]) -> None:
@@ -58,16 +55,6 @@ def soak(text: str | None, seconds: int, kinds: Sequence[str], job: Callable[[in
         sys.exit(bool(complaints))
 
     main()
-
-
-def show(columns: Sequence[str], rows: Iterator[Sequence[str]], caption: str) -> None:
-    """Print a table, with its numbers to the right."""
-    table = Table(*columns, caption=caption, caption_justify="left")
-    for column in table.columns[1:]:
-        column.justify = "right"
-    for row in rows:
-        table.add_row(*row)
-    console.print(table)
 
 
 def above(*limits: tuple[float, float, str]) -> list[str]:
@@ -109,8 +96,8 @@ class Memory:
             self._due = time.monotonic() + EVERY
             self._samples.append(self._process.memory_info().rss / 1e6)
 
-    def trend(self, warm_up: float = WARM_UP) -> tuple[float, float]:
+    def trend(self) -> tuple[float, float]:
         """Return start and end after the warm-up, each a median: a single sample may catch a moment's peak."""
-        samples = self._samples[int(warm_up * len(self._samples)) :]
+        samples = self._samples[int(WARM_UP * len(self._samples)) :]
         tenth = len(samples) // 10 + 1
         return statistics.median(samples[:tenth]), statistics.median(samples[-tenth:])

@@ -1,4 +1,4 @@
-"""One end of the traffic, in a process of its own: ``python traffic.py publish|subscribe|show KIND SECONDS``.
+"""One end of the traffic, in a process of its own: ``python traffic.py publish|subscribe|show|record KIND SECONDS``.
 
 Only what rclpy promises is used, so it runs on any. What was measured is printed as one line of JSON. It stops early
 when its standard input ends, which it also does when whoever started it is killed.
@@ -11,10 +11,14 @@ import json
 import os
 import statistics
 import sys
+import tempfile
 import threading
 import time
 from array import array
+from collections.abc import Sequence
 from contextlib import suppress
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import tutorial  # noqa: F401 - promises an rclpy
@@ -26,11 +30,14 @@ from harness import Memory
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
 from tutorial.host import Host
 from tutorial.paths import find_project
 from tutorial.project import Project
+from tutorial.ros.bags import Bag, Recorder
+from tutorial.ros.node_thread import NodeThread
 
 RATE = 1000  # [Hz]
 QUIET = 1.0  # [s] without a message, after which none is on its way any more
@@ -97,8 +104,7 @@ def subscribe(kind: str, seconds: float) -> dict[str, Any]:
             executor.spin_once(timeout_sec=0.1)
             if not seen or subscription.get_publisher_count():
                 heard_at = time.monotonic()
-    median, p99 = np.percentile(latencies[: seen or 1], (50, 99)) / 1e6
-    return {"received": seen, "disordered": disordered, "median": median, "p99": p99}
+    return {"received": seen, "disordered": disordered, **percentiles(latencies[:seen])}
 
 
 async def show(kind: str, seconds: float) -> dict[str, Any]:
@@ -119,16 +125,36 @@ async def show(kind: str, seconds: float) -> dict[str, Any]:
             await running
         record = host.record()
     counts = record["topics"][TOPIC]
-    size = max(len(waiting) // 3, 1)
-    thirds = [statistics.median(part) for part in (waiting[:size], waiting[size:-size] or waiting, waiting[-size:])]
     return {
         "received": counts["received"],
         "disordered": record["report"]["late"],
         **counts["latency_ms"],
         "applied": counts["applied"],
-        "waiting": thirds,
-        "most": max(waiting),
+        "waiting": statistics.median(waiting[-(len(waiting) // 3 + 1) :]),
     }
+
+
+def record(kind: str, seconds: float) -> dict[str, Any]:
+    """Record a bag until the publisher has come and gone, as ``tank bag record`` does, and look at what is in it."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "bag"
+        with NodeThread("recorder") as thread, Recorder(thread.node, path, [TOPIC]) as recorder:
+            while not stop.wait(0.05) and (recorder.hears(TOPIC) or not recorder.counts.get(TOPIC)):
+                memory.look()
+        messages = [(time_ns, message.header) for _, time_ns, message in Bag(path).messages()]
+    numbers = [int(header.frame_id) for _, header in messages]
+    latencies = [time_ns - Time.from_msg(header.stamp).nanoseconds for time_ns, header in messages]
+    return {
+        "received": len(numbers),
+        "disordered": sum(later <= number for number, later in pairwise(numbers)),
+        **percentiles(latencies),
+    }
+
+
+def percentiles(latencies: Sequence[int]) -> dict[str, float]:
+    """Say how late messages were, of which there may be none [ns]: the median and the worst hundredth [ms]."""
+    median, p99 = np.percentile(latencies or [0], (50, 99)) / 1e6
+    return {"median": median, "p99": p99}
 
 
 def wait_for_the_end() -> None:
@@ -145,7 +171,7 @@ if __name__ == "__main__":
         if role == "show":
             result = asyncio.run(show(kind, float(seconds)))
         else:
-            result = {"publish": publish, "subscribe": subscribe}[role](kind, float(seconds))
+            result = {"publish": publish, "subscribe": subscribe, "record": record}[role](kind, float(seconds))
     finally:
         rclpy.try_shutdown()
     if not stop.is_set():

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,7 @@ RANGES = {"TURRET_Y": (-6.29, 6.29), "TURRET_P": (-0.18, 0.79)}  # [rad]
 COMPARED = tuple(name for name in FAULTS if name != "type")  # another type does not arrive anywhere
 
 
+@cache
 def judge(kind: type[Viewer], fault: str) -> str:
     """Show a stream to a viewer; say how much of the time the pose was not right, and whether that was said.
 
@@ -65,13 +66,9 @@ def _stream(fault: str) -> list[tuple[Any, list[Action]]]:
 
 
 def _words(found: Counter[str], said: bool, ended: bool) -> str:
-    bad = [f"{verdict} {_share(found[verdict])}" for verdict in ("stale", "wrong") if found[verdict]]
+    bad = [f"{verdict} {100 * found[verdict] / MESSAGES:.0f} %" for verdict in ("stale", "wrong") if found[verdict]]
     end = ["ends"] if ended else ["said"] if said else ["silent"] if bad else []
     return ", ".join([*(bad or ["right"]), *end])
-
-
-def _share(count: int) -> str:
-    return f"{100 * count / MESSAGES:.0f} %"
 
 
 def table() -> str:

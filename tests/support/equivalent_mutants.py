@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
+import ast
+from itertools import pairwise, starmap
+
+from tutorial.checks._listing import listing
+from tutorial.checks.catalogue import exercises
+
+EXERCISES = {each.name: each for those in exercises().values() for each in those}
 
 
 def becomes(line: str, *others: str) -> tuple[str, ...]:
@@ -10,9 +16,25 @@ def becomes(line: str, *others: str) -> tuple[str, ...]:
     return tuple(f"{line} → {other}" for other in others)
 
 
-def exchanged(*lines: str) -> tuple[str, ...]:
-    """The changes of some lines that follow each other: of each two neighbours, the second comes first."""
-    return tuple(f"{a}; {b} → {b}; {a}" for a, b in pairwise(lines))
+def swapped(one: str, other: str) -> str:
+    """The change of two statements that follow each other."""
+    return f"{one}; {other} → {other}; {one}"
+
+
+def exchanged(name: str, *parts: tuple[str, str]) -> tuple[str, ...]:
+    """The changes of parts of an exercise's right answer: of each two neighbours, the second comes first.
+
+    Args:
+        name: the exercise's.
+        parts: how the first line of each part begins, and how the last one does.
+    """
+    lines = [line.strip() for line in ast.unparse(ast.parse(listing(EXERCISES[name].right_answer))).splitlines()]
+    found: list[str] = []
+    for first, last in parts:
+        begin = next(i for i, line in enumerate(lines) if line.startswith(first))
+        end = next(i for i, line in enumerate(lines) if i > begin and line.startswith(last))
+        found += starmap(swapped, pairwise(lines[begin : end + 1]))
+    return tuple(found)
 
 
 UNRELATED = "neither statement uses what the other sets"
@@ -32,14 +54,12 @@ STATE = "self.publisher = self.node.create_publisher(JointState, f'{{config.body
 HEARD = "self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, {})"
 LATEST = "self.call_latest(self.body.name, self.update, message)"
 TOLD = "self.body.notify_change({})"
-TOPIC = "topic = f'{self.body.name}/joint_state'"
 PER_MESSAGE = "self.steps_per_message = round(1 / (25 * io.time_step))"
 PER_LOOK = "self.steps_per_look = round(1 / (50 * io.time_step))"
 DUE = "if self.io.step % self.steps_per_message == 0:"
 NOT_DUE = "if self.io.step % self.steps_per_look:"
 
 PER_TENTH = PER_MESSAGE.replace("25", "10")
-VECTOR = "velocity.x, velocity.y, velocity.z = np.mean(self.samples, axis=0).tolist()"
 PER_PICTURE = PER_MESSAGE.replace("25", "5").replace("message", "picture")
 PICTURE_DUE = DUE.replace("message", "picture")
 GRAY = "self.publisher = self.node.create_publisher(Image, f'{{config.body.name}}/camera/gray', {})"
@@ -56,24 +76,36 @@ COMPLETE = f"{TWO}; while stamp in self.waiting:; {DROP}; return (together['join
 TOO_MANY = f"if len(self.waiting) > 50:; {DROP}"
 
 
-def as_even(line: str, rate: str) -> tuple[str, ...]:
-    """The changes of the number of steps per message, and of the condition, that the remainder does not mind."""
-    return (
-        *becomes(
-            DUE,
-            "if self.io.step % self.steps_per_message <= 0:",
-            "if -(self.io.step % self.steps_per_message) == 0:",
-            "if -self.io.step % self.steps_per_message == 0:",
-            "if self.io.step % -self.steps_per_message == 0:",
-        ),
-        *becomes(
-            line,
-            line.replace(f"({rate} * io.time_step)", f"-({rate} * io.time_step)"),
-            line.replace("io.time_step", "-io.time_step"),
-            line.replace("1 /", "-1 /"),
-            line.replace(rate, f"-{rate}"),
-        ),
-    )
+def now_and_then(due: str, line: str, rate: str, publisher: str) -> dict[str, tuple[str, ...]]:
+    """Those of an answer that publishes at a rate: of its condition, of the number of steps, and of its publisher."""
+    remainder = due.removeprefix("if ").removesuffix(" == 0:")
+    step, steps = remainder.split(" % ")
+    evens = (f"{remainder} <= 0", f"-({remainder}) == 0", f"-{remainder} == 0", f"{step} % -{steps} == 0")
+    return {
+        EVEN: (*becomes(due, *(f"if {even}:" for even in evens)), *negative(line, rate)),
+        FIRST: becomes(due, due.replace("0", "1")),
+        DEPTH: at_any_depth(publisher),
+    }
+
+
+def at_any_depth(line: str, depth: int = 1) -> tuple[str, ...]:
+    """The changes of how many messages may wait."""
+    return becomes(*(line.format(number) for number in (depth, depth + 1, depth - 1)))
+
+
+def negative(line: str, rate: str) -> tuple[str, ...]:
+    """The changes of a number of steps that turn its sign round."""
+    parts = (f"({rate} * io.time_step)", "io.time_step", "1 /", rate)
+    return becomes(line, *(line.replace(part, f"-{part}") for part in parts))
+
+
+def displaying(name: str) -> dict[str, tuple[str, ...]]:
+    """Those of an exercise whose answer shows joint states."""
+    return {
+        UNRELATED: exchanged(name, ("self.body", "topic")),
+        WHAT_IS_TOLD: becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions")),
+        DEPTH: at_any_depth(HEARD),
+    }
 
 
 EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
@@ -92,26 +124,21 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         ),
     },
     "drive": {
-        UNRELATED: (
-            *exchanged("self.node = config.node", "self.joy = Latest(Joy())"),
-            *exchanged("self.track_l = io.body.actuator('TRACK_L')", "self.track_r = io.body.actuator('TRACK_R')"),
-            *exchanged(
-                "self.track_l.ctrl = 1.0 * left_y - 0.5 * left_x", "self.track_r.ctrl = 1.0 * left_y + 0.5 * left_x"
-            ),
+        UNRELATED: exchanged(
+            "drive",
+            ("self.node", "self.joy ="),
+            ("self.track_l =", "self.track_r ="),
+            ("self.track_l.ctrl", "self.track_r.ctrl"),
         ),
-        DEPTH: becomes(JOY.format(1), JOY.format(2), JOY.format(0)),
+        DEPTH: at_any_depth(JOY),
         "an axis is a float32, and 0.3 is none": becomes(AXES.format(">"), AXES.format(">=")),
         "of four, those before the last two are the first two": becomes(
             AXES.format(">"), AXES.format(">").replace("[:2]", "[:-2]")
         ),
     },
     "aim": {
-        UNRELATED: (
-            *exchanged("self.joint = joint", "self.time_step = time_step", "self.q_ref = self.q_prev = joint.position"),
-            *exchanged("dq_ref = (q_ref - self.q_ref) / self.time_step", "q = self.joint.position"),
-            *exchanged(
-                "self.joint.effort = 200 * (q_ref - q) + 50 * (dq_ref - dq)", "self.q_ref, self.q_prev = (q_ref, q)"
-            ),
+        UNRELATED: exchanged(
+            "aim", ("self.joint =", "self.q_ref ="), ("dq_ref", "q ="), ("self.joint.effort", "self.q_ref, self.q_prev")
         ),
         "the larger or smaller of two is the same in either order": becomes(
             Q_REF,
@@ -120,123 +147,63 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         ),
     },
     "publish": {
-        UNRELATED: (
-            *exchanged("self.io = io", "self.joints = io.body.joints", PER_MESSAGE),
-            *exchanged(
-                "message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()",
-                "message.name = [joint.name for joint in self.joints]",
-                "message.position = [joint.position for joint in self.joints]",
-                "message.velocity = [joint.velocity for joint in self.joints]",
-                "message.effort = [joint.effort for joint in self.joints]",
-            ),
-        ),
-        EVEN: as_even(PER_MESSAGE, "25"),
-        FIRST: becomes(DUE, DUE.replace("0", "1")),
-        DEPTH: becomes(TURRET.format(1), TURRET.format(2), TURRET.format(0)),
+        UNRELATED: exchanged("publish", ("self.io", "self.steps"), ("message.header", "message.effort")),
+        **now_and_then(DUE, PER_MESSAGE, "25", TURRET),
     },
     "thrift": {
         UNRELATED: (
-            *exchanged("self.io = io", "self.sent = {}", PER_LOOK),
-            *exchanged(
-                f"{NOT_DUE}; return", "positions = {joint.name: joint.position for joint in self.io.body.joints}"
-            ),
-            *exchanged("self.publisher.publish(message)", "self.sent.update(news)"),
+            *exchanged("thrift", ("self.io", "self.steps"), ("self.publisher.publish", "self.sent")),
+            swapped(f"{NOT_DUE}; return", "positions = {joint.name: joint.position for joint in self.io.body.joints}"),
         ),
         EVEN: (
             *becomes(NOT_DUE, "if -self.io.step % self.steps_per_look:", "if self.io.step % -self.steps_per_look:"),
-            *becomes(
-                PER_LOOK,
-                "self.steps_per_look = round(1 / -(50 * io.time_step))",
-                "self.steps_per_look = round(1 / (50 * -io.time_step))",
-                "self.steps_per_look = round(-1 / (50 * io.time_step))",
-                "self.steps_per_look = round(1 / (-50 * io.time_step))",
-            ),
+            *negative(PER_LOOK, "50"),
         ),
-        DEPTH: becomes(STATE.format(10), STATE.format(11), STATE.format(9)),
+        DEPTH: at_any_depth(STATE, 10),
     },
-    "show": {
-        UNRELATED: exchanged(
-            "self.body = config.body", "self.node = config.node", "self.call_later = config.call_later", TOPIC
-        ),
-        WHAT_IS_TOLD: becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions")),
-        DEPTH: becomes(HEARD.format(1), HEARD.format(2), HEARD.format(0)),
-    },
+    "show": displaying("show"),
     "keep_up": {
-        UNRELATED: exchanged(
-            "self.body = config.body", "self.node = config.node", "self.call_latest = config.call_latest", TOPIC
-        ),
+        **displaying("keep_up"),
         "any key does that is the same for every message: a controller's keys are its own": becomes(
             LATEST, LATEST.replace("name", "joint_names")
         ),
-        WHAT_IS_TOLD: becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions")),
-        DEPTH: becomes(HEARD.format(1), HEARD.format(2), HEARD.format(0)),
     },
     "gyro": {
-        UNRELATED: (
-            *exchanged("self.io = io", "self.sensor = io.body.sensor('GYRO')", "self.samples = []", PER_TENTH),
-            *exchanged(
-                "message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()",
-                "message.header.frame_id = f'{self.io.body.name}/base_link'",
-                "velocity = message.angular_velocity",
-            ),
-            *exchanged(
-                VECTOR,
-                "message.orientation_covariance[0] = -1.0",
-                "message.linear_acceleration_covariance[0] = -1.0",
-            ),
-            *exchanged("self.publisher.publish(message)", "self.samples.clear()"),
+        UNRELATED: exchanged(
+            "gyro",
+            ("self.io", "self.steps"),
+            ("message.header.stamp", "velocity ="),
+            ("velocity.x", "message.linear"),
+            ("self.publisher.publish", "self.samples"),
         ),
-        EVEN: as_even(PER_TENTH, "10"),
-        FIRST: becomes(DUE, DUE.replace("0", "1")),
-        DEPTH: becomes(GYRO.format(1), GYRO.format(2), GYRO.format(0)),
+        **now_and_then(DUE, PER_TENTH, "10", GYRO),
     },
     "hop": {
-        UNRELATED: (
-            *exchanged(
-                "self.body = config.body",
-                "self.node = config.node",
-                "self.call_later = config.call_later",
-                "self.timer = None",
-            ),
-            *exchanged("self.node.destroy_subscription(self.subscription)", "self.land()"),
-            *exchanged("timer.cancel()", "self.move(self.place)"),
-            *exchanged(
-                "self.move((x, y, z + 0.1))", "self.timer = asyncio.get_running_loop().call_later(0.5, self.land)"
-            ),
+        UNRELATED: exchanged(
+            "hop",
+            ("self.body", "self.timer"),
+            ("self.node.destroy", "self.land"),
+            ("timer.cancel", "self.move"),
+            ("self.move((x", "self.timer"),
         ),
         "what is posted runs on the main thread, and so not before configure has ended": exchanged(
-            "self.timer = None", BLOWS.format(10)
+            "hop", ("self.timer", "self.subscription")
         ),
         "a length is the same in either order": becomes(BLOW, BLOW.replace("a.x, a.y", "a.y, a.x")),
-        DEPTH: becomes(BLOWS.format(10), BLOWS.format(11), BLOWS.format(9)),
+        DEPTH: at_any_depth(BLOWS, 10),
     },
     "pair": {
-        "a function without a return returns None": (
-            "return None → nothing",
-            *becomes("return None", "return"),
-        ),
+        "a function without a return returns None": becomes("return None", "nothing", "return"),
         "a key is a key in either order": becomes(STAMP, STAMP_TURNED),
         "of a stamp there are never more than two": becomes(TWO, TWO.replace("==", ">=")),
-        "a message that completes a pair makes no more wait": (f"{COMPLETE}; {TOO_MANY} → {TOO_MANY}; {COMPLETE}",),
+        "a message that completes a pair makes no more wait": (swapped(COMPLETE, TOO_MANY),),
     },
     "gray": {
-        UNRELATED: (
-            *exchanged("self.io = io", "self.camera = io.body.camera('CAMERA')", PER_PICTURE),
-            *exchanged(
-                "message.header.stamp = Time(nanoseconds=time_ns).to_msg()",
-                "message.header.frame_id = self.camera.name",
-                "message.height, message.width, _ = pixels.shape",
-                "message.encoding = 'mono8'",
-                "message.step = message.width",
-                "message.data = array('B', pixels.mean(axis=2).astype(np.uint8).tobytes())",
-            ),
-        ),
-        EVEN: tuple(each.replace("message", "picture") for each in as_even(PER_MESSAGE.replace("25", "5"), "5")),
-        FIRST: becomes(PICTURE_DUE, PICTURE_DUE.replace("0", "1")),
-        DEPTH: becomes(GRAY.format(1), GRAY.format(2), GRAY.format(0)),
+        UNRELATED: exchanged("gray", ("self.io", "self.steps"), ("message.header.stamp", "message.data")),
+        **now_and_then(PICTURE_DUE, PER_PICTURE, "5", GRAY),
     },
     "gaps": {
-        UNRELATED: exchanged("found = []", "newest = None"),
+        UNRELATED: exchanged("gaps", ("found", "newest")),
         "the larger of two is the same in either order": becomes(
             "newest = max(newest, stamp)", "newest = max(stamp, newest)"
         ),

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from pathlib import Path
 
 import nbformat
-from domains import reserved_domain
 from jupyter_client.manager import AsyncKernelManager
 from nbclient import NotebookClient
+from notebook_domains import own_surroundings
 
 WIDGET = "application/vnd.jupyter.widget-view+json"
 HOME = Path(__file__).parents[2]
@@ -34,13 +33,8 @@ def execute(path: Path) -> None:
     notebook = nbformat.read(path, as_version=4)
     manager = AsyncKernelManager(kernel_name="python3")
     manager.kernel_spec.argv[0] = sys.executable
-    with reserved_domain() as domain, tempfile.TemporaryDirectory(prefix="ipython-") as settings:
-        os.environ |= {
-            "ROS_DOMAIN_ID": str(domain),
-            "IPYTHONDIR": settings,
-            "TANK_PROGRESS": f"{settings}/progress.json",
-        }
-        startup = Path(settings) / "profile_default" / "startup" / "keep.py"
+    with own_surroundings():
+        startup = Path(os.environ["IPYTHONDIR"]) / "profile_default" / "startup" / "keep.py"
         startup.parent.mkdir(parents=True)
         startup.write_text(STARTUP.format(book=str(HOME / "book"), name=path.stem), encoding="utf-8")
         NotebookClient(

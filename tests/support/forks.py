@@ -6,39 +6,43 @@ otherwise what a learner's answer is run with; that it begins in a fresh interpr
 
 from __future__ import annotations
 
-import atexit
-import gc
-import json
+import multiprocessing
 import os
 import random
-import socket
 import subprocess
 import sys
 from collections.abc import Sequence
-from functools import cache
 from io import TextIOWrapper
-from typing import Any, NoReturn
+from multiprocessing.connection import Connection
+from typing import Any
+
+from tutorial.checks import _child
+from tutorial.checks.catalogue import exercises
 
 PIPE, STDOUT = subprocess.PIPE, subprocess.STDOUT
-PART = 65536  # bytes
+
+_server = multiprocessing.get_context("forkserver")
+_server.set_forkserver_preload([_child.__name__, *{each.module for those in exercises().values() for each in those}])
 
 
 class Popen:
     """As much of `subprocess.Popen` as `tutorial.checks._contain` asks for; this module stands in for `subprocess`.
 
     Args:
-        command: of which the last words are the numbers of descriptors.
-        pass_fds: those.
+        command: of which only its program's is run, whatever it says.
+        pass_fds: the descriptors that the program is given.
         env: the environment.
     """
 
     def __init__(self, command: Sequence[str], *, pass_fds: Sequence[int], env: dict[str, str], **_: Any) -> None:
         stdin, self._stdin = os.pipe()
         out, stdout = os.pipe()
-        socket.send_fds(_parent(), [_line({"env": env})], [stdin, stdout, *pass_fds])
-        self.pid = int(_parent().recv(PART))
-        for fd in (stdin, stdout):
-            os.close(fd)
+        given = [Connection(fd) for fd in (stdin, stdout, *map(os.dup, pass_fds))]
+        self._process = _server.Process(target=_judge, args=(env, *given))
+        self._process.start()
+        self.pid = self._process.pid
+        for each in given:
+            each.close()
         self.stdout = os.fdopen(out, "rb", buffering=0)
         self.returncode: int | None = None
 
@@ -49,70 +53,20 @@ class Popen:
         """Close the streams, and wait for the end."""
         os.close(self._stdin)
         self.stdout.close()
-        _parent().sendall(_line({"wait": self.pid}))
-        self.returncode = os.waitstatus_to_exitcode(int(_parent().recv(PART)))
+        self._process.join()
+        self.returncode = self._process.exitcode
 
 
-def _line(request: dict[str, Any]) -> bytes:
-    return json.dumps(request).encode() + b"\n"
-
-
-@cache
-def _parent() -> socket.socket:
-    """Start the process that forks, which ends with this one; return what it is asked through."""
-    ours, its = socket.socketpair()
-    with its:
-        process = subprocess.Popen([sys.executable, __file__, str(its.fileno())], pass_fds=[its.fileno()])
-
-    def end() -> None:
-        ours.close()
-        process.wait()
-
-    atexit.register(end)
-    return ours
-
-
-def main() -> None:
-    """Fork whenever this is asked for, and wait for whom it is told to."""
-    asked = socket.socket(fileno=int(sys.argv[1]))
-    from tutorial.checks import _child
-    from tutorial.checks.catalogue import exercises
-
-    exercises()  # which imports them all
-    gc.freeze()
-    while True:
-        request, fds, _, _ = socket.recv_fds(asked, PART, 8)
-        while not request.endswith(b"\n"):
-            part = asked.recv(PART)
-            if not part:
-                return
-            request += part
-        what = json.loads(request)
-        if "wait" in what:
-            asked.send(str(os.waitpid(what["wait"], 0)[1]).encode())
-        elif os.fork() == 0:
-            _judge(_child.main, asked, what["env"], fds)
-        for fd in fds:
-            os.close(fd)
-
-
-def _judge(program: Any, asked: socket.socket, environment: dict[str, str], fds: Sequence[int]) -> NoReturn:
+def _judge(environment: dict[str, str], stdin: Connection, stdout: Connection, *passed: Connection) -> None:
     """Be what a process is in the beginning that was started for it, and run the program, which ends it."""
-    os.setsid()
-    asked.send(str(os.getpid()).encode())  # not before: it is the whole session that will be killed
-    asked.close()
-    stdin, stdout, *passed = fds
-    for fd, at in ((stdin, 0), (stdout, 1), (stdout, 2)):
-        os.dup2(fd, at)
-    os.close(stdin)
-    os.close(stdout)
+    os.setsid()  # it is the whole session that will be killed
+    for given, at in ((stdin, 0), (stdout, 1), (stdout, 2)):
+        os.dup2(given.fileno(), at)
+    stdin.close()
+    stdout.close()
     sys.stdout, sys.stderr = (TextIOWrapper(open(at, "wb", 0), "utf-8", write_through=True) for at in (1, 2))  # noqa: SIM115, PTH123
     os.environ.clear()
     os.environ.update(environment)
     random.seed()
-    sys.argv[1:] = map(str, passed)
-    program()
-
-
-if __name__ == "__main__":
-    main()
+    sys.argv[1:] = [str(each.fileno()) for each in passed]
+    _child.main()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 import psutil
 from jupyter_client.manager import KernelManager
@@ -48,12 +48,8 @@ def kernel() -> Iterator[Kernel]:
     manager = KernelManager(kernel_name="python3")
     manager.kernel_spec.argv[0] = sys.executable
     manager.start_kernel()
-    running = None
-    try:
+    with ExitStack() as stack:
+        stack.callback(manager.shutdown_kernel, now=True)
         running = Kernel(manager)
+        stack.callback(running.client.stop_channels)
         yield running
-    finally:
-        if running is not None:
-            running.client.stop_channels()
-        manager.shutdown_kernel(now=True)
-        manager.cleanup_resources()

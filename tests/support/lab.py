@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,12 +23,15 @@ TOKEN = "a-token-for-the-tests"
 START = "import sys; sys.modules['rfc3987_syntax'] = None; from jupyterlab.labapp import main; sys.exit(main())"
 """As ``python -m jupyterlab``, without what takes a second to import: see tutorial/commands/lab_server.py."""
 DARK = "JupyterLab Dark"
+NOTEBOOK = "window.jupyterapp.shell.currentWidget"
+BUSY = "content.widgets.some((cell) => cell.model.executionState === 'running')"
 
 _FOLDERS = {f"JUPYTER_{name.upper()}_DIR": name for name in ("config", "data", "runtime")}
 _FOLDERS |= {f"JUPYTERLAB_{name.upper()}_DIR": name for name in ("settings", "workspaces")}
 _FOLDERS["IPYTHONDIR"] = "ipython"
 
 
+@dataclass
 class Lab:
     """A running JupyterLab.
 
@@ -36,9 +40,8 @@ class Lab:
         notebooks: the folder that it shows.
     """
 
-    def __init__(self, root: str, notebooks: Path) -> None:
-        self.root = root
-        self.notebooks = notebooks
+    root: str
+    notebooks: Path
 
     def write(self, name: str, cells: Iterable[str]) -> str:
         """Put a notebook of code cells into the folder, and return its name."""
@@ -61,6 +64,7 @@ class Lab:
         await _execute(page, "apputils:change-theme", theme=theme)
 
 
+@dataclass
 class Notebook:
     """The notebook that is open in a page. Its cells are numbered from 0.
 
@@ -68,21 +72,23 @@ class Notebook:
         page: the browser's page.
     """
 
-    def __init__(self, page: Page) -> None:
-        self.page = page
+    page: Page
 
     async def is_ready(self) -> None:
         """Wait until the notebook and its kernel are there, and put away what asks for attention."""
         ready = "window.jupyterapp?.shell.currentWidget?.context?.isReady && "
         ready += "window.jupyterapp.shell.currentWidget.sessionContext.session?.kernel?.status === 'idle'"
 
+        dialog = self.page.locator(".jp-Dialog button.jp-mod-accept")
+
         async def is_so() -> bool:
-            await self._dismiss()
+            if await dialog.count():
+                await dialog.first.click()
             return bool(await self.page.evaluate(ready))
 
         await until(is_so, "the notebook's kernel is ready")
         await self._do("sessionContext.ready")
-        assert await self.ask("import sys; print(sys.executable)") == sys.executable
+        assert await self.run_new("import sys; print(sys.executable)") == f"{sys.executable}\n"
 
     async def run_all(self) -> None:
         """Run all cells, and wait until they are done."""
@@ -101,18 +107,6 @@ class Notebook:
         return await self.text(cell)
 
     async def run_new(self, source: str) -> str:
-        """Run code in a new cell at the end, which is deleted afterwards; return what it printed, fail if it raised."""
-        last = await self.count() - 1
-        await self._do(f"content.activeCellIndex = {last}")
-        await self._command("notebook:insert-cell-below")
-        await self._do(f"content.widgets[{last + 1}].model.sharedModel.setSource({json.dumps(source)})")
-        text = await self.run(last + 1)
-        errors = [error for error in await self.errors() if error.startswith(f"cell {last + 1}:")]
-        assert errors == []
-        await self._command("notebook:delete-cell")
-        return text
-
-    async def ask(self, source: str) -> str:
         """Run code in the kernel that no cell shows, and return what it printed; fail if it raised."""
         said = await self.page.evaluate(
             """(code) => {
@@ -120,7 +114,7 @@ class Notebook:
                 const future = kernel.requestExecute({code, silent: false, store_history: false});
                 let text = "";
                 future.onIOPub = ({content}) => { text += content.text ?? content.traceback?.join("\\n") ?? ""; };
-                return future.done.then(({content}) => [content.status, text.trim()]);
+                return future.done.then(({content}) => [content.status, text]);
             }""",
             source,
         )
@@ -129,15 +123,11 @@ class Notebook:
 
     async def is_busy(self) -> bool:
         """Whether a cell runs or waits to run."""
-        return bool(await self._do("content.widgets.some((cell) => cell.model.executionState === 'running')"))
+        return bool(await self._do(BUSY))
 
     async def is_done(self) -> None:
         """Wait until no cell runs or waits to run."""
-
-        async def is_so() -> bool:
-            return not await self.is_busy()
-
-        await until(is_so, "all cells are done")
+        await self.page.wait_for_function(f"!{NOTEBOOK}.{BUSY}")
 
     async def interrupt(self) -> None:
         """Interrupt what the kernel does."""
@@ -213,14 +203,9 @@ class Notebook:
         await self._do(f"content.activeCellIndex = {cell}")
         await self._do("content.deselectAll()")
 
-    async def _dismiss(self) -> None:
-        dialog = self.page.locator(".jp-Dialog button.jp-mod-accept")
-        if await dialog.count():
-            await dialog.first.click()
-
     async def _do(self, code: str) -> Any:
         """Evaluate something about the notebook's widget."""
-        return await self.page.evaluate(f"window.jupyterapp.shell.currentWidget.{code}")
+        return await self.page.evaluate(f"{NOTEBOOK}.{code}")
 
     async def _command(self, name: str) -> None:
         await self.page.evaluate("(name) => window.jupyterapp.commands.execute(name)", name)
@@ -251,11 +236,10 @@ async def jupyter_lab(folder: Path, base_url: str = "/") -> AsyncIterator[Lab]:
             _end(server)
 
 
-def copy_files(lab: Lab, *paths: Path) -> None:
-    """Put copies of files and folders into the lab's folder."""
-    for path in paths:
-        target = lab.notebooks / path.name
-        shutil.copytree(path, target) if path.is_dir() else shutil.copy(path, target)
+def copy_files(lab: Lab, *folders: Path) -> None:
+    """Put copies of folders into the lab's folder."""
+    for folder in folders:
+        shutil.copytree(folder, lab.notebooks / folder.name)
 
 
 def _environment(folder: Path) -> dict[str, str]:

@@ -51,14 +51,15 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     """Around each cell; the first one of a notebook starts its kernel, the last one ends it."""
     notebook = item.parent
     if isinstance(notebook, IPyNbFile) and notebook not in _open:
-        _open[notebook] = _own_surroundings()
+        _open[notebook] = own_surroundings()
     result = yield
     if notebook in _open and (nextitem is None or nextitem.parent is not notebook):
         _open.pop(notebook).close()
     return result
 
 
-def _own_surroundings() -> ExitStack:
+def own_surroundings() -> ExitStack:
+    """Have the kernels that are started until this is closed run in a domain, and with settings, of their own."""
     stack = ExitStack()
     environment = stack.enter_context(pytest.MonkeyPatch.context())
     environment.setenv("ROS_DOMAIN_ID", str(stack.enter_context(reserved_domain())))

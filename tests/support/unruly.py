@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import count
+from pathlib import Path
 
 from tutorial.controller import SimpleController
 
@@ -54,3 +55,10 @@ class Unruly(SimpleController):
     def fail(self, kind):
         self.raised.append(f"failure {next(NUMBERS)}.")
         raise kind(self.raised[-1])
+
+
+def box_model(folder: Path) -> Path:
+    """Write the smallest model that something can be done with: it is quickly loaded."""
+    path = folder / "box.xml"
+    path.write_text("<mujoco><worldbody><body><freejoint/><geom size='0.1'/></body></worldbody></mujoco>")
+    return path
