@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 import rclpy
@@ -44,7 +42,7 @@ SIGNATURES = {
 
 
 @pytest.mark.parametrize("function", SIGNATURES, ids=lambda function: function.__qualname__)
-def test_signature(function: Callable[..., Any]) -> None:
+def test_signature(function):
     parameters = inspect.signature(function).parameters.values()
     written = [
         p.name if p.default is p.empty else f"{p.name}={p.default}" for p in parameters if p.name != "clock_type"
@@ -56,38 +54,22 @@ def test_signature(function: Callable[..., Any]) -> None:
 @pytest.mark.parametrize(
     "code",
     [
-        "from rclpy.action import ActionClient",
-        "import rclpy.lifecycle",
-        "from rclpy.callback_groups import ReentrantCallbackGroup",
-        "from rclpy.parameter_client import AsyncParameterClient",
         "from rclpy.executors import MultiThreadedExecutor",
-        "from rclpy.timer import Rate",
-        "from rclpy.task import Task",
         "node.create_service(None, 'x', print)",
-        "node.create_client(None, 'x')",
-        "node.create_rate(1)",
-        "node.list_parameters([], 0)",
         "node.create_timer(1, print, callback_group=object())",
         "node.create_publisher(None, 'x', 1, event_callbacks=object())",
-        "rclpy.create_node('x', allow_undeclared_parameters=True)",
-        "node.get_clock().create_jump_callback(None)",
-        "import rclpy.time_source",
-        "node.get_clock().sleep_for(Duration())",
-        "executor.create_task(print)",
+        "rclpy.create_node('x', context=node.context, allow_undeclared_parameters=True)",
         "Context().init(args=['--ros-args', '--params-file', 'x'])",
     ],
 )
-def test_what_is_not_there_says_what_to_do(code: str, node: Node, executor: SingleThreadedExecutor) -> None:
-    names = globals() | {"node": node, "executor": executor}
+def test_what_is_not_there_says_what_to_do(code, node):
     with pytest.raises((ImportError, AttributeError), match="A real ROS 2 Jazzy has: see https"):
-        exec(code.replace("create_node('x'", "create_node('x', context=node.context"), names)
+        exec(code, globals() | {"node": node})
     assert not hasattr(node, "create_service")
 
 
 @pytest.mark.embedded
-def test_what_is_said_of_a_publisher_does_not_depend_on_its_class(
-    node: Node, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_said_of_a_publisher_does_not_depend_on_its_class(node, capfd):
     own = type("Own", (Publisher,), {})
     node.create_publisher(String, "x", 1, publisher_class=own).destroy()
     assert "publisher.destroy() does not tell the node" in capfd.readouterr().err

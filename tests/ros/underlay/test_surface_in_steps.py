@@ -5,13 +5,11 @@ from __future__ import annotations
 import json
 import threading
 import time
-from collections.abc import Callable
 
 import pytest
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.task import Future
 from sensor_msgs.msg import Joy
 from std_msgs.msg import String
@@ -19,7 +17,7 @@ from std_msgs.msg import String
 import tutorial  # noqa: F401
 
 
-def test_an_exception_that_nobody_asks_for_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_exception_that_nobody_asks_for_is_said(capsys):
     lost = Future()
     lost.set_exception(ValueError("lost"))
     del lost
@@ -31,7 +29,7 @@ def lines_of(capfd: pytest.CaptureFixture[str]) -> list[str]:
     return [line.partition("]: ")[2] for line in capfd.readouterr().err.splitlines()]
 
 
-def test_executor_shutdown_does_not_wait_for_a_callback(context: Context, node: Node) -> None:
+def test_executor_shutdown_does_not_wait_for_a_callback(context, node):
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     running, may_end = threading.Event(), threading.Event()
@@ -47,7 +45,7 @@ def test_executor_shutdown_does_not_wait_for_a_callback(context: Context, node: 
 
 
 @pytest.mark.embedded  # rclpy 7.1.3 waits on, for a result that nobody will give
-def test_cancelled_future_ends_the_spin(executor: SingleThreadedExecutor) -> None:
+def test_cancelled_future_ends_the_spin(executor):
     future = Future()
     threading.Timer(0.1, future.cancel).start()
     began = time.monotonic()
@@ -66,7 +64,7 @@ class Caller:
         self.calls.append(self.name)
 
 
-def test_a_context_calls_back_at_its_shutdown(domain: int) -> None:
+def test_a_context_calls_back_at_its_shutdown(domain):
     calls: list[str] = []
     context, kept = Context(), Caller(calls, "a method")
     with pytest.raises(TypeError, match="callback should be a callable"):
@@ -84,7 +82,7 @@ def test_a_context_calls_back_at_its_shutdown(domain: int) -> None:
     assert calls == ["a method", "a function", "a method"]
 
 
-def test_a_failing_callback_is_an_error_of_the_shutdown(domain: int) -> None:
+def test_a_failing_callback_is_an_error_of_the_shutdown(domain):
     context = Context()
     context.init(args=[])
     context.on_shutdown(lambda: 1 / 0)
@@ -93,13 +91,7 @@ def test_a_failing_callback_is_an_error_of_the_shutdown(domain: int) -> None:
     assert not context.ok()
 
 
-def test_another_type_on_a_topic_is_said_once_and_others_go_on(
-    node: Node,
-    executor: SingleThreadedExecutor,
-    spin_until: Callable[[Callable[[], object]], None],
-    capfd: pytest.CaptureFixture[str],
-    backend: str,
-) -> None:
+def test_another_type_on_a_topic_is_said_once_and_others_go_on(node, executor, spin_until, capfd, backend):
     received: list[str] = []
     joy = node.create_publisher(Joy, "x", 10)
     if rclpy.get_rmw_implementation_identifier() == "rmw_fastrtps_cpp":  # where a process gives a topic one type only
