@@ -20,6 +20,11 @@ n.create_timer(0.0, lambda: print("called"))
 e.shutdown()
 print(e.spin_once(timeout_sec=0.01), e.spin())
 
+# %% an executor as a context manager
+with SingleThreadedExecutor() as e:
+    print(type(e).__name__, e.add_node(n), len(e.get_nodes()))
+print(e.get_nodes())
+
 # %% an executor's context
 e = SingleThreadedExecutor()
 print(e.context is rclpy.get_default_context())
@@ -41,7 +46,6 @@ n.create_timer(0.0, lambda: calls.append(n.destroy_node()))
 for _ in range(3):
     rclpy.spin_once(n, timeout_sec=0.01)
 print(calls)
-
 
 # %% callbacks run on the thread that spins
 threads = []

@@ -12,17 +12,8 @@ print(a - Time(seconds=5, clock_type=ClockType.ROS_TIME))
 
 # %% sums that there are not
 a, d = Time(seconds=1), Duration(seconds=1)
-for call in (
-    lambda: a + a,
-    lambda: a + 1,
-    lambda: 1 + a,
-    lambda: a - 1,
-    lambda: 1 - a,
-    lambda: d - a,
-    lambda: d + d,
-    lambda: d - d,
-):
-    attempt(call)
+for code in ("a + a", "a + 1", "1 + a", "a - 1", "1 - a", "d - a", "d + d", "d - d"):
+    attempt(eval, code)
 
 # %% products of durations
 d = Duration(seconds=1)
