@@ -11,7 +11,7 @@ import psutil
 import pytest
 from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
@@ -275,6 +275,12 @@ def test_a_callback_may_not_spin(node, executor, spin_until):
     node.create_timer(0.01, spin_again)
     spin_until(lambda: errors)
     assert errors[0] == "Executor is already spinning"
+
+
+def test_shutdown_from_outside_ends_the_spin(context, node, executor):
+    threading.Timer(0.1, context.shutdown).start()
+    with pytest.raises(ExternalShutdownException):
+        executor.spin()
 
 
 @pytest.mark.embedded  # in rclpy what a subscription is in DDS outlives its context; here the whole process leaves DDS
