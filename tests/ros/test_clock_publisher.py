@@ -7,9 +7,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 import pytest
-from builtin_interfaces.msg import Time
-from programs import PATIENCE, until
-from rosgraph_msgs.msg import Clock
+from programs import until
 
 from tutorial.host import Host
 from tutorial.paths import find_project
@@ -65,17 +63,6 @@ def test_nodes_and_their_timers_go_by_the_simulations_time(domain):
         until(lambda: len(calls) == 11, "the timer")
         assert calls[-1] == 100 * STEP
         assert {meter.topic: meter.count for meter in source.node.meters} == {"/clock": 1 + 100 + 5 + 1 + 10}
-
-
-def test_times_that_are_none_do_not_fill_the_log(domain, caplog, monkeypatch):
-    monkeypatch.setattr("tutorial.ros.node_thread.COMPLAIN_EVERY", PATIENCE)
-    before, after = Clock(clock=Time(sec=-1)), Clock(clock=Time(sec=7))
-    with NodeThread("other") as other, NodeThread("listener", SIM_TIME) as listener:
-        publisher, clock = other.node.create_publisher(Clock, "/clock", 1), listener.node.get_clock()
-        until(lambda: publisher.publish(before) or listener._unsaid > 3, "some of them")
-        until(lambda: publisher.publish(after) or clock.now().nanoseconds == 7 * 10**9, "a time")
-    assert caplog.text.count("a callback of the node 'listener' failed; the others go on") == 1
-    assert "Seconds value must not be negative" in caplog.text
 
 
 @pytest.mark.parametrize(("time_step", "every"), [(0.0001, 100), (0.001, 10), (0.0015, 6), (0.006, 1), (0.01, 1)])

@@ -7,7 +7,7 @@ import threading
 from unittest.mock import Mock
 
 import pytest
-from programs import until
+from programs import PATIENCE, until
 from sensor_msgs.msg import JointState, Joy
 from std_msgs.msg import String
 
@@ -124,6 +124,15 @@ def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):
     thread.close()
     assert not thread._thread.is_alive()
     assert not thread._context.ok()
+
+
+def test_what_fails_again_and_again_in_the_same_words_is_said_now_and_then(domain, caplog, monkeypatch):
+    monkeypatch.setattr("tutorial.ros.node_thread.COMPLAIN_EVERY", PATIENCE)
+    fail = Mock(side_effect=ValueError)
+    with NodeThread("fails") as thread:
+        thread.node.create_timer(0.001, fail)
+        until(lambda: fail.call_count > 3, "some failures")
+    assert caplog.text.count("a callback of the node 'fails' failed; the others go on") == 1
 
 
 @pytest.mark.usefixtures("many_switches")

@@ -88,7 +88,7 @@ def test_a_callback_gets_the_message_alone_if_it_can_do_with_that(node):
     ]
 
 
-@pytest.mark.parametrize("callback", [lambda: None, lambda a, b, c: None, partial(lambda message: None, "message")])
+@pytest.mark.parametrize("callback", [lambda: 0, lambda message, *, info: 0, partial(lambda message: 0, "")])
 def test_a_callback_that_takes_something_else_is_refused_and_leaves_nothing(node, callback):
     before = list(node.subscriptions)
     with pytest.raises(RuntimeError, match="callback should be either be callable with one argument"):

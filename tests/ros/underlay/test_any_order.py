@@ -6,9 +6,6 @@ interpreter ends, or a thread that stays.
 
 from __future__ import annotations
 
-import subprocess
-from collections.abc import Callable
-
 import pytest
 
 pytestmark = [pytest.mark.process, pytest.mark.embedded]
@@ -138,7 +135,7 @@ for context in contexts if SEED % 2 else ():  # else the end of the interpreter 
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_any_order(seed: int, start: Callable[..., subprocess.Popen[str]]) -> None:
+def test_any_order(seed, start):
     process = start(PROGRAM, str(seed))
     output, errors = process.communicate(timeout=100)
     assert (output, process.returncode) == ("unexpected:\nthreads: ['MainThread']\n", 0), errors

@@ -5,9 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 import re
-import subprocess
 from array import array
-from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
@@ -15,10 +13,8 @@ import numpy as np
 import pytest
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
-from geometry_msgs.msg import Twist, Vector3
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from rclpy.node import Node
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import Imu, JointState, NavSatStatus
@@ -66,7 +62,7 @@ def is_default(value: Any, field_type: str) -> bool:
 
 
 @pytest.mark.parametrize("package", sorted({name.partition("/")[0] for name in ALL_TYPES}))
-def test_every_type_has_topics(package: str, node: Node) -> None:
+def test_every_type_has_topics(package, node):
     for type_name in (name for name in ALL_TYPES if name.startswith(f"{package}/")):
         cls = message_class(type_name)
         publisher = node.create_publisher(cls, f"topic_of_{cls.__name__}", 1)
@@ -75,7 +71,7 @@ def test_every_type_has_topics(package: str, node: Node) -> None:
 
 
 @pytest.mark.parametrize("type_name", ALL_TYPES)
-def test_every_type(type_name: str) -> None:
+def test_every_type(type_name):
     package, _, name = type_name.split("/")
     cls = message_class(type_name)
     message = cls()
@@ -136,13 +132,13 @@ def messages(type_name: str) -> st.SearchStrategy[Any]:
 
 @settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.data())
-def test_any_message_is_carried(data: st.DataObject) -> None:
+def test_any_message_is_carried(data):
     message = data.draw(messages(data.draw(st.sampled_from(ALL_TYPES))))
     assert carried(message) == message
     assert repr(carried(message)) == repr(message)
 
 
-def test_numbers_are_copied_and_lists_are_not() -> None:
+def test_numbers_are_copied_and_lists_are_not():
     positions, covariance, names = array("d", [1.0]), np.zeros(9), ["a"]
     message, imu = JointState(name=names, position=positions), Imu(orientation_covariance=covariance)
     positions[0] = covariance[0] = 2.0
@@ -151,7 +147,7 @@ def test_numbers_are_copied_and_lists_are_not() -> None:
     assert message.name is names
 
 
-def test_default_values_are_not_shared() -> None:
+def test_default_values_are_not_shared():
     first, second = JointState(), JointState()
     first.name.append("a")
     first.position.append(1.0)
@@ -159,14 +155,7 @@ def test_default_values_are_not_shared() -> None:
     assert second == JointState()
 
 
-def test_copies() -> None:
-    message = Twist(linear=Vector3(x=1.0))
-    shallow, deep = copy.copy(message), copy.deepcopy(message)
-    message.linear.x = 2.0
-    assert (shallow.linear.x, deep.linear.x) == (2.0, 1.0)
-
-
-def test_constants() -> None:
+def test_constants():
     assert NavSatStatus.STATUS_NO_FIX == NavSatStatus().STATUS_NO_FIX == -1
     assert DiagnosticStatus.ERROR == b"\2"
     with pytest.raises(AttributeError):
@@ -175,12 +164,12 @@ def test_constants() -> None:
         NavSatStatus().STATUS_NO_FIX = 0
 
 
-def test_a_field_cannot_be_deleted() -> None:
+def test_a_field_cannot_be_deleted():
     with pytest.raises(AttributeError):
         del Header().stamp
 
 
-def test_checked_containers_are_kept_as_they_are() -> None:
+def test_checked_containers_are_kept_as_they_are():
     positions, covariance = array("d", [1.0]), np.zeros(9)
     message, imu = JointState(check_fields=True), Imu(check_fields=True)
     message.position, imu.orientation_covariance = positions, covariance
@@ -188,13 +177,7 @@ def test_checked_containers_are_kept_as_they_are() -> None:
     assert imu.orientation_covariance is covariance
 
 
-def test_the_constructor_makes_arrays_before_it_checks() -> None:
-    assert JointState(position=[1], check_fields=True).position == array("d", [1.0])
-    with pytest.raises(TypeError):
-        JointState(position="abc", check_fields=True)
-
-
-def test_unknown_keywords() -> None:
+def test_unknown_keywords():
     with pytest.raises(AssertionError) as raised:
         Header(stamp=Time(), y=1, frame_id="", x=1, check_fields=True)
     assert str(raised.value) == "Invalid arguments passed to constructor: x, y"
@@ -204,7 +187,7 @@ def test_unknown_keywords() -> None:
 
 
 @pytest.mark.process
-def test_the_environment_asks_for_checks(start: Callable[[str], subprocess.Popen[str]]) -> None:
+def test_the_environment_asks_for_checks(start):
     process = start(
         "import os; os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'\n"
         "from std_msgs.msg import String\n"
@@ -217,21 +200,21 @@ def test_the_environment_asks_for_checks(start: Callable[[str], subprocess.Popen
 
 
 @pytest.mark.parametrize("package", ["sensor_msgs", "geometry_msgs"])
-def test_a_star_imports_all_messages(package: str) -> None:
+def test_a_star_imports_all_messages(package):
     names: dict[str, Any] = {}
     exec(f"from {package}.msg import *", names)
     assert {name.split("/")[2] for name in ALL_TYPES if name.startswith(f"{package}/")} <= set(names)
 
 
 @pytest.mark.parametrize("name", ["Nothing", "JointStat", "jointState"])
-def test_a_misspelt_message(name: str) -> None:
+def test_a_misspelt_message(name):
     with pytest.raises(ImportError, match=f"cannot import name '{name}' from 'sensor_msgs.msg'"):
         exec(f"from sensor_msgs.msg import {name}")
     with pytest.raises(AttributeError, match=f"module 'sensor_msgs.msg' has no attribute '{name}'"):
         getattr(import_module("sensor_msgs.msg"), name)
 
 
-def test_what_is_no_message_package() -> None:
+def test_what_is_no_message_package():
     for name in "no_such_msgs.msg", "sensor_msgs.nothing", "sensor_msgs.msg._joint_stat", "sensor_msgs.msg.Joy":
         with pytest.raises(ModuleNotFoundError, match="No module named"):
             import_module(name)
@@ -244,10 +227,10 @@ class TestWhatOnlyTheEmbeddedRos2Says:
     @pytest.mark.parametrize(
         "name", ["std_srvs.srv", "sensor_msgs.srv", "example_interfaces.action", "example_interfaces.msg"]
     )
-    def test_services_and_actions_need_a_real_ros(self, name: str) -> None:
+    def test_services_and_actions_need_a_real_ros(self, name):
         with pytest.raises(ImportError, match=r"has no (\w|\.)+\. A real ROS 2 Jazzy has: see https"):
             import_module(name)
 
-    def test_the_message_that_is_meant_is_named(self) -> None:
+    def test_the_message_that_is_meant_is_named(self):
         with pytest.raises(ImportError, match="Did you mean 'JointState'"):
             exec("from sensor_msgs.msg import JointStat")

@@ -6,15 +6,11 @@ import json
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import pytest
 from rclpy.clock import Clock, ROSClock
-from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.logging import get_logger
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.task import Future
@@ -28,7 +24,7 @@ NAMES: dict[str, dict[str, list[str] | None]] = json.loads(
 
 
 @pytest.fixture
-def objects(context: Context, node: Node, executor: SingleThreadedExecutor, spin_until: Any) -> dict[str, Any]:
+def objects(context, node, executor, spin_until):
     """One of each class whose members are looked for in an object; those of the others are in the class itself."""
     publisher = node.create_publisher(String, "x", 10)
     spin_until(lambda: node.get_publishers_info_by_topic("x"))
@@ -65,7 +61,7 @@ def refusal(ask: Callable[..., object], *arguments: object) -> str:
 
 @pytest.mark.filterwarnings("ignore:importing 'qos_event' is deprecated:UserWarning")
 @pytest.mark.parametrize("module", NAMES)
-def test_every_name_answers(module: str, objects: dict[str, Any]) -> None:
+def test_every_name_answers(module, objects):
     names: dict[str, str] = {module: refusal(import_module, module)}
     for name, members in {} if names[module] else NAMES[module].items():
         there = import_module(module)
@@ -77,7 +73,7 @@ def test_every_name_answers(module: str, objects: dict[str, Any]) -> None:
 
 
 @pytest.mark.embedded
-def test_what_is_refused_is_not_there() -> None:
+def test_what_is_refused_is_not_there():
     from pkgutil import resolve_name
 
     from rclpy._absent import TABLE, AbsentAttribute

@@ -5,9 +5,9 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from functools import partial, wraps
 from typing import Any
 
+import psutil
 import pytest
 from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.context import Context
@@ -21,58 +21,7 @@ from std_msgs.msg import String
 SpinUntil = Callable[[Callable[[], object]], None]
 
 
-got: list[tuple[Any, ...]] = []
-
-
-def take(*given: Any) -> None:
-    got.append(given)
-
-
-class Taker:
-    def __call__(self, message: String) -> None:
-        take(message)
-
-    def both(self, message: String, info: dict[str, int]) -> None:
-        take(message, info)
-
-
-CALLBACKS: dict[str, tuple[Callable[..., None], int]] = {
-    "one": (lambda message: take(message), 1),  # noqa: PLW0108
-    "two": (lambda message, info: take(message, info), 2),  # noqa: PLW0108
-    "a default": (lambda message, name="name": take(message), 1),
-    "two and a default": (lambda message, info, name="name": take(message, info), 2),
-    "only defaults": (lambda message=None, info=None: take(message, *filter(None, [info])), 1),
-    "any number": (take, 1),
-    "one and any number": (lambda message, *more: take(message, *more), 1),  # noqa: PLW0108
-    "an option": (lambda message, *, info=None: take(message, *filter(None, [info])), 1),
-    "partial, by place": (partial(lambda name, message: take(message), "name"), 1),
-    "partial, by name": (partial(lambda message, name: take(message), name="name"), 1),
-    "partial, with two left": (partial(lambda name, message, info: take(message, info), "name"), 2),
-    "an object": (Taker(), 1),
-    "a method": (Taker().both, 2),
-    "wrapped": (wraps(Taker().both)(partial(take)), 2),
-}
-
-
-@pytest.mark.parametrize("name", CALLBACKS)
-def test_a_callback_gets_the_message_alone_if_it_can_be_called_so(node: Node, spin_until: SpinUntil, name: str) -> None:
-    callback, count = CALLBACKS[name]
-    got.clear()
-    node.create_subscription(String, "x", callback, 10)
-    publisher = node.create_publisher(String, "x", 10)
-    spin_until(publisher.get_subscription_count)
-    publisher.publish(String(data="hello"))
-    spin_until(lambda: got)
-    assert [type(each) for each in got[0]] == [String, dict][:count]
-
-
-@pytest.mark.parametrize("callback", [lambda: 0, lambda a, b, c: 0, lambda message, *, info: 0, Taker])
-def test_a_callback_that_takes_neither_one_nor_two_is_refused(node: Node, callback: Callable[..., Any]) -> None:
-    with pytest.raises(RuntimeError, match=r"one argument.*or two"):
-        node.create_subscription(String, "x", callback, 10)
-
-
-def test_message_info(node: Node, spin_until: SpinUntil) -> None:
+def test_message_info(node, spin_until):
     received: list[dict[str, int]] = []
     node.create_subscription(String, "x", lambda _, info: received.append(info), 10)
     before = time.time_ns()
@@ -83,7 +32,7 @@ def test_message_info(node: Node, spin_until: SpinUntil) -> None:
     assert received[0]["reception_sequence_number"] is None
 
 
-def test_busy_topic_does_not_starve_a_quiet_one(node: Node, executor: SingleThreadedExecutor) -> None:
+def test_busy_topic_does_not_starve_a_quiet_one(node, executor):
     order: list[str] = []
     node.create_subscription(String, "busy", lambda _: order.append("busy"), 100)
     node.create_subscription(String, "quiet", lambda _: order.append("quiet"), 100)
@@ -97,9 +46,7 @@ def test_busy_topic_does_not_starve_a_quiet_one(node: Node, executor: SingleThre
 
 
 @pytest.mark.embedded
-def test_a_topic_without_messages_is_not_looked_at(
-    node: Node, spin_until: SpinUntil, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_topic_without_messages_is_not_looked_at(node, spin_until, monkeypatch):
     """A node with a hundred subscriptions pays for those that have something."""
     received: list[Any] = []
     for i in range(20):
@@ -114,9 +61,7 @@ def test_a_topic_without_messages_is_not_looked_at(
     assert looked_at == {"x7"}
 
 
-def test_a_timer_that_is_due_is_called_by_a_spin_that_does_not_wait(
-    node: Node, executor: SingleThreadedExecutor
-) -> None:
+def test_a_timer_that_is_due_is_called_by_a_spin_that_does_not_wait(node, executor):
     called: list[int] = []
     timer = node.create_timer(0.001, lambda: called.append(1))
     executor.spin_once(timeout_sec=0)
@@ -127,9 +72,7 @@ def test_a_timer_that_is_due_is_called_by_a_spin_that_does_not_wait(
     assert len(called) == before + 1
 
 
-def test_incompatible_qos_is_said_once_on_each_side(
-    node: Node, executor: SingleThreadedExecutor, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_incompatible_qos_is_said_once_on_each_side(node, executor, capfd):
     node.create_publisher(String, "x", QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT))
     node.create_subscription(String, "x", print, 1)
     for _ in range(10):
@@ -140,20 +83,16 @@ def test_incompatible_qos_is_said_once_on_each_side(
 
 
 @pytest.mark.embedded
-def test_malformed_message_is_said_once_and_others_arrive(
-    node: Node, spin_until: SpinUntil, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_malformed_message_is_said_once_and_others_arrive(node, spin_until, capfd):
     received: list[str] = []
     node.create_subscription(String, "x", lambda message: received.append(message.data), 10)
     publisher = node.create_publisher(String, "x", 10)
     not_utf8 = bytes.fromhex("0001000003000000fffe0000")
-    for payload in (not_utf8, not_utf8):
+    for payload in (not_utf8, not_utf8, String(data="good")):
         publisher.publish(payload)
-    publisher.publish(String(data="good"))
     spin_until(lambda: received)
     assert received == ["good"]
-    errors = capfd.readouterr().err
-    assert errors.count("A message on topic 'x' is dropped") == 1
+    assert capfd.readouterr().err.count("A message on topic 'x' is dropped") == 1
 
 
 CREATE: dict[str, Callable[[Node], Any]] = {
@@ -169,7 +108,7 @@ def of(node: Node, kind: str) -> list[Any]:
 
 
 @each_kind
-def test_what_is_destroyed_by_itself_stays_among_its_nodes(node: Node, kind: str) -> None:
+def test_what_is_destroyed_by_itself_stays_among_its_nodes(node, kind):
     made = CREATE[kind](node)
     destroy = getattr(node, f"destroy_{kind}")
     for _ in range(2):
@@ -187,7 +126,7 @@ def test_what_is_destroyed_by_itself_stays_among_its_nodes(node: Node, kind: str
 
 
 @each_kind
-def test_what_its_node_destroys_is_gone(node: Node, kind: str, executor: SingleThreadedExecutor) -> None:
+def test_what_its_node_destroys_is_gone(node, kind, executor):
     made = CREATE[kind](node)
     destroy = getattr(node, f"destroy_{kind}")
     assert [destroy(made), destroy(made), made.destroy()] == [True, False, None]
@@ -196,9 +135,7 @@ def test_what_its_node_destroys_is_gone(node: Node, kind: str, executor: SingleT
 
 
 @pytest.mark.parametrize("kind", ["subscription", "publisher"])
-def test_a_spin_after_destroy_raises_in_rclpy_and_here_the_log_says_so_once(
-    node: Node, kind: str, executor: SingleThreadedExecutor, backend: str, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_spin_after_destroy_raises_in_rclpy_and_here_the_log_says_so_once(node, kind, executor, backend, capfd):
     made, other = CREATE[kind](node), CREATE[kind](node)
     executor.spin_once(timeout_sec=0)
     made.destroy()
@@ -216,9 +153,7 @@ def test_a_spin_after_destroy_raises_in_rclpy_and_here_the_log_says_so_once(
     executor.spin_once(timeout_sec=0.01)
 
 
-def test_what_is_destroyed_when_nothing_spins_any_more_is_no_news(
-    context: Context, node: Node, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_what_is_destroyed_when_nothing_spins_any_more_is_no_news(context, node, capfd):
     made = {kind: create(node) for kind, create in CREATE.items()}
     context.shutdown()
     for kind, entity in made.items():
@@ -227,7 +162,7 @@ def test_what_is_destroyed_when_nothing_spins_any_more_is_no_news(
     assert capfd.readouterr().err == ""
 
 
-def test_a_destroyed_timer_is_silent(node: Node, executor: SingleThreadedExecutor) -> None:
+def test_a_destroyed_timer_is_silent(node, executor):
     calls: list[None] = []
     timer = node.create_timer(0.0, lambda: calls.append(None))
     executor.spin_once(timeout_sec=10)
@@ -238,11 +173,11 @@ def test_a_destroyed_timer_is_silent(node: Node, executor: SingleThreadedExecuto
     assert len(calls) == seen
 
 
-def test_counting_while_partners_come_and_go(node: Node) -> None:
+def test_counting_while_partners_come_and_go(node):
     publisher = node.create_publisher(String, "x", 10)
     subscription = node.create_subscription(String, "x", print, 10)
 
-    def come_and_go() -> None:
+    def come_and_go():
         for _ in range(200):
             node.create_subscription(String, "x", print, 10).destroy()
             node.create_publisher(String, "x", 10).destroy()
@@ -254,7 +189,7 @@ def test_counting_while_partners_come_and_go(node: Node) -> None:
         assert subscription.get_publisher_count() in (1, 2)
 
 
-def test_coming_and_going_while_spinning(context: Context, node: Node) -> None:
+def test_coming_and_going_while_spinning(context, node):
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     thread = threading.Thread(target=executor.spin)
@@ -271,7 +206,18 @@ def test_coming_and_going_while_spinning(context: Context, node: Node) -> None:
     assert not thread.is_alive()
 
 
-def test_timer_keeps_its_rhythm_and_stops(node: Node, spin_until: SpinUntil, executor: SingleThreadedExecutor) -> None:
+@pytest.mark.embedded
+def test_coming_and_going_leaves_nothing_behind(node):
+    memory = psutil.Process().memory_info
+    for i in range(1000):
+        if i == 300:
+            before = memory().rss
+        node.destroy_subscription(node.create_subscription(String, "x", print, 10))
+        node.destroy_publisher(node.create_publisher(String, "x", 10))
+    assert memory().rss - before < 700 * 1500  # it was 3800 bytes each time
+
+
+def test_timer_keeps_its_rhythm_and_stops(node, spin_until, executor):
     calls: list[float] = []
     timer = node.create_timer(0.02, lambda: calls.append(time.monotonic()))
     spin_until(lambda: len(calls) == 5)
@@ -285,9 +231,7 @@ def test_timer_keeps_its_rhythm_and_stops(node: Node, spin_until: SpinUntil, exe
 
 
 @pytest.mark.embedded
-def test_a_future_that_is_waited_for_again_and_again_keeps_nothing(
-    node: Node, executor: SingleThreadedExecutor
-) -> None:
+def test_a_future_that_is_waited_for_again_and_again_keeps_nothing(node, executor):
     future, called = Future(), []
     future.add_done_callback(called.append)
     node.create_timer(0.001, lambda: 1 / 0)
@@ -299,11 +243,11 @@ def test_a_future_that_is_waited_for_again_and_again_keeps_nothing(
     assert called == [future]
 
 
-def test_only_one_thread_may_spin(node: Node, executor: SingleThreadedExecutor) -> None:
+def test_only_one_thread_may_spin(node, executor):
     node.create_timer(0.001, lambda: None)
     errors: list[Exception] = []
 
-    def spin_until_one_is_refused() -> None:
+    def spin_until_one_is_refused():
         while not errors:
             try:
                 executor.spin_once(timeout_sec=0.01)
@@ -319,10 +263,10 @@ def test_only_one_thread_may_spin(node: Node, executor: SingleThreadedExecutor) 
 
 
 @pytest.mark.embedded  # rclpy 7.1.3 lets a callback spin, again and again; later ones refuse it
-def test_a_callback_may_not_spin(node: Node, executor: SingleThreadedExecutor, spin_until: SpinUntil) -> None:
+def test_a_callback_may_not_spin(node, executor, spin_until):
     errors: list[str] = []
 
-    def spin_again() -> None:
+    def spin_again():
         try:
             executor.spin_once(timeout_sec=0)
         except RuntimeError as error:
@@ -333,14 +277,14 @@ def test_a_callback_may_not_spin(node: Node, executor: SingleThreadedExecutor, s
     assert errors[0] == "Executor is already spinning"
 
 
-def test_shutdown_from_outside_ends_the_spin(context: Context, node: Node, executor: SingleThreadedExecutor) -> None:
+def test_shutdown_from_outside_ends_the_spin(context, node, executor):
     threading.Timer(0.1, context.shutdown).start()
     with pytest.raises(ExternalShutdownException):
         executor.spin()
 
 
 @pytest.mark.embedded  # in rclpy what a subscription is in DDS outlives its context; here the whole process leaves DDS
-def test_a_subscription_cannot_count_after_shutdown(context: Context, node: Node) -> None:
+def test_a_subscription_cannot_count_after_shutdown(context, node):
     subscription = node.create_subscription(String, "x", print, 10)
     context.shutdown()
     with pytest.raises(RuntimeError, match="publisher count: subscription's context is invalid"):
@@ -348,9 +292,7 @@ def test_a_subscription_cannot_count_after_shutdown(context: Context, node: Node
 
 
 @pytest.mark.embedded
-def test_announcements_of_others_are_taken_in_while_spinning(
-    node: Node, domain: int, executor: SingleThreadedExecutor, spin_until: SpinUntil
-) -> None:
+def test_announcements_of_others_are_taken_in_while_spinning(node, domain, executor, spin_until):
     other = Context()
     other.init(args=[])
     Node("other", context=other)
@@ -359,20 +301,20 @@ def test_announcements_of_others_are_taken_in_while_spinning(
 
 
 @pytest.mark.embedded
-def test_executors_that_are_gone_are_forgotten(context: Context) -> None:
+def test_executors_that_are_gone_are_forgotten(context):
     for _ in range(20):
         SingleThreadedExecutor(context=context).shutdown()
     assert len(context._executors) <= 2
 
 
 @pytest.mark.embedded
-def test_payload_is_what_it_was_given() -> None:
+def test_payload_is_what_it_was_given():
     from rclpy._wire import Payload
 
     assert Payload(b"x").serialize() == b"x" == Payload.deserialize(b"x").data
 
 
-def test_a_log_line_at_shutdown_is_no_error_of_who_logs(context: Context, node: Node) -> None:
+def test_a_log_line_at_shutdown_is_no_error_of_who_logs(context, node):
     logger = node.get_logger()
     ok = context.ok
     context.ok = lambda: ok() or context.__dict__.pop("ok")  # type: ignore[method-assign, func-returns-value]
@@ -380,8 +322,8 @@ def test_a_log_line_at_shutdown_is_no_error_of_who_logs(context: Context, node: 
     logger.info("it is shut down between the question whether it runs and the line")
 
 
-def test_endpoints_made_at_once_on_several_threads_are_all_announced(node: Node, spin_until: SpinUntil) -> None:
-    def make(number: int) -> None:
+def test_endpoints_made_at_once_on_several_threads_are_all_announced(node, spin_until):
+    def make(number):
         for i in range(5):
             node.create_publisher(String, f"topic_{number}_{i}", 1)
 
@@ -392,7 +334,7 @@ def test_endpoints_made_at_once_on_several_threads_are_all_announced(node: Node,
         thread.join()
     topics = [f"/Tank/topic_{number}_{i}" for number in range(4) for i in range(5)]
 
-    def owners() -> list[str]:
+    def owners():
         return [info.node_name for topic in topics for info in node.get_publishers_info_by_topic(topic)]
 
     spin_until(lambda: owners() == 20 * ["tester"])  # in rclpy it takes a moment to see oneself

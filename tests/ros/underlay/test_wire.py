@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import math
 import tracemalloc
 from contextlib import suppress
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +19,7 @@ from sensor_msgs.msg import Image, Imu, JointState, Joy
 from std_msgs.msg import ByteMultiArray, Empty, Int8, String, UInt8MultiArray
 from unique_identifier_msgs.msg import UUID
 
-import tutorial  # noqa: F401
+from tutorial.ros.topics.names import message_class
 
 GOLDEN = json.loads((Path(__file__).parent / "data/golden_cdr.json").read_text())
 LITTLE_ENDIAN = b"\0\1\0\0"
@@ -31,12 +29,6 @@ BILLIONS = b"\xff\xff\xff\xff"  # as a length: the greatest
 zeroed_padding = pytest.mark.skipif(
     rclpy.get_rmw_implementation_identifier() == "rmw_fastrtps_cpp", reason="this RMW leaves garbage in the padding"
 )
-
-
-def message_class(type_name: str) -> type[Any]:
-    package, _, name = type_name.split("/")
-    found: type[Any] = getattr(import_module(f"{package}.msg"), name)
-    return found
 
 
 def fill(message: Any, values: dict[str, Any]) -> Any:
@@ -60,7 +52,7 @@ def plain(value: Any, field_type: str) -> Any:
 
 @zeroed_padding
 @pytest.mark.parametrize("sample", GOLDEN["samples"], ids=lambda sample: sample["label"])
-def test_recorded_bytes(sample: dict[str, Any]) -> None:
+def test_recorded_bytes(sample):
     cls = message_class(sample["type"])
     recorded = bytes.fromhex(sample["cdr_hex"])
     assert len(recorded) == sample["nbytes"]
@@ -70,27 +62,27 @@ def test_recorded_bytes(sample: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("sample", GOLDEN["samples"], ids=lambda sample: sample["label"])
 @pytest.mark.parametrize("bytes_of", ["cdr_hex", "cdr_hex_fastrtps"])
-def test_recorded_values_whatever_is_in_the_padding_and_behind(sample: dict[str, Any], bytes_of: str) -> None:
+def test_recorded_values_whatever_is_in_the_padding_and_behind(sample, bytes_of):
     cls = message_class(sample["type"])
     received = deserialize_message(bytes.fromhex(sample[bytes_of]), cls)
     assert repr(received) == repr(fill(cls(), sample["value"]))
 
 
 @pytest.mark.parametrize("type_name", GOLDEN["fields"])
-def test_recorded_field_types(type_name: str) -> None:
+def test_recorded_field_types(type_name):
     assert message_class(type_name).get_fields_and_field_types() == GOLDEN["fields"][type_name]
 
 
 @pytest.mark.embedded
 @pytest.mark.parametrize("type_name", GOLDEN["type_hashes"])
-def test_recorded_type_hashes(type_name: str) -> None:
+def test_recorded_type_hashes(type_name):
     from _rosidl.definitions import type_hash
 
     assert type_hash(type_name) == GOLDEN["type_hashes"][type_name]
 
 
 @pytest.mark.embedded
-def test_recorded_type_names() -> None:
+def test_recorded_type_names():
     from rclpy._wire import wire_name
 
     assert {s["type"]: wire_name(s["type"]) for s in GOLDEN["samples"]} == {
@@ -99,17 +91,11 @@ def test_recorded_type_names() -> None:
 
 
 @pytest.mark.parametrize("sample", GOLDEN["samples"], ids=lambda sample: sample["label"])
-def test_recorded_values_in_big_endian_bytes(sample: dict[str, Any]) -> None:
+def test_recorded_values_in_big_endian_bytes(sample):
     store, name = get_typestore(Stores.ROS2_JAZZY), sample["type"]
     message = store.deserialize_cdr(bytes.fromhex(sample["cdr_hex"]), name)
     received = deserialize_message(bytes(store.serialize_cdr(message, name, little_endian=False)), message_class(name))
     assert repr(received) == repr(fill(message_class(name)(), sample["value"]))
-
-
-def test_not_a_number_survives() -> None:
-    received = deserialize_message(serialize_message(JointState(position=[math.nan, math.inf])), JointState)
-    assert math.isnan(received.position[0])
-    assert received.position[1] == math.inf
 
 
 @pytest.mark.embedded
@@ -124,7 +110,7 @@ def test_not_a_number_survives() -> None:
         (UUID, "uuid", [0] * 15, "_uuid_octets"),
     ],
 )
-def test_a_wrong_value_names_its_field(cls: type[Any], field: str, value: object, member: str) -> None:
+def test_a_wrong_value_names_its_field(cls, field, value, member):
     message = cls()
     setattr(message, field, value)
     with pytest.raises(TypeError, match=f"{cls.__name__} cannot be serialized: Failed to encode member {member}"):
@@ -160,14 +146,14 @@ def test_a_wrong_value_names_its_field(cls: type[Any], field: str, value: object
     ],
     ids=lambda value: f"{len(value)} bytes" if isinstance(value, bytes) else value.__name__,
 )
-def test_what_is_no_message_is_refused(data: bytes, cls: type[Any]) -> None:
+def test_what_is_no_message_is_refused(data, cls):
     with pytest.raises(RuntimeError, match=f"^failed to deserialize .*: {len(data)} bytes are no {cls.__name__}: ."):
         deserialize_message(data, cls)
 
 
 @pytest.mark.embedded
 @pytest.mark.parametrize("cls", [String, UInt8MultiArray, ByteMultiArray, JointState, Image])
-def test_a_length_takes_no_memory_before_what_it_counts_is_there(cls: type[Any]) -> None:
+def test_a_length_takes_no_memory_before_what_it_counts_is_there(cls):
     data = LITTLE_ENDIAN + bytes(8) + BILLIONS * 1000
     with suppress(RuntimeError):
         deserialize_message(data, cls)  # made at first use: what reads such a message
@@ -183,7 +169,7 @@ def test_a_length_takes_no_memory_before_what_it_counts_is_there(cls: type[Any])
     st.sampled_from([JointState, Joy, Image, ByteMultiArray, NodeEntitiesInfo]),
     st.one_of(st.binary(max_size=64), st.binary(max_size=64).map(LITTLE_ENDIAN.__add__)),
 )
-def test_any_bytes_are_a_message_or_refused(cls: type[Any], data: bytes) -> None:
+def test_any_bytes_are_a_message_or_refused(cls, data):
     with suppress(RuntimeError):
         message = deserialize_message(data, cls)
         assert type(message) is cls

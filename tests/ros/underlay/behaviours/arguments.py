@@ -39,15 +39,6 @@ rclpy.init(args=["--ros-args", "--log-level", "arguments_capitals:=DEBUG"])
 logger = logging.get_logger("arguments_capitals")
 print(logger.get_effective_level().name, logger.debug("shown"))
 
-# %% a log level for one logger
-n = start("--log-level", "arguments_one:=error", name="arguments_one")
-print(n.get_logger().warn("hidden"), n.get_logger().error("shown"))
-
-# %% parameters on the command line
-n = start("-p", "i:=3", "-p", "f:=0.5", "-p", "b:=true", "-p", "s:=text", "-p", "l:=[1, 2]")
-for name, default in (("i", 0), ("f", 0.0), ("b", False), ("s", ""), ("l", [0])):
-    print(repr(n.declare_parameter(name, default).value))
-
 # %% kinds of parameters on the command line
 n = start(
     *(
@@ -68,11 +59,6 @@ for name in "abc":
 n = start("-p", "u:a:=1", "-p", "b:=2")
 m = rclpy.create_node("u")
 print([[node.declare_parameter(name, 0).value for name in "ab"] for node in (n, m)])
-
-# %% a parameter of another type on the command line
-n = start("-p", "a:=text")
-attempt(n.declare_parameter, "a", 1)
-print(n.has_parameter("a"))
 
 # %% remappings and parameters of one node
 rclpy.init(args=["--ros-args", "-r", "one:__node:=first", "-r", "two:x:=y", "-r", "two/x:=/z", "-p", "b:=2"])

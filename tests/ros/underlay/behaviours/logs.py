@@ -33,19 +33,6 @@ print(child.get_effective_level().name, parent.get_effective_level().name)
 child.set_level(logging.LoggingSeverity.UNSET)
 print(child.get_effective_level().name)
 
-# %% a grandchild
-logger = logging.get_logger("family").get_child("a").get_child("b")
-print(logger.name, logger.info("hello"))
-
-# %% loggers need names
-attempt(logging.get_logger, "")
-attempt(logging.get_logger("named").get_child, "")
-
-# %% two loggers of one name
-a, b = logging.get_logger("same"), logging.get_logger("same")
-a.set_level(logging.LoggingSeverity.ERROR)
-print(a is b, a.name == b.name, b.get_effective_level().name)
-
 # %% a line only once
 logger = logging.get_logger("once")
 print([logger.info(f"line {number}", once=True) for number in range(3)])
@@ -110,9 +97,6 @@ attempt(log, once=True)
 logger = logging.get_logger("log")
 print(logger.log("one", logging.LoggingSeverity.WARN), logger.log("two", 40), logger.log("three", 10))
 
-# %% a severity that there is not
-attempt(logging.get_logger("severity").log, "text", 25)
-
 # %% a message is a text
 try:
     logging.get_logger("texts").info(3)
@@ -133,12 +117,6 @@ n = start(namespace="/Tank")
 n.get_logger().info("text")
 n.get_logger().get_child("part").warning("text")
 
-# %% levels of a node
-n = start(name="levelled")
-n.get_logger().set_level(logging.LoggingSeverity.WARN)
-print(n.get_logger().info("hidden"), n.get_logger().warn("shown"))
-print(logging.get_logger_level("levelled").name, logging.get_logger_effective_level("levelled.child").name)
-
 # %% levels by name
 logging.set_logger_level("by_name", logging.LoggingSeverity.ERROR)
 print(logging.get_logger_level("by_name").name, logging.get_logger_level("unknown").name)
@@ -149,19 +127,6 @@ print(logging.get_logger("early").info("before"))
 rclpy.init(args=[])
 rclpy.shutdown()
 print(logging.get_logger("late").info("after"))
-
-# %% a logger of two threads
-logger = logging.get_logger("threads")
-threads = [threading.Thread(target=lambda: logger.info("text", once=True)) for _ in range(3)]
-for thread in threads:
-    thread.start()
-for thread in threads:
-    thread.join()
-
-# %% a severity from a text
-attempt(lambda: logging.LoggingSeverity["WARN"])
-attempt(lambda: logging.LoggingSeverity["LOUD"])
-attempt(logging.LoggingSeverity, 30)
 
 # %% a throttle needs a duration
 attempt(logging.get_logger("throttle").info, "text", throttle_time_source_type=Clock())

@@ -40,21 +40,6 @@ for name in ("", "a", "/a/", "//", "/a//b", "/1", "/a b", "/~"):
 for name in ("x", "/x", "~", "~/x", "{node}/x", "{ns}/x", "{namespace}/x"):
     print(expand_topic_name(name, "t", "/Tank"), expand_topic_name(name, "t", "/"))
 
-# %% bad namespaces of nodes
-rclpy.init(args=[])
-for namespace in ("/a/", "a//b", "/1", "a b", "~"):
-    attempt(rclpy.create_node, "t", namespace=namespace)
-
-# %% bad names of new nodes
-rclpy.init(args=[])
-for name in ("1a", "a/b", "a-b", "/a"):
-    attempt(rclpy.create_node, name)
-
-# %% bad topics of publishers
-n = start()
-for topic in ("x/", "1x", "a/1", "a~", "{what}", "{node", "/a b"):
-    attempt(n.create_publisher, String, topic, 1)
-
 # %% names are strings
 n = start()
 try:

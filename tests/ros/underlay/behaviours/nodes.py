@@ -1,24 +1,5 @@
 n = start()
 
-# %% a destroyed node forgets its entities
-n.create_publisher(String, "x", 1)
-n.create_subscription(String, "x", print, 1)
-n.create_timer(1.0, print)
-print([len(list(entities)) for entities in (n.publishers, n.subscriptions, n.timers)])
-n.destroy_node()
-print([len(list(entities)) for entities in (n.publishers, n.subscriptions, n.timers)])
-
-# %% a destroyed node still has its logger, clock and context
-n.destroy_node()
-n.get_logger().info("still")
-print(n.get_logger().name, n.get_clock().clock_type.name, n.context is rclpy.get_default_context())
-
-# %% a destroyed node still keeps its parameters
-n.declare_parameter("a", 1)
-n.destroy_node()
-attempt(n.get_parameter, "b")
-print(n.has_parameter("a"), n.get_parameter("a").value)
-
 # %% two nodes of one name
 n, m = start(enable_rosout=False), rclpy.create_node("t", enable_rosout=False)
 print(n.get_name() == m.get_name(), n == m)
@@ -44,10 +25,6 @@ p = n.create_publisher(String, "x", 1)
 rclpy.shutdown()
 print(n.destroy_publisher(p), n.destroy_node(), n.destroy_node())
 
-# %% no node after the shutdown
-rclpy.shutdown()
-rclpy.create_node("t")
-
 # %% no node with a context that has been shut down
 c = Context()
 c.init(args=[])
@@ -59,16 +36,6 @@ with rclpy.create_node("u") as n:
     print(n.get_name())
 attempt(n.get_name)
 
-
-# %% a subclass of Node
-class Talker(Node):
-    def __init__(self):
-        super().__init__("talker", namespace="Tank")
-        self.publisher = self.create_publisher(String, "chatter", 10)
-
-
-n = Talker()
-print(n.get_fully_qualified_name(), n.publisher.topic_name, n.publisher in n.publishers)
 
 # %% executors of a node
 print(n.executor)
@@ -84,21 +51,6 @@ e = SingleThreadedExecutor()
 e.add_node(n)
 n.executor = None
 print(n.executor, e.get_nodes())
-
-# %% a node is among the nodes
-while "t" not in n.get_node_names():
-    pass
-print(("t", "/") in n.get_node_names_and_namespaces())
-
-# %% a node's own topics
-n = start(namespace="/Tank")
-n.create_publisher(String, "a", 1)
-n.create_publisher(Joy, "/b", 1)
-topics = []
-while len(topics) < 4:
-    with suppress(RuntimeError):  # the node does not know of itself yet
-        topics = [topic for topic, _ in n.get_publisher_names_and_types_by_node("t", "/Tank")]
-print(topics)
 
 # %% a node without rosout
 n = start(enable_rosout=False)

@@ -49,25 +49,3 @@ with warnings.catch_warnings(record=True) as said:
     QoSProfile(depth=0)
     QoSProfile(history=HistoryPolicy.KEEP_ALL, depth=0)
 print([str(warning.message) for warning in said])
-
-# %% a profile in the graph
-n = start()
-n.create_publisher(
-    String,
-    "x",
-    QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.TRANSIENT_LOCAL),
-)
-while not n.get_publishers_info_by_topic("x"):
-    pass
-profile = n.get_publishers_info_by_topic("x")[0].qos_profile
-print(profile.reliability.name, profile.durability.name, profile.liveliness.name, profile.deadline, profile.lifespan)
-
-# %% what the graph tells of an endpoint
-n = start(namespace="/Tank")
-s = n.create_subscription(Joy, "joy", print, 1)
-infos = []
-while not infos or infos[0].node_name != "t":
-    infos = n.get_subscriptions_info_by_topic("joy")
-info = infos[0]
-print(info.node_name, info.node_namespace, info.topic_type, info.endpoint_type.name, len(info.endpoint_gid))
-print(info.topic_type_hash)

@@ -5,19 +5,6 @@ for kind in ClockType:
     except Exception as error:
         print(type(error).__name__)
 
-# %% times of different clocks are not compared
-a, b = Time(seconds=1), Time(seconds=1, clock_type=ClockType.ROS_TIME)
-attempt(lambda: a == b)
-attempt(lambda: a != b)
-attempt(lambda: a < b)
-attempt(lambda: a - b)
-
-# %% times are compared with times only
-a = Time(seconds=1)
-print(a == 1, a != 1, a == Duration(seconds=1), a is None)
-attempt(lambda: a < 1)
-attempt(lambda: a >= Duration(seconds=1))
-
 # %% sums and differences of times
 a = Time(seconds=3, clock_type=ClockType.ROS_TIME)
 print(a + Duration(seconds=1), Duration(seconds=1) + a, a - Duration(seconds=1), a - a, a + Duration(seconds=-1))
@@ -25,17 +12,8 @@ print(a - Time(seconds=5, clock_type=ClockType.ROS_TIME))
 
 # %% sums that there are not
 a, d = Time(seconds=1), Duration(seconds=1)
-for call in (
-    lambda: a + a,
-    lambda: a + 1,
-    lambda: 1 + a,
-    lambda: a - 1,
-    lambda: 1 - a,
-    lambda: d - a,
-    lambda: d + d,
-    lambda: d - d,
-):
-    attempt(call)
+for code in ("a + a", "a + 1", "1 + a", "a - 1", "1 - a", "d - a", "d + d", "d - d"):
+    attempt(eval, code)
 
 # %% products of durations
 d = Duration(seconds=1)
@@ -55,32 +33,10 @@ from builtin_interfaces.msg import Time as TimeMessage
 print(Time.from_msg(TimeMessage(sec=1, nanosec=5)), Duration.from_msg(DurationMessage(sec=-2, nanosec=500000000)))
 print(Time.from_msg(TimeMessage(sec=1), clock_type=ClockType.SYSTEM_TIME))
 
-# %% a time before all times
-from builtin_interfaces.msg import Time as TimeMessage
-
-Time.from_msg(TimeMessage(sec=-1))
-
 # %% clocks tell the time
 for kind in (ClockType.SYSTEM_TIME, ClockType.STEADY_TIME, ClockType.ROS_TIME):
     now = Clock(clock_type=kind).now()
     print(type(now).__name__, now.clock_type.name, now.nanoseconds > 0)
-
-# %% a clock does not go back
-clock = Clock(clock_type=ClockType.STEADY_TIME)
-first = clock.now()
-print(clock.now() >= first, type(clock.now() - first).__name__)
-
-# %% a node's clock
-n = start()
-now = n.get_clock().now()
-print(type(n.get_clock()).__name__, now.clock_type.name, n.get_clock().ros_time_is_active)
-attempt(lambda: now - Clock().now())
-
-# %% a stamp
-n = start()
-message = JointState()
-message.header.stamp = n.get_clock().now().to_msg()
-print(type(message.header.stamp).__name__, message.header.stamp.sec > 10**9)
 
 # %% kinds of clocks are numbers
 for kind in ClockType:

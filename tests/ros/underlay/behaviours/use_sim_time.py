@@ -10,11 +10,6 @@ for s in n.subscriptions:
 n = start(parameter_overrides=[Parameter("use_sim_time", value=True)])
 print(n.get_clock().ros_time_is_active, n.get_clock().now().nanoseconds)
 
-# %% simulated time for one node
-n = start("-p", "t:use_sim_time:=true")
-m = rclpy.create_node("u")
-print(n.get_clock().ros_time_is_active, m.get_clock().ros_time_is_active, len(list(m.subscriptions)))
-
 # %% simulated time is a truth value
 attempt(start, "-p", "use_sim_time:=1")
 n = rclpy.create_node("t", use_global_arguments=False)

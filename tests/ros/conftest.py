@@ -1,0 +1,41 @@
+"""What tests of the node graph share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from rclpy.serialization import serialize_message
+from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
+
+
+class Stranger:
+    """Another program in the domain: no more than a participant, which announces nodes as it likes."""
+
+    def __init__(self, participant: Any) -> None:
+        from rclpy._graph import _WRITER_QOS, DataWriter, Topic, payload_type
+
+        self._payload = payload_type(ParticipantEntitiesInfo._definition.type_name)
+        self._gid = Gid(data=list(participant.guid.bytes))
+        self.writer = DataWriter(participant, Topic(participant, "ros_discovery_info", self._payload), _WRITER_QOS)
+
+    def listing(self, *names: str, writers: int = 0) -> bytes:
+        """Return an announcement of nodes, each with some publishers that there are not."""
+        gids = [Gid(data=[7] * 16)] * writers
+        nodes = [NodeEntitiesInfo(node_namespace="/", node_name=name, writer_gid_seq=gids) for name in names]
+        return serialize_message(ParticipantEntitiesInfo(gid=self._gid, node_entities_info_seq=nodes))
+
+    def announce(self, data: bytes) -> None:
+        """Send bytes as an announcement."""
+        self.writer.write(self._payload(data))
+
+
+@pytest.fixture
+def stranger(domain: int) -> Iterator[Stranger]:
+    """A stranger in the test's domain, to the embedded ROS 2."""
+    from rclpy._domain import join, leave
+
+    participant = join(domain)
+    yield Stranger(participant)
+    leave(participant, domain)

@@ -1,0 +1,79 @@
+"""How far a program is heard, whom it looks for, and how many there may be."""
+
+from __future__ import annotations
+
+import socket
+
+import pytest
+
+_domain = pytest.importorskip("rclpy._domain", reason="a real ROS 2 is in use: this is about the embedded one")
+
+REACH, PEERS = "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS"
+
+
+@pytest.fixture(autouse=True)
+def _no_network(monkeypatch):
+    """A host is looked up without asking the network."""
+
+    def resolve(host):
+        if host not in ("localhost", "127.0.0.1"):
+            raise socket.gaierror("Name or service not known")
+        return "127.0.0.1"
+
+    monkeypatch.setattr(socket, "gethostbyname", resolve)
+
+
+@pytest.mark.parametrize(
+    ("variables", "said"),
+    [
+        ({}, '<AllowMulticast>false</AllowMulticast><Interfaces><NetworkInterface address="127.0.0.1"/>'),
+        (
+            {REACH: "SUBNET"},
+            '<AllowMulticast>true</AllowMulticast><Interfaces><NetworkInterface autodetermine="true"/>',
+        ),
+        ({REACH: "SYSTEM_DEFAULT"}, "<CycloneDDS/>"),
+        ({REACH: "SYSTEM_DEFAULT", "CYCLONEDDS_URI": "file:///mine.xml"}, "file:///mine.xml"),
+        (
+            {PEERS: " localhost;localhost:7411; ;"},
+            '<Peer address="127.0.0.1" PruneDelay="inf"/><Peer address="127.0.0.1:7411" PruneDelay',
+        ),
+    ],
+)
+def test_how_far_it_is_heard_and_whom_it_looks_for(variables, said, monkeypatch):
+    for name in (REACH, PEERS, "CYCLONEDDS_URI"):
+        monkeypatch.setenv(name, variables.get(name, ""))
+    assert said in _domain.configuration()
+
+
+def test_peers_do_not_matter_where_nobody_is_looked_for(monkeypatch):
+    monkeypatch.setenv(PEERS, "no-such-machine")
+    monkeypatch.setenv(REACH, "OFF")
+    assert "Peer" not in _domain.configuration()
+
+
+@pytest.mark.parametrize("peer", ["no-such-machine", "<b>", "localhost:x", "localhost:70000", "::1", "\x1b[2J"])
+def test_a_peer_that_is_not_found_is_named(peer, domain, monkeypatch):
+    monkeypatch.setenv(PEERS, f"127.0.0.1;{peer}")
+    with pytest.raises(RuntimeError) as raised:
+        _domain.join(domain)
+    said = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which is not found"
+    assert str(raised.value).startswith(said)
+    assert "separated by semicolons" in str(raised.value)
+
+
+@pytest.mark.process
+def test_too_many_processes_is_said(domain, start):
+    join = f"""
+import sys
+import rclpy._domain
+rclpy._domain.MAX_PARTICIPANTS = 1
+participant = rclpy._domain.join({domain})
+print("in", flush=True)
+sys.stdin.read()
+"""
+    for _ in range(4):
+        process = start(join)
+        if process.stdout.readline() != "in\n":
+            break
+    _, errors = process.communicate(timeout=60)
+    assert "too many ROS 2 programs are running on this machine (1 is the limit here)" in errors
