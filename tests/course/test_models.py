@@ -163,6 +163,7 @@ def test_on_the_spot(h):
     before = drive.position
     headings = [drive.heading]
     drive.run(2, h=h, each=lambda: headings.append(drive.heading))
+    np.testing.assert_allclose(drive.data.sensor("Tank/GYRO").data, drive.data.qvel[3:6], atol=0.01)
     turned = np.unwrap(headings)[-1] - headings[0]
     assert np.linalg.norm((drive.position - before)[:2]) < 0.1
     assert turned * h > 0, "positive h is to the left"

@@ -38,12 +38,10 @@ class Machine:
 
     def __init__(self, address: str) -> None:
         self.address = address
-        self._holder = subprocess.Popen(
-            ["unshare", "--net", "cat"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
-        )
-        until(lambda: self._made() or self._holder.poll() is not None, "a network namespace")
-        if self._holder.poll() is not None:
-            pytest.skip(f"no network namespace can be made here: {self._holder.communicate()[1].decode().strip()}")
+        pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+        self._holder = subprocess.Popen(["unshare", "--net", "sh", "-c", "echo made; exec cat"], **pipes, text=True)
+        if not self._holder.stdout.readline():
+            pytest.skip(f"no network namespace can be made here: {self._holder.communicate()[1].strip()}")
 
     @contextmanager
     def inside(self) -> Iterator[None]:
@@ -80,24 +78,11 @@ class Machine:
 
     def close(self) -> None:
         """End it."""
-        self._holder.stdin.close()
-        self._holder.wait(PATIENCE)
-        self._holder.stderr.close()
+        self._holder.communicate(timeout=PATIENCE)
 
     @property
     def _namespace(self) -> Path:
         return Path(f"/proc/{self._holder.pid}/ns/net")
-
-    def _made(self) -> bool:
-        return _namespace_of(self._holder.pid) not in (_namespace_of("self"), None)
-
-
-def _namespace_of(process: int | str) -> Path | None:
-    """Return the network namespace of a process; None where it has ended, or is another user's."""
-    try:
-        return Path(f"/proc/{process}/ns/net").readlink()
-    except OSError:
-        return None
 
 
 def _enter(namespace: int) -> None:
