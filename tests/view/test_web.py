@@ -3,7 +3,6 @@
 import asyncio
 import html
 import socket
-import struct
 import threading
 
 import mujoco
@@ -12,7 +11,7 @@ import pytest
 from browser import LIKE_A_CARD, Witness, chromium, open_browser, pixels, red_spot, until
 from loops import in_a_loop
 from scenes import lines
-from serving import UPGRADE, look, port_of, request
+from serving import look, port_of
 from tornado.httpclient import AsyncHTTPClient
 
 from tutorial.errors import TutorialError
@@ -44,26 +43,9 @@ async def test_a_page_gets_the_whole_scene_first_and_then_each_frame_until_it_go
         assert scene._sinks == []
 
 
-class StuckPage:
-    """A page that is connected and does not read, until it is asked to."""
-
-    async def connect(self, port):
-        self.reader, self.writer = await asyncio.open_connection("127.0.0.1", port, limit=1024)
-        self.writer.write(request("GET /socket | Host: HERE" + UPGRADE, port))
-        await self.reader.readuntil(b"\r\n\r\n")
-
-    async def read(self):
-        _, length = await self.reader.readexactly(2)
-        if length == 126:
-            [length] = struct.unpack("!H", await self.reader.readexactly(2))
-        elif length == 127:
-            [length] = struct.unpack("!Q", await self.reader.readexactly(8))
-        return await self.reader.readexactly(length)
-
-
 @in_a_loop
 async def test_a_page_that_is_stuck_makes_nothing_grow_catches_up_and_does_not_hold_up_closing():
-    scene, page, size, frames, threads = Scene(), StuckPage(), 100_000, 500, threading.active_count()
+    scene, size, frames, threads = Scene(), 100_000, 500, threading.active_count()
 
     async def draw():
         for number in range(frames):
@@ -73,21 +55,23 @@ async def test_a_page_that_is_stuck_makes_nothing_grow_catches_up_and_does_not_h
             await asyncio.sleep(0)
 
     async with SceneServer(scene, 0) as server:
-        await page.connect(port_of(server))
         assert threading.active_count() == threads  # the server needs none
+        page = await look(server)  # it takes nothing in before it is asked to
         await draw()
         received, message = 0, b""
         while lines(message) != [str(frames - 1)]:  # the last that it gets is the whole scene as it is by then
-            message = await page.read()
+            message = await page.read_message()
             received += len(message)
         assert unpack_records(message)[0] == (Record.CLEAR, b"")
         assert received < 0.5 * frames * size
         scene.line("again frame by frame")
         scene.flush()
-        assert unpack_records(await page.read()) == [(Record.LINE, b"again frame by frame")]
+        assert unpack_records(await page.read_message()) == [(Record.LINE, b"again frame by frame")]
         await draw()
     SceneServer(scene, port_of(server)).close()
-    page.writer.transport.abort()
+    while await page.read_message() is not None:
+        pass  # what was on its way
+    page.close()
 
 
 @in_a_loop
