@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 from controlled import Node
 from loops import in_a_loop
-from scenes import lines, raised_elsewhere
+from scenes import lines
 from sensor_msgs.msg import Imu
 
 from tutorial.body import Body
 from tutorial.checks._clock import ClockedLoop
 from tutorial.controller import ControllerConfig
-from tutorial.controllers.imu_subscriber import ImuSubscriber, stand_at
-from tutorial.errors import WrongThreadError
+from tutorial.controllers.imu_subscriber import ImuSubscriber
 from tutorial.host import Host
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
@@ -122,7 +121,3 @@ async def test_what_is_measured_stands_below_the_view(domain):
         host.controllers["ImuSubscriber"].update(imu(-3.0))
         host.refresh()
     assert "Tank\tacceleration\t-3.00\t0.00\t9.80\tm/s²\t" in lines(scene.snapshot())[0]
-
-
-def test_another_thread_may_not_shake_it(viewer):
-    assert isinstance(raised_elsewhere(stand_at, viewer.body, np.zeros(3)), WrongThreadError)

@@ -5,16 +5,13 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import signal
 from contextlib import asynccontextmanager
-from itertools import pairwise
 
 import pytest
 from browser import Witness, chromium, open_browser, pixels
 from browser import until as browser_until
 from domains import reserved_domain
-from programs import PATIENCE, until
-from rclpy.utilities import get_rmw_implementation_identifier
+from programs import PATIENCE
 from sensor_msgs.msg import JointState, Joy
 
 from tutorial.commands.launcher import load_launch_file
@@ -24,7 +21,6 @@ from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
 
 CRANE = HOME / "project" / "models" / "crane.xml"
-STEP_NS = 20_000_000
 TOPICS = ("/joy", "/Tank/joint_state")
 
 
@@ -179,35 +175,6 @@ def test_the_same_viewer_project_shows_another_robot(node):
             await soon(lambda: viewer.record()["joints"] == joints, "the message")
 
     asyncio.run(scenario())
-
-
-@pytest.mark.process
-def test_a_killed_simulation_leaves_the_viewer_alive_and_a_new_one_is_picked_up(program, listen, tmp_path):
-    heard = listen()
-    viewer = program("run", "step3", "--headless", "--report", tmp_path, "--ros-args", "-r", "__node:=viewer")
-    simulate = ("run", "step2", "--headless", "--ros-args", "-r", "__node:=simulation")
-    first = program(*simulate)
-    lives = 6 if "fastrtps" in get_rmw_implementation_identifier() else 1.5  # [s], longer than the second is not met
-    until(lambda: heard and stamp_ns(heard[-1]) > lives * 1e9, "the first simulation")
-    first.process.kill()
-    assert first.ends() == -signal.SIGKILL
-    before = len(heard)
-    assert viewer.process.poll() is None
-
-    second = program(*simulate)
-    until(lambda: len(heard) > before + 50, "the second simulation")
-    stamps = [stamp_ns(message) for message in heard]
-    assert any(after < earlier for earlier, after in pairwise(stamps)), "its stamps start over"
-    viewer.says("the publisher was started again")
-    second.asks_to_stop()
-    assert second.ends() == 0
-    viewer.asks_to_stop()
-    assert viewer.ends() == 0
-    record = read(tmp_path)["viewer"]
-    assert record["joints"] in [dict(zip(message.name, message.position)) for message in heard[-3:]]
-    assert record["report"]["late"] == 0
-    for running in (first, second, viewer):
-        running.leaves_nothing()
 
 
 @pytest.mark.process

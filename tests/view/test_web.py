@@ -1,7 +1,6 @@
 """The page that shows a scene: served on this machine only, and what a browser makes of it."""
 
 import asyncio
-import html
 import socket
 import threading
 
@@ -12,7 +11,6 @@ from browser import LIKE_A_CARD, Witness, chromium, open_browser, pixels, red_sp
 from loops import in_a_loop
 from scenes import lines
 from serving import look, port_of
-from tornado.httpclient import AsyncHTTPClient
 
 from tutorial.errors import TutorialError
 from tutorial.view import web
@@ -128,16 +126,6 @@ def test_closing_after_the_loop_has_ended_does_no_harm():
     server.close()
     with socket.create_server(("127.0.0.1", port_of(server))):
         pass
-
-
-@in_a_loop
-async def test_the_page_has_its_title_as_text():
-    title = '<b>"Tank" & $title</b>'
-    async with SceneServer(Scene(), 0, title) as server:
-        page = await AsyncHTTPClient().fetch(server.url)
-    assert f"<title>{html.escape(title)}</title>" in page.body.decode()
-    assert "<b>" not in page.body.decode()
-    assert "default-src 'self'" in page.headers["Content-Security-Policy"]
 
 
 # What a learner sees. The camera looks along y, 4 m from the box and level with it.

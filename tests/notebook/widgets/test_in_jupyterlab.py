@@ -72,14 +72,12 @@ class Hands:
 
     async def cause(self, *axes):
         """Wait until these are the axes of the first two sticks; return the message that says so."""
-        found = []
 
         async def is_so():
-            found[:] = self.heard[-1:]
-            return bool(found) and list(found[0].axes[:4]) == pytest.approx(axes, abs=0.02)
+            return self.heard and list(self.heard[-1].axes[:4]) == pytest.approx(axes, abs=0.02)
 
         await until(is_so, f"the axes are {axes}")
-        return found[0]
+        return self.heard[-1]
 
 
 async def use_the_mouse(hands):

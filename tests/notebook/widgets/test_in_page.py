@@ -165,7 +165,8 @@ async def test_a_name_runs_no_script():
 
         for name in NAMES:
             async with SceneServer(scene_of(name), 0, name) as server:
-                await page.goto(server.url)
+                response = await page.goto(server.url)
+                assert "default-src 'self'" in response.headers["content-security-policy"]
                 await page.locator("#curtain").wait_for(state="hidden")
                 assert await page.title() == name
                 assert (await page.locator("#line").text_content()).startswith(name)
