@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 from contextlib import asynccontextmanager
 
 import pytest
 from browser import Witness, chromium, open_browser, pixels
 from browser import until as browser_until
+from controlled import stamps_ms
 from domains import reserved_domain
-from programs import PATIENCE
+from loops import in_a_loop, until
 from sensor_msgs.msg import JointState, Joy
 
 from tutorial.commands.launcher import load_launch_file
@@ -30,29 +30,6 @@ def node(domain):
         yield thread.node
 
 
-@pytest.fixture
-def listen(node):
-    """Collect what is published on a topic."""
-
-    def listen(topic="/Tank/joint_state"):
-        messages = []
-        node.create_subscription(JointState, topic, messages.append, 100)
-        return messages
-
-    return listen
-
-
-def stamp_ns(message):
-    return message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
-
-
-async def soon(condition, what):
-    """Wait until something is so, and let posted calls run meanwhile."""
-    async with asyncio.timeout(PATIENCE):
-        while not condition():
-            await asyncio.sleep(0.005)
-
-
 @asynccontextmanager
 async def met(node):
     """Two programs that have met, and a function that drives: it holds the sticks for so many seconds."""
@@ -61,13 +38,12 @@ async def met(node):
         joystick = node.create_publisher(Joy, "/joy", 1)
         ends = [end for host in (simulation, viewer) for end in (*host.node.publishers, *host.node.subscriptions)]
         for end in (joystick, *(end for end in ends if end.topic_name in TOPICS)):
-            others = end.get_subscription_count if hasattr(end, "publish") else end.get_publisher_count
-            await soon(others, f"others on {end.topic_name}")
+            await until(end.get_subscription_count if hasattr(end, "publish") else end.get_publisher_count)
 
         async def drive(seconds, *axes):
             joystick.publish(Joy(axes=axes))
             held = simulation.controllers["TankController"].joy
-            await soon(lambda: list(held.get().axes) == list(axes), "the joystick")
+            await until(lambda: list(held.get().axes) == list(axes))
             simulation.simulation.advance(seconds)
 
         yield simulation, viewer, drive
@@ -78,63 +54,55 @@ def both(host):
     return record, record["topics"]["/Tank/joint_state"]
 
 
-def test_the_rail_and_the_right_stick_move_the_turret_and_the_viewer_shows_it(node):
-    async def scenario():
-        async with met(node) as (simulation, viewer, drive):
-            tank = simulation.simulation.bodies["Tank"]
-            await drive(1.0, 0.0, 0.0, 0.0, 0.0)
-            at_rest = tank.joint("TURRET_P").position
-            await drive(5.5, 0.0, 0.5, 0.0, 0.0)  # ahead, and nothing for the turret
-            assert tank.joint("TURRET_P").position - at_rest > 0.01
-            await soon(lambda: viewer.record()["joints"] == simulation.record()["joints"], "the last message")
-            shown, counts = both(viewer)
-            assert shown["joints"]["TURRET_P"] - at_rest > 0.01
-            assert abs(shown["joints"]["TURRET_Y"]) < 0.05, "no turret command was given"
-            assert shown["report"].pop("matched") == 2 * counts["applied"] == 2 * counts["received"] > 0
-            assert not any(shown["report"].values())
-            said, counts = both(simulation)
-            assert (said["node"], said["seconds"], counts["published"]) == ("tank", 6.5, 325)
-            await drive(0.5, 0.0, 0.0, 1.0, 1.0)
-            await soon(lambda: viewer.record()["joints"] == simulation.record()["joints"], "the last message")
-            joints = viewer.record()["joints"]
-            assert joints["TURRET_Y"] < -0.5, "a turn to the left, which is negative: the axis points down"
-            assert joints["TURRET_P"] > 0.5, "a raised barrel"
-
-    asyncio.run(scenario())
+@in_a_loop
+async def test_the_rail_and_the_right_stick_move_the_turret_and_the_viewer_shows_it(node):
+    async with met(node) as (simulation, viewer, drive):
+        tank = simulation.simulation.bodies["Tank"]
+        await drive(1.0, 0.0, 0.0, 0.0, 0.0)
+        at_rest = tank.joint("TURRET_P").position
+        await drive(5.5, 0.0, 0.5, 0.0, 0.0)  # ahead, and nothing for the turret
+        assert tank.joint("TURRET_P").position - at_rest > 0.01
+        await until(lambda: viewer.record()["joints"] == simulation.record()["joints"])
+        shown, counts = both(viewer)
+        assert shown["joints"]["TURRET_P"] - at_rest > 0.01
+        assert abs(shown["joints"]["TURRET_Y"]) < 0.05, "no turret command was given"
+        assert shown["report"].pop("matched") == 2 * counts["applied"] == 2 * counts["received"] > 0
+        assert not any(shown["report"].values())
+        said, counts = both(simulation)
+        assert (said["node"], said["seconds"], counts["published"]) == ("tank", 6.5, 325)
+        await drive(0.5, 0.0, 0.0, 1.0, 1.0)
+        await until(lambda: viewer.record()["joints"] == simulation.record()["joints"])
+        joints = viewer.record()["joints"]
+        assert joints["TURRET_Y"] < -0.5, "a turn to the left, which is negative: the axis points down"
+        assert joints["TURRET_P"] > 0.5, "a raised barrel"
 
 
-def test_two_nodes_of_one_name_are_said_in_plain_words(domain, caplog):
-    async def scenario():
-        step3 = Project.load(find_project("step3"))
-        async with Host(step3) as first, Host(step3):
+@in_a_loop
+async def test_two_nodes_of_one_name_are_said_in_plain_words(domain, caplog):
+    step3 = Project.load(find_project("step3"))
+    async with Host(step3) as first, Host(step3):
 
-            def said():
-                first.refresh()
-                return "there are 2 nodes of the name /tank" in caplog.text
+        def said():
+            first.refresh()
+            return "there are 2 nodes of the name /tank" in caplog.text
 
-            await soon(said, "the warning")
-            assert "--ros-args -r __node:=tank_2" in caplog.text
-
-    with caplog.at_level(logging.WARNING):
-        asyncio.run(scenario())
+        await until(said)
+        assert "--ros-args -r __node:=tank_2" in caplog.text
 
 
-def test_two_runs_at_once_do_not_hear_each_other(domain, listen, monkeypatch):
-    heard = listen()
-
-    async def scenario(other):
-        step2 = Project.load(find_project("step2"))
+@in_a_loop
+async def test_two_runs_at_once_do_not_hear_each_other(node, monkeypatch):
+    heard, step2 = [], Project.load(find_project("step2"))
+    node.create_subscription(JointState, "/Tank/joint_state", lambda message: heard.extend(stamps_ms([message])), 100)
+    with reserved_domain() as other:
         async with Host(step2) as mine:
             monkeypatch.setenv("ROS_DOMAIN_ID", str(other))
             async with Host(step2) as another:
-                await soon(mine.controllers["JointStatePublisher"].publisher.get_subscription_count, "the match")
+                await until(mine.controllers["JointStatePublisher"].publisher.get_subscription_count)
                 another.simulation.advance(0.5)
                 mine.simulation.advance(1.0)
-                await soon(lambda: heard and stamp_ns(heard[-1]) == 980_000_000, "the last message")
-        assert len({stamp_ns(message) for message in heard}) == len(heard), "one simulation is heard, not two"
-
-    with reserved_domain() as other:
-        asyncio.run(scenario(other))
+                await until(lambda: heard and heard[-1] == 980)
+    assert len(set(heard)) == len(heard), "one simulation is heard, not two"
 
 
 @pytest.mark.parametrize("path", sorted((HOME / "launch_py").glob("*.launch.py")), ids=lambda path: path.name)
@@ -144,16 +112,14 @@ def test_the_programs_of_a_launch_file_have_projects(path):
     assert all(Project.load(find_project(command[2])).bodies for command in commands[1:])
 
 
-def test_the_same_viewer_project_shows_another_robot(node):
-    async def scenario():
-        async with Host(Project.load(find_project("step3")).with_robot(CRANE)) as viewer:
-            publisher = node.create_publisher(JointState, "/Crane/joint_state", 1)
-            await soon(publisher.get_subscription_count, "the viewer")
-            publisher.publish(JointState(name=["LUFF", "BRIDGE", "SLEW"], position=[0.25, -0.125, 0.5]))
-            joints = {"BRIDGE": -0.125, "SLEW": 0.5, "LUFF": 0.25}
-            await soon(lambda: viewer.record()["joints"] == joints, "the message")
-
-    asyncio.run(scenario())
+@in_a_loop
+async def test_the_same_viewer_project_shows_another_robot(node):
+    async with Host(Project.load(find_project("step3")).with_robot(CRANE)) as viewer:
+        publisher = node.create_publisher(JointState, "/Crane/joint_state", 1)
+        await until(publisher.get_subscription_count)
+        publisher.publish(JointState(name=["LUFF", "BRIDGE", "SLEW"], position=[0.25, -0.125, 0.5]))
+        joints = {"BRIDGE": -0.125, "SLEW": 0.5, "LUFF": 0.25}
+        await until(lambda: viewer.record()["joints"] == joints)
 
 
 @pytest.mark.process
