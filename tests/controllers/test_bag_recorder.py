@@ -6,26 +6,15 @@ import threading
 from types import SimpleNamespace
 
 import pytest
-from controlled import Node, stamps_ms
-from loops import in_a_loop, until
+from controlled import Node
 from rclpy.serialization import serialize_message
 from rosbags.rosbag2.errors import WriterError
 from sensor_msgs.msg import JointState
 
 from tutorial.controllers.bag_recorder import BagRecorder
-from tutorial.host import Host
-from tutorial.paths import find_project
-from tutorial.project import Project
 from tutorial.ros.bags import Bag
 
 PAYLOAD = serialize_message(JointState(name=["TURRET_Y"], position=[0.5]))
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    """Where the bags go."""
-    monkeypatch.setattr(BagRecorder, "folder", tmp_path)
-    return tmp_path
 
 
 class Silent(Node):
@@ -49,28 +38,9 @@ def configured(node):
 
 
 @pytest.fixture
-def recorder():
+def recorder(tmp_path, monkeypatch):
+    monkeypatch.setattr(BagRecorder, "folder", tmp_path)
     return configured(Silent())
-
-
-@in_a_loop
-async def test_every_message_of_a_run_is_in_the_bag(folder, domain):
-    async with Host(Project.load(find_project("step8"))) as host:
-        publisher = host.controllers["JointStatePublisher"].publisher
-        subscription = host.controllers["BagRecorder"].subscription
-        payloads = []
-        host.node.create_subscription(JointState, "/Tank/joint_state", payloads.append, 1000, raw=True)
-        await until(lambda: publisher.get_subscription_count() >= 2 and subscription.get_publisher_count())
-        host.simulation.advance(2.0)
-        await until(lambda: len(payloads) >= 100)
-    (path,) = folder.iterdir()
-    bag = Bag(path)
-    assert not bag.damage
-    assert [tuple(topic) for topic in bag.topics] == [("/Tank/joint_state", "sensor_msgs/msg/JointState", 100)]
-    assert [payload for *_, payload in bag.raw_messages()] == payloads, "byte for byte"
-    _, times, messages = zip(*bag.messages())
-    assert stamps_ms(messages) == [20 * i for i in range(100)]
-    assert list(times) == sorted(times)
 
 
 def test_a_slow_disk_holds_up_no_callback_and_nothing_is_lost(recorder, monkeypatch):
@@ -83,15 +53,18 @@ def test_a_slow_disk_holds_up_no_callback_and_nothing_is_lost(recorder, monkeypa
         written.append(message)
 
     monkeypatch.setattr(recorder.bag, "write", slowly)
-    for _ in range(50):
-        recorder.on_joint_state(PAYLOAD)  # it returns, or this test never ends
+    payloads = [serialize_message(JointState(position=[float(i)])) for i in range(50)]
+    for payload in payloads:
+        recorder.on_joint_state(payload)  # it returns, or this test never ends
     assert not written
     answers.set()
     node = recorder.node
     recorder.unconfigure()
     assert len(written) == 50
     assert node.topics == []
-    assert Bag(recorder.bag.path).topics[0].count == 50
+    bag = Bag(recorder.bag.path)
+    assert [tuple(topic) for topic in bag.topics] == [("/Tank/joint_state", "sensor_msgs/msg/JointState", 50)]
+    assert [payload for *_, payload in bag.raw_messages()] == payloads, "byte for byte"
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")

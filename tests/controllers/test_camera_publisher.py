@@ -12,7 +12,7 @@ from loops import in_a_loop, until
 from pictures import is_red, need_pictures, red_block
 from sensor_msgs.msg import Image
 
-from tutorial.controllers.camera_publisher import CameraPublisher, image
+from tutorial.controllers.camera_publisher import CameraPublisher
 from tutorial.host import Host
 from tutorial.paths import find_project
 from tutorial.project import Project
@@ -32,15 +32,6 @@ def ear(host):
     """(what is heard of the camera, the subscription)"""
     heard = []
     return heard, host.node.create_subscription(Image, "/Tank/camera/image", heard.append, 30)
-
-
-def test_an_image_holds_its_pixels_row_by_row():
-    pixels = np.arange(2 * 5 * 3, dtype=np.uint8).reshape(2, 5, 3)
-    message = image(pixels)
-    assert (message.height, message.width, message.encoding, message.step) == (2, 5, "rgb8", 15)
-    assert message.is_bigendian == 0
-    assert list(message.data) == list(range(30))
-    assert list(image(pixels[::-1]).data) == [*range(15, 30), *range(15)]
 
 
 @in_a_loop

@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
-from itertools import groupby
 
 import numpy as np
 import pytest
-from controlled import Node, on_course
-from loops import in_a_loop, until
-from scenes import lines, raised_elsewhere
-from sensor_msgs.msg import Imu, JointState, Joy
+from controlled import Node
+from loops import in_a_loop
+from scenes import lines
+from sensor_msgs.msg import Imu
 
 from tutorial.body import Body
 from tutorial.checks._clock import ClockedLoop
 from tutorial.controller import ControllerConfig
-from tutorial.controllers.imu_publisher import ImuPublisher
-from tutorial.controllers.imu_subscriber import ImuSubscriber, stand_at
-from tutorial.controllers.tank_controller import TankController
-from tutorial.errors import WrongThreadError
-from tutorial.handoff import Latest
+from tutorial.controllers.imu_subscriber import ImuSubscriber
 from tutorial.host import Host
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
-from tutorial.ros.node_thread import NodeThread
 from tutorial.view.bodies import View
 from tutorial.view.scene import Scene
 from tutorial.world import Placement
@@ -121,57 +114,10 @@ def test_when_it_leaves_there_is_no_timer_and_the_body_stands(viewer, blows):
     assert not viewer.places or viewer.stands
 
 
-class FullSpeed(TankController):
-    """The stick is held ahead, and there is no node."""
-
-    def __init__(self):
-        self.joy = Latest(Joy(axes=[0.0, 1.0, 0.0, 0.0]))
-
-
-def test_full_speed_into_the_wall_shakes_once_for_half_a_second():
-    placements = [item.placement for item in Project.load(find_project("step1")).bodies]
-    node, simulation = on_course(ImuPublisher(), placements, controllers=[FullSpeed()])
-    simulation.advance(4.0)
-    viewer, still = Viewer("tank"), []
-    for message in node.sent["Tank/imu"]:
-        viewer.hear(message)
-        viewer.loop.advance(0.05)
-        still.append(viewer.stands)
-    viewer.loop.close()
-    runs = [(stands, len(list(run))) for stands, run in groupby(still)]
-    assert [stands for stands, _ in runs] == [True, False, True]
-    assert runs[1][1] in (9, 10)  # 50 ms each; the first message of the next run is that after which it stands
-
-
 @in_a_loop
-async def test_deleted_while_it_shakes_it_leaves_no_timer_and_no_error(domain, caplog):
-    """In a program, with messages from another node; joint states go on being shown meanwhile."""
-    scene, handled = Scene(), []
+async def test_what_is_measured_stands_below_the_view(domain):
+    scene = Scene()
     async with Host(Project.load(find_project("step5")), view=View(scene)) as host:
-        body, loop = host.bodies["Tank"], asyncio.get_running_loop()
-        place, shaker = body.position, host.controllers["ImuSubscriber"].shaker
-        loop.set_exception_handler(lambda _, context: handled.append(context))
-        with NodeThread("tester") as tester:
-            blows = tester.node.create_publisher(Imu, "/Tank/imu", 1)
-            joints = tester.node.create_publisher(JointState, "/Tank/joint_state", 1)
-            await until(lambda: blows.get_subscription_count() and joints.get_subscription_count())
-            blows.publish(imu(-30.0))
-            await until(lambda: shaker.timer)
-            joints.publish(JointState(name=["TURRET_Y"], position=[0.5]))
-            await until(lambda: body.joint("TURRET_Y").position == 0.5)
-            host.refresh()
-            (line,) = lines(scene.snapshot())
-            assert "1 joint shown" in line.splitlines()[0]
-            assert "Tank\tacceleration\t-30.00\t0.00\t9.80\tm/s²\t" in line
-            await until(lambda: shaker.timer is None)
-            assert body.position.tolist() == place.tolist()
-            blows.publish(imu(-30.0))
-            await until(lambda: shaker.timer)
-            host.remove("Tank")
-            assert (shaker.timer, body.position.tolist()) == (None, place.tolist())
-        assert (host.error, handled) == (None, [])
-    assert not [record for record in caplog.records if record.levelname == "ERROR"]
-
-
-def test_another_thread_may_not_shake_it(viewer):
-    assert isinstance(raised_elsewhere(stand_at, viewer.body, np.zeros(3)), WrongThreadError)
+        host.controllers["ImuSubscriber"].update(imu(-3.0))
+        host.refresh()
+    assert "Tank\tacceleration\t-3.00\t0.00\t9.80\tm/s²\t" in lines(scene.snapshot())[0]

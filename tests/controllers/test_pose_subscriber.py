@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
-import time
 
 import numpy as np
 import pytest
@@ -13,12 +11,12 @@ from geometry_msgs.msg import TransformStamped
 from hypothesis import given
 from hypothesis import strategies as st
 from loops import in_a_loop, until
-from scenes import commands, lines
-from sensor_msgs.msg import JointState, Joy
+from scenes import lines
+from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
 from tutorial.body import Body
-from tutorial.controller import ControllerConfig, SimpleController
+from tutorial.controller import ControllerConfig
 from tutorial.controllers.pose_subscriber import ALONE, MOST_WAITING, REPEATED, PoseSubscriber, StampPairs
 from tutorial.host import Host
 from tutorial.paths import HOME, find_project
@@ -258,66 +256,3 @@ async def test_the_line_below_the_view_says_that_joints_alone_are_not_shown(doma
             await until(publisher.get_subscription_count)
             publisher.publish(joint_state(20, 0.5))
             await until(lambda: says("of what has come on /Tank/joint_state could be shown yet"))
-
-
-class Witness(SimpleController):
-    """Writes down where the simulated tank and its joints are, by stamp."""
-
-    def initialize(self, io):
-        self.io, self.poses, self.joints = io, {}, {}
-
-    def control(self):
-        if self.io.step % 20 == 0:
-            root, joints = self.io.body.qpos[:7], [joint.position for joint in self.io.body.joints]
-            self.poses[self.io.time_ns] = root.copy()
-            self.joints[tuple(joints)] = self.io.time_ns
-
-
-class Stick:
-    """In place of the newest message: a wide turn, while the turret goes to and fro, so that it never rests."""
-
-    def __init__(self, simulation):
-        self.simulation = simulation
-
-    def get(self):
-        way = 1.0 if self.simulation.time % 8.0 < 4.0 else -1.0
-        return Joy(axes=[0.3, 0.25, 0.8 * way, 0.3 * way])
-
-
-@in_a_loop
-async def test_each_frame_is_of_one_moment_while_the_main_thread_is_busy_and_the_view_follows(domain):
-    frames, scene = [], Scene()
-    project = Project.load(find_project("step7"))
-    controllers = {type_.__name__: type_ for item in project.bodies for type_ in item.controllers}
-    project = project.with_controllers("Tank", Witness, *controllers.values())  # it writes before others publish
-    async with (
-        Host(project, ["--ros-args", "-r", "__node:=simulation"]) as simulation,
-        Host(Project.load(find_project("step7_viewer")), ["--ros-args", "-r", "__node:=viewer"], View(scene)) as viewer,
-    ):
-        shown, witness = viewer.bodies["Tank"], simulation.controllers["Witness"]
-        simulation.controllers["TankController"].joy = Stick(simulation.simulation)
-        states, poses = (simulation.controllers[name] for name in ("JointStatePublisher", "PosePublisher"))
-        subscriber = viewer.controllers["PoseSubscriber"]
-        sides = ((states.publisher, subscriber.joint_states), (poses.tf_publisher, subscriber.transforms))
-        await until(lambda: all(p.get_subscription_count() and s.get_publisher_count() for p, s in sides))
-
-        def look(_):  # where it was, as simulated at the stamp of the joints, and as displayed
-            stamp = witness.joints[tuple(joint.position for joint in shown.joints)]
-            frames.append((witness.poses[stamp], np.concatenate([shown.position, shown.orientation_wxyz])))
-
-        shown.on_change(look)
-        simulation.simulation.start(3.0)
-        while simulation.simulation.running:
-            ends_at = time.perf_counter() + 0.1
-            while time.perf_counter() < ends_at:
-                pass  # keep the main thread, and the interpreter
-            viewer.refresh()
-            await asyncio.sleep(0)
-        await until(lambda: not viewer.waiting)
-        viewer.refresh()
-        assert (simulation.error, viewer.error) == (None, None)
-    simulated, displayed = np.array(frames).transpose(1, 0, 2)
-    assert abs(simulated - displayed).max() < 1e-9
-    assert np.linalg.norm(displayed[-1, :2] - (-2.0, -0.5)) > 0.3, "it has driven"
-    drawn = {each["path"]: each["matrix"] for each in commands(scene.snapshot()) if each["type"] == "set_transform"}
-    assert drawn["/Bodies/Tank/Tank.CHASSIS"][12:15] == pytest.approx(displayed[-1, :3], abs=1e-6)

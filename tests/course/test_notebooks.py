@@ -129,20 +129,7 @@ class Bare(ast.NodeTransformer):
         return self.generic_visit(node)
 
 
-TEACHING = (HOME / "book" / "teaching.md").read_text(encoding="utf-8")
 CLASSES_ASKED = [e.name for those in exercises().values() for e in those if isinstance(e.right_answer, type)]
-EXERCISES = re.findall(r"^\| `(\w+)` \| .*? \| .*? \| (.+) \|$", TEACHING, re.MULTILINE)
-
-
-@pytest.mark.parametrize(("exercise", "headings"), EXERCISES, ids=[name for name, _ in EXERCISES])
-def test_what_an_exercise_needs_is_taught_before_it(exercise, headings):
-    for path in NOTEBOOKS:
-        sources = [cell.source for cell in nbformat.read(path, as_version=4).cells]
-        at = next((i for i, source in enumerate(sources) if f"await {exercise}.check(" in source), 0)
-        if at:
-            break
-    before = {line.removeprefix("## ") for source in sources[:at] for line in source.splitlines()}
-    assert set(headings.split("; ")) <= before
 
 
 def test_what_answers_an_exercise_is_folded(notebook):

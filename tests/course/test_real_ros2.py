@@ -1,4 +1,4 @@
-"""What is said about a real ROS 2: the list of its packages, and what its page shows of the doctor."""
+"""What is said about a real ROS 2: the list of its packages."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
-from tutorial.commands.doctor.finding import layout
-from tutorial.commands.doctor.ros import backend
 from tutorial.commands.tank import tank
 from tutorial.paths import HOME
 
@@ -44,13 +42,3 @@ def test_its_tasks_are_commands_that_there_are(pixi):
         program, verb, *_ = command.split()
         assert (program, verb) == ("python", "-m") or (program == "tank" and verb in tank.commands)
     assert set(re.findall(r"^\$ pixi run (\w+)", PAGE, re.MULTILINE)) == set(pixi["tasks"])
-
-
-def test_what_the_page_shows_of_the_doctor_is_what_it_says():
-    found = {
-        "version": "7.1.3",
-        "file": "/opt/ros/jazzy/lib/python3.12/site-packages/rclpy/__init__.py",
-        "rmw": "rmw_fastrtps_cpp",
-    }
-    (finding,) = backend({"ROS_DISTRO": "jazzy"}, lambda: "rclpy", lambda: True, lambda *_: found)
-    assert layout(finding) in PAGE

@@ -17,9 +17,6 @@ from pathlib import Path
 import psutil
 import pytest
 from programs import PATIENCE, until
-from sensor_msgs.msg import JointState
-
-from tutorial.ros.node_thread import NodeThread
 
 pytestmark = pytest.mark.process
 
@@ -41,12 +38,10 @@ class Machine:
 
     def __init__(self, address: str) -> None:
         self.address = address
-        self._holder = subprocess.Popen(
-            ["unshare", "--net", "cat"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
-        )
-        until(lambda: self._made() or self._holder.poll() is not None, "a network namespace")
-        if self._holder.poll() is not None:
-            pytest.skip(f"no network namespace can be made here: {self._holder.communicate()[1].decode().strip()}")
+        pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+        self._holder = subprocess.Popen(["unshare", "--net", "sh", "-c", "echo made; exec cat"], **pipes, text=True)
+        if not self._holder.stdout.readline():
+            pytest.skip(f"no network namespace can be made here: {self._holder.communicate()[1].strip()}")
 
     @contextmanager
     def inside(self) -> Iterator[None]:
@@ -83,24 +78,11 @@ class Machine:
 
     def close(self) -> None:
         """End it."""
-        self._holder.stdin.close()
-        self._holder.wait(PATIENCE)
-        self._holder.stderr.close()
+        self._holder.communicate(timeout=PATIENCE)
 
     @property
     def _namespace(self) -> Path:
         return Path(f"/proc/{self._holder.pid}/ns/net")
-
-    def _made(self) -> bool:
-        return _namespace_of(self._holder.pid) not in (_namespace_of("self"), None)
-
-
-def _namespace_of(process: int | str) -> Path | None:
-    """Return the network namespace of a process; None where it has ended, or is another user's."""
-    try:
-        return Path(f"/proc/{process}/ns/net").readlink()
-    except OSError:
-        return None
 
 
 def _enter(namespace: int) -> None:
@@ -114,25 +96,18 @@ def _ip(words: str) -> None:
     subprocess.run(["ip", *words.split()], check=True, capture_output=True, text=True)
 
 
-@contextmanager
-def joined_machines() -> Iterator[tuple[Machine, Machine]]:
-    """Make two machines and a cable between them, which are gone afterwards."""
+@pytest.fixture
+def machines():
+    """The robot's machine and the desk's, with a cable between them, which are gone afterwards."""
     for tool in ("ip", "unshare"):
         if shutil.which(tool) is None:
             pytest.skip(f"there is no command {tool!r} to make a network namespace with")
     with ExitStack() as stack:
-        first, second = (
+        robot, desk = (
             stack.enter_context(closing(Machine(address)))
             for address in ("192.0.2.1", "192.0.2.2")  # from the range for documentation: nobody's
         )
-        first.cable_to(second)
-        yield first, second
-
-
-@pytest.fixture
-def machines():
-    """The robot's machine and the desk's."""
-    with joined_machines() as (robot, desk):
+        robot.cable_to(desk)
         yield robot, desk
 
 
@@ -141,38 +116,12 @@ def start(machines, program, monkeypatch):
     """Start a ``tank`` command on a machine, with a discovery range (None: that of the default) and peers."""
 
     def start(machine, discovery, *arguments, peer=None):
-        set_reach(monkeypatch, discovery, peer)
+        for name, value in ((RANGE, discovery), (PEERS, peer and peer.address)):
+            monkeypatch.delenv(name, raising=False) if value is None else monkeypatch.setenv(name, value)
         with machine.inside():
             return program(*arguments)
 
     return start
-
-
-@pytest.fixture
-def listen(machines, domain, monkeypatch):
-    """Collect the joint states that are heard on a machine."""
-    nodes = []
-
-    def listen(machine, discovery, peer=None):
-        set_reach(monkeypatch, discovery, peer)
-        heard = []
-        with machine.inside():
-            nodes.append(NodeThread("listener"))
-            nodes[-1].node.create_subscription(JointState, TOPIC, heard.append, 100)
-        return heard
-
-    yield listen
-    for node in nodes:
-        node.close()
-
-
-def set_reach(monkeypatch, discovery, peer):
-    """Say how far what is started from now on is heard."""
-    for name, value in ((RANGE, discovery), (PEERS, peer and peer.address)):
-        if value is None:
-            monkeypatch.delenv(name, raising=False)
-        else:
-            monkeypatch.setenv(name, value)
 
 
 def stop(running):
@@ -205,7 +154,7 @@ class JointStateSubscriber(joint_state_subscriber.JointStateSubscriber):
     ],
 )
 def test_the_desk_drives_and_shows_the_robot_over_the_network(
-    start, listen, machines, tmp_path, robots, robot_knows, desks, desk_knows
+    start, machines, tmp_path, robots, robot_knows, desks, desk_knows
 ):
     robot, desk = machines
     robots_peer, desks_peer = desk if robot_knows else None, robot if desk_knows else None
@@ -213,7 +162,6 @@ def test_the_desk_drives_and_shows_the_robot_over_the_network(
     drive.write_text("drive:\n  - {time: 0.2, axes: [0, 0, 1, 1]}\n  - {time: 0.7, axes: [0, 0, 0, 0]}\n")
     own = tmp_path / "own.py"
     own.write_text(SAYS_IT)
-    heard = listen(desk, desks, desks_peer)
     drains = ("--duration", 1, "--linger", 2 * PATIENCE)  # it ends when the simulation has gone and all is shown
     viewer = start(
         desk, desks, "run", "step3", "--headless", "--controller", own, "--report", tmp_path, *drains,
@@ -225,39 +173,21 @@ def test_the_desk_drives_and_shows_the_robot_over_the_network(
         "--ros-args", "-r", "__node:=simulation", peer=robots_peer,
     )  # fmt: skip
     joystick = start(desk, desks, "joy", "--drive", drive, peer=desks_peer)
-    until(lambda: heard and heard[-1].position[0] < -0.5, "the turret turned by the other machine's joystick")
-    viewer.says("the turret is turned")  # on Fast DDS the two may meet seconds later than others
+    viewer.says("the turret is turned")  # by the desk's joystick
     stop(simulation)
     stop(joystick)
     assert viewer.ends() == 0, viewer.output
-    assert robot.sent > len(heard), "each message was a packet, at least"
     published, shown = read(tmp_path, "simulation"), read(tmp_path, "viewer")
     counts = shown["topics"][TOPIC]
-    assert counts["applied"] == counts["received"] > 0
+    assert robot.sent > counts["applied"] == counts["received"] > 0, "each message was a packet, at least"
     assert shown["joints"] == published["joints"]
     assert shown["joints"]["TURRET_Y"] < -0.4, "it was turned, and it is shown"
 
 
 @pytest.mark.embedded
-@pytest.mark.parametrize("discovery", [None, "LOCALHOST"], ids=["default", "localhost"])
-def test_what_stays_on_its_machine_sends_nothing_over_the_network(start, listen, machines, tmp_path, discovery):
-    robot, desk = machines
-    viewer = start(desk, discovery, "run", "step3", "--headless", "--report", tmp_path)
-    viewer.says("- JointStateSubscriber")
-    heard = listen(robot, discovery)
-    simulation = start(robot, discovery, "run", "step2", "--headless")
-    until(lambda: len(heard) > 100, "the simulation, on its own machine")
-    assert (robot.sent, desk.sent) == (0, 0)
-    stop(simulation)
-    stop(viewer)
-    assert (robot.sent, desk.sent) == (0, 0)
-    assert read(tmp_path, "tank")["topics"][TOPIC]["received"] == 0
-
-
-@pytest.mark.embedded
-@pytest.mark.parametrize("quiet", ["LOCALHOST", "OFF"])
+@pytest.mark.parametrize("quiet", [None, "LOCALHOST", "OFF"])
 @pytest.mark.parametrize("who", ["simulation", "viewer"])
-def test_one_that_reaches_out_does_not_meet_one_that_stays_on_its_machine(start, machines, tmp_path, quiet, who):
+def test_one_that_stays_on_its_machine_meets_none_that_reaches_out(start, machines, tmp_path, quiet, who):
     robot, desk = machines
     silent, calling = (robot, desk) if who == "simulation" else (desk, robot)
     viewer = start(

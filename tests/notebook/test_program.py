@@ -7,7 +7,6 @@ import signal
 import socket
 import threading
 from functools import partial
-from types import SimpleNamespace
 
 import psutil
 import pytest
@@ -18,7 +17,7 @@ from sensor_msgs.msg import JointState
 
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
-from tutorial.notebook import close_all, desk, open_node, open_program, until
+from tutorial.notebook import close_all, open_node, open_program, until
 from tutorial.paths import find_project
 from tutorial.project import Project
 
@@ -27,20 +26,6 @@ pytestmark = pytest.mark.usefixtures("domain")
 
 def with_controller(project, controller):
     return Project.load(find_project(project)).with_controllers("Tank", controller)
-
-
-async def open_viewer(hear):
-    """A viewer whose controller gives its configuration and each joint state to a function, and a publisher of them."""
-
-    class Hears(SimpleController):
-        def configure(self, config):
-            self.node = config.node
-            self.node.create_subscription(JointState, "Tank/joint_state", partial(hear, config), 1)
-
-    viewer = open_program(with_controller("step3", Hears))
-    publisher = open_node("hand").create_publisher(JointState, "/Tank/joint_state", 1)
-    await until(publisher.get_subscription_count)
-    return viewer, publisher
 
 
 async def test_a_project_is_opened_by_name_run_drawn_between_the_cells_and_closed():
@@ -93,44 +78,19 @@ async def test_one_of_the_same_node_name_is_closed_first():
 
 
 async def test_what_comes_in_is_counted_and_what_waits():
-    viewer, publisher = await open_viewer(lambda config, message: config.call_latest("joints", list))
+    class Posts(SimpleController):
+        def configure(self, config):
+            post = partial(config.call_latest, "joints", list)
+            config.node.create_subscription(JointState, "Tank/joint_state", lambda _: post(), 1)
+
+    viewer = open_program(with_controller("step3", Posts))
+    publisher = open_node("hand").create_publisher(JointState, "/Tank/joint_state", 1)
+    await until(publisher.get_subscription_count)
     for i in range(3):
         publisher.publish(JointState())
         wait_until(lambda i=i: viewer.received == i + 1)
     assert viewer.waiting == 1
     await until(lambda: viewer.waiting == 0)
-
-
-async def test_a_callback_on_the_wrong_thread_is_told():
-    viewer, publisher = await open_viewer(lambda config, _: config.body.set_joint_positions({"TURRET_Y": 0.5}))
-    publisher.publish(JointState())
-    await until(lambda: viewer.error)
-    assert "was called on the thread 'executor', but the body 'Tank' belongs to the thread" in str(viewer.error)
-
-
-async def test_what_a_posted_call_raises_is_told_where_it_is_waited_for(monkeypatch):
-    def mistyped(config, _message):
-        config.call_later(lambda: config.body.set_joint_position({"TURRET_Y": 0.5}))
-
-    viewer, publisher = await open_viewer(mistyped)
-    publisher.publish(JointState())
-    await until(lambda: viewer.error)
-    assert isinstance(viewer.error, AttributeError)
-    desk.logged.lines.clear()
-    monkeypatch.setattr(desk, "time", SimpleNamespace(monotonic=lambda: len(desk.logged.lines)))  # each line takes 1 s
-    publisher.publish(JointState())
-    with pytest.raises(TutorialError, match=r"in vain for the turret\. Meanwhile: \[ERROR\] Hears of Tank: a call"):
-        await until(lambda: viewer.body().joint("TURRET_Y").position, "the turret", 0.5)
-
-
-async def test_time_that_passes_in_pieces_is_one_run():
-    """The barrel hangs by the weight of its gun below the reference that it had at first, and does not sink on."""
-    program = open_program("step1")
-    for _ in range(10):
-        program.advance(0.02)
-    program.advance(1.8)
-    barrel = program.simulation.bodies["Tank"].joint("TURRET_P")
-    assert barrel.position == pytest.approx(-9.80665 * 0.2 / 200, rel=0.01)
 
 
 async def test_time_is_started_and_stopped_twice_and_not_when_closed():

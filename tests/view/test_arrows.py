@@ -13,6 +13,7 @@ from tutorial.paths import HOME
 from tutorial.view.animation import Frame, animated
 from tutorial.view.bodies import View
 from tutorial.view.scene import Scene
+from tutorial.view.shapes import draw_arrow
 from tutorial.world import Placement
 
 RED, BLUE = "/Bodies/Tank/acceleration", "/Bodies/Tank/angular velocity"
@@ -121,6 +122,18 @@ def test_it_goes_with_the_body(stage):
     stage.view.remove("Tank")
     stage.view.flush()
     assert RED not in {each["path"] for each in commands(stage.scene.snapshot())}
+
+
+def test_an_arrow_is_a_metre_long_along_its_z_and_of_the_colour_that_is_said():
+    arrow = draw_arrow("x", 0xD0342C)
+    [outline], [material] = arrow["geometries"], arrow["materials"]
+    points = np.array([(point["x"], point["y"]) for point in outline["points"]])  # from the axis, and along it
+    assert points.min(axis=0).tolist() == [0.0, 0.0]
+    assert points[points[:, 1].argmax()].tolist() == [0.0, 1.0], "the tip"
+    assert points[:, 0].max() < 0.05
+    stood = np.reshape(arrow["object"]["matrix"], (4, 4)).T @ (0.0, 1.0, 0.0, 1.0)
+    assert stood == pytest.approx([0.0, 0.0, 1.0, 1.0]), "three.js turns it about y"
+    assert material["color"] == 0xD0342C
 
 
 def test_a_replay_has_its_length(stage):

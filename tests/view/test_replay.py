@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 import base64
 import gzip
 import math
 import re
-from contextlib import suppress
 
 import mujoco
 import numpy as np
@@ -15,13 +13,12 @@ import pytest
 from browser import Witness, chromium, open_browser
 from loops import in_a_loop
 from scenes import commands
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import Joy
 
 from tutorial.errors import TutorialError
 from tutorial.host import Host
 from tutorial.paths import find_project
 from tutorial.project import Project
-from tutorial.ros.node_thread import NodeThread
 from tutorial.view import replay
 from tutorial.view.bodies import View
 from tutorial.view.replay import Recorder, recorded
@@ -31,7 +28,6 @@ BALL = mujoco.MjModel.from_xml_string(
     "<mujoco><worldbody><body name='ball'><freejoint name='Ball/x'/><geom size='0.1'/></body></worldbody></mujoco>"
 )
 PATH = "/Bodies/Ball/ball"
-AT_REST = {"TURRET_Y": 0.0, "TURRET_P": 0.0}
 
 
 class Stage:
@@ -146,26 +142,17 @@ def test_where_the_page_is_kept_is_said(tmp_path, caplog):
     assert caplog.messages == [f"the run is kept in {page}: open it in a browser"]
 
 
-async def show_step_3(path):
-    """Run step 3's viewer while its joints are moved evenly; return what was published."""
-    scene, published = Scene(), [AT_REST]
-    async with Host(Project.load(find_project("step3")), None, View(scene)) as host:
-        with NodeThread("publisher") as thread, recorded(scene, path, "tank", host.shown_at, host.joint_positions):
-            publisher = thread.node.create_publisher(JointState, "Tank/joint_state", 1)
-            running = asyncio.ensure_future(host.run())
-            while not publisher.get_subscription_count():
-                await asyncio.sleep(0.01)
-            for i in range(100):
-                published.append({"TURRET_Y": 0.02 * i, "TURRET_P": 0.3 * math.sin(i / 20)})
-                names, positions = list(published[-1]), list(published[-1].values())
-                publisher.publish(JointState(name=names, position=positions))
-                await asyncio.sleep(0.02)
-            while host.joint_positions()["Tank TURRET_Y"] != published[-1]["TURRET_Y"]:
-                await asyncio.sleep(0.01)
-            running.cancel()
-            with suppress(asyncio.CancelledError):
-                await running  # it draws once more
-    return published
+async def drive_step_1(path):
+    """Keep a run of two seconds, in which the turret is turned and raised; return where its joints were shown."""
+    scene, shown = Scene(), []
+    async with Host(Project.load(find_project("step1")), view=View(scene)) as host:
+        host.controllers["TankController"].joy.put(Joy(axes=[0.0, 0.0, -0.4, 0.2]))
+        with recorded(scene, path, "tank", host.shown_at, host.joint_positions):
+            for _ in range(100):
+                host.simulation.advance(0.02)
+                host.refresh()
+                shown.append(host.joint_positions())
+    return shown
 
 
 ANGLES = """time => {
@@ -232,7 +219,7 @@ async def it_plays(page, duration):
 @in_a_loop
 async def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
     path, browser = tmp_path / "viewer.html", chromium()
-    published = await show_step_3(path)
+    driven = await drive_step_1(path)
     async with open_browser(browser) as page:
         witness = Witness(page)
         await page.clock.install(time=0)
@@ -245,11 +232,11 @@ async def test_the_page_shows_the_joints_of_the_run(domain, tmp_path):
             frame = round(share * (len(times) - 1))
             (chassis, turret, barrel), words = await page.evaluate(ANGLES, times[frame])
             shown = [angle(chassis, turret, (0, 0, -1)), angle(turret, barrel, (0, -1, 0))]
-            kept = [joints[f"Tank {name}"][frame] for name in AT_REST]
-            assert shown == pytest.approx(kept, abs=1e-3)
-            assert any(kept == pytest.approx(list(each.values()), abs=1e-5) for each in published)
-            assert f"TURRET_Y {kept[0]:.3f}" in words
-        assert kept == pytest.approx(list(published[-1].values()), abs=1e-5)
+            kept = {name: joints[name][frame] for name in driven[0]}
+            assert shown == pytest.approx(list(kept.values()), abs=1e-3)
+            assert any(kept == pytest.approx(each, abs=1e-5) for each in driven)
+            assert f"TURRET_Y {kept['Tank TURRET_Y']:.3f}" in words
+        assert kept == pytest.approx(driven[-1], abs=1e-5)
         await it_plays(page, times[-1])
         assert not witness.complaints
         assert all(url.startswith(("file:", "blob:", "data:")) for url in witness.requests)

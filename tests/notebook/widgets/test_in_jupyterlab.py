@@ -1,10 +1,10 @@
 """The widgets as a learner has them: in a JupyterLab, in a browser, with a kernel of their own."""
 
-import asyncio
-
+import numpy as np
 import pytest
 from browser import pixels, red_spot, until
 from desk import lab_desk
+from lab import DARK
 from sensor_msgs.msg import Joy
 
 from tutorial.ros.node_thread import NodeThread
@@ -36,7 +36,9 @@ stick
 """
 WAIT_WITHOUT_A_BREAK = """
 import time
-while stick.axes[1] < 0.9:
+said = []
+stick.on_msg(lambda *_: said.append(stick.axes[1]))
+while said[-5:] != [1.0] * 5:  # the page says again and again what is held
     time.sleep(0.001)
 print("driven")
 """
@@ -49,12 +51,6 @@ GAMEPAD = """() => {
 STRANGE_GAMEPAD = """() => {
     navigator.getGamepads = () => [{id: "Wheel", connected: true, mapping: "", axes: [1, 1, 1], buttons: []}];
 }"""
-FREEZE_THE_PAGE = """() => setTimeout(() => {
-    const request = new XMLHttpRequest();
-    request.open("GET", "until-it-thaws", false);  // the whole page waits for the answer
-    request.send();
-    window.isThawed = true;
-})"""
 
 
 class Hands:
@@ -76,14 +72,12 @@ class Hands:
 
     async def cause(self, *axes):
         """Wait until these are the axes of the first two sticks; return the message that says so."""
-        found = []
 
         async def is_so():
-            found[:] = self.heard[-1:]
-            return bool(found) and list(found[0].axes[:4]) == pytest.approx(axes, abs=0.02)
+            return self.heard and list(self.heard[-1].axes[:4]) == pytest.approx(axes, abs=0.02)
 
         await until(is_so, f"the axes are {axes}")
-        return found[0]
+        return self.heard[-1]
 
 
 async def use_the_mouse(hands):
@@ -135,22 +129,21 @@ async def drive_a_busy_kernel(hands, notebook):
     await hands.cause(0, 0, 0, 0)
 
 
-async def freeze_the_page(hands):
-    """What is held is let go while the page is silent, and taken up again."""
-    thaw = asyncio.Event()
-
-    async def answer(route):
-        await thaw.wait()
-        await route.fulfill(body="")
-
-    await hands.page.route("**/until-it-thaws", answer)
-    await hands.drag(0, 0, -1)
-    await hands.cause(0, 1, 0, 0)
-    await hands.page.evaluate(FREEZE_THE_PAGE)
+async def use_gamepads(hands):
+    await hands.page.evaluate(STRANGE_GAMEPAD)
+    await hands.page.get_by_text("is not used: Wheel. Drag a stick").wait_for()
     await hands.cause(0, 0, 0, 0)
-    thaw.set()
-    await hands.cause(0, 1, 0, 0)
-    assert await hands.page.evaluate("window.isThawed")
+    await hands.page.evaluate(GAMEPAD)
+    held = await hands.cause(-0.5, 1, -0.25, 0)
+    assert list(held.axes[4:]) == [0, 1]
+    assert list(held.buttons) == [1] + 13 * [0] + [1]
+    await hands.page.get_by_text("Gamepad: Pad <b>", exact=True).wait_for()
+
+
+async def is_dark(page):
+    """Whether text stands out, of another shade than what it is written on, which is dark."""
+    shades = await pixels(page, ".tank-joystick")
+    return np.median(shades) < 128 and shades.max() - np.median(shades) > 90
 
 
 def test_a_notebook_drives_by_mouse_fingers_keys_and_gamepad(desk):
@@ -167,19 +160,17 @@ def test_a_notebook_drives_by_mouse_fingers_keys_and_gamepad(desk):
         await use_two_fingers(hands)
         await use_the_keys(hands, notebook)
         await drive_a_busy_kernel(hands, notebook)
-        await freeze_the_page(hands)
+        await use_gamepads(hands)
+        await notebook.reload()  # with the gamepad held
+        await hands.cause(0, 0, 0, 0)
+        await hands.drag(0, 0, -1)
+        await hands.cause(0, 1, 0, 0)
         await page.mouse.up()
-        await page.evaluate(STRANGE_GAMEPAD)
-        await page.get_by_text("is not used: Wheel. Drag a stick").wait_for()
-        await hands.cause(0, 0, 0, 0)
-        await page.evaluate(GAMEPAD)
-        held = await hands.cause(-0.5, 1, -0.25, 0)
-        assert list(held.axes[4:]) == [0, 1]
-        assert list(held.buttons) == [1] + 13 * [0] + [1]
-        await page.get_by_text("Gamepad: Pad <b>", exact=True).wait_for()
+        await desk.lab.wear(page, DARK)
+        await until(lambda: is_dark(page), "the joystick is seen in the dark")
+        await notebook.run_new("stick.end()")
+        await page.get_by_text("Closed. Run its cell again, and the joystick comes back.").wait_for()
         await notebook.save()
-        await page.goto("about:blank")  # with the gamepad held
-        await hands.cause(0, 0, 0, 0)
 
     with NodeThread("listener") as thread:
         thread.node.create_subscription(Joy, "joy", heard.append, 10)
@@ -308,14 +299,18 @@ async def turn_by_keys(page, notebook):
 
 
 async def lose_the_connection(page, notebook, complaints):
-    """The scene is shown once more whenever the connection is back, also when the kernel is busy meanwhile."""
+    """The scene is shown once more whenever the connection is back, also when the kernel is busy meanwhile.
+
+    A cell that gives the loop no turn is seen all along, longer than a page may fall behind.
+    """
     for x in (0.2, 0.4):
         await notebook.run_new(f"move({x}, 0)")
         await page.locator(pane(0)).evaluate(TAKE_THE_BOX_AWAY)
         await notebook.reconnect()
         await is_seen(page, 0, x, 0)
     await notebook.start(3)
-    await until(lambda: is_near_the_end(page), "the kernel is busy")
+    await until(lambda: is_near_the_end(page), "the page shows the end of what a busy cell draws")
+    assert await notebook.is_busy()
     await page.locator(pane(0)).evaluate(TAKE_THE_BOX_AWAY)
     for _ in range(2):
         await notebook.reconnect()
@@ -329,15 +324,6 @@ async def lose_the_connection(page, notebook, complaints):
 
 async def is_near_the_end(page):
     return (await page.locator(pane(0)).evaluate(WHERE_IS_THE_BOX))[0] > 0.9
-
-
-async def watch_a_busy_cell(page, notebook):
-    """A cell that gives the loop no turn is seen all along, longer than a page may fall behind."""
-    await notebook.start(3)
-    await until(lambda: is_near_the_end(page), "the page shows the end of what a busy cell draws")
-    assert await notebook.is_busy()
-    await notebook.interrupt()
-    await notebook.is_done()
 
 
 async def close_one(page, notebook):
@@ -393,7 +379,6 @@ def test_a_notebook_shows_the_scene_opened_late_twice_reloaded_and_says_when_it_
         for number in (0, 1):
             await is_seen(page, number, 0.5, 0.5)
         await close_one(page, notebook)
-        await watch_a_busy_cell(page, notebook)
         assert await notebook.run_new("print(complaints)") == "[]\n"
         await share_the_room(page, notebook)
         await close_it(page, notebook)

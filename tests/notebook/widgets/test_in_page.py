@@ -62,6 +62,8 @@ onload="bad()"><script>bad()</script><a href="javascript:bad()"><text>link</text
 <foreignObject><body xmlns="http://www.w3.org/1999/xhtml"><img src="x" onerror="bad()"/></body></foreignObject>
 <style>@import "http://x.invalid/s.css";</style><text xlink:href="#x">&lt;img src=x onerror=bad()&gt;</text></svg>"""
 
+HARMFUL = ("script", "onload", "onclick", "href", "foreignObject", "url(", "<style", "animate", "image", "link<")
+
 
 def a_picture(colour: str = INK) -> str:
     root = new_picture(40, 20)
@@ -96,18 +98,7 @@ async def test_a_picture_is_drawn_described_redrawn_themed_and_made_of_shapes():
         html = await page.locator("body").inner_html()
         assert await page.evaluate("window.harmed") is None
         assert asked == []
-        for word in [
-            "script",
-            "onload",
-            "onclick",
-            "href",
-            "foreignObject",
-            "url(",
-            "<style",
-            "animate",
-            "image",
-            "link<",
-        ]:
+        for word in HARMFUL:
             assert word not in html, word
         assert "&lt;img src=x onerror=bad()&gt;" in html
         assert await page.evaluate("(close_view(), Object.keys(handlers).length)") == 0
@@ -174,7 +165,8 @@ async def test_a_name_runs_no_script():
 
         for name in NAMES:
             async with SceneServer(scene_of(name), 0, name) as server:
-                await page.goto(server.url)
+                response = await page.goto(server.url)
+                assert "default-src 'self'" in response.headers["content-security-policy"]
                 await page.locator("#curtain").wait_for(state="hidden")
                 assert await page.title() == name
                 assert (await page.locator("#line").text_content()).startswith(name)
@@ -191,6 +183,8 @@ async def test_a_name_runs_no_script():
         assert [line.startswith(name) for line, name in zip(lines, NAMES, strict=True)] == [True] * len(NAMES)
         assert await page.locator("svg").count() == 3 * len(NAMES)
         await is_clean()
+        await page.evaluate("model.set('ended', true)")
+        await page.get_by_text("closed: this is its last picture").last.wait_for()
 
 
 def text_of(data: bytes) -> str:

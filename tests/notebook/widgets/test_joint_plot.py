@@ -104,11 +104,6 @@ def test_many_joints_with_long_names():
     assert not list(root.iter(f"{SVG}b"))
 
 
-def test_joints_may_come_and_go():
-    root, _ = plot(joint_state(0.0, A=1.0), joint_state(0.1, B=1.0), joint_state(0.2, A=1.0, B=2.0))
-    assert [len(curve) for curve in curves(root)] == [2, 2]
-
-
 def test_nothing_to_draw():
     for messages, text in ([], f"nothing has come on {TOPIC} yet"), ([joint_state(1.0)], f"no positions on {TOPIC}"):
         root, alt = plot(*messages)

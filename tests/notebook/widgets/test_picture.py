@@ -5,12 +5,10 @@ from __future__ import annotations
 from xml.etree import ElementTree
 
 import pytest
+from scenes import raised_elsewhere
 
-from tutorial.errors import WrongThreadError
 from tutorial.notebook.widgets.picture import Picture
 from tutorial.notebook.widgets.svg import PAPER, draw, new_picture, shorten, to_text, write
-
-from .pages import on_a_subshell
 
 
 def test_it_shows_another_picture_with_its_description_on_its_own_thread():
@@ -20,18 +18,10 @@ def test_it_shows_another_picture_with_its_description_on_its_own_thread():
     picture.show("<svg/>", "nothing")
     assert (picture.svg, picture.alt) == ("<svg/>", "nothing")
     assert {"svg", "alt", "ended"} <= picture.get_state().keys(), "the page is told of them"
-    errors = []
-
-    def show():
-        with pytest.raises(WrongThreadError) as caught:
-            picture.show("", "")
-        errors.append(str(caught.value))
-
-    on_a_subshell(show)
-    assert errors == [
-        "Picture.show was called on the thread 'subshell-1', but the picture belongs to the thread 'MainThread'. "
+    assert str(raised_elsewhere(picture.show, "", "")) == (
+        "Picture.show was called on the thread 'other_0', but the picture belongs to the thread 'MainThread'. "
         "Post the call instead: call_later(f, message)."
-    ]
+    )
     picture.close()
     picture.close()
 
