@@ -177,7 +177,8 @@ class SpinThread(Generic[AnyNode]):
     def close(self) -> None:
         """End the thread, then the executor, the node and the context, in this order. Idempotent.
 
-        A callback that does not return keeps its thread, which then ends with the process.
+        A callback that does not return keeps its thread, which then ends with the process; if it returns after all, the
+        thread does the rest.
         """
         if self._closed:
             return
@@ -186,11 +187,14 @@ class SpinThread(Generic[AnyNode]):
         if self._thread.is_alive():
             _log.error("a callback of the node %r does not return%s", self._name, where(self._thread))
         else:
-            self._executor.shutdown()
-            self.node.destroy_node()
-            self._context.try_shutdown()
+            self._end()
         self._closed = True
         self.alive.discard(self)
+
+    def _end(self) -> None:
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.try_shutdown()
 
     def failed(self, error: BaseException) -> None:
         """Keep what a callback has raised, and log it; the other callbacks go on. Called on the thread.
@@ -217,6 +221,8 @@ class SpinThread(Generic[AnyNode]):
                 gone = gone + 1 if _met_what_is_destroyed(error) else 0
                 if self._context.ok() and gone % GONE_FOR_GOOD == 0:
                     self.failed(error)
+        if self._closed:  # and was not waited for
+            self._end()
 
 
 def _met_what_is_destroyed(error: BaseException) -> bool:
