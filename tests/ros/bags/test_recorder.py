@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from functools import cache
 from unittest.mock import Mock
 
@@ -70,6 +71,17 @@ def test_what_was_sent_last_is_there_though_the_end_comes_at_once(nodes, publish
         publish(recorder, publisher, payloads())
         nodes[0].destroy_publisher(publisher)
     assert recorded(recorder.path) == payloads()
+
+
+def test_what_was_sent_last_is_there_though_whoever_spins_is_busy_at_the_end(nodes, publisher, tmp_path):
+    nodes[1].create_subscription(String, "/busy", lambda _: time.sleep(0.3), 1)
+    busy = nodes[0].create_publisher(String, "/busy", 1)
+    until(busy.get_subscription_count, "the match")
+    with Recorder(nodes[1], tmp_path / "bag", ["/a"]) as recorder:
+        publish(recorder, publisher, [])
+        busy.publish(String())
+        publish(recorder, publisher, payloads(10))
+    assert recorded(recorder.path) == payloads(10)
 
 
 def test_a_topic_that_appears_later_is_recorded_and_so_is_its_quality_of_service(nodes, tmp_path):

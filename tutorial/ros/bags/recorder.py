@@ -13,6 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Self
 
+from rclpy.clock import Clock
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rosbags.typesys import Stores, get_typestore
@@ -158,11 +159,22 @@ class Recorder:
             ) from self.error
 
     def _settle(self) -> None:
-        """Wait for what was sent before the end and is on its way: until nothing more comes, for a second at most."""
-        deadline, seen = time.monotonic() + 1.0, -1
-        while seen != self._received_bytes and time.monotonic() < deadline:
-            seen = self._received_bytes
-            time.sleep(QUIET)
+        """Wait for what was sent before the end and is on its way: until nothing more comes, for a second at most.
+
+        The thread that spins has to say so, for while it has no turn nothing comes, either.
+        """
+        seen: deque[int] = deque(maxlen=3)
+        quiet = threading.Event()
+
+        def look() -> None:
+            seen.append(self._received_bytes + self._overflown)
+            if seen.count(seen[0]) == 3:
+                quiet.set()
+
+        with suppress(Exception):  # the node may be gone before its recorder
+            timer = self._node.create_timer(QUIET / 2, look, clock=Clock())
+            quiet.wait(1.0)
+            self._node.destroy_timer(timer)
 
     def _run(self) -> None:
         """Write and look, until the end."""
