@@ -9,9 +9,13 @@ from pathlib import Path
 
 import pytest
 from domains import reserved_domain
+from hypothesis import HealthCheck, settings
 from programs import Program
 
 from tutorial import ros_backend
+
+settings.register_profile("whatever time it takes", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("whatever time it takes")
 
 JUPYTERS_FOLDERS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")
 

@@ -8,7 +8,7 @@ import threading
 import time
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tutorial import handoff
@@ -53,7 +53,6 @@ def test_the_latest_is_the_initial_value_then_the_newest():
 
 
 class TestCallLater:
-    @settings(deadline=None)
     @given(st.lists(st.lists(st.integers(), max_size=30), min_size=1, max_size=4))
     def test_every_call_runs_once_on_the_loops_thread_in_the_order_of_its_own(self, posted):
         def post(queue, ran):
@@ -116,7 +115,6 @@ class TestCallLater:
         scope.call_later(print)
         assert scope.refused == 1, "posted when the loop is gone"
 
-    @settings(deadline=None)
     @given(before=st.integers(0, 20), after=st.integers(0, 20))
     def test_after_close_posting_is_a_counted_no_op(self, before, after):
         def post(queue, ran):
@@ -169,7 +167,6 @@ class TestCallLater:
 posts = st.lists(st.tuples(st.sampled_from([0, 1]), st.sampled_from(["a", "b", None]), st.integers()), max_size=20)
 
 
-@settings(deadline=None)
 @given(posts, posts)
 def test_of_each_key_of_a_scope_the_newest_runs_once_in_the_place_of_the_first(first, second):
     scopes, expected = [], []

@@ -194,7 +194,7 @@ SILENT = "the publisher was started again, or fell silent and another one is fol
 
 
 class TestTwoPublishers:
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=60)
     @given(OFFSETS, st.booleans(), RATES, RATES, st.sampled_from([0.0, 0.005, 0.03]), st.integers(0, 999))
     def test_one_is_followed_until_it_is_silent(self, offset, is_ahead, rate, other_rate, jitter, seed):
         start, other_start = (10.0, 13.0 + offset) if is_ahead else (10.0 + offset, 13.0)

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
@@ -110,7 +110,6 @@ def test_nothing_to_draw():
         assert (texts(root), alt) == ([text], text)
 
 
-@settings(deadline=None)
 @given(
     st.lists(st.tuples(st.floats(0, 1e9), st.dictionaries(st.text(max_size=9), st.floats(), max_size=5)), max_size=9)
 )
@@ -125,7 +124,6 @@ def test_a_flood_is_thinned():
     assert len(curves(root)[0]) <= 600
 
 
-@settings(deadline=None)
 @given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6))
 def test_ticks_are_round_and_few(low, span):
     step, ticks = nice_ticks(low, low + span, most=6)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sensor_msgs.msg import JointState, Joy
 
@@ -137,7 +137,6 @@ def test_a_long_arrow_passes_the_layers_between_in_a_lane_of_its_own():
     assert all(abs(y - layout.places["b",][1]) > 20 for _, y in lane)
 
 
-@settings(deadline=None)
 @given(st.sets(st.tuples(st.integers(0, 9), st.integers(0, 9)).filter(lambda edge: edge[0] != edge[1]), max_size=25))
 def test_any_graph_is_laid_out_without_overlaps(numbers):
     layout = laid_out(" ".join(f"{a}>{b}" for a, b in sorted(numbers)))
@@ -226,7 +225,7 @@ async def test_without_rates_it_subscribes_to_nothing_and_an_ended_one_keeps_its
     graph.end()
     assert graph.ended
     assert "/tank" in graph.svg
-    assert threading.active_count() == threads
+    assert threading.active_count() <= threads
     graph.close()
 
 

@@ -8,7 +8,7 @@ from copy import deepcopy
 from itertools import pairwise
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import serialize_message
 from rclpy.utilities import get_rmw_implementation_identifier
@@ -77,7 +77,6 @@ def test_without_faults_the_stream_passes_as_it_is():
 
 
 @given(st.dictionaries(st.sampled_from(list(FAULTS)), st.just(1.0)), st.integers(0, 4))
-@settings(deadline=None)
 def test_the_good_message_stays_as_it_is(faults, joints):
     good = swing(7, FIVE[:joints])
     before = deepcopy(good)

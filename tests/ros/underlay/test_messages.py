@@ -130,7 +130,7 @@ def messages(type_name: str) -> st.SearchStrategy[Any]:
     return st.builds(cls, **{name: values(kind) for name, kind in cls.get_fields_and_field_types().items()})
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=200, suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_any_message_is_carried(data):
     message = data.draw(messages(data.draw(st.sampled_from(ALL_TYPES))))
