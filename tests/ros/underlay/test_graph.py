@@ -69,8 +69,9 @@ def test_what_is_ignored_is_said_once(node, heard, names, said, spin_until, capf
     graph = node.context.graph
     heard.announce(heard.listing("early"))
     spin_until(lambda: "early" in node.get_node_names())
+    ignored = heard.listing(*names).replace(b"no_utf", b"no_\xff\xff\xff")
     for count in range(1, 20):
-        heard.announce(heard.listing(*names).replace(b"no_utf", b"no_\xff\xff\xff"))
+        heard.announce(ignored)
         spin_until(lambda count=count: node.get_node_names() and graph._ignored == count)
     assert "early" in node.get_node_names()
     heard.announce(heard.listing("late"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import psutil
@@ -208,20 +209,21 @@ def test_coming_and_going_while_spinning(context, node):
 
 @pytest.mark.embedded
 def test_coming_and_going_leaves_nothing_behind(node):
-    memory = psutil.Process().memory_info
-    for i in range(1000):
-        if i == 300:
-            before = memory().rss
-        node.destroy_subscription(node.create_subscription(String, "x", print, 10))
-        node.destroy_publisher(node.create_publisher(String, "x", 10))
-    assert memory().rss - before < 700 * 1500  # it was 3800 bytes each time
+    memory = [psutil.Process().memory_info().rss]
+    for _ in range(5):
+        for _ in range(200):
+            node.destroy_subscription(node.create_subscription(String, "x", print, 10))
+            node.destroy_publisher(node.create_publisher(String, "x", 10))
+        memory.append(psutil.Process().memory_info().rss)
+    assert min(after - before for before, after in pairwise(memory)) < 200 * 1500  # it was 3800 bytes each time
 
 
 def test_timer_keeps_its_rhythm_and_stops(node, spin_until, executor):
     calls: list[float] = []
+    began = time.monotonic()
     timer = node.create_timer(0.02, lambda: calls.append(time.monotonic()))
     spin_until(lambda: len(calls) == 5)
-    assert calls[-1] - calls[0] >= 0.06
+    assert calls[-1] - began >= 0.09
     timer.cancel()
     assert timer.is_canceled()
     executor.spin_once(timeout_sec=0.1)
@@ -278,7 +280,12 @@ def test_a_callback_may_not_spin(node, executor, spin_until):
 
 
 def test_shutdown_from_outside_ends_the_spin(context, node, executor):
-    threading.Timer(0.1, context.shutdown).start()
+    def asked_before_it_waits():
+        del context.ok
+        threading.Thread(target=context.shutdown).start()
+        return True
+
+    context.ok = asked_before_it_waits
     with pytest.raises(ExternalShutdownException):
         executor.spin()
 
