@@ -107,7 +107,7 @@ async def test_a_message_moves_the_displayed_body_on_the_main_thread(step3):
         assert seen_on == [(threading.main_thread(), "1 joint shown")]
         assert host.bodies["Tank"].joint("TURRET_Y").position == 0.5
         assert host.record()["report"]["matched"] == 1
-    assert threads() == before, "no thread is left"
+    assert threads() <= before, "no thread is left"
 
 
 @pytest.mark.parametrize(("project", "close_up"), [("step3", True), ("step7_viewer", False), ("step7", False)])
@@ -211,7 +211,7 @@ async def test_a_body_is_added_only_where_it_can_be(step2, step3):
     before = threads()
     with pytest.raises(TutorialError, match="Unfit could not join Tank"):
         Host(step3.with_controllers("Tank", Unfit))
-    assert threads() == before
+    assert threads() <= before
 
 
 @in_a_loop

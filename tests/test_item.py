@@ -33,7 +33,7 @@ def show(item, matcher, name, position, nanoseconds):
     item.body.notify_change(matcher.match(message)[1])
 
 
-def test_the_reports_of_its_messages_are_summed_up(item):
+def test_the_reports_of_its_messages_are_summed_up(item, clock):
     matcher = JointMatcher(item.body.joint_ranges)
     show(item, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], 50)
     show(item, matcher, ["TURRET_Y", "X"], [math.nan, 0.2], 60)

@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from pictures import is_red, need_pictures, red_block
+from programs import PATIENCE, until
 
 from tutorial.body import Body
 from tutorial.controller import SimpleController
@@ -15,8 +16,6 @@ from tutorial.simulation import Simulation
 from tutorial.view import offscreen
 from tutorial.view.camera import CameraRenderer
 from tutorial.world import Placement
-
-PATIENCE = 60.0
 
 
 class Stage:
@@ -158,6 +157,7 @@ def test_a_closed_camera_delivers_nothing_more(stage, eye):
     elsewhere(eye.capture, slow.taken.append)
     closing = threading.Thread(target=eye.close)
     closing.start()
+    until(lambda: not stage.renderer._requests, "the drop of what waited")
     slow.may_leave.set()
     closing.join(PATIENCE)
     assert len(slow.taken) == 1  # what was being delivered has come to its end before close() returns

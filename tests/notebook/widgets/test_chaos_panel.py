@@ -52,7 +52,7 @@ async def test_ended_or_closed_it_publishes_no_more_and_leaves_no_thread(domain,
     leave(panel)
     leave(panel)
     assert panel.ended
-    assert threading.active_count() == threads
+    assert threading.active_count() <= threads
     assert (panel.comm is None) == (leave is ChaosPanel.close)
     move(panel.sliders["nan"], 0.5)
     made = panel.made
@@ -70,4 +70,4 @@ async def test_what_cannot_be_leaves_nothing(domain):
     threads = threading.active_count()
     with pytest.raises(Exception, match="are both on '/Tank/joint_state'"):
         ChaosPanel(good="/Tank/joint_state")
-    assert threading.active_count() == threads
+    assert threading.active_count() <= threads

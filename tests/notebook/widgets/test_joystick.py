@@ -104,7 +104,7 @@ def test_closed_or_ended_it_lets_go_and_leaves_no_thread(clock, sent, heard, lea
     assert joystick.ended
     assert joystick.axes == NEUTRAL
     is_heard(heard, NEUTRAL)
-    assert threading.active_count() == threads
+    assert threading.active_count() <= threads
     assert (joystick.comm is None) == (leave is Joystick.close)
     joystick.close()
 
@@ -120,4 +120,4 @@ def test_a_node_that_cannot_be_leaves_nothing(sent):
     threads = threading.active_count()
     with pytest.raises(Exception, match="parse remap rule"):
         Joystick(["--ros-args", "-r", "__node:=no name"])
-    assert threading.active_count() == threads
+    assert threading.active_count() <= threads

@@ -194,7 +194,7 @@ async def test_closing_twice_is_once_and_the_scene_goes_on_without(sent):
     page = Page(widget, sent)
     await page.says("hello")
     assert repr(widget) == "SceneView('Tank & <b>')"
-    assert threading.active_count() == threads
+    assert threading.active_count() <= threads
     widget.close()
     widget.close()
     sent.clear()

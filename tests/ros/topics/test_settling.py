@@ -7,7 +7,7 @@ import asyncio
 import pytest
 
 from tutorial.ros.node_thread import NodeThread
-from tutorial.ros.topics import settled
+from tutorial.ros.topics import settled, settling
 from tutorial.ros.topics.settling import QUIET_READS, READ_EVERY
 
 pytestmark = pytest.mark.embedded
@@ -48,7 +48,8 @@ def test_a_program_that_is_dds_alone_is_not_waited_for(asker, domain):
     del other
 
 
-def test_what_is_asked_for_is_waited_for_a_little_longer(asker):
+def test_what_is_asked_for_is_waited_for_a_little_longer(asker, monkeypatch):
+    monkeypatch.setattr(settling, "SHY", 60.0)
     looks = iter([False, False, True])
     assert asyncio.run(settled(asker, patience=60.0, wanted=lambda: next(looks)))
     assert next(looks, "all taken") == "all taken"
