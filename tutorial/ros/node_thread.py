@@ -177,7 +177,7 @@ class SpinThread(Generic[AnyNode]):
     def close(self) -> None:
         """End the thread, then the executor, the node and the context, in this order. Idempotent.
 
-        A callback that does not return keeps its thread, which then ends with the process.
+        A callback that does not return is not waited for: the node leaves when it does, at the latest with the process.
         """
         if self._closed:
             return
@@ -185,12 +185,17 @@ class SpinThread(Generic[AnyNode]):
         self._thread.join(self.patience)
         if self._thread.is_alive():
             _log.error("a callback of the node %r does not return%s", self._name, where(self._thread))
+            threading.Thread(target=self._leave, name="leaving", daemon=True).start()
         else:
-            self._executor.shutdown()
-            self.node.destroy_node()
-            self._context.try_shutdown()
+            self._leave()
         self._closed = True
         self.alive.discard(self)
+
+    def _leave(self) -> None:
+        self._thread.join()
+        self._executor.shutdown()
+        self.node.destroy_node()
+        self._context.try_shutdown()
 
     def failed(self, error: BaseException) -> None:
         """Keep what a callback has raised, and log it; the other callbacks go on. Called on the thread.
