@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from contextlib import asynccontextmanager
 
 import pytest
@@ -124,31 +123,31 @@ async def test_the_same_viewer_project_shows_another_robot(node):
 
 @pytest.mark.process
 @pytest.mark.browser
-def test_both_pages_show_the_tank_moving(program):
+@in_a_loop
+async def test_both_pages_show_the_tank_moving(program):
     path = chromium()
     simulation = program("run", "step2", "--ros-args", "-r", "__node:=simulation")
     viewer = program("run", "step3", "--ros-args", "-r", "__node:=viewer")
     program("joy", "--drive", "tour")
-    for running, line in ((simulation, ""), (viewer, "Tank: 2 joints shown")):
-        running.says("look at http://127.0.0.1:")
-        address = running.output.split("look at ")[1].split()[0]
-        asyncio.run(sees_movement(path, address, line))
-
-
-async def sees_movement(path, address, line):
-    """Open a page, and wait until its picture has changed and the line below it says what it should."""
     async with open_browser(path) as page:
         witness = Witness(page)
-        await page.goto(address)
-        await page.wait_for_selector("#curtain", state="hidden")
-        first = await pixels(page, "#pane")
-
-        async def moved():
-            return (abs(await pixels(page, "#pane") - first).max(axis=2) > 40).sum() > 100
-
-        async def says():
-            return (await page.text_content("#line")).startswith(line)
-
-        await browser_until(moved, f"the tank moving on {address}")
-        await browser_until(says, f"{line!r} below the picture")
+        for running, line in ((simulation, ""), (viewer, "Tank: 2 joints shown")):
+            running.says("look at http://127.0.0.1:")
+            await sees_movement(page, running.output.split("look at ")[1].split()[0], line)
         assert not witness.complaints
+
+
+async def sees_movement(page, address, line):
+    """Open a page, and wait until its picture has changed and the line below it says what it should."""
+    await page.goto(address)
+    await page.wait_for_selector("#curtain", state="hidden")
+    first = await pixels(page, "#pane")
+
+    async def moved():
+        return (abs(await pixels(page, "#pane") - first).max(axis=2) > 40).sum() > 100
+
+    async def says():
+        return (await page.text_content("#line")).startswith(line)
+
+    await browser_until(moved, f"the tank moving on {address}")
+    await browser_until(says, f"{line!r} below the picture")

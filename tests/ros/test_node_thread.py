@@ -82,9 +82,10 @@ def test_a_callback_that_does_not_return_does_not_hold_whoever_closes(domain, mo
     stuck.close()
     stuck.close()
     assert "a callback of the node 'stuck' does not return: it is at " in caplog.text
-    release.set()
-    stuck._thread.join(60)
-    assert not stuck._context.ok(), "it ends after all"
+    with NodeThread("other") as other:
+        until(lambda: "stuck" in other.node.get_node_names(), "its node, which is still there")
+        release.set()
+        until(lambda: "stuck" not in other.node.get_node_names(), "its leaving after all")
 
 
 def test_a_topic_that_a_node_publishes_and_receives_is_counted_both_ways(domain):

@@ -177,8 +177,7 @@ class SpinThread(Generic[AnyNode]):
     def close(self) -> None:
         """End the thread, then the executor, the node and the context, in this order. Idempotent.
 
-        A callback that does not return keeps its thread, which then ends with the process; if it returns after all, the
-        thread does the rest.
+        A callback that does not return is not waited for: the node leaves when it does, at the latest with the process.
         """
         if self._closed:
             return
@@ -186,12 +185,14 @@ class SpinThread(Generic[AnyNode]):
         self._thread.join(self.patience)
         if self._thread.is_alive():
             _log.error("a callback of the node %r does not return%s", self._name, where(self._thread))
+            threading.Thread(target=self._leave, name="leaving", daemon=True).start()
         else:
-            self._end()
+            self._leave()
         self._closed = True
         self.alive.discard(self)
 
-    def _end(self) -> None:
+    def _leave(self) -> None:
+        self._thread.join()
         self._executor.shutdown()
         self.node.destroy_node()
         self._context.try_shutdown()
@@ -221,8 +222,6 @@ class SpinThread(Generic[AnyNode]):
                 gone = gone + 1 if _met_what_is_destroyed(error) else 0
                 if self._context.ok() and gone % GONE_FOR_GOOD == 0:
                     self.failed(error)
-        if self._closed:  # and was not waited for
-            self._end()
 
 
 def _met_what_is_destroyed(error: BaseException) -> bool:
