@@ -154,14 +154,14 @@ def test_what_is_no_message_is_refused(data, cls):
 @pytest.mark.embedded
 @pytest.mark.parametrize("cls", [String, UInt8MultiArray, ByteMultiArray, JointState, Image])
 def test_a_length_takes_no_memory_before_what_it_counts_is_there(cls):
-    data = LITTLE_ENDIAN + bytes(8) + BILLIONS * 1000
-    with suppress(RuntimeError):
-        deserialize_message(data, cls)  # made at first use: what reads such a message
-    tracemalloc.start()
-    with pytest.raises(RuntimeError, match="no "):
-        deserialize_message(data if cls is not String else data[8:], cls)
-    assert tracemalloc.get_traced_memory()[1] < 20_000
-    tracemalloc.stop()
+    data = LITTLE_ENDIAN + BILLIONS * 1000 if cls is String else LITTLE_ENDIAN + bytes(8) + BILLIONS * 1000
+    for _ in range(2):  # what reads such a message, and imports, are made at first use
+        tracemalloc.start()
+        with pytest.raises(RuntimeError, match="no "):
+            deserialize_message(data, cls)
+        most = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert most < 20_000
 
 
 @pytest.mark.embedded
