@@ -87,8 +87,12 @@ def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(v
     assert viewer.hear(transform(20, 5.0, LEFT)) == (5.0, 0.25)
     assert viewer.body.data.xpos[1].tolist() == [5.0, 0.0, 0.0]
     assert viewer.body.data.xmat[1].reshape(3, 3)[:, 0] == pytest.approx([0.0, 1.0, 0.0])
-    assert viewer.hear(transform(40, 6.0)) == (5.0, 0.25)
+    tilted = transform(40, 6.0, np.array([1.0, 2.0, 3.0, 4.0]) / math.sqrt(30))
+    tilted.transform.translation.y, tilted.transform.translation.z = 7.0, 8.0
+    assert viewer.hear(tilted) == (5.0, 0.25)
     assert viewer.hear(joint_state(40, 0.5)) == (6.0, 0.5)
+    assert viewer.body.data.xpos[1].tolist() == [6.0, 7.0, 8.0]
+    assert viewer.body.data.xquat[1] * math.sqrt(30) == pytest.approx([1.0, 2.0, 3.0, 4.0])
     assert list(map(str, viewer.reports)) == ["1 joint shown"] * 2
     viewer.hear(transform(60, 5.0, tuple(1.004 * q for q in LEFT)), joint_state(60))  # a little too long a quaternion
     assert np.linalg.det(viewer.body.data.xmat[1].reshape(3, 3)) == pytest.approx(1.0)
