@@ -36,6 +36,45 @@ def say(**attempts):
     walls_found = [stands.namespaces, stands.landlock, stands.seccomp]
     print(json.dumps([walls_found, found]))
 """
+REACHES = """
+from tutorial.commands.checking.namespaces import _NEW, _SYS_MOUNT_SETATTR
+from tutorial.commands.checking.system_calls import mount, syscall, unshare
+import struct, subprocess
+import mujoco
+
+def send(kind, family=socket.AF_INET):
+    return socket.socket(family, kind)
+
+def output(code):
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.split()
+
+model = mujoco.MjModel.from_xml_string("<mujoco/>")
+secret, port, parent = mine / "secret.txt", *map(int, sys.argv[4:])
+clear = ctypes.create_string_buffer(struct.pack("QQQQ", 0, 1, 0, 0))
+say(
+    child=lambda: output("import tutorial; from rclpy.node import Node; print(1)"),
+    write=lambda: secret.write_text("hacked"),
+    cut=lambda: os.truncate(secret, 0),
+    delete=secret.unlink,
+    move=lambda: secret.rename(mine / "other"),
+    make=lambda: (mine / "new").touch(),
+    close=lambda: mine.chmod(0),
+    own=lambda: (folder / "x").write_text("1234"),
+    read=secret.read_text,
+    listing=lambda: os.listdir(mine),
+    tcp=lambda: socket.create_connection(("127.0.0.1", port), 5).close(),
+    far=lambda: socket.create_connection(("192.0.2.1", 80), 0.01).close(),
+    bus=lambda: send(socket.SOCK_STREAM, socket.AF_UNIX).connect(str(mine / "bus")),
+    datagram=lambda: send(socket.SOCK_DGRAM).sendto(b"x", ("192.0.2.1", 9)),
+    loopback=lambda: send(socket.SOCK_DGRAM).sendto(b"x", ("127.0.0.1", 9)),
+    kill=lambda: os.kill(parent, 0),
+    look=lambda: Path(f"/proc/{parent}/environ").read_bytes(),
+    writable=lambda: syscall(_SYS_MOUNT_SETATTR, -100, b"/", 0x8000, clear, ctypes.c_size_t(32)),
+    mount=lambda: mount("tmpfs", str(folder), "tmpfs", 0),
+    again=lambda: unshare(_NEW),
+    capable=lambda: output("import re; print(re.search('CapEff:.*', open('/proc/self/status').read())[0])"),
+)
+"""
 REFUSED = {"PermissionError", "OSError"}  # OSError: the file system is read-only
 
 
@@ -43,10 +82,11 @@ REFUSED = {"PermissionError", "OSError"}  # OSError: the file system is read-onl
 def behind(request, tmp_path):
     """Run code behind walls; returns the walls, and by name what became of its attempts."""
 
-    def run(code: str) -> tuple[Walls, dict[str, str]]:
+    def run(code: str, *arguments: int) -> tuple[Walls, dict[str, str]]:
         folder = tmp_path / "folder"
         folder.mkdir()
         words = [sys.executable, "-c", PRELUDE + code, str(folder), str(tmp_path / "mine"), request.param]
+        words += map(str, arguments)
         done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
         assert done.stdout, done.stderr
         stands, found = json.loads(done.stdout)
@@ -69,45 +109,7 @@ def test_my_files_processes_and_the_network_are_out_of_reach_and_what_is_needed_
     with socket.create_server(("127.0.0.1", 0)) as server, socket.socket(socket.AF_UNIX) as service:
         service.bind(str(tmp_path / "mine" / "bus"))
         service.listen()
-        walls, found = behind(f"""
-from tutorial.commands.checking.namespaces import _NEW, _SYS_MOUNT_SETATTR
-from tutorial.commands.checking.system_calls import mount, syscall, unshare
-import struct, subprocess
-import mujoco
-
-def send(kind, family=socket.AF_INET):
-    return socket.socket(family, kind)
-
-def output(code):
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.split()
-
-model = mujoco.MjModel.from_xml_string("<mujoco/>")
-secret, port = mine / "secret.txt", {server.getsockname()[1]}
-clear = ctypes.create_string_buffer(struct.pack("QQQQ", 0, 1, 0, 0))
-say(
-    child=lambda: output("import tutorial; from rclpy.node import Node; print(1)"),
-    write=lambda: secret.write_text("hacked"),
-    cut=lambda: os.truncate(secret, 0),
-    delete=secret.unlink,
-    move=lambda: secret.rename(mine / "other"),
-    make=lambda: (mine / "new").touch(),
-    close=lambda: mine.chmod(0),
-    own=lambda: (folder / "x").write_text("1234"),
-    read=secret.read_text,
-    listing=lambda: os.listdir(mine),
-    tcp=lambda: socket.create_connection(("127.0.0.1", port), 5).close(),
-    far=lambda: socket.create_connection(("192.0.2.1", 80), 0.01).close(),
-    bus=lambda: send(socket.SOCK_STREAM, socket.AF_UNIX).connect(str(mine / "bus")),
-    datagram=lambda: send(socket.SOCK_DGRAM).sendto(b"x", ("192.0.2.1", 9)),
-    loopback=lambda: send(socket.SOCK_DGRAM).sendto(b"x", ("127.0.0.1", 9)),
-    kill=lambda: os.kill({os.getpid()}, 0),
-    look=lambda: Path("/proc/{os.getpid()}/environ").read_bytes(),
-    writable=lambda: syscall(_SYS_MOUNT_SETATTR, -100, b"/", 0x8000, clear, ctypes.c_size_t(32)),
-    mount=lambda: mount("tmpfs", str(folder), "tmpfs", 0),
-    again=lambda: unshare(_NEW),
-    capable=lambda: output("import re; print(re.search('CapEff:.*', open('/proc/self/status').read())[0])"),
-)
-""")
+        walls, found = behind(REACHES, server.getsockname()[1], os.getpid())
     assert (found["own"], found["loopback"], found["child"]) == ("4", "1", "['1']")  # DDS needs the loopback
     if walls.landlock:
         assert found["read"] == found["listing"] == "PermissionError"
