@@ -9,6 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 from IPython.core.formatters import DisplayFormatter
+from kernels import kernel
+from programs import PATIENCE
 
 from tutorial.checks.tank_controller import drive
 from tutorial.notebook import close_all, process, topic_list
@@ -67,3 +69,18 @@ def test_without_ipython_there_is_nothing_to_explain(prepare, monkeypatch):
     for shell in (None, SimpleNamespace(display_formatter=None)):
         monkeypatch.setattr(process, "get_ipython", lambda shell=shell: shell)
         prepare()
+
+
+@pytest.mark.process
+def test_a_cell_ends_in_its_own_name_whatever_pages_say_meanwhile():
+    with kernel() as running:
+        comm_id = running.run("import asyncio, comm, tutorial.notebook\nprint(comm.create_comm().comm_id)")
+        client = running.client
+        for number in range(50):
+            cells = {client.execute(f"await asyncio.sleep({seconds})") for seconds in (0.001, 0)}
+            for _ in range(number % 6):
+                client.shell_channel.send(client.session.msg("comm_msg", {"comm_id": comm_id.strip(), "data": {}}))
+            while cells:
+                said = client.get_iopub_msg(timeout=PATIENCE)
+                if said["content"].get("execution_state") == "idle":
+                    cells.discard(said["parent_header"]["msg_id"])

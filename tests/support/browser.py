@@ -31,6 +31,7 @@ for (const {prototype} of [WebGLRenderingContext, WebGL2RenderingContext]) {
 OF_THE_MACHINE = re.compile(
     r"GPU stall due to ReadPixels"
     r"|^Plugin (@jupyter[\w-]*/|anywidget:)\S+ .*(is taking too long|took [\d.]+ms) to activate"
+    r"|^\[anywidget\] Failed to initialize model\.$"  # within two seconds; what raises says something else
 )
 """What Chromium says without a card, and JupyterLab on a busy machine: no complaints about what is shown."""
 PATIENCE = 60.0
@@ -76,13 +77,17 @@ class Witness:
         self.complaints: list[str] = []
         self.requests: list[str] = []
         page.on("console", self._on_console)
-        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("pageerror", lambda error: self._take_down(str(error)))
         page.on("request", lambda request: self.requests.append(request.url))
         page.on("websocket", lambda socket: self.requests.append(socket.url))
 
     def _on_console(self, message) -> None:
-        if message.type in ("error", "warning") and not OF_THE_MACHINE.search(message.text):
-            self.complaints.append(message.text)
+        if message.type in ("error", "warning"):
+            self._take_down(message.text)
+
+    def _take_down(self, complaint: str) -> None:
+        if not OF_THE_MACHINE.search(complaint):
+            self.complaints.append(complaint)
 
 
 async def until(condition: Callable[[], Awaitable[bool]], what: str, patience: float = PATIENCE) -> None:

@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from types import CoroutineType
 from typing import Any
 
+from ipykernel.comm.comm import BaseComm
 from IPython.core.getipython import get_ipython
 
 from tutorial.notebook.desk import close_all, logged
@@ -29,6 +30,7 @@ def prepare_process() -> None:
     - What the library logs is kept for `tutorial.notebook.log`, and goes nowhere else.
     - At the end everything that is open is closed.
     - In IPython, a coroutine that a cell would display says that it lacks its ``await``.
+    - In a kernel, what a page says comes on the thread that the page asks for; on the main one, after the cell.
     """
     if not os.environ.get("ROS_DOMAIN_ID"):
         os.environ["ROS_DOMAIN_ID"] = str(_until_exit.enter_context(reserved_domain()))
@@ -40,9 +42,25 @@ def prepare_process() -> None:
     shell = get_ipython()
     if shell is not None and shell.display_formatter is not None:
         shell.display_formatter.formatters["text/plain"].for_type(CoroutineType, _explain)
+    if lock := getattr(getattr(shell, "kernel", None), "_main_asyncio_lock", None):
+        _take_messages_in_turn(lock)
 
 
 def _explain(coroutine: CoroutineType[Any, Any, Any], printer: Any, _cycle: bool) -> None:
     name = coroutine.__qualname__
     printer.text(f"{name} has not run yet: this takes a while, so write await before it.")
     coroutine.close()  # it cannot be awaited by its name any more; this keeps Python from complaining of it later
+
+
+def _take_messages_in_turn(lock: Any) -> None:
+    """Have messages of pages taken as ipykernel 7.3 does.
+
+    ipykernel 7.4 brings them to the thread that spoke to the page last, which is the main one, and takes them there
+    while a cell runs. If that cell ends meanwhile, the next one's output and end are told in its name: the page waits
+    for ever for the end.
+
+    Args:
+        lock: what the kernel holds while a cell runs; it takes a message at once if this says that it is locked.
+    """
+    BaseComm._reply_subshell_for = None  # type: ignore[assignment, method-assign]
+    lock.locked = lambda: False

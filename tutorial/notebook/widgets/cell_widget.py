@@ -35,10 +35,6 @@ class CellWidget(anywidget.AnyWidget):
 
     ended = traitlets.Bool(False).tag(sync=True)
 
-    def __init__(self, **state: Any) -> None:
-        super().__init__(**state)
-        self._receive_while_busy()
-
     def __repr__(self) -> str:
         return f"{type(self).__name__}()"
 
@@ -63,12 +59,3 @@ class CellWidget(anywidget.AnyWidget):
         """
         if self.comm is not None:
             self.send({"type": kind, **fields}, buffers)
-            self._receive_while_busy()
-
-    def _receive_while_busy(self) -> None:
-        """Have what the page says delivered also while a cell runs, on the thread that Jupyter has for it.
-
-        ipykernel 7.4 delivers it on the thread that spoke to the page last, in place of the one that the page asks
-        for; that is the main thread, which is busy then.
-        """
-        self.comm.__dict__.pop("_reply_subshell_id", None)
