@@ -67,17 +67,19 @@ def heard(nodes):
 
 
 class Moments:
-    """Stands in for the module `time`, and for the event that stops a player: who waits is on time, always."""
+    """Stands in for the module `time`, and for the event that stops a player: who waits is on time."""
 
-    now = 0.0
     is_set = staticmethod(bool)
+
+    def __init__(self, arrives):
+        self.now, self.arrives = 0.0, arrives
 
     def monotonic(self):
         return self.now
 
     def wait(self, seconds):
+        self.arrives(seconds)
         self.now += seconds
-        time.sleep(0.001)  # what is published is on its way meanwhile
 
 
 @contextmanager
@@ -140,9 +142,12 @@ def test_centuries_between_two_messages_can_be_interrupted(nodes, heard, tmp_pat
         until(lambda: texts(heard, "/a") == ["first", "0"], "the first messages")
 
 
-@pytest.mark.embedded  # Fast DDS loses some of what is published as fast as it goes, at best effort
 def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, heard, tmp_path, monkeypatch):
-    clocks, moments = [], Moments()
+    clocks, ticks, tick = [], [], Player._tick
+    monkeypatch.setattr(Player, "_tick", lambda *arguments: ticks.append(tick(*arguments)))
+    moments = Moments(
+        lambda seconds: until(lambda: len(clocks) == len(ticks), "the clock") if ticks else time.sleep(seconds)
+    )
     monkeypatch.setattr("tutorial.ros.bags.player.time", moments)
     nodes[1].create_subscription(
         Clock, "/clock", clocks.append, QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
