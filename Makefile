@@ -4,7 +4,7 @@
 #   make test                 what needs no further process, browser or build, and the notebooks: some minutes
 #   make test-all             also what needs one
 #   make test-ros2            what meets a real ROS 2; TANK_REAL_ROS2 names a command that runs another one with it
-#   make nightly              ten rounds, soaks, floods, mutants, and with TANK_REAL_ROS2 the whole suite on both its RMWs
+#   make nightly              ten rounds, soaks, floods, mutants, other examples, and with TANK_REAL_ROS2 all on both its RMWs
 #   make notebooks            run the notebooks and save their outputs, after a change to them; look at what git shows
 #   make nbval                only the notebooks: run from the top, outputs compared with those that are committed
 #   make lab                  JupyterLab on the first notebook
@@ -51,6 +51,7 @@ test-ros2: install
 
 nightly: soak mutants
 	$(PYTEST) -m nightly tests
+	$(PYTEST) --hypothesis-profile random -m hypothesis tests
 	$(if $(TANK_REAL_ROS2),for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" || exit 1; done)
 
 nbval: install

@@ -25,7 +25,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 TOPIC = "/Tank/joint_state"
 
 
-def joint_state(stamp: float, **positions: float) -> JointState:
+def joint_state(stamp: float, /, **positions: float) -> JointState:
     message = JointState(name=list(positions), position=list(positions.values()))
     message.header.stamp.sec = math.floor(stamp)
     message.header.stamp.nanosec = round((stamp - math.floor(stamp)) * 1e9)
