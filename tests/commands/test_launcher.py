@@ -9,11 +9,11 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
 from contextlib import suppress
 from unittest.mock import Mock
 
 import pytest
+from programs import PATIENCE
 
 from tutorial.commands import launcher
 from tutorial.commands.launcher import Launcher, load_launch_file
@@ -245,15 +245,58 @@ def test_nothing_outlives_a_launcher_that_is_killed(program, launch_file):
     running.leaves_nothing()
 
 
-def test_a_command_that_is_asked_to_stop_before_it_runs_is_told(monkeypatch):
-    """The lifeline is asked while it starts the command, which must not miss it."""
-    handlers, process = {}, Mock(**{"wait.return_value": -INT})
-    monkeypatch.setattr(signal, "signal", handlers.__setitem__)
-    monkeypatch.setattr(threading, "Thread", Mock())
-    monkeypatch.setattr(subprocess, "Popen", lambda command: handlers[INT](INT, None) or process)
-    monkeypatch.setattr(sys, "argv", ["lifeline.py", "0", "sleep"])
-    assert launcher.lifeline.main() == 128 + INT
-    process.send_signal.assert_called_once_with(INT)
+HELD_UP = """import runpy, subprocess, sys
+class Popen(subprocess.Popen):
+    def __init__(self, *arguments, **options):
+        print("not yet", flush=True)
+        sys.stdin.readline()
+        super().__init__(*arguments, **options)
+        sys.stdin.readline()
+subprocess.Popen = Popen
+sys.argv.pop(0)
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+COUNTS = """import signal, time
+asked = []
+signal.signal(signal.SIGINT, lambda *_: asked.append(1))
+print("up", flush=True)
+while not asked: time.sleep(0.01)
+time.sleep(0.2)
+print(len(asked))
+"""
+
+
+@pytest.mark.process
+@pytest.mark.parametrize(("when", "status", "last"), [("not yet\n", 128 + INT, "not yet\n"), ("up\n", 0, "1\n")])
+def test_a_command_is_asked_once_also_while_it_is_being_started(when, status, last):
+    ours, end = socket.socketpair()
+    with (
+        ours,
+        end,
+        subprocess.Popen(
+            [
+                sys.executable,
+                "-c",
+                HELD_UP,
+                launcher.lifeline.__file__,
+                str(end.fileno()),
+                sys.executable,
+                "-c",
+                COUNTS,
+            ],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            pass_fds=(end.fileno(),),
+            start_new_session=True,
+            text=True,
+        ) as process,
+    ):
+        while (line := process.stdout.readline()) != when:
+            process.stdin.write("\n")
+            process.stdin.flush()
+        os.killpg(process.pid, INT)
+        assert (line + process.communicate("\n\n", timeout=PATIENCE)[0]).endswith(last)
+    assert process.returncode == status
 
 
 @pytest.mark.process

@@ -20,22 +20,24 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 PATIENCE = 5.0  # [s] from asking to killing
+ASKING = {signal.SIGINT, signal.SIGTERM}
 
 
 def main() -> int:
     """Run the command, and return its exit status; 128 + n where signal n ended it."""
     fd, *command = sys.argv[1:]
-    asked: list[int] = []
-    for asking in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(asking, lambda number, _: asked.append(number))  # unlike SIG_IGN not inherited by the command
+    signal.pthread_sigmask(signal.SIG_BLOCK, ASKING)
+    early: set[int] = set()
+    os.register_at_fork(before=lambda: early.update(signal.sigpending() & ASKING))
     try:
-        process = subprocess.Popen(command)
+        process = subprocess.Popen(command, preexec_fn=lambda: _begin(early))  # noqa: PLW1509 - one thread
     except OSError as error:
         print(f"{command[0]} could not be started: {error.strerror}", file=sys.stderr)  # noqa: T201
         return 127
+    for asking in ASKING:
+        signal.signal(asking, lambda *_: None)  # the command has it, too
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ASKING)
     threading.Thread(target=_watch, args=(int(fd), process), daemon=True).start()
-    for number in asked:  # those that came before there was a command to send them to
-        process.send_signal(number)
     status = process.wait()
     return status if status >= 0 else 128 - status
 
@@ -61,6 +63,15 @@ def signal_group(pid: int, number: int) -> bool:
     except (ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
         return False
     return True
+
+
+def _begin(early: set[int]) -> None:
+    """Have the command take signals as any other, also those that came when it was not there yet: each once."""
+    for asking in ASKING:
+        signal.signal(asking, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ASKING)
+    for number in early:
+        os.kill(os.getpid(), number)
 
 
 def _watch(fd: int, process: subprocess.Popen[bytes]) -> None:
