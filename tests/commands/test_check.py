@@ -40,7 +40,7 @@ def shout():
             pass
 """
 SLEEPER = "import sys, time; time.sleep(10_000)  # {}"
-LIMIT = 20  # [s] for an answer: one that is judged takes a second, or ten where much else is going on
+LIMIT = 30  # [s] for an answer: one that is judged takes a second, or ten where much else is going on
 
 
 def notebook(path, *sources):
