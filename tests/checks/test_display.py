@@ -1,4 +1,4 @@
-"""The exercises `show`, `keep_up` and `by_name`: every wrong answer is told from the others."""
+"""The exercises `show` and `keep_up`: every wrong answer is told from the others."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import time
 import pytest
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.joint_state_subscriber import CalmViewer, MyViewer, by_name, keep_up, match_by_name, show
+from tutorial.checks.joint_state_subscriber import CalmViewer, MyViewer, keep_up, show
 from tutorial.joints import match_joints
 
 
@@ -341,108 +341,4 @@ class WithAnAttribute(CalmViewer):
 )
 def test_right_viewers_are_right(domain, exercise, answer):
     verdict = exercise.judge(answer)
-    assert verdict.right, str(verdict)
-
-
-def by_index(joint_names, message):
-    return dict(zip(joint_names, message.position))
-
-
-def short_crash(joint_names, message):
-    return {
-        name: message.position[i]
-        for i, name in enumerate(message.name)
-        if name in joint_names and not (message.position and math.isnan(message.position[i]))
-    }
-
-
-def unknown_crash(joint_names, message):
-    names = {name: name for name in joint_names}
-    return {names[name]: q for name, q in zip(message.name, message.position) if not math.isnan(q)}
-
-
-def keeps_unknown(joint_names, message):
-    return {name: q for name, q in zip(message.name, message.position) if not math.isnan(q)}
-
-
-def zeros(joint_names, message):
-    given = match_by_name(joint_names, message)
-    return {name: given.get(name, 0.0) for name in joint_names}
-
-
-def nan_passed_on(joint_names, message):
-    return {name: q for name, q in zip(message.name, message.position) if name in joint_names}
-
-
-def nan_drops_all(joint_names, message):
-    return {} if any(map(math.isnan, message.position)) else match_by_name(joint_names, message)
-
-
-def first_wins(joint_names, message):
-    found = {}
-    for name, position in zip(message.name, message.position):
-        if name in joint_names and not math.isnan(position):
-            found.setdefault(name, position)
-    return found
-
-
-def short_drops_all(joint_names, message):
-    return match_by_name(joint_names, message) if len(message.position) == len(message.name) else {}
-
-
-def all_expected(joint_names, message):
-    places = [list(message.name).index(name) for name in joint_names]
-    return {name: message.position[i] for name, i in zip(joint_names, places)}
-
-
-def returns_all(joint_names, message):
-    return match_joints(joint_names, message)
-
-
-def returns_nothing(joint_names, message):
-    match_by_name(joint_names, message)
-
-
-def empties_the_message(joint_names, message):
-    found = match_by_name(joint_names, message)
-    message.name.clear()
-    return found
-
-
-MATCH = [
-    (by_index, "the i-th position belongs to the i-th name of the message", "another order"),
-    (short_crash, "an index beyond the end", "3 names, 2 positions: short_crash raised IndexError"),
-    (unknown_crash, "ask first, if name in joint_names", "ANTENNA: unknown_crash raised KeyError"),
-    (keeps_unknown, "names that the body does not have are kept", "ANTENNA: {ANTENNA: 0.9"),
-    (zeros, "is set to 0", "only HATCH"),
-    (nan_passed_on, "NaN is passed on", "NaN for TURRET_P"),
-    (nan_drops_all, "one NaN makes the whole message invalid", "NaN for TURRET_P: {}"),
-    (first_wins, "the first of two of the same name", "TURRET_Y twice"),
-    (short_drops_all, "dropped as a whole", "3 names, 2 positions: {}"),
-    (all_expected, "every joint is expected in every message", "only HATCH: all_expected raised ValueError"),
-    (returns_all, "Return a dict", "returns a tuple"),
-    (returns_nothing, "return is missing", "returns None"),
-    (empties_the_message, "leave it as it is, take a copy", "not the same afterwards"),
-]
-
-
-@pytest.mark.parametrize(("answer", "cause", "text"), MATCH, ids=lambda value: getattr(value, "__name__", ""))
-def test_a_wrong_matching_gets_its_own_sentence(answer, cause, text):
-    verdict = by_name.judge(answer)
-    assert not verdict.right
-    assert cause in verdict.causes[0], str(verdict)
-    assert text in next(finding.text for finding in verdict.findings if not finding.right)
-
-
-def in_a_loop(joint_names, message):
-    known, found = set(joint_names), {}
-    for i in range(min(len(message.name), len(message.position))):
-        if message.name[i] in known and math.isfinite(message.position[i]):
-            found[message.name[i]] = message.position[i]
-    return found
-
-
-@pytest.mark.parametrize("answer", [match_by_name, in_a_loop])
-def test_right_matching_is_right(answer):
-    verdict = by_name.judge(answer)
     assert verdict.right, str(verdict)

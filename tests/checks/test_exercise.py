@@ -6,39 +6,33 @@ import ast
 import asyncio
 import importlib
 import json
-import pkgutil
 
 import pytest
 from steps import BESIDE
 
-from tutorial import checks
 from tutorial.checks._answer import is_empty
 from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, right, wrong
+from tutorial.checks.aim import aim
+from tutorial.checks.by_name import by_name, match_by_name
+from tutorial.checks.catalogue import exercises
 from tutorial.checks.exercise import Exercise
 from tutorial.checks.joint_state_publisher import publish
-from tutorial.checks.joint_state_subscriber import by_name, match_by_name
-from tutorial.checks.tank_controller import GentleTank, aim, drive
+from tutorial.checks.tank_controller import GentleTank, drive
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.paths import HOME
 from tutorial.project import controller_names
 
-
-def exercises():
-    names = [m.name for m in pkgutil.iter_modules(checks.__path__) if m.name[0] != "_" and m.name != "exercise"]
-    modules = [importlib.import_module(f"{checks.__name__}.{name}") for name in sorted(names)]
-    return [value for module in modules for value in vars(module).values() if isinstance(value, Exercise)]
-
-
-every_exercise = pytest.mark.parametrize("exercise", exercises(), ids=lambda exercise: exercise.name)
+EXERCISES = [each for those in exercises().values() for each in those]
+every_exercise = pytest.mark.parametrize("exercise", EXERCISES, ids=lambda exercise: exercise.name)
 
 
 def test_there_are_exercises_for_each_controller_and_each_is_called_by_its_name():
-    names = {exercise.module.rpartition(".")[2] for exercise in exercises()}
+    names = {title.lstrip("0123456789_") for title in exercises()}
     files = {module.rpartition(".")[2] for module in controller_names().values()} - BESIDE
     assert all(sum(f"{file}_".startswith(f"{name}_") for name in names) == 1 for file in files)
     assert all(any(f"{file}_".startswith(f"{name}_") for file in files) for name in names)
-    for exercise in exercises():
+    for exercise in EXERCISES:
         assert getattr(importlib.import_module(exercise.module), exercise.name) is exercise
 
 

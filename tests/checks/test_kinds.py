@@ -13,237 +13,11 @@ from rclpy.time import Time
 from sensor_msgs.msg import JointState, Joy
 
 from tutorial.checks.joint_state_publisher import SlowPublisher, ThriftyPublisher, publish, thrift
-from tutorial.checks.joint_state_subscriber import CalmViewer, MyViewer, by_name, keep_up, match_by_name, show
-from tutorial.checks.tank_controller import GentleTank, HeldJoint, aim, drive
+from tutorial.checks.joint_state_subscriber import CalmViewer, MyViewer, keep_up, show
+from tutorial.checks.tank_controller import GentleTank, drive
 from tutorial.controllers.joint_state_publisher import JointStatePublisher
 from tutorial.handoff import Latest
 from tutorial.joints import match_joints
-
-# --- aim
-
-
-class LowerEndOnly(HeldJoint):
-    def aim(self, stick):
-        upper, self.joint = math.inf, self.joint
-        q_ref = min(max(self.q_ref + 0.002 * stick, self.joint.range[0]), upper)
-        self.move(q_ref)
-
-    def move(self, q_ref, step=None):
-        step = step or self.time_step
-        q = self.joint.position
-        dq_ref, dq = (q_ref - self.q_ref) / self.time_step, (q - self.q_prev) / step
-        self.joint.effort = 200 * (q_ref - q) + 50 * (dq_ref - dq)
-        self.q_ref, self.q_prev = q_ref, q
-
-    def limited(self, stick):
-        return min(max(self.q_ref + 0.002 * stick, self.joint.range[0]), self.joint.range[1])
-
-
-class TypedRange(LowerEndOnly):
-    def aim(self, stick):
-        self.move(min(max(self.q_ref + 0.002 * stick, -0.17), 0.78))
-
-
-class OneSpeedPerMillisecond(LowerEndOnly):
-    def aim(self, stick):
-        self.move(self.limited(stick), 0.001)
-
-
-class ByTheClock(LowerEndOnly):
-    before = 0.0
-
-    def aim(self, stick):
-        now = time.perf_counter()
-        self.move(self.limited(stick), now - self.before)
-        self.before = now
-
-
-class WaitsForAnEvent(HeldJoint):
-    def aim(self, stick):
-        threading.Event().wait(0.001)
-        super().aim(stick)
-
-
-class LimitsTheTorque(HeldJoint):
-    def aim(self, stick):
-        super().aim(stick)
-        self.joint.effort = min(max(self.joint.effort, -100.0), 100.0)
-
-
-class OverwritesPosition(LowerEndOnly):
-    def aim(self, stick):
-        self.q_prev = self.joint.position
-        self.move(self.limited(stick))
-
-
-class OverwritesReference(LowerEndOnly):
-    def aim(self, stick):
-        self.q_ref = self.limited(stick)
-        self.move(self.q_ref)
-
-
-class OnlyWhileItMoves(HeldJoint):
-    def aim(self, stick):
-        if stick != 0:
-            super().aim(stick)
-
-
-class ReferenceOfTheClass(LowerEndOnly):
-    reference = 0.0
-
-    def __init__(self, joint, time_step):
-        super().__init__(joint, time_step)
-        ReferenceOfTheClass.reference = joint.position
-
-    def aim(self, stick):
-        self.q_ref = ReferenceOfTheClass.reference
-        self.move(self.limited(stick))
-        ReferenceOfTheClass.reference = self.q_ref
-
-
-class NoSuchAttribute(HeldJoint):
-    def aim(self, stick):
-        self.joint.torque = 200 * stick
-
-
-class SetBackAtRest(HeldJoint):
-    def aim(self, stick):
-        if stick == 0:
-            self.q_ref = self.joint.position
-        super().aim(stick)
-
-
-AIM = [
-    (SetBackAtRest, "the reference is set back to the joint"),
-    (LowerEndOnly, "runs away at the upper end"),
-    (TypedRange, "written down as numbers"),
-    (OneSpeedPerMillisecond, "the time step is written down as a number"),
-    (ByTheClock, "the computer's clock says how long a call is"),
-    (WaitsForAnEvent, "Leave out what sleeps or waits: aim is called once for every step"),
-    (LimitsTheTorque, "the torque is limited"),
-    (OverwritesPosition, "before self.q_prev is overwritten"),
-    (OverwritesReference, "before self.q_ref is overwritten"),
-    (OnlyWhileItMoves, "nothing is set while the stick rests"),
-    (ReferenceOfTheClass, "ReferenceOfTheClass.reference is shared by all objects"),
-    (NoSuchAttribute, "A Joint has effort, name, position, range, velocity."),
-]
-
-# --- by_name
-
-
-def kept(joint_names, message, found={}):  # noqa: B006 - the mistake
-    found.update(match_by_name(joint_names, message))
-    return found
-
-
-_everything: dict[str, float] = {}
-
-
-def kept_and_copied(joint_names, message):
-    _everything.update(match_by_name(joint_names, message))
-    return dict(_everything)
-
-
-def smallest(joint_names, message):
-    pairs = sorted(zip(message.name, message.position), reverse=True)
-    return {n: q for n, q in pairs if n in joint_names and not math.isnan(q)}
-
-
-def mean(joint_names, message):
-    found = {}
-    for n, q in zip(message.name, message.position):
-        if n in joint_names and not math.isnan(q):
-            found.setdefault(n, []).append(q)
-    return {n: sum(each) / len(each) for n, each in found.items()}
-
-
-def falsy(joint_names, message):
-    return {n: q for n, q in match_by_name(joint_names, message).items() if q}
-
-
-def stripped(joint_names, message):
-    return {n.strip(): q for n, q in zip(message.name, message.position) if n.strip() in joint_names and q == q}
-
-
-def last_part(joint_names, message):
-    names = [n.split("/")[-1] for n in message.name]
-    return {n: q for n, q in zip(names, message.position) if n in joint_names and q == q}
-
-
-def strict(joint_names, message):
-    return {n: q for n, q in zip(message.name, message.position, strict=True) if n in joint_names and q == q}
-
-
-def by_length(joint_names, message):
-    count = len(message.name)
-    return {message.name[i]: message.position[i] for i in range(count) if message.name[i] in joint_names}
-
-
-def typed_names(joint_names, message):
-    return match_by_name(("TURRET_Y", "TURRET_P", "HATCH"), message)
-
-
-def pops(joint_names, message):
-    found = {}
-    while message.name:
-        name = message.name.pop(0)
-        if name in joint_names:
-            found[name] = 0.0
-    return found
-
-
-def renames(joint_names, message):
-    joint_names.sort()
-    return match_by_name(joint_names, message)
-
-
-def breaks(joint_names, message):
-    found = {}
-    for n, q in zip(message.name, message.position):
-        if math.isnan(q):
-            break
-        if n in joint_names:
-            found[n] = q
-    return found
-
-
-def numbers_first(joint_names, message):
-    names = [n for n in message.name if n in joint_names]
-    numbers = [q for q in message.position if not math.isnan(q)]
-    return dict(zip(names, numbers))
-
-
-def pairs(joint_names, message):
-    return list(match_by_name(joint_names, message).items())
-
-
-def in_degrees(joint_names, message):
-    return {n: math.degrees(q) for n, q in match_by_name(joint_names, message).items()}
-
-
-def fills_nan(joint_names, message):
-    return {n: 0.0 if math.isnan(q) else q for n, q in zip(message.name, message.position) if n in joint_names}
-
-
-BY_NAME = [
-    (kept, "make a new one in every call"),
-    (kept_and_copied, "kept from call to call"),
-    (smallest, "the smallest position wins"),
-    (mean, "are averaged"),
-    (falsy, "0.0 is taken for nothing"),
-    (stripped, "blanks around a name are cut off"),
-    (last_part, "only the end of a name is compared"),
-    (strict, "strict=True"),
-    (by_length, "an index beyond the end"),
-    (typed_names, "the joints' names are typed"),
-    (pops, "changes the message itself"),
-    (renames, "joint_names is changed"),
-    (breaks, "the loop ends at NaN"),
-    (numbers_first, "unknown names and NaN are left out before"),
-    (pairs, "dict(pairs) makes one"),
-    (in_degrees, "converted to degrees"),
-    (fills_nan, "NaN becomes 0"),
-]
 
 # --- drive
 
@@ -987,7 +761,7 @@ KEEP_UP = [
     (FirstStamp, "started again"),
 ]
 
-ALL = {aim: AIM, by_name: BY_NAME, drive: DRIVE, publish: PUBLISH, thrift: THRIFT, show: SHOW, keep_up: KEEP_UP}
+ALL = {drive: DRIVE, publish: PUBLISH, thrift: THRIFT, show: SHOW, keep_up: KEEP_UP}
 
 
 @pytest.mark.parametrize(
@@ -999,17 +773,6 @@ def test_each_kind_of_mistake_gets_its_cause(domain, exercise, answer, cause):
     verdict = exercise.judge(answer)
     assert not verdict.right, str(verdict)
     assert cause in verdict.causes[0], str(verdict)
-
-
-class Matcher:
-    """An object that can be called."""
-
-    def __call__(self, joint_names, message):
-        return match_by_name(joint_names, message)
-
-
-def _usable(usable, joint_names, message):
-    return {n: q for n, q in zip(message.name, message.position) if n in joint_names and usable(q)}
 
 
 class ClearsFirst(Calm):
@@ -1078,14 +841,6 @@ class FloatDeadline(Publishes):
         return message
 
 
-class StopsAtTheEnd(HeldJoint):
-    """Leaves a move out that would go beyond the end."""
-
-    def aim(self, stick):
-        lower, upper = self.joint.range
-        super().aim(stick if lower <= self.q_ref + 0.002 * stick <= upper else 0.0)
-
-
 class LookLater(Thrifty):
     """Looks 50 times a second, but not at step 0."""
 
@@ -1095,10 +850,6 @@ class LookLater(Thrifty):
 
 
 RIGHT = [
-    (aim, StopsAtTheEnd),
-    (by_name, Matcher()),
-    (by_name, functools.partial(_usable, math.isfinite)),
-    (by_name, lambda names, message: match_joints(names, message)[0]),
     (publish, Publishes),
     (publish, FloatDeadline),
     (thrift, Thrifty),

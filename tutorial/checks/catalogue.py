@@ -22,11 +22,11 @@ def exercises() -> dict[str, tuple[Exercise, ...]]:
     """
     names = [each.name for each in pkgutil.iter_modules(checks.__path__) if each.name[0] != "_"]
     notebooks = {path.stem.partition("_")[2]: path for path in sorted((HOME / "notebooks").glob("[0-9]*_*.ipynb"))}
-    found = {}
+    found: dict[str, tuple[Exercise, ...]] = {}
     for name in [*(name for name in notebooks if name in names), *(name for name in names if name not in notebooks)]:
         values = vars(importlib.import_module(f"{checks.__name__}.{name}")).values()
         text = _text(notebooks[name]) if name in notebooks else ""
-        own = {each for each in values if isinstance(each, Exercise)}
+        own = {each for each in values if isinstance(each, Exercise)}.difference(*found.values())
         title = notebooks[name].stem if name in notebooks else name
         found[title] = tuple(sorted(own, key=lambda each: (_place(each, text), each.name)))
     return {title: own for title, own in found.items() if own}

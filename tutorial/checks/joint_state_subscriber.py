@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import isfinite
-
 from sensor_msgs.msg import JointState
 
 from tutorial.checks._display import judge_show
 from tutorial.checks._keep_up import judge_keep_up
-from tutorial.checks._match import judge_match
+from tutorial.checks.by_name import by_name
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
 __all__ = ["by_name", "keep_up", "show"]
-
-
-def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, float]:
-    """Find out which joint a message moves where."""
-    return {
-        name: position
-        for name, position in zip(message.name, message.position)
-        if name in joint_names and isfinite(position)
-    }
 
 
 class MyViewer(SimpleController):
@@ -79,36 +67,6 @@ class CalmViewer(SimpleController):
         """Stop listening."""
         self.node.destroy_subscription(self.subscription)
 
-
-by_name = Exercise(
-    name="by_name",
-    statement="""
-    Write the function `match_by_name(joint_names, message)`. It returns a dict from joint names to positions: what
-    the `JointState` `message` says about the joints of the body, whose names are in `joint_names`.
-
-    - The i-th position belongs to the i-th name of the message, in whatever order, and however many there are.
-    - Names that the body does not have are left out.
-    - If there are fewer positions than names, those that are there count; with none, the dict is empty.
-    - A position that is not finite, above all NaN, is left out. If a name comes twice, the last such one counts.
-
-    It never raises, never invents a number, and leaves the message as it is.
-    """,
-    judge=judge_match,
-    solution=(match_by_name,),
-    base=None,
-    parts=(),
-    hints=(
-        "Look at the message's names and positions as pairs, in the message's order: each pair is either left out or "
-        "counts, and none says anything about another.",
-        "Go through both together with zip, which ends with the shorter. Leave out a pair whose name is not in "
-        "joint_names, or whose position is not finite. Put the others into a new dict, one after the other: of equal "
-        "names the last wins by itself.",
-        "One dict comprehension does it all: {name: position for name, position in zip(message.name, "
-        "message.position) if ...}, with name in joint_names and isfinite(position).",
-    ),
-    notice="Notice that a short array, an unknown name and a name that comes twice needed no line of their own.",
-    imports=("from math import isfinite",),
-)
 
 show = Exercise(
     name="show",

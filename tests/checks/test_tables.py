@@ -1,0 +1,36 @@
+"""The tables of the exercises: each mistake that is known can be made, is one, and is told from all others."""
+
+from __future__ import annotations
+
+import importlib
+from itertools import combinations
+
+import pytest
+
+from tutorial.checks.catalogue import exercises
+
+TABLES = {
+    each: importlib.import_module(each.module).CASES
+    for those in exercises().values()
+    for each in those
+    if hasattr(importlib.import_module(each.module), "CASES")
+}
+every_table = pytest.mark.parametrize(("exercise", "cases"), TABLES.items(), ids=[each.name for each in TABLES])
+
+
+@every_table
+def test_each_mistake_is_diagnosed_as_itself(exercise, cases):
+    for mistake in cases.mistakes:
+        verdict = exercise.judge(cases.mistaken(mistake))
+        assert verdict.causes == (f"Most likely {mistake.cause}",), str(verdict)
+
+
+@every_table
+def test_any_two_mistakes_can_be_made_at_once_unless_one_takes_away_what_the_other_changes(exercise, cases):
+    made = [cases.mistaken(*two) for two in combinations(cases.mistakes, 2)]
+    assert sum(each is not None for each in made) > 0.8 * len(made)
+
+
+@every_table
+def test_what_no_known_mistakes_explain_names_a_case_of_the_table(exercise, cases):
+    assert cases.otherwise.keys() <= cases.cases.keys() | {""}

@@ -1,0 +1,229 @@
+"""What is wrong with an answer: it does in every case what the solution does with one or two known mistakes in it."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from itertools import combinations, product
+from math import isclose, isnan
+from numbers import Real
+from typing import Any
+
+from tutorial.checks._diagnose import Misuse, sentence
+from tutorial.checks._shared import SharedState
+from tutorial.checks._verdict import Finding, right, wrong
+from tutorial.checks._watch import Failure, watch
+
+__all__ = ["Cases", "Mistake", "Raised", "blame", "call", "mistakes", "same"]
+
+TOLERANCE = 1e-4
+MOST = 2  # mistakes at once; three of them look like too much else
+CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
+NEW_LINE = " // "
+
+Case = Callable[[Any], Any]
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A way to be wrong.
+
+    Attributes:
+        cause: what names it, after the words "Most likely".
+        edits: what in the solution's source is replaced, and by what: all that is like it, one after the other.
+    """
+
+    cause: str
+    edits: tuple[tuple[str, str], ...]
+
+    def made_in(self, source: str) -> str | None:
+        """Return the source with the mistake; None for one without what it changes."""
+        for old, new in self.edits:
+            if old not in source:
+                return None
+            line = next(line for line in source.splitlines() if old in line)
+            indent = line[: len(line) - len(line.lstrip())]
+            source = source.replace(old, new.replace(NEW_LINE, f"\n{indent}"))
+        return source
+
+
+@dataclass(frozen=True)
+class Raised:
+    """What is observed of an answer that raises; of a `Misuse` its cause, too."""
+
+    kind: type[BaseException]
+    cause: str = ""
+
+    @classmethod
+    def by(cls, failure: Failure) -> Raised:
+        """Return what is observed of a failure."""
+        return cls(type(failure.error), getattr(failure.error, "cause", ""))
+
+
+def mistakes(table: str) -> tuple[Mistake, ...]:
+    """Read mistakes, the root causes first.
+
+    Args:
+        table: of each its cause, from the margin on, and below it, indented, ``what => what instead`` for each of its
+            edits. A `` // `` within an edit begins a line, as far in as the one that is changed. After each
+            further ``=>`` comes what instead in another mistake of the same cause.
+    """
+    blocks = re.findall(r"((?:^\S.*\n)+)((?:^ .*\n)+)", inspect.cleandoc(table) + "\n", re.MULTILINE)
+    return tuple(
+        Mistake(" ".join(cause.split()), chosen)
+        for cause, edits in blocks
+        for chosen in product(*map(_edits, edits.splitlines()))
+    )
+
+
+def _edits(line: str) -> list[tuple[str, str]]:
+    old, *new = line.split("=>")
+    return [(old.strip(), each.strip()) for each in new]
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """What an answer is tried in, and what it may have done instead.
+
+    Attributes:
+        solution: the right answer. What is observed of it is what is expected.
+        cases: by what is tried, as the learner is told, a function that is given an answer and returns what is
+            observed. It may raise `Failure`, which is an observation, too.
+        mistakes: those that are known, the root causes first.
+        say: puts an observation into words.
+        otherwise: the cause to name where no known mistakes explain what is observed, by the first case that shows it;
+            "" for any other.
+        crashes: by case, the cause to name where what the case gives cannot be looked up or computed with.
+        beside: functions of the solution's module that a mistake may change, too.
+    """
+
+    solution: Any
+    cases: Mapping[str, Case]
+    mistakes: Sequence[Mistake]
+    say: Callable[[Any], str]
+    otherwise: Mapping[str, str]
+    crashes: Mapping[str, str] = field(default_factory=dict)
+    beside: Sequence[Any] = ()
+
+    def judge(self, answer: Any) -> Iterator[Finding]:
+        """Try an answer, say of each case what was observed, and name each mistake where it shows first."""
+        shared, seen, failures = SharedState(answer), dict[str, Any](), dict[str, Failure]()
+        for label, case in self.cases.items():
+            try:
+                seen[label] = case(answer)
+            except Failure as failure:
+                seen[label], failures[label] = Raised.by(failure), failure
+                if isinstance(failure.error, Misuse):
+                    break
+        odd = [label for label in seen if not same(seen[label], self.expected[label])]
+        by_the_clock = "clock" in watch.noted
+        found = self.explain(seen) if odd and not by_the_clock else ()
+        raised = {} if found else failures  # they speak for themselves
+        told = [label for label in odd if label not in raised]
+        if raised and told and not by_the_clock:
+            found = self.explain({label: each for label, each in seen.items() if label not in raised})
+        causes = self._shown(found, told)
+        for label in seen:
+            if label not in odd:
+                yield right(f"{label}: {self.say(seen[label])}")
+            elif label in raised:
+                known = isinstance(raised[label].error, LookupError | ValueError | ArithmeticError)
+                yield raised[label].finding(self.crashes.get(label) if known else None, label)
+                return
+            elif label in failures and label in causes:
+                yield failures[label].finding(causes[label], label)
+            elif label in causes or (not found and label == odd[0]):
+                unknown = CLOCK if by_the_clock else self.otherwise.get(label, self.otherwise[""])
+                text = f"{label}: {self.say(seen[label])}; expected: {self.say(self.expected[label])}"
+                yield wrong(text, causes.get(label) or shared.cause(unknown))
+
+    def explain(self, seen: Mapping[str, Any]) -> tuple[Mistake, ...]:
+        """Find the fewest mistakes that lead to exactly what was observed; none where nothing known does.
+
+        Of an answer that raises in the first case, or was tried in few of them, two at once would only be guessed.
+        """
+        tried = list(seen.values())
+        most = 1 if isinstance(tried[0], Raised) or 2 * len(tried) < len(self.cases) else MOST
+        for count in range(1, most + 1):
+            for chosen in combinations(self.mistakes, count):
+                twin = self.mistaken(*chosen)
+                if twin is not None and all(same(observed(self.cases[label], twin), seen[label]) for label in seen):
+                    return chosen
+        return ()
+
+    def mistaken(self, *chosen: Mistake) -> Any:
+        """Define the solution with mistakes in it; None where one leaves nothing for another to change."""
+        source: str | None = _source((*self.beside, self.solution))
+        for mistake in chosen:
+            source = source and mistake.made_in(source)
+        if source is None:
+            return None
+        names = dict(vars(sys.modules[self.solution.__module__]))
+        exec(compile(source, "<a mistake>", "exec"), names)
+        return names[self.solution.__name__]
+
+    @cached_property
+    def expected(self) -> dict[str, Any]:
+        """By case, what is observed of the solution."""
+        return {label: case(self.solution) for label, case in self.cases.items()}
+
+    def _shown(self, found: Sequence[Mistake], odd: Sequence[str]) -> dict[str, str]:
+        """By case, the cause that it shows; each is shown by the first case that it makes wrong by itself."""
+        causes: dict[str, str] = {}
+        for mistake in found:
+            twin = self.mistaken(mistake)
+            free = [label for label in odd if label not in causes]
+            alone = (label for label in free if not same(observed(self.cases[label], twin), self.expected[label]))
+            if free:
+                causes[next(alone, free[0])] = f"Most likely {mistake.cause}"
+        return causes
+
+
+@cache
+def _source(parts: tuple[Any, ...]) -> str:
+    return "\n\n".join(map(inspect.getsource, parts))
+
+
+def observed(case: Case, answer: Any) -> Any:
+    """Return what comes of a case; of an answer that raises, what."""
+    try:
+        return case(answer)
+    except Failure as failure:
+        return Raised.by(failure)
+
+
+def call(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call what the learner wrote.
+
+    Raises:
+        Failure: it raised.
+    """
+    with watch.call(getattr(function, "__name__", "the answer")):
+        return function(*arguments)
+
+
+@contextmanager
+def blame(cause: str, *kinds: type[Exception], words: str = "") -> Iterator[None]:
+    """Name the cause of exceptions of these kinds, with these words, that the learner's code raises."""
+    try:
+        yield
+    except kinds as error:
+        if words not in sentence(error):
+            raise
+        raise Misuse(f"it raises {type(error).__name__}: {error}", cause).with_traceback(error.__traceback__) from error
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two observations are the same, but for what floats lose."""
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
+    if isinstance(a, list | tuple) and isinstance(b, list | tuple):
+        return len(a) == len(b) and all(map(same, a, b))
+    if isinstance(a, Real) and isinstance(b, Real):
+        return isclose(a, b, rel_tol=TOLERANCE, abs_tol=TOLERANCE) or (isnan(a) and isnan(b))
+    return bool(a == b)

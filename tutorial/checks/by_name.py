@@ -1,0 +1,347 @@
+"""The exercise `by_name`: find out which joint a message moves where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import islice, takewhile, zip_longest  # noqa: F401 - what some mistakes need
+from math import degrees, inf, isfinite, isnan, nan, radians  # noqa: F401
+from statistics import fmean  # noqa: F401
+from typing import Any
+
+from sensor_msgs.msg import JointState
+
+from tutorial.checks._answer import name_of
+from tutorial.checks._cases import Cases, call, mistakes
+from tutorial.checks._diagnose import Misuse
+from tutorial.checks._watch import Failure, watch
+from tutorial.checks.exercise import Exercise
+
+__all__ = ["by_name", "match_by_name"]
+
+
+def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, float]:
+    """Find out which joint a message moves where."""
+    return {
+        name: position
+        for name, position in zip(message.name, message.position)
+        if name in joint_names and isfinite(position)
+    }
+
+
+MISTAKES = mistakes("""
+positions are matched by their place: the i-th position belongs to the i-th name of the message.
+    zip(message.name, => zip(joint_names,
+
+the i-th joint of the body is compared with the i-th name of the message: look for the name wherever it is.
+    zip(message.name, => zip([n * (n == j) for n, j in zip(message.name, joint_names)],
+
+unknown names are left out before names and positions are paired, so the positions move up to other names: zip both as
+they come, and leave out pairs.
+    zip(message.name, => zip([n for n in message.name if n in joint_names],
+
+NaN is left out before names and positions are paired, so the positions move up to other names: zip both as they come,
+and leave out pairs.
+    message.position) => [q for q in message.position if isfinite(q)])
+
+the names are sorted, and the positions are not: they belong together as they come.
+    zip(message.name, => zip(sorted(message.name),
+
+names and positions are paired from the end: the first belongs to the first.
+    zip(message.name, message.position) => zip(message.name[::-1], message.position[::-1])
+
+the first of two of the same name wins: the last one does, as in dict(pairs).
+    zip(message.name, message.position) => reversed([*zip(message.name, message.position)])
+
+the first of two of the same name counts, as with index: the last one does.
+    zip(message.name, => zip([n * (n not in message.name[:i]) for i, n in enumerate(message.name)],
+
+the last of two of the same name is taken before NaN is left out: the last one that is a number counts.
+    zip(message.name, message.position) => dict(zip(message.name, message.position)).items()
+
+of two of the same name the largest position wins, as when pairs are sorted: the last one does, in the message's order.
+    zip(message.name, message.position) => sorted(zip(message.name, message.position))
+
+of two of the same name the smallest position wins, as when pairs are sorted: the last one does, in the message's order.
+    zip(message.name, message.position) => sorted(zip(message.name, message.position), reverse=True)
+
+a name that comes twice is left out altogether: the last one counts.
+    isfinite(position) => isfinite(position) and message.name.count(name) == 1
+
+a name that comes twice is left out altogether: the last one counts.
+    isfinite(position) => isfinite(position) and twins.count(name) == 1
+    twins => [n for n, q in zip(message.name, message.position) if isfinite(q)]
+
+the positions of two of the same name are averaged: the last one counts.
+    name: position => name: fmean(q for n, q in zip(message.name, message.position) if n == name and isfinite(q))
+
+the positions of two of the same name are added: the last one counts.
+    name: position => name: sum(q for n, q in zip(message.name, message.position) if n == name and isfinite(q))
+
+names that the body does not have are kept: leave them out, if name in joint_names.
+    name in joint_names => True
+
+a name is looked up that the body does not have: ask first, if name in joint_names.
+    name in joint_names => list(joint_names).index(name) >= 0
+
+a name is looked up that the body does not have: ask first, if name in joint_names.
+    name in joint_names => dict(zip(joint_names, joint_names))[name]
+
+the loop ends at an unknown name: leave out only that one and go on, continue.
+    zip(message.name, => zip(takewhile(joint_names.__contains__, message.name),
+
+an unknown name makes the whole message invalid: leave out only that one.
+    return { => if not set(message.name) <= set(joint_names): return dict() // return {
+
+upper and lower case are taken for the same: turret_y is another name than TURRET_Y.
+    message.name, => map(str.upper, message.name),
+
+upper and lower case are taken for the same: turret_y is another name than TURRET_Y.
+    name in joint_names => name.upper() in joint_names
+
+only the end of a name is compared: Tank/TURRET_P is another name than TURRET_P.
+    message.name, => [n.split("/")[-1] for n in message.name],
+
+blanks around a name are cut off: it is another name then.
+    message.name, => map(str.strip, message.name),
+
+a part of a name is enough, as in `in` between two texts: it has to be the whole name.
+    name in joint_names => any(name in joint for joint in joint_names)
+
+a part of a name is enough, as in `in` between two texts: it has to be the whole name.
+    name in joint_names => any(joint in name for joint in joint_names)
+
+the joints' names are typed: those of the body are in joint_names.
+    name in joint_names => name in ("TURRET_Y", "TURRET_P", "HATCH")
+
+NaN becomes 0: leave the joint out, then it stays where it is.
+    isfinite(position) => True
+    name: position => name: position if isfinite(position) else 0.0
+
+NaN is passed on: leave out what is not finite, math.isfinite tells (NaN == NaN is False).
+    isfinite(position) => True
+
+the loop ends at NaN: leave out only that joint and go on, continue.
+    message.position) => takewhile(isfinite, message.position))
+
+one NaN makes the whole message invalid: leave out only that joint.
+    return { => if not all(map(isfinite, message.position)): return dict() // return {
+
+one NaN makes the whole message invalid: leave out only that joint.
+    return { => if any(map(isnan, message.position)): return dict() // return {
+
+0.0 is taken for nothing, as in `if position`: it is a position like any other.
+    isfinite(position) => position and isfinite(position)
+
+positions below 0 are left out: a joint turns both ways.
+    isfinite(position) => position >= 0 and isfinite(position)
+
+the sign is lost: a joint turns both ways.
+    name: position => name: abs(position)
+
+positions are converted to degrees: they are rad on both sides.
+    name: position => name: degrees(position)
+
+positions are converted to rad: they are rad already.
+    name: position => name: radians(position)
+
+positions are rounded: pass them on as they are.
+    name: position => name: int(position)
+
+names and positions are exchanged in the dict: it goes from names to positions, {name: position}.
+    name: position => position: name
+
+zip with strict=True raises where there are more of one than of the other: zip alone ends with the shorter.
+    zip(message.name, message.position) => zip(message.name, message.position, strict=True)
+
+there is an index beyond the end: zip(message.name, message.position) ends with the shorter.
+    zip(message.name, message.position) => ((n, message.position[i]) for i, n in enumerate(message.name))
+
+there is an index beyond the end: zip(message.name, message.position) ends with the shorter.
+    zip(message.name, message.position) => ((message.name[i], q) for i, q in enumerate(message.position))
+
+a name without a position is set to 0: leave it out, then the joint stays where it is.
+    zip(message.name, message.position) => zip_longest(message.name, message.position, fillvalue=0.0)
+
+a name without a position gets the last one there is: leave it out.
+    message.position) => [*message.position, *message.position[-1:] * 9])
+
+zip_longest puts None in the place of what is missing: zip ends with the shorter.
+    zip(message.name, message.position) => zip_longest(message.name, message.position)
+
+a message with fewer positions is dropped as a whole: use those that are there.
+    return { => if len(message.position) < len(message.name): return dict() // return {
+
+a message with more positions than names is dropped as a whole: use the pairs there are.
+    return { => if len(message.position) > len(message.name): return dict() // return {
+
+an empty array is not expected: it says nothing about the pose, so return {}.
+    return { => if not message.position: return None // return {
+
+every joint is expected in every message: go through the message's names, not the body's.
+    return { => if not set(joint_names) <= set(message.name): return dict() // return {
+
+return stands within the loop, which so ends with the first pair: put it behind the loop.
+    zip(message.name, message.position) => islice(zip(message.name, message.position), 1)
+    } => } if message.name and message.position else None
+
+return stands within the loop, which so ends with the first joint: put it behind the loop.
+    } => } or None
+    zip(message.name, message.position) => islice((p for p in zip(message.name, message.position) if usable), 1)
+    usable => p[0] in joint_names and isfinite(p[1])
+
+return is missing: give the dict back, an empty one when there is nothing to tell.
+    return { => found = {
+
+a joint without a position is set to 0: leave it out, then it stays where it is.
+    { => dict.fromkeys(joint_names, 0.0) | {
+
+a joint without a position gets NaN: leave it out of the dict.
+    { => dict.fromkeys(joint_names, nan) | {
+
+a joint that the message says nothing about gets None: leave it out of the dict.
+    { => dict.fromkeys(joint_names) | {
+""")
+NOT_A_DICT = (
+    "Return a dict from names to positions, an empty one when there is nothing to tell; dict(pairs) makes one of pairs."
+)
+CHANGED = "Most likely pop, sort, remove or an assignment changes the message itself: leave it as it is, take a copy."
+CHANGED_NAMES = "Most likely joint_names is changed: it belongs to the caller, take a copy."
+KEPT = "Most likely the dict is kept from call to call: make a new one in every call, and not as a default argument."
+
+BODY = ("TURRET_Y", "TURRET_P", "HATCH")
+CRANE = ("SLEW", "BRIDGE", "LUFF")
+ALMOST = ("turret_y", "Tank/TURRET_P", " HATCH", "TURRET", "", "HATCH_2")
+EARLIER = 0.777  # [rad], where all joints are in the message that comes before the one that is looked at
+
+
+def heard(
+    names: Sequence[str], positions: Sequence[float], body: Sequence[str] = BODY, but: str = ""
+) -> Callable[[Any], str]:
+    """Make a case of a message: what is returned for it, as a text, after another one which names all joints.
+
+    An error that only this message leads to is observed like anything else; one that the other leads to is a failure.
+
+    Args:
+        names, positions: what the message says [rad].
+        body: the names of the body's joints.
+        but: a joint that may be there or not, and so may then any that is at infinity; "" for none.
+    """
+
+    def case(answer: Any) -> str:
+        before = ask(answer, body, body, [EARLIER] * len(body))
+        try:
+            found = ask(answer, body, names, positions)
+        except Failure as failure:
+            if isinstance(failure.error, LookupError | ValueError | ArithmeticError | TypeError):
+                return f"it raises {type(failure.error).__name__}"
+            raise
+        if found is None:
+            return "None"
+        told = sorted(f"{name}: {number(position)}" for name, position in found.items())
+        with watch.call(name_of(answer)):
+            if found is before or any(f"{EARLIER}" in each for each in told):
+                raise Misuse("it still says what the message before has said", KEPT)
+        return "{" + ", ".join(each for each in told if not but or (but not in each and "inf" not in each)) + "}"
+
+    return case
+
+
+def ask(answer: Any, body: Sequence[str], names: Sequence[str], positions: Sequence[float]) -> dict[Any, Any] | None:
+    """Give an answer a message, and look whether it leaves alone what it is given."""
+    joint_names, message = list(body), JointState(name=list(names), position=list(positions))
+    said = str(message)
+    found = call(answer, joint_names, message)
+    with watch.call(name_of(answer)):
+        if found is not None and not isinstance(found, dict):
+            raise Misuse(f"it returns a {type(found).__name__}", NOT_A_DICT)
+        if str(message) != said:
+            raise Misuse("the message is not the same afterwards", CHANGED)
+        if joint_names != list(body):
+            raise Misuse("joint_names is not the same afterwards", CHANGED_NAMES)
+    return found
+
+
+def number(value: Any) -> str:
+    """Put a position into words, to six digits; anything else as Python would."""
+    try:
+        return repr(value) if isinstance(value, str) else f"{float(value) + 0.0:.6g}"
+    except (TypeError, ValueError):
+        return repr(value)
+
+
+COMPARE = "Compare with: the i-th position belongs to the i-th name, if the body has that name and it is not NaN."
+PLACE = MISTAKES[0].cause  # and so on: what is most likely where no known mistakes explain what is seen
+NO_SUBSET = "every joint is expected in every message: go through the message's names, not the body's."
+UNKNOWN = "names that the body does not have are not expected: ask first, if name in joint_names."
+SHORT = "fewer positions than names are not expected: those that are there count."
+LONG = "more positions than names are not expected: those without a name say nothing, the others count."
+EMPTY = "an empty array is not expected: it says nothing about the pose, so return {}."
+NAN = "NaN is not left out as it should be: only that joint, and math.isfinite tells."
+INFINITE = "infinity is not expected: whatever is made of it, the other joints count."
+TWINS = "a name that comes twice is not expected: the last one that is a number counts."
+EXACT = "names are compared in part, or changed first: a joint's name is the whole of it, as it is written."
+ZERO = "0.0 is taken for nothing, as in `if position`: it is a position like any other."
+ROUNDED = "positions are rounded: pass them on as they are."
+COUNT = "only as many names are looked at as the body has joints: look at all of the message's."
+TYPED = "the joints' names are typed: those of the body are in joint_names."
+
+MESSAGES = {
+    "all joints, in order": ("", heard(BODY, (0.1, 0.2, 0.3))),
+    "another order": (PLACE, heard(BODY[::-1], (0.3, 0.2, 0.1))),
+    "only HATCH": (NO_SUBSET, heard(("HATCH",), (0.3,))),
+    "an unknown name, ANTENNA": (UNKNOWN, heard(("ANTENNA", "TURRET_P", "HATCH"), (0.9, 0.2, 0.3))),
+    "3 names, 2 positions": (SHORT, heard(BODY, (0.1, 0.2))),
+    "no positions": (EMPTY, heard(BODY, ())),
+    "NaN for TURRET_P": (NAN, heard(BODY, (0.1, nan, 0.3))),
+    "TURRET_Y twice": (TWINS, heard(("TURRET_Y", "TURRET_P", "TURRET_Y"), (0.1, 0.2, 0.3))),
+    "TURRET_Y twice, and smaller": (TWINS, heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2))),
+    "TURRET_Y at 0, HATCH below": (ZERO, heard(BODY, (0.0, 0.2, -0.3))),
+    "an unknown name in the middle": (UNKNOWN, heard(("HATCH", "ANTENNA", "TURRET_Y"), (0.3, 0.9, 0.1))),
+    "NaN for TURRET_Y, the first": (NAN, heard(("TURRET_Y", "HATCH"), (nan, 0.3))),
+    "NaN for HATCH, the last": (NAN, heard(BODY, (0.1, 0.2, nan))),
+    "NaN for all": (NAN, heard(BODY, (nan, nan, nan))),
+    "infinity for HATCH": (INFINITE, heard(BODY, (0.1, 0.2, inf), but="HATCH")),
+    "TURRET_Y twice, at first NaN": (TWINS, heard(("TURRET_Y", "HATCH", "TURRET_Y"), (nan, 0.3, 0.1))),
+    "TURRET_Y twice, at last NaN": (TWINS, heard(("TURRET_Y", "HATCH", "TURRET_Y"), (0.1, 0.3, nan))),
+    "an empty message": (EMPTY, heard((), ())),
+    "2 names, 3 positions": (LONG, heard(BODY[:2], (0.1, 0.2, 0.3))),
+    "names that are almost right": (EXACT, heard(ALMOST, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6))),
+    "a position with many digits": (ROUNDED, heard(BODY, (0.123456, -1.23456, 0.3))),
+    "the crane's joints": (TYPED, heard(("LUFF", "HATCH", "SLEW"), (0.3, 0.9, 0.1), CRANE)),
+    "a body with one joint": (COUNT, heard(("TURRET_P", "HATCH"), (0.2, 0.3), ("HATCH",))),
+}
+TRIED = {label: case for label, (_, case) in MESSAGES.items()}
+OTHERWISE = {"": COMPARE} | {label: f"Most likely {cause}" for label, (cause, _) in MESSAGES.items() if cause}
+
+CASES = Cases(match_by_name, TRIED, MISTAKES, str, OTHERWISE)
+
+by_name = Exercise(
+    name="by_name",
+    statement="""
+    Write the function `match_by_name(joint_names, message)`. It returns a dict from joint names to positions: what
+    the `JointState` `message` says about the joints of the body, whose names are in `joint_names`.
+
+    - The i-th position belongs to the i-th name of the message, in whatever order, and however many there are.
+    - Names that the body does not have are left out.
+    - If there are fewer positions than names, those that are there count; with none, the dict is empty.
+    - A position that is not finite, above all NaN, is left out.
+    - If a name comes twice, the last one that is a number counts.
+
+    It never raises, never invents a number, and leaves the message as it is.
+    """,
+    judge=CASES.judge,
+    solution=(match_by_name,),
+    base=None,
+    parts=(),
+    hints=(
+        "Look at the message's names and positions as pairs, in the message's order: each pair is either left out or "
+        "counts, and none says anything about another.",
+        "Go through both together with zip, which ends with the shorter. Leave out a pair whose name is not in "
+        "joint_names, or whose position is not finite. Put the others into a new dict, one after the other: of equal "
+        "names the last wins by itself.",
+        "One dict comprehension does it all: {name: position for name, position in zip(message.name, "
+        "message.position) if ...}, with name in joint_names and isfinite(position).",
+    ),
+    notice="Notice that a short array, an unknown name and a name that comes twice needed no line of their own.",
+    imports=("from math import isfinite",),
+)

@@ -1,0 +1,442 @@
+"""The exercise `gaps`: find in a bag where a stream was interrupted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache
+from numbers import Real
+from typing import Any
+
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+
+from tutorial.checks._answer import name_of
+from tutorial.checks._cases import Cases, call, mistakes
+from tutorial.checks._diagnose import Misuse
+from tutorial.checks._watch import Failure
+from tutorial.checks.exercise import Exercise
+
+__all__ = ["find_gaps", "gaps"]
+
+
+def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int, int]]:
+    """Find where a stream was interrupted, and where its publisher was started again."""
+    found = []
+    newest = None
+    for _, message in messages:
+        stamp = Time.from_msg(message.header.stamp).nanoseconds
+        if newest is None:
+            newest = stamp
+        elif stamp - newest > 100_000_000:
+            found.append(("gap", newest, stamp))
+            newest = stamp
+        elif newest - stamp > 1_000_000_000:
+            found.append(("restart", newest, stamp))
+            newest = stamp
+        else:
+            newest = max(newest, stamp)
+    return found
+
+
+MISTAKES = mistakes("""
+the bag's times are compared: they say when a message was received, not made.
+    Time.from_msg(message.header.stamp).nanoseconds => _
+
+nanosec is left out: a stamp is sec and nanosec together.
+    Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.sec
+    > 100_000_000 => > 0.1
+    > 1_000_000_000 => > 1
+
+nanosec is left out: a stamp is sec and nanosec together.
+    Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.sec * 1_000_000_000
+
+sec is left out: nanosec begins anew with every second.
+    Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.nanosec
+
+seconds are computed as floating point numbers, which are rounded: count in whole nanoseconds.
+    Time.from_msg(message.header.stamp).nanoseconds => (at := message.header.stamp).sec + at.nanosec / 1e9
+    > 100_000_000 => > 0.1
+    > 1_000_000_000 => > 1
+
+seconds are computed as floating point numbers, which are rounded: count in whole nanoseconds.
+    stamp - newest > 100_000_000 => stamp / 1e9 - newest / 1e9 > 0.1
+    newest - stamp > 1_000_000_000 => newest / 1e9 - stamp / 1e9 > 1
+
+stamps are cut to milliseconds: count in whole nanoseconds.
+    .nanoseconds => .nanoseconds//1_000_000 * 1_000_000
+
+stamps are cut to microseconds: count in whole nanoseconds.
+    .nanoseconds => .nanoseconds//1_000 * 1_000
+
+each stamp is compared with the last one: compare it with the newest one so far.
+    max(newest, stamp) => stamp
+
+each stamp is compared with the first one, or the last where something was found: newest has to move on.
+    found.append(("gap", newest, stamp)) => found.append(("gap", newest, stamp)) // continue
+    max(newest, stamp) => newest
+
+each stamp is compared with the first one, or the last where something was found: newest has to move on.
+    max(newest, stamp) => newest
+
+newest is not renewed after a gap: then it is the stamp of the new message.
+    found.append(("gap", newest, stamp)) => found.append(("gap", newest, stamp)) // continue
+
+newest becomes the older of the two: it is max(newest, stamp), not min.
+    max(newest, stamp) => min(newest, stamp)
+
+the messages are sorted first: then no restart is seen. Take them as they come.
+    in messages: => in sorted(messages, key=lambda pair: stamps_of([pair])):
+
+newest begins with 0, so the first message counts as a gap: there is none before it.
+    newest = None => newest = 0
+
+a stamp of 0 is taken for none, as in `if newest`: ask whether it `is None`.
+    if newest is None => if not newest
+
+the numbers have no sign, as numpy's uint64: less than nothing is a huge number then. Make them int.
+    stamp - newest > => (stamp - newest) % 2**64 >
+    newest - stamp > => (newest - stamp) % 2**64 >
+
+0.1 s counts as a gap: more than 0.1 s does.
+    stamp - newest > => stamp - newest >=
+
+the limit of a gap is 1 s: it is 0.1 s, which is 100_000_000 ns.
+    stamp - newest > 100_000_000 => stamp - newest > 1_000_000_000
+
+the limit of a gap is ten times too small: 0.1 s is 100_000_000 ns.
+    stamp - newest > 100_000_000 => stamp - newest > 10_000_000
+
+the limit of a gap is far too small: 0.1 s is 100_000_000 ns.
+    stamp - newest > 100_000_000 => stamp - newest > 0
+
+the limit of a gap is too large: it is 0.1 s, which is 100_000_000 ns.
+    stamp - newest > 100_000_000 => stamp - newest > 200_000_000
+
+the limit of a gap is too large: it is 0.1 s, which is 100_000_000 ns.
+    stamp - newest > 100_000_000 => stamp - newest > 500_000_000
+
+a gap of over 1 s does not count: however long, it is one.
+    stamp - newest > 100_000_000 => 100_000_000 < stamp - newest <= 1_000_000_000
+
+a restart is told as a gap: abs() takes a step back for one ahead.
+    stamp - newest > => abs(stamp - newest) >
+
+a restart is told as a gap: abs() takes a step back for one ahead.
+    stamp - newest > => abs(stamp - newest) >
+    found.append(("gap", newest, stamp)) => found.append(("gap", newest, stamp)) // stamp = max(newest, stamp)
+
+any step back counts as a restart: up to 1 s back, a message is late.
+    newest - stamp > 1_000_000_000 => newest - stamp > 0
+
+equal stamps count as a restart: only more than 1 s back is one.
+    newest - stamp > 1_000_000_000 => newest - stamp > -1
+
+the limit of a restart is 0.1 s: it is 1 s.
+    newest - stamp > 1_000_000_000 => newest - stamp > 100_000_000
+
+the limit of a restart is too small: it is 1 s, which is 1_000_000_000 ns.
+    newest - stamp > 1_000_000_000 => newest - stamp > 500_000_000
+
+the limit of a restart is too large: it is 1 s, which is 1_000_000_000 ns.
+    newest - stamp > 1_000_000_000 => newest - stamp > 10_000_000_000
+
+1 s back counts as a restart: more than 1 s does.
+    newest - stamp > => newest - stamp >=
+
+nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hide what goes wrong.
+    return found => return []
+
+return stands within the loop: it belongs after it.
+    return found => return [] if messages else None
+
+no gap is told: a stamp more than 0.1 s after the newest one is one.
+    found.append(("gap", => str(("gap",
+
+no restart is told: a stamp more than 1 s back is one.
+    found.append(("restart", => str(("restart",
+
+no restart is told: a stamp more than 1 s back is one.
+    newest - stamp > 1_000_000_000 => False
+
+a late message is told: it says nothing.
+    newest = max( => found += [("late", newest, stamp)] if stamp < newest else [] // newest = max(
+
+the newest stamp does not begin anew after a restart: then it is that of the new message.
+    found.append(("restart", newest, stamp)) => found.append(("restart", newest, stamp)) // continue
+
+after a restart nothing is looked at any more: go on.
+    found.append(("restart", newest, stamp)) => found.append(("restart", newest, stamp)) // break
+
+after a restart newest becomes 0: it is the stamp of the new message.
+    found.append(("restart", newest, stamp)) => found.append(("restart", newest, stamp)) // stamp = 0
+
+after a restart newest becomes None: it is the stamp of the new message.
+    found.append(("restart", newest, stamp)) => found.append(("restart", newest, stamp)) // stamp = None
+
+it ends with the first that is found: return after the loop.
+    return found => return found[:1]
+
+only the last that is found is told: append each of them.
+    return found => return found[-1:]
+
+the newest is told first: keep the bag's order.
+    return found => return found[::-1]
+
+gaps and restarts are told apart: keep the bag's order.
+    return found => return sorted(found, key=lambda each: each[0])
+
+gaps and restarts are told apart: keep the bag's order.
+    return found => return sorted(found, key=lambda each: each[0], reverse=True)
+
+the loop ends before the last message: zip, or enumerate, needs no - 1.
+    in messages: => in messages[:-1]:
+
+the list is kept from call to call: make a new one in every call, and not as a default argument.
+    JointState]]) -> => JointState]], found: list = []) ->
+    found = [] => found
+
+a bag without a message is not expected: return an empty list.
+    newest = None => newest = stamps_of(messages)[0]
+
+the stamps are told in seconds: they are asked for in nanoseconds.
+    newest, stamp)) => newest / 1e9, stamp / 1e9))
+
+the stamps are told in microseconds: they are asked for in nanoseconds.
+    newest, stamp)) => newest//1_000, stamp//1_000))
+
+the stamps are told in milliseconds: they are asked for in nanoseconds.
+    newest, stamp)) => newest / 1e6, stamp / 1e6))
+
+the stamps are told in milliseconds: they are asked for in nanoseconds.
+    newest, stamp)) => newest//1_000_000, stamp//1_000_000))
+
+the two stamps are exchanged: the one before comes first, then the one after.
+    newest, stamp)) => stamp, newest))
+
+the two stamps of a restart are exchanged: before is the newest one so far, and after is smaller.
+    "restart", newest, stamp => "restart", stamp, newest
+
+the bag's times are told: the stamps are asked for.
+    newest, stamp)) => *(messages[stamps_of(messages).index(each)][0] for each in [newest, stamp])))
+
+the messages' numbers are told: their stamps are asked for.
+    newest, stamp)) => *map(stamps_of(messages).index, [newest, stamp])))
+
+the stamp after is missing: what happened, the stamp before, the stamp after.
+    newest, stamp)) => newest,))
+
+its length is told in place of the stamp after it.
+    newest, stamp)) => newest, stamp - newest))
+
+its length is told, too: what happened, the stamp before, the stamp after, and nothing else.
+    newest, stamp)) => newest, stamp, stamp - newest))
+
+the last message's stamp is told: a late one is not where the gap begins.
+    newest, stamp)) => stamps_of(messages)[stamps_of(messages).index(stamp) - 1], stamp))
+""")
+RECEIVED = "Most likely the bag's times are compared: they say when a message was received, not made."
+STAMPS = "Most likely something else than the stamps is compared: stamp.sec and stamp.nanosec, both, in whole numbers."
+EXACT = (
+    "Most likely floating point numbers are computed, which are rounded: count in whole nanoseconds, without / and 1e9."
+)
+NEWEST = "Most likely each stamp is compared with the last one: compare it with the newest one so far."
+LATE = "Most likely a message that is a little late is not expected: up to 1 s back, it says nothing."
+LIMIT = "Most likely the limit is another: more than 0.1 s, which is 100_000_000 ns, is a gap."
+BACK = "Most likely the limit of a restart is another: more than 1 s back, which is 1_000_000_000 ns."
+OTHERWISE = {
+    "": "Compare with: newest is the newest stamp since the last restart, and each stamp is compared with it.",
+    "the bag waits 3 s, the stamps do not": RECEIVED,
+    "0.09 s without a message": LIMIT,
+    "the bag receives all at once": RECEIVED,
+    "a full second, and no gap": STAMPS,
+    "stamps of no whole milliseconds": EXACT,
+    "started again": BACK,
+    "late, and no gap": NEWEST,
+    "late after a gap": NEWEST,
+    "late before a gap": NEWEST,
+    "half a second late": LATE,
+    "late, and later": NEWEST,
+    "exactly 0.1 s apart": EXACT,
+    "0.1 s and 1 ns apart": LIMIT,
+    "exactly 1 s back": BACK,
+    "1 s and 1 ns back": BACK,
+    "a robot's stamps, exactly 0.1 s apart": EXACT,
+    "a robot's stamps, 0.1 s and 1 ns apart": EXACT,
+    "two bags, one after the other": "Most likely the list is kept from call to call: make a new one in every call.",
+}
+EMPTY = "Most likely a bag without a message is not expected: return an empty list."
+INDEX = "Most likely there is an index beyond the end: keep what came before in a variable, then no index is needed."
+NO_RETURN = "Most likely return is missing: give the list back, an empty one when there is nothing to tell."
+YIELDS = "A list was asked for: with yield a function makes a generator. Append to a list, and return it."
+NOT_A_LIST = 'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), an empty one for nothing.'
+WORDS = 'The words are "gap" and "restart".'
+CHANGED = "Most likely sort, pop, remove or an assignment changes the list or a message: leave them as they are."
+
+SINCE_1970 = 1_750_000_000  # [s]
+EXACT_UP_TO = 2**53  # what a floating point number holds of whole numbers
+MOST_SAID = 4  # of what was found, in one line
+
+Messages = Sequence[tuple[int, JointState]]
+Found = list[tuple[str | float, ...]]  # what happened, and the stamps [ns]: a text if whole, as no digit may be lost
+
+
+@cache
+def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Messages:
+    """Make what a bag holds.
+
+    Args:
+        stamps: of its messages [s].
+        since: what is added to all stamps [s].
+        every: how long after the one before a message was received [s].
+    """
+    pairs = []
+    for i, stamp in enumerate(stamps):
+        received = SINCE_1970 + i * every
+        message = JointState(name=["TURRET_Y"], position=[0.1])
+        message.header.stamp = Time(nanoseconds=since * 1_000_000_000 + round(stamp * 1e9)).to_msg()
+        pairs.append((round(received * 1e9), message))
+    return tuple(pairs)
+
+
+def stamps_of(messages: Messages) -> list[int]:
+    """Return when they were made [ns]."""
+    return [Time.from_msg(message.header.stamp).nanoseconds for _, message in messages]
+
+
+def bag(*stamps: float, cause: str = INDEX, of: type[Exception] = IndexError, **how: Any) -> Callable[[Any], Found]:
+    """Observe what is found in a bag.
+
+    Args:
+        stamps: of its messages [s].
+        cause: the most likely one of an exception.
+        of: the kind of exception that it is the cause of.
+        how: the bag was recorded.
+    """
+
+    def found_in(answer: Any) -> Found:
+        messages = recorded(*stamps, **how)
+        given, made = list(messages), stamps_of(messages)
+        try:
+            found = read(answer, call(answer, given))
+        except Failure as failure:
+            recorded.cache_clear()
+            if isinstance(failure.error, Misuse) or not isinstance(failure.error, of):
+                raise
+            misuse = Misuse(f"it raises {type(failure.error).__name__}: {failure.error}", cause)
+            raise Failure(failure.method, misuse, failure.place) from failure
+        if given != list(messages) or stamps_of(messages) != made:
+            recorded.cache_clear()
+            raise Failure(name_of(answer), Misuse("the messages are not the same afterwards", CHANGED), None)
+        return found
+
+    return found_in
+
+
+def two(answer: Any) -> Found:
+    """Observe what is found in two bags; what was found in the first is looked at after the second."""
+    first, second = call(answer, list(recorded(1.0, 1.5))), call(answer, list(recorded(2.0, 2.5)))
+    return read(answer, first) + read(answer, second)
+
+
+def read(answer: Any, given: Any) -> Found:
+    """Return what was given in a form that can be compared.
+
+    Raises:
+        Failure: it is no list of what happened.
+    """
+    cause = misfit(given)
+    if cause:
+        what = f"{given!r:.80}" if isinstance(given, list | tuple | None) else f"a {type(given).__name__}"
+        raise Failure(name_of(answer), Misuse(f"it returns {what}", cause), None)
+    return [(str(what), *map(whole, numbers)) for what, *numbers in given]
+
+
+def misfit(given: Any) -> str:
+    """Say why something is no list of what happened; nothing if it is one."""
+    if not isinstance(given, list | tuple):
+        return NO_RETURN if given is None else YIELDS if isinstance(given, Iterator) else NOT_A_LIST
+    for each in given:
+        if not each or not isinstance(each, list | tuple) or not all(map(isinstance, each, [str, *[Real] * len(each)])):
+            return NOT_A_LIST
+    return "" if {each[0] for each in given} <= {"gap", "restart", "late"} else WORDS
+
+
+def whole(number: Any) -> str | float:
+    """Return a whole number as a text, with all its digits; any other as it is."""
+    is_exact = abs(number) < EXACT_UP_TO and number % 1 == 0 if isinstance(number, float) else number % 1 == 0
+    return f"{int(number):_}" if is_exact else float(number)
+
+
+TRIED = {
+    "20 ms apart": bag(1.0, 1.02, 1.04, 1.06, 1.08, 1.1, 1.12, 1.14),
+    "the bag waits 3 s, the stamps do not": bag(1.0, 1.02, 1.04, every=3.0),
+    "5 ms apart": bag(1.0, 1.005, 1.01, 1.015),
+    "0.09 s without a message": bag(1.0, 1.02, 1.11, 1.13),
+    "0.3 s without a message": bag(1.0, 1.02, 1.32, 1.34),
+    "the bag receives all at once": bag(1.0, 1.02, 1.32, 1.34, every=0.0),
+    "a gap across a full second": bag(2.9, 2.95, 3.08, 3.1),
+    "a full second, and no gap": bag(2.96, 2.98, 3.0, 3.02),
+    "stamps of no whole milliseconds": bag(1.000000137, 1.019999861, 1.290000449, 1.310000071),
+    "started again": bag(3.96, 3.98, 0.0, 0.02),
+    "late, and no gap": bag(1.0, 1.08, 1.02, 1.14, 1.16),
+    "late after a gap": bag(1.0, 1.6, 1.1, 1.62),
+    "late before a gap": bag(1.0, 1.02, 1.01, 1.14),
+    "half a second late": bag(1.0, 1.02, 0.52, 1.04),
+    "late, and later": bag(5.0, 4.2, 3.9, 3.92),
+    "equal stamps": bag(1.0, 1.0, 1.02, 1.02),
+    "exactly 0.1 s apart": bag(0.8, 0.9, 1.0, 1.1),
+    "0.1 s and 1 ns apart": bag(1.000000037, 1.100000038),
+    "exactly 1 s back": bag(2.0, 1.0, 2.02),
+    "1 s and 1 ns back": bag(2.0, 0.999999999),
+    "a gap after 0 s": bag(0.0, 0.5, 0.52),
+    "started again, then a gap": bag(3.98, 0.0, 0.02, 0.42, 0.44),
+    "started again twice": bag(3.98, 0.0, 2.0, 2.02, 0.5, 0.52),
+    "started again, not from 0": bag(100.0, 100.02, 50.0, 50.02),
+    "two gaps alike": bag(1.0, 1.2, 1.4),
+    "half a minute without a message": bag(1.0, 1.02, 31.02, 31.04),
+    "a robot's stamps, exactly 0.1 s apart": bag(0.826, 0.926, 0.946, since=SINCE_1970),
+    "a robot's stamps, 0.1 s and 1 ns apart": bag(0.028000037, 0.128000038, since=SINCE_1970),
+    "two bags, one after the other": two,
+    "no message": bag(cause=EMPTY, of=Exception),
+    "a single message": bag(1.0),
+}
+
+
+def say(found: Found) -> str:
+    """Put what was found into words."""
+    said = [" ".join(map(str, each)) for each in found[:MOST_SAID]]
+    more = f" and {len(found) - MOST_SAID} more" if len(found) > MOST_SAID else ""
+    return ", ".join(said) + more if said else "nothing"
+
+
+CASES = Cases(find_gaps, TRIED, MISTAKES, say, OTHERWISE)
+
+gaps = Exercise(
+    name="gaps",
+    statement="""
+    Write the function `find_gaps(messages)`. It is given what a bag holds of one topic, a list of pairs `(time_ns,
+    message)` in the order in which they were received, each `message` a `JointState`. It returns a list of what
+    happened, in the same order:
+
+    - `("gap", before, after)`, where a stamp is more than 0.1 s after the newest one so far;
+    - `("restart", before, after)`, where a stamp is more than 1 s before the newest one so far: the publisher was
+      started again, and the newest stamp begins anew.
+
+    `before` is the newest stamp so far and `after` that of the message, both in whole nanoseconds. A message that is a
+    little late, or as old as the newest one, says nothing. It never raises, and leaves the list as it is.
+    """,
+    judge=CASES.judge,
+    solution=(find_gaps,),
+    base=None,
+    parts=(),
+    hints=(
+        "Look at what each message is compared with: not with the one before it, which may have been late, but with "
+        "the newest stamp so far. And the bag's own times say nothing about when a message was made.",
+        "Keep the newest stamp in a variable, None before the first message. A stamp is whole nanoseconds: "
+        "Time.from_msg of rclpy.time makes them. Then there are three cases: far ahead, far back, and all others.",
+        "In the loop: with no newest one yet, newest = stamp. If stamp - newest > 100_000_000, append a gap; if newest "
+        "- stamp > 1_000_000_000, a restart; after either, newest = stamp. Else newest = max(newest, stamp).",
+    ),
+    notice="Notice that the bag's own times were not needed: a slow computer is no gap.",
+    imports=("from rclpy.time import Time",),
+)

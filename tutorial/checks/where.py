@@ -1,0 +1,354 @@
+"""The exercise `where`: from one frame to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from itertools import islice
+from math import acos, atan2, cos, radians, sin  # noqa: F401 - what some mistakes need
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import Quaternion, TransformStamped
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial.checks._answer import name_of
+from tutorial.checks._cases import Cases, blame, mistakes
+from tutorial.checks._diagnose import Misuse
+from tutorial.checks._watch import watch
+from tutorial.checks.exercise import Exercise
+
+__all__ = ["turned", "where", "where_is"]
+
+
+def turned(q: Quaternion, point: ArrayLike) -> NDArray[np.float64]:
+    """Turn a point about the origin."""
+    axis, point = np.array([q.x, q.y, q.z]), np.array(point, float)
+    return np.asarray(point + 2 * np.cross(axis, np.cross(axis, point) + q.w * point))
+
+
+def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayLike:
+    """Say where a point of the last frame is, seen from the first."""
+    for stamped in reversed(transforms):
+        t = stamped.transform.translation
+        point = turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z])
+    return point
+
+
+MISTAKES = mistakes("""
+the order is the wrong way round: the last transform knows the point's frame, so it comes first.
+    reversed( => list(
+
+only the last transform is used: each of them counts.
+    (transforms): => (transforms[-1:]):
+
+only the first transform is used: each of them counts.
+    (transforms): => (transforms[:1]):
+
+the last transform is left out: reversed(transforms) has all of them.
+    (transforms): => (transforms[:-1]):
+
+the first transform is left out: reversed(transforms) has all of them.
+    (transforms): => (transforms[1:]):
+
+a certain number of transforms is expected: go through all of them, in a loop.
+    transforms): => transforms[:2]): => transforms[-2:]): => transforms[:3]): => transforms[-3:]): => transforms[:4]):
+
+it goes the wrong way, from the parent into the child: turn by the rotation, then add.
+    turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) -
+    [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
+    reversed( => list( => reversed(
+
+the rotation is left out: turned(stamped.transform.rotation, point).
+    turned(stamped.transform.rotation, point) => np.array(point)
+
+it is turned the wrong way round: x, y, z of the quaternion stay as they are.
+    [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
+
+x is taken for w: in ROS the order is x, y, z, w, and only MuJoCo has w first.
+    [q.x, q.y, q.z] => [q.y, q.z, q.w]
+    q.w * point => q.x * point
+
+w is taken for x: in ROS the order is x, y, z, w, and only MuJoCo has w first.
+    [q.x, q.y, q.z] => [q.w, q.x, q.y]
+    q.w * point => q.z * point
+
+the axis is in reverse order: it is x, y, z.
+    [q.x, q.y, q.z] => [q.z, q.y, q.x]
+
+two numbers of the axis are exchanged: it is x, y, z.
+    [q.x, q.y, q.z] => [q.y, q.x, q.z] => [q.x, q.z, q.y]
+
+only the turn about z counts: a frame may be tilted as well.
+    [q.x, q.y, q.z] => [0.0, 0.0, q.z]
+
+only the turn about z counts: a frame may be tilted as well.
+    axis, point = => q = about(UP, atan2(a, b)) // axis, point =
+    q = => a, b = q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2 // q = => a, b = 2 * q.w * q.z, q.w**2 - q.z**2 // q =
+
+the 2 is missing: a point moves by twice the cross product.
+    2 * np.cross( => np.cross(
+
+the factors of a cross product are exchanged: the axis comes first in both.
+    np.cross(axis, point) => np.cross(point, axis)
+
+the factors of a cross product are exchanged: the axis comes first in both.
+    2 * np.cross( => -2 * np.cross(
+
+w is left out: the inner cross product and w times the point are added up.
+    + q.w * point => + 0
+
+the inner cross product is left out: it and w times the point are added up.
+    np.cross(axis, point) + => 0 +
+
+the point is missing in the turn: twice the cross product is only how far it moves.
+    point + 2 * => 2 *
+
+the translation is turned, and the point is not: the point is turned.
+    turned(stamped.transform.rotation, point) + => np.array(point) +
+    [t.x, t.y, t.z] => turned(stamped.transform.rotation, [t.x, t.y, t.z])
+
+w is taken for the angle: it is the cosine of its half.
+    axis, point = => q = about((q.x, q.y, q.z), q.w) // axis, point =
+
+half of the angle is taken for the whole: w is the cosine of half the angle.
+    axis, point = => q = about((q.x, q.y, q.z), acos(q.w)) // axis, point =
+
+the rotations are multiplied in the wrong order: the outer one times the inner one, outer * inner.
+    for stamped in => point, given = HERE, point // for stamped in
+    return point => return np.array(point) + one_by_one(transforms, given)
+
+the rotations are multiplied in the wrong order: the outer one times the inner one, outer * inner.
+    for stamped in => given, moved = point, 0.0 // for stamped in
+    t = stamped => moved = moved + one_by_one(transforms[: transforms.index(stamped)], place(stamped)) // t = stamped
+    return point => return one_by_one(transforms, given) + moved
+
+one rotation is used for all: each transform has its own.
+    stamped.transform.rotation => transforms[0].transform.rotation => transforms[-1].transform.rotation
+
+the translation is added before the turn, and so is turned with it: turn first.
+    turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) +
+
+the translation is left out: add it after the turn.
+    + np.array([t => + 0 * np.array([t
+
+the translation is taken off: it says where the child is in the parent, so add it.
+    + np.array([t => - np.array([t
+
+only x and y of the translation are added: z, too.
+    t.z => 0.0
+
+the translation is added twice.
+    + np.array([t => + 2 * np.array([t
+
+the translations are not added of all: each transform has its own.
+    + np.array([t => + (stamped is transforms[0]) * np.array([t
+
+the translation of the last transform alone is added: each has its own.
+    + np.array([t => + (stamped is transforms[-1]) * np.array([t
+
+one translation is used for all: each transform has its own.
+    t = stamped => t = transforms[0] => t = transforms[-1]
+
+the translations are added up, and not turned by the frames that they are in.
+    + np.array([t => + 0 * np.array([t
+    return point => return np.array(point) + sum(map(place, transforms), np.zeros(3))
+
+the point itself is left out, and where its frame begins is returned.
+    for stamped in => point = HERE // for stamped in
+
+the point is added at the end: it has to be turned by each rotation.
+    for stamped in => point, given = HERE, point // for stamped in
+    return point => return np.array(point) + given
+
+z of the point is left out.
+    for stamped in => point = point[0], point[1], 0.0 // for stamped in
+
+the result is rounded: return it as it is.
+    return point => return np.round(point, 1) => return np.round(point, 2) => return np.round(point, 3)
+
+the numbers stay whole, as the point's are: a place has fractions, so begin with np.array(point, float).
+    return point => return np.array(point, whole)
+    for stamped in => whole = np.array(point).dtype // for stamped in
+
+z, y, x is returned: the order is x, y, z.
+    return point => return point[::-1]
+""")
+HOW_MANY = "Most likely a certain number of transforms is expected: go through all of them, in a loop."
+NAMED = "Most likely a number of transforms is expected, or a frame's name: go through all of them, in a loop."
+NONE_GIVEN = "Most likely a first transform is taken for granted: with none the point is returned as it is."
+NONE_RETURNED = "Without transforms the point is returned as it is: give it back there, too."
+NO_RETURN = "Most likely return is missing: give the point back."
+NOT_THREE = "Return x, y and z: a list, a tuple or an array of three numbers."
+FIELDS = "Return the three numbers themselves, [p.x, p.y, p.z]: a message is no list."
+CHANGED = "Most likely an assignment, pop or reverse changes what was given: leave it as it is; reversed() copies."
+NOT_YOURS = "Most likely += or an assignment changes what was given: make an array of your own, np.array(point, float)."
+WHOLE = "Most likely an array of whole numbers is made, which takes no fractions: begin with np.array(point, float)."
+TILTED = "A turn about z is right, and one about another axis is not: compare with turned(q, point)."
+SEVERAL = (
+    "One transform alone is right. Compare what is done with several: from the last to the first, each turns the point "
+    "and then adds its translation."
+)
+OTHERWISE = {
+    "": "Compare with: from the last transform to the first, each turns the point and then adds its translation.",
+    "a quarter of a turn to the left": "To move is right, and to turn is not: compare with turned(q, point).",
+    "moved, and turned to the left": "Each alone, to move and to turn, is right: turn first, and then add.",
+    "its nose up": TILTED,
+    "rolled to its side": TILTED,
+    "about a slanting axis": "A turn about x, y or z is right, and one about all at once is not: the quaternion has it "
+    "in one, turned(q, point).",
+    "two transforms": SEVERAL,
+    "three transforms": SEVERAL,
+    "quaternions with all signs changed": "A rotation has two quaternions, q and -q: the sign of w alone says nothing.",
+    "five transforms": NAMED,
+    "a point of whole numbers": WHOLE,
+    "no transform": NONE_GIVEN,
+}
+
+Vector = tuple[float, float, float]
+Chain = Sequence[tuple[Vector, Vector, float]]  # of each the translation [m], and axis and angle of the rotation [deg]
+
+FRAMES = ("map", "odom", "Tank/base_link", "turret", "barrel", "tip")
+HERE = (0.0, 0.0, 0.0)
+UP, LEFT, AHEAD = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+SHOWN = 9  # numbers of an answer that are looked at
+INNER, TILT = ((0.5, 0.0, 0.2), UP, -45.0), ((0.5, 0.3, 0.2), LEFT, 290.0)
+OUTER = ((1.0, 0.2, 0.0), UP, 20.0), ((-1.0, 0.5, 0.1), UP, 30.0)
+LONG = (
+    *OUTER,
+    ((-0.04, 0.0, 0.1), UP, -60.0),
+    ((0.0, 0.1, 0.05), LEFT, -25.0),
+    ((0.4, 0.0, 0.02), (1.0, 1.0, 0.0), 70.0),
+)
+
+
+def about(axis: Sequence[float], angle: float) -> Quaternion:
+    """Make a rotation about an axis of any length, by an angle [rad]."""
+    x, y, z = (float(sin(angle / 2) * each / (np.linalg.norm(axis) or 1.0)) for each in axis)
+    return Quaternion(x=x, y=y, z=z, w=cos(angle / 2))
+
+
+def place(stamped: TransformStamped) -> NDArray[np.float64]:
+    """Return a translation [m], as some mistakes use it."""
+    t = stamped.transform.translation
+    return np.array([t.x, t.y, t.z])
+
+
+def one_by_one(transforms: Sequence[TransformStamped], point: ArrayLike) -> NDArray[np.float64]:
+    """Turn a point by the first rotation, then by the second, and so on, as some mistakes do."""
+    for stamped in transforms:
+        point = turned(stamped.transform.rotation, point)
+    return np.array(point)
+
+
+def messages(chain: Chain) -> Iterator[TransformStamped]:
+    """Make the messages of a chain; five begin in another frame than fewer."""
+    frames = FRAMES if len(chain) == 5 else FRAMES[1:]
+    for (xyz, axis, angle), parent, child in zip(chain, frames, frames[1:]):
+        stamped = TransformStamped(child_frame_id=child)
+        stamped.header.frame_id, stamped.transform.rotation = parent, about(axis, radians(angle))
+        t = stamped.transform.translation
+        t.x, t.y, t.z = xyz
+        yield stamped
+
+
+def tried(
+    chain: Chain, point: Sequence[float], kind: Callable[[Any], Any] = tuple, crash: str = ""
+) -> Callable[[Any], list[float]]:
+    """Observe the numbers that are returned.
+
+    Args:
+        chain: the transforms.
+        point: in the innermost frame [m].
+        kind: what the point is given as.
+        crash: the cause to name when something is raised; "" for what is known of it in general.
+    """
+    kinds = (LookupError, TypeError, ValueError, AttributeError) if crash else ()
+
+    def case(answer: Any) -> list[float]:
+        transforms, given = list(messages(chain)), kind(point)
+        with watch.call(name_of(answer)):
+            with blame(crash, *kinds):
+                returned = answer(transforms, given)
+            if returned is None:
+                raise Misuse("it returns None", NO_RETURN if chain else NONE_RETURNED)
+            numbers = three(returned)
+            if transforms != list(messages(chain)):
+                raise Misuse("the transforms are not the same afterwards", CHANGED)
+            if list(given) != list(point):
+                raise Misuse("the point that was given is not the same afterwards", NOT_YOURS)
+        return numbers
+
+    return case
+
+
+def three(returned: Any) -> list[float]:
+    """Return the three numbers that an answer has returned.
+
+    Raises:
+        Misuse: it is something else.
+    """
+    text = f"it returns a {type(returned).__name__}"
+    if isinstance(returned, (str, bytes, dict, set)) or not hasattr(returned, "__len__"):
+        fields = all(hasattr(returned, name) for name in "xyz") or hasattr(returned, "point")
+        raise Misuse(text, FIELDS if fields else NOT_THREE)
+    with suppress(TypeError, ValueError):
+        numbers = [float(each) for each in islice(returned, SHOWN)]
+        if len(numbers) == 3:
+            return numbers
+    raise Misuse(f"{text} of {len(returned)}", NOT_THREE)
+
+
+TRIED = {
+    "a frame that is only moved": tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
+    "a quarter of a turn to the left": tried([(HERE, UP, 90.0)], (0.3, 0.1, 0.0)),
+    "moved, and turned to the left": tried([((2.0, 1.0, 0.1), UP, 90.0)], (0.3, 0.0, 0.2)),
+    "its nose up": tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)),
+    "rolled to its side": tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)),
+    "about a slanting axis": tried([((0.25, -1.0, 0.1), (1.0, -2.0, 0.5), 110.0)], (0.3, 0.2, -0.1)),
+    "two transforms": tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0), crash=HOW_MANY),
+    "three transforms": tried(LONG[1:4], (0.3, 0.0, 0.0), crash=HOW_MANY),
+    "the innermost origin": tried([((2.0, 1.0, 0.1), UP, 120.0), ((0.5, 0.3, 0.2), AHEAD, 40.0)], HERE),
+    "quaternions with all signs changed": tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
+    "five transforms": tried(LONG, (0.3, 0.1, -0.2), crash=NAMED),
+    "a point of whole numbers": tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2), crash=WHOLE),
+    "a point that is an array": tried(LONG[2:], (0.3, 0.1, -0.2), np.array),
+    "a point that is a list": tried(LONG[3:], (0.1, 0.2, 0.3), list),
+    "no transform": tried([], (1.0, 2.0, 3.0), crash=NONE_GIVEN),
+}
+
+
+def say(numbers: Sequence[float]) -> str:
+    """Put a place [m] into words."""
+    return ", ".join(f"{number:z.3f}" for number in numbers)
+
+
+CASES = Cases(where_is, TRIED, MISTAKES, say, OTHERWISE, beside=(turned,))
+
+where = Exercise(
+    name="where",
+    statement="""
+    Write the function `where_is(transforms, point)`. It returns x, y and z of a point [m], seen from the outermost
+    frame.
+
+    - `transforms` is a list of `TransformStamped`, from the outside to the inside: the parent of the first one is the
+      outermost frame, and the child of each is the parent of the next.
+    - `point` is x, y, z in the child of the last one: a tuple, a list or an array, of whole numbers or others. Without
+      transforms it is returned as it is.
+    - It works with any number of transforms and with any rotation, and leaves the list, the messages and the point as
+      they are.
+    """,
+    judge=CASES.judge,
+    solution=(where_is,),
+    base=None,
+    parts=(),
+    hints=(
+        "Look at the frame that the point is in: only one of the transforms knows that frame, the last one. What does "
+        "it make of the point, and which frame is it in then?",
+        "Go through the transforms from the last to the first. Each turns the point by its rotation, with turned, and "
+        "then adds its translation; what comes out is given to the one before.",
+        "for stamped in reversed(transforms): t = stamped.transform.translation, and point becomes "
+        "turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). In the end the point is returned.",
+    ),
+    notice="Notice that it goes from frame to frame, however many there are: tf2 composes them in just this way.",
+)
