@@ -19,7 +19,7 @@ from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, watch
 
-__all__ = ["Cases", "Mistake", "Raised", "blame", "call", "mistakes", "same"]
+__all__ = ["Cases", "blame", "call", "mistakes"]
 
 TOLERANCE = 1e-4
 MOST = 2  # mistakes at once; three of them look like too much else
@@ -54,7 +54,7 @@ class Mistake:
 
 @dataclass(frozen=True)
 class Raised:
-    """What is observed of an answer that raises; of a `Misuse` its cause, too."""
+    """The observation that an answer raised. A `Misuse` has a cause, too."""
 
     kind: type[BaseException]
     cause: str = ""
@@ -69,9 +69,9 @@ def mistakes(table: str) -> tuple[Mistake, ...]:
     """Read mistakes, the root causes first.
 
     Args:
-        table: of each its cause, from the margin on, and below it, indented, ``what => what instead`` for each of its
-            edits. A `` // `` within an edit begins a line, as far in as the one that is changed. After each
-            further ``=>`` comes what instead in another mistake of the same cause.
+        table: one block for each mistake. Its cause stands at the margin. Below it stand its edits, indented, one a
+            line: ``what => what instead``. A `` // `` in an edit begins a new line, indented as the changed one.
+            ``what => this => that`` makes two mistakes with the same cause.
     """
     blocks = re.findall(r"((?:^\S.*\n)+)((?:^ .*\n)+)", inspect.cleandoc(table) + "\n", re.MULTILINE)
     return tuple(

@@ -121,16 +121,7 @@ all axes are scaled down when one is beyond 1 or -1: limit that one alone.
     return [ => axes = [each / max([1.0, *map(abs, filter(isfinite, axes))]) for each in axes] // return [
 
 min and max are not where they belong: max(axis, -1.0) lifts what is below -1, min(axis, 1.0) lowers what is above 1.
-    min(max(axis, -1.0), 1.0) => max(axis, 1.0)
-
-min and max are not where they belong: max(axis, -1.0) lifts what is below -1, min(axis, 1.0) lowers what is above 1.
-    min(max(axis, -1.0), 1.0) => min(axis, -1.0)
-
-min and max are not where they belong: max(axis, -1.0) lifts what is below -1, min(axis, 1.0) lowers what is above 1.
-    min(max(axis, -1.0), 1.0) => 1.0
-
-min and max are not where they belong: max(axis, -1.0) lifts what is below -1, min(axis, 1.0) lowers what is above 1.
-    min(max(axis, -1.0), 1.0) => -1.0
+    min(max(axis, -1.0), 1.0) => max(axis, 1.0) => min(axis, -1.0) => 1.0 => -1.0
 
 the axes are not read at all.
     return [ => axes = [0.0] * 4 // return [
@@ -148,10 +139,7 @@ the sign is turned round: an axis counts as it is.
     return [ => axes = [-each for each in axes] // return [
 
 axes are rounded to whole numbers: they count as they are.
-    min(max(axis, -1.0), 1.0) => int(min(max(axis, -1.0), 1.0))
-
-axes are rounded to whole numbers: they count as they are.
-    min(max(axis, -1.0), 1.0) => round(min(max(axis, -1.0), 1.0))
+    min(max(axis, -1.0), 1.0) => int(min(max(axis, -1.0), 1.0)) => round(min(max(axis, -1.0), 1.0))
 
 only one number is returned: return stands within the loop, and belongs behind it.
     return [ => axes = axes[:1] // return [

@@ -81,10 +81,7 @@ names that the body does not have are kept: leave them out, if name in joint_nam
     name in joint_names => True
 
 a name is looked up that the body does not have: ask first, if name in joint_names.
-    name in joint_names => list(joint_names).index(name) >= 0
-
-a name is looked up that the body does not have: ask first, if name in joint_names.
-    name in joint_names => dict(zip(joint_names, joint_names))[name]
+    name in joint_names => list(joint_names).index(name) >= 0 => dict(zip(joint_names, joint_names))[name]
 
 the loop ends at an unknown name: leave out only that one and go on, continue.
     zip(message.name, => zip(takewhile(joint_names.__contains__, message.name),
@@ -105,10 +102,7 @@ blanks around a name are cut off: it is another name then.
     message.name, => map(str.strip, message.name),
 
 a part of a name is enough, as in `in` between two texts: it has to be the whole name.
-    name in joint_names => any(name in joint for joint in joint_names)
-
-a part of a name is enough, as in `in` between two texts: it has to be the whole name.
-    name in joint_names => any(joint in name for joint in joint_names)
+    name in joint_names => any(name in joint for joint in joint_names) => any(joint in name for joint in joint_names)
 
 the joints' names are typed: those of the body are in joint_names.
     name in joint_names => name in ("TURRET_Y", "TURRET_P", "HATCH")

@@ -110,10 +110,7 @@ the limit of a gap is far too small: 0.1 s is 100_000_000 ns.
     stamp - newest > 100_000_000 => stamp - newest > 0
 
 the limit of a gap is too large: it is 0.1 s, which is 100_000_000 ns.
-    stamp - newest > 100_000_000 => stamp - newest > 200_000_000
-
-the limit of a gap is too large: it is 0.1 s, which is 100_000_000 ns.
-    stamp - newest > 100_000_000 => stamp - newest > 500_000_000
+    stamp - newest > 100_000_000 => stamp - newest > 200_000_000 => stamp - newest > 500_000_000
 
 a gap of over 1 s does not count: however long, it is one.
     stamp - newest > 100_000_000 => 100_000_000 < stamp - newest <= 1_000_000_000
@@ -205,10 +202,7 @@ the stamps are told in microseconds: they are asked for in nanoseconds.
     newest, stamp)) => newest//1_000, stamp//1_000))
 
 the stamps are told in milliseconds: they are asked for in nanoseconds.
-    newest, stamp)) => newest / 1e6, stamp / 1e6))
-
-the stamps are told in milliseconds: they are asked for in nanoseconds.
-    newest, stamp)) => newest//1_000_000, stamp//1_000_000))
+    newest, stamp)) => newest / 1e6, stamp / 1e6)) => newest//1_000_000, stamp//1_000_000))
 
 the two stamps are exchanged: the one before comes first, then the one after.
     newest, stamp)) => stamp, newest))
