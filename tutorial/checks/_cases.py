@@ -147,12 +147,17 @@ class Cases:
 
         Of an answer that raises in the first case, or was tried in few of them, two at once would only be guessed.
         """
-        tried = list(seen.values())
-        most = 1 if isinstance(tried[0], Raised) or 2 * len(tried) < len(self.cases) else MOST
+        raises = isinstance(next(iter(seen.values())), Raised)
+        most = 1 if raises or 2 * len(seen) < len(self.cases) else MOST
+        odd, *others = sorted(seen, key=lambda label: same(seen[label], self.expected[label]))
+        alone = {each: observed(self.cases[odd], self.mistaken(each)) for each in self.mistakes}
+        shows = {each: not same(alone[each], self.expected[odd]) for each in self.mistakes}
         for count in range(1, most + 1):
             for chosen in combinations(self.mistakes, count):
+                if not all(shows[each] for each in chosen) and not any(same(alone[each], seen[odd]) for each in chosen):
+                    continue  # what does not show by itself is taken to change nothing
                 twin = self.mistaken(*chosen)
-                if twin is not None and all(same(observed(self.cases[label], twin), seen[label]) for label in seen):
+                if twin and all(same(observed(self.cases[label], twin), seen[label]) for label in (odd, *others)):
                     return chosen
         return ()
 
