@@ -8,14 +8,14 @@ from itertools import pairwise
 from string import Template
 from typing import Any
 
-from tutorial.checks._cases import Case, Mistake, mistakes
+from tutorial.checks._cases import Case, Mistake, mistakes, same
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._node import WatchedPublisher
 from tutorial.checks._rig import Rig, Sent
 from tutorial.checks._watch import Failure, watch
 from tutorial.checks._world import World
 
-__all__ = ["NOTHING", "Publishing", "say"]
+__all__ = ["NOTHING", "Publishing", "Told", "say", "stamps_of"]
 
 SECOND = 1_000_000_000  # [ns]
 NOTHING = "no message"
@@ -124,6 +124,23 @@ that was asked for.
 """
 
 
+@dataclass(frozen=True, eq=False)
+class Told:
+    """What is observed, in words: as much of it as fits a line. Two are equal if all that was observed is."""
+
+    text: str
+    data: Any
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Told) and same(self.data, other.data)
+
+    def __hash__(self) -> int:
+        return 0
+
+    def __str__(self) -> str:
+        return self.text
+
+
 @dataclass(frozen=True)
 class Publishing:
     """An exercise whose controller publishes at a rate.
@@ -133,7 +150,7 @@ class Publishing:
         topic: without the body's name.
         hz: how often they are to be sent in a simulated second.
         scene: makes a rig, given an answer and options of `Rig`.
-        content: puts into words what the messages of a rig hold: a text, or a text and numbers.
+        content: puts into words what the messages of a rig hold: a text, or `Told`.
         words: what the solution and the lesson call things: ``steps`` is the attribute that has the steps from message
             to message, ``time`` the stamp [ns]; ``lesson`` the controller of the lesson and ``lesson_hz`` its rate.
     """
@@ -184,26 +201,22 @@ class Publishing:
 
     def rate(self, ms: int) -> Case:
         """Observe how often a message is sent, with steps of so many milliseconds."""
-        exact, seconds = 1000 / (self.hz * ms), 4.3 / self.hz  # steps from message to message
+        return lambda answer: self.often(self.play(answer, 4.3 / self.hz, ms))
 
-        def observe(answer: type) -> Any:
-            rig = self.play(answer, seconds, ms)
-            steps = [each.step for each in self.messages(rig)]
-            if len(steps) < 2 and rig.has_threads:
-                raise Failure(
-                    "control", Misuse("messages come from a thread of its own", THREAD), watch.noted.get("thread")
-                )
-            if len(steps) < 2:
-                return f"{len(steps) or 'no'} message in {seconds:.2g} s"
-            periods = [b - a for a, b in pairwise(steps)]
-            late = (abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
-            is_near = len(steps) > 3 and steps[0] <= exact + 1 and all(abs(each - exact) <= 1 for each in periods)
-            if is_near and (max(late) <= 1 or set(periods) == {round(exact)}):
-                return f"{self.hz} times per simulated second"
-            often = len(periods) * 1000 / (sum(periods) * ms or 1)
-            return f"{often:.3g} times per simulated second", periods
-
-        return observe
+    def often(self, rig: Rig) -> Any:
+        """Put into words how often a message was sent; beside it stands the number of steps from each to the next."""
+        time_step, steps = rig.io.time_step, [each.step for each in self.messages(rig)]
+        if len(steps) < 2 and rig.has_threads:
+            misuse = Misuse("messages come from a thread of its own", THREAD)
+            raise Failure("control", misuse, watch.noted.get("thread"))
+        if len(steps) < 2:
+            return f"{len(steps) or 'no'} message in {rig.io.time:.2g} s"
+        exact, periods = 1 / (self.hz * time_step), [b - a for a, b in pairwise(steps)]
+        late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
+        is_near = len(steps) > 3 and steps[0] <= exact + 1 and all(abs(each - exact) <= 1 for each in periods)
+        if is_near and (late <= 1 or set(periods) == {round(exact)}):
+            return f"{self.hz} times per simulated second"
+        return Told(f"{len(periods) / (sum(periods) * time_step or 1):.3g} times per simulated second", periods)
 
     def stamps(self, answer: type) -> Any:
         """Observe the stamps, with steps of 6 ms."""
@@ -227,11 +240,11 @@ class Publishing:
         rover.start()
         lift.start()
         for _ in range(3):
-            rover.advance(130 // self.hz)
-            lift.advance(80 // self.hz)
+            rover.advance(160 // self.hz)
+            lift.advance(100 // self.hz)
         rover.stop()
         lift.stop()
-        return [self.content(rover), self.content(lift)]
+        return [look(rig) for rig in (rover, lift) for look in (self.often, self.content)]
 
     def left(self, answer: type) -> str:
         """Observe what is left after `unconfigure`."""
@@ -243,9 +256,9 @@ class Publishing:
         with World(answer, name="Rover", time_step=0.002) as world:
             prepare(world)
             world.advance(550 // self.hz)
-            sent = [each for made in world.ros.node.watched(WatchedPublisher) for each in made.sent]
             world.leave()
-            left = [made for made in world.ros.node.watched(WatchedPublisher) if not made.destroyed]
+            made = world.ros.node.watched(WatchedPublisher)
+            sent, left = [each for one in made for each in one.sent], [one for one in made if not one.destroyed]
             return f"{'messages are' if sent else 'nothing is'} sent, and {len(left) or 'nothing'} left in the end"
 
 
@@ -258,11 +271,11 @@ def stamps_of(pairs: Iterable[tuple[int, int]]) -> Any:
     if min(odd)[0] > WALL_CLOCK:
         return "the wall clock's time"
     stamp, time = odd[0]
-    return f"{stamp / 1e9:g} s at {time / 1e9:g} s", [stamp for stamp, _ in both]
+    return Told(f"{stamp / 1e9:g} s at {time / 1e9:g} s", [stamp for stamp, _ in both])
 
 
 def say(seen: Any) -> str:
     """Put what is observed into words."""
     if isinstance(seen, list):
         return "; ".join(map(say, seen))
-    return str(seen[0] if isinstance(seen, tuple) else seen)
+    return str(seen)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
@@ -19,13 +20,14 @@ from rclpy.logging import get_logger
 
 from tutorial.body import Body
 from tutorial.checks._answer import missing
+from tutorial.checks._cases import call
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._watch import Failure
 from tutorial.checks._world import MODELS, Watched
 from tutorial.controller import ControllerConfig, ControllerIO
 from tutorial.world import Placement, compose
 
-__all__ = ["Endpoint", "MemoryNode", "Rig", "Sent"]
+__all__ = ["Endpoint", "MemoryNode", "Rig", "Sent", "elsewhere"]
 
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
@@ -247,6 +249,16 @@ class Rig:
         if threading.current_thread() is not self._thread:
             step = round(stamp_ns / 1e9 / self.io.time_step)
         self.sent.append(Sent(publisher.topic, step, stamp_ns, self._keep(message)))
+
+
+def elsewhere(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call what the learner wrote on another thread, and wait for it.
+
+    Raises:
+        Failure: it raised.
+    """
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(call, function, *arguments).result()
 
 
 @cache

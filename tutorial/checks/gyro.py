@@ -13,7 +13,7 @@ from rclpy.time import Time
 from sensor_msgs.msg import Imu
 
 from tutorial.checks._cases import Cases
-from tutorial.checks._publishing import NOTHING, Publishing, say
+from tutorial.checks._publishing import NOTHING, Publishing, Told, say
 from tutorial.checks._rig import Rig
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
@@ -285,7 +285,8 @@ def means(rig: Rig) -> Any:
     odd = [i for i, mean in enumerate(wanted) if not np.allclose(seen[i], mean)]
     if not odd:
         return "the means of what was measured" if seen else NOTHING
-    return f"message {odd[0] + 1} has {numbers(seen[odd[0]])}, and the mean is {numbers(wanted[odd[0]])}", seen
+    i = odd[0]
+    return Told(f"message {i + 1} has {numbers(seen[i])}, and the mean is {numbers(wanted[i])}", seen)
 
 
 def numbers(velocity: Any) -> str:
