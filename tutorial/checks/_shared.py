@@ -38,7 +38,7 @@ class SharedState:
         name = self.changed()
         if not name:
             return otherwise
-        if not isinstance(self._answer, type):
+        if not isinstance(self._answer, type) or name.startswith(_DEFAULT):
             return f"Most likely {name} is kept from call to call: make what the call needs anew, within it."
         return (
             f"Most likely {name} is shared by all objects of the class: keep in each what is its own, "
@@ -47,6 +47,7 @@ class SharedState:
 
 
 _NEW = object()
+_DEFAULT = "the default of the argument "
 
 
 def _values(answer: Any) -> Iterator[tuple[str, object]]:
@@ -62,7 +63,7 @@ def _values(answer: Any) -> Iterator[tuple[str, object]]:
             continue
         code, defaults = function.__code__, function.__defaults__ or ()
         for value, name in zip(defaults, code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount]):
-            yield f"the default of the argument {name}", _comparable(value)
+            yield _DEFAULT + name, _comparable(value)
         for name in function.__code__.co_names:
             value = function.__globals__.get(name)
             if not isinstance(value, type) and not inspect.isroutine(value) and not inspect.ismodule(value):

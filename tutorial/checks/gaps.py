@@ -188,10 +188,6 @@ gaps and restarts are told apart: keep the bag's order.
 the loop ends before the last message: zip, or enumerate, needs no - 1.
     in messages: => in messages[:-1]:
 
-the list is kept from call to call: make a new one in every call, and not as a default argument.
-    JointState]]) -> => JointState]], found: list = []) ->
-    found = [] => found
-
 a bag without a message is not expected: return an empty list.
     newest = None => newest = stamps_of(messages)[0]
 
