@@ -36,9 +36,6 @@ class SumsOfThirds(GrayPublisher):
         message.data = (pixels / 3).sum(axis=2).astype(np.uint8).ravel().tolist()
         self.publisher.publish(message)
 
-    def unconfigure(self):
-        self.publisher.destroy()
-
 
 class OnAWorker(GrayPublisher):
     """Has a thread publish what is delivered, which it joins in stop; rounds, and begins late."""
@@ -141,8 +138,8 @@ class NoMiddle(GrayPublisher):
 @pytest.mark.parametrize(
     ("answer", "cause"),
     [
-        (NeverCaptures, "capture is never called"),
-        (NeverPublishes, "does not publish"),
+        (NeverCaptures, "Compare with self.camera.capture"),
+        (NeverPublishes, "In publish, self.publisher.publish"),
         (AtOnce, "give it without parentheses, self.publish"),
         (ByTheClock, "the computer's clock is asked"),
         (StepsOfTheClass, "StepsOfTheClass.kept is shared by all objects"),

@@ -16,7 +16,7 @@ from tutorial.checks.gyro import GyroPublisher, gyro
 
 
 class CountsItsSteps(GyroPublisher):
-    """Adds up, sends one message again and again, in its sensor's frame, and has the publisher destroy itself."""
+    """Adds up, sends one message again and again in its sensor's frame."""
 
     def initialize(self, io):
         self.io, self.sensor, self.message = io, io.body.sensor("GYRO"), Imu()
@@ -33,9 +33,6 @@ class CountsItsSteps(GyroPublisher):
             self.message.header.stamp = Time(seconds=self.io.time).to_msg()
             self.publisher.publish(self.message)
             self.sum, self.count = np.zeros(3), 0
-
-    def unconfigure(self):
-        self.publisher.destroy()
 
 
 class AtATime(GyroPublisher):
@@ -158,7 +155,7 @@ class RaisesInTheEnd(GyroPublisher):
         (ByTheClock, "the computer's clock is asked"),
         (OnItsOwnThread, "a thread of its own publishes"),
         (OnTheClass, "OnTheClass.kept is shared by all objects"),
-        (NothingIsDue, "Compare with io.step % steps_per_message == 0"),
+        (NothingIsDue, "nothing is published: look at the condition"),
         (AnotherFrame, "Compare with message.header.frame_id"),
         (RaisesInTheEnd, "read before anything has set it"),
     ],

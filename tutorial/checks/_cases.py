@@ -71,9 +71,10 @@ def mistakes(table: str) -> tuple[Mistake, ...]:
     Args:
         table: one block for each mistake. Its cause stands at the margin. Below it stand its edits, indented, one a
             line: ``what => what instead``. A `` // `` in an edit begins a new line, indented as the changed one.
-            ``what => this => that`` makes two mistakes with the same cause.
+            ``what => this => that`` makes two mistakes with the same cause; the next line may go on with ``=>``.
     """
-    blocks = re.findall(r"((?:^\S.*\n)+)((?:^ .*\n)+)", inspect.cleandoc(table) + "\n", re.MULTILINE)
+    lines = re.sub(r"\n +=>", " =>", inspect.cleandoc(table)) + "\n"
+    blocks = re.findall(r"((?:^\S.*\n)+)((?:^ .*\n)+)", lines, re.MULTILINE)
     return tuple(
         Mistake(" ".join(cause.split()), chosen)
         for cause, edits in blocks

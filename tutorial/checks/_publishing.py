@@ -2,117 +2,89 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from contextlib import closing
 from dataclasses import dataclass
 from itertools import pairwise
 from string import Template
 from typing import Any
 
-from tutorial.checks._cases import Case, Mistake, mistakes, same
+from tutorial.checks._cases import Case, Cases, mistakes, same
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._node import WatchedPublisher
-from tutorial.checks._rig import Rig, Sent
+from tutorial.checks._node import CheckThread, WatchedPublisher
+from tutorial.checks._rig import THREAD, Rig, Sent
 from tutorial.checks._watch import Failure, watch
-from tutorial.checks._world import World
 
-__all__ = ["NOTHING", "Publishing", "Told", "say", "stamps_of"]
+__all__ = ["Publishing", "Told", "told_stamps"]
 
-SECOND = 1_000_000_000  # [ns]
 NOTHING = "no message"
-WALL_CLOCK = 1_000_000_000 * SECOND  # [ns]; no simulated time is so late, nor an exchanged stamp
-
-THREAD = (
-    "Most likely a thread of its own publishes: it goes by the wall clock, and the simulated body belongs to the "
-    "simulation's thread. Publish in control, and count steps."
-)
-
-TOPIC = """
-the body's name is written into the topic: take it from config.body.name.
-    {config.body.name}/$topic => Tank/$topic
-
-the body's name is written into the topic: take it from config.body.name.
-    f"{config.body.name}/$topic" => "/Tank/$topic"
-
-the body's name is left out of the topic: it is f"{config.body.name}/$topic".
-    {config.body.name}/$topic => $topic
-
+SLASH = """
 the topic begins with a slash, so the node's namespace is left out: it is f"{config.body.name}/$topic".
     f"{config.body.name}/$topic" => f"/{config.body.name}/$topic"
+"""
+
+FIRST = """
+the body's name is written into the topic: take it from config.body.name.
+    {config.body.name}/ => Tank/ => /Tank/
+
+the body's name is left out of the topic: it is f"{config.body.name}/$topic".
+    {config.body.name}/ =>
 
 the publisher is made at every start, and only the last one destroyed: make it once, in configure.
     self.publisher = self.node.create_publisher($kind, => self.arguments = (
     self.io = io => self.io = io // self.publisher = self.node.create_publisher($kind, *self.arguments)
-"""
 
-RATE = """
 control publishes at every step: do so only when io.step % $steps == 0.
-    if self.io.step % self.$steps == 0: => if True:
+    self.io.step % self.$steps == 0 => True
 
 the condition is turned round: publish when io.step % $steps == 0, and not otherwise.
-    if self.io.step % self.$steps == 0: => if self.io.step % self.$steps:
+    self.io.step % self.$steps == 0 => self.io.step % self.$steps
 
-that is the rate of $lesson; here it is $hz Hz.
-    round(1 / ($hz * io.time_step)) => round(1 / ($lesson_hz * io.time_step))
+the rate is another, as that of the lesson; here it is $hz Hz.
+    ($hz * io.time_step) => (2 * $hz * io.time_step) => ($hz / 2 * io.time_step)
 
 the rate, $hz in a second, is taken for the number of steps: that is round(1 / ($hz * io.time_step)).
     round(1 / ($hz * io.time_step)) => $hz
 
 the count is off by one: from one message to the next there are round(1 / ($hz * io.time_step)) steps.
-    round(1 / ($hz * io.time_step)) => round(1 / ($hz * io.time_step)) + 1
-
-the count is off by one: from one message to the next there are round(1 / ($hz * io.time_step)) steps.
-    round(1 / ($hz * io.time_step)) => round(1 / ($hz * io.time_step)) - 1
+    * io.time_step)) => * io.time_step)) + 1 => * io.time_step)) - 1
 
 the number of steps is written down for 1 ms: compute it from io.time_step.
-    round(1 / ($hz * io.time_step)) => $typed
+    * io.time_step => * 0.001
 
 the number of steps is cut off, which is one too few where round(1 / ($hz * io.time_step)) is the nearest.
-    round(1 / ($hz * io.time_step)) => int(1 / ($hz * io.time_step))
+    round(1 / ( => int(1 / ( => int(1//(
 
 a message waits until the whole time has passed, one step too many where round(1 / ($hz * io.time_step)) is the nearest.
-    round(1 / ($hz * io.time_step)) => -int(-1 / ($hz * io.time_step)//1)
+    round(1 / => round(0.4999 + 1 /
 
-the time has to be a multiple of $period_ms ms, which few steps meet if they are of 3 ms: count steps, io.step % $steps.
-    self.io.step % self.$steps == 0 => self.io.time_ns % ($period_ms * 1_000_000) == 0
+the time has to be a multiple of $ms ms, which few steps meet if they are of 3 ms: count steps, io.step % $steps.
+    self.io.step % self.$steps == 0 => self.io.time_ns % ($ms * 1_000_000) == 0 => self.io.time % ($ms / 1000) == 0
 """
 
-STAMPS = """
-the stamp is left out: message.header.stamp = Time(nanoseconds=$time).to_msg().
-    message.header.stamp = Time(nanoseconds=$time).to_msg() => pass
+LAST = """
+the stamp is left out, or set only once: message.header.stamp = Time(nanoseconds=$time).to_msg(), for every message.
+    message.header.stamp = Time(nanoseconds=$time) => stamp = Time(nanoseconds=$time)
+    => message.header.stamp = Time(nanoseconds=self.__dict__.setdefault("kept_ns", $time))
 
 that is the wall clock's time: take the simulation's, self.io.time_ns.
     Time(nanoseconds=$time) => self.node.get_clock().now()
 
-only whole seconds are set, and nanosec stays 0: Time(nanoseconds=$time).to_msg() sets both.
-    Time(nanoseconds=$time) => Time(nanoseconds=$time - $time % 1_000_000_000)
+only sec or only nanosec is set, or they are exchanged: Time(nanoseconds=$time).to_msg() sets both.
+    Time(nanoseconds=$time) => Time(nanoseconds=$time//10**9 * 10**9) => Time(nanoseconds=$time % 10**9)
+    => Time(nanoseconds=$time % 10**9 * 10**9 + $time//10**9)
 
-only nanosec is set, and sec stays 0: Time(nanoseconds=$time).to_msg() sets both.
-    Time(nanoseconds=$time) => Time(nanoseconds=$time % 1_000_000_000)
+the unit is wrong: the stamp is made of nanoseconds, Time(nanoseconds=$time).to_msg().
+    Time(nanoseconds=$time) => Time(nanoseconds=$time//1_000) => Time(nanoseconds=$time//1_000_000)
+    => Time(nanoseconds=$time//10**9)
 
-sec and nanosec are exchanged: Time(nanoseconds=$time).to_msg() sets both.
-    Time(nanoseconds=$time) => Time(nanoseconds=$time % 1_000_000_000 * 1_000_000_000 + int($time / 1e9))
+the messages or steps are counted for the stamp, as if each took as long: take self.io.time_ns.
+    Time(nanoseconds=$time) => Time(nanoseconds=self.io.step * 1_000_000)
+    => Time(nanoseconds=self.io.step//self.$steps * $ms * 1_000_000)
 
-the unit is wrong, microseconds for nanoseconds: message.header.stamp = Time(nanoseconds=$time).to_msg().
-    Time(nanoseconds=$time) => Time(nanoseconds=int($time / 1e3))
-
-the unit is wrong, milliseconds for nanoseconds: message.header.stamp = Time(nanoseconds=$time).to_msg().
-    Time(nanoseconds=$time) => Time(nanoseconds=int($time / 1e6))
-
-the unit is wrong, seconds for nanoseconds: message.header.stamp = Time(nanoseconds=$time).to_msg().
-    Time(nanoseconds=$time) => Time(nanoseconds=int($time / 1e9))
-
-the stamp is set once and kept: take the time anew for every message.
-    Time(nanoseconds=$time) => Time(nanoseconds=self.__dict__.setdefault("kept_ns", $time))
-
-the messages are counted for the stamp: from one to the next it is not always $period_ms ms, so take self.io.time_ns.
-    self.io = io => self.io = io // self.numbers = iter(range(9_999))
-    self.io.time_ns => $period_ms * 1_000_000 * next(self.numbers)
-"""
-
-LEAVING = """
-unconfigure is missing, or does not call self.node.destroy_publisher(self.publisher): a flag or None does not destroy
-the publisher.
-    self.node.destroy_publisher(self.publisher) => pass
+unconfigure is missing, or does not call self.node.destroy_publisher(self.publisher): a flag, None or
+self.publisher.destroy() do not tell the node.
+    self.node.destroy_publisher(self.publisher) => pass => self.publisher.destroy()
 
 config.node belongs to the whole program: unconfigure destroys only the publisher,
 self.node.destroy_publisher(self.publisher).
@@ -134,11 +106,13 @@ class Told:
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Told) and same(self.data, other.data)
 
-    def __hash__(self) -> int:
-        return 0
+    __hash__ = None  # type: ignore[assignment]
 
     def __str__(self) -> str:
         return self.text
+
+
+Look = Callable[[Any, list[Sent]], Any]
 
 
 @dataclass(frozen=True)
@@ -150,30 +124,69 @@ class Publishing:
         topic: without the body's name.
         hz: how often they are to be sent in a simulated second.
         scene: makes a rig, given an answer and options of `Rig`.
-        content: puts into words what the messages of a rig hold: a text, or `Told`.
-        words: what the solution and the lesson call things: ``steps`` is the attribute that has the steps from message
-            to message, ``time`` the stamp [ns]; ``lesson`` the controller of the lesson and ``lesson_hz`` its rate.
+        content: puts into words what messages hold, given the rig and what was sent.
+        steps: the solution's attribute that has the steps from message to message.
+        time: what the solution stamps a message with [ns].
+        namespaces: whether the topic has to be in the node's namespace.
     """
 
     kind: type
     topic: str
     hz: int
     scene: Callable[..., Any]
-    content: Callable[[Any], Any]
-    words: Mapping[str, object]
+    content: Look
+    steps: str = "steps_per_message"
+    time: str = "self.io.time_ns"
+    namespaces: bool = True
 
-    def mistakes(self, own: str) -> tuple[Mistake, ...]:
-        """Read the mistakes of the exercise, those of all such exercises about them."""
-        known = {"kind": self.kind.__name__, "topic": self.topic, "hz": self.hz, "typed": 1000 // self.hz}
-        table = Template(TOPIC + RATE + own + STAMPS + LEAVING)
-        return mistakes(table.substitute(known, period_ms=1000 // self.hz, **self.words))
+    def cases(
+        self,
+        solution: type,
+        own: Mapping[str, Case],
+        table: str,
+        otherwise: Mapping[str, str],
+        crash: str = "",
+    ) -> Cases:
+        """Put together what is tried and known of all such exercises, and of this one."""
+        steps = (
+            f"Most likely the period is another: from one message to the next there are round(1 / ({self.hz} * "
+            f"io.time_step)) steps, and io.step % {self.steps} == 0 says when."
+        )
+        topic, stamp = f'f"{{config.body.name}}/{self.topic}"', f"Time(nanoseconds={self.time}).to_msg()"
+        restart = "Most likely something of the run before is kept: initialize is called at every start."
+        expected = {
+            "on the body Rover": f"Compare with config.node.create_publisher({self.kind.__name__}, {topic}, 1).",
+            **dict.fromkeys((f"with steps of {ms} ms" for ms in (1, 2, 3, 6)), steps),
+            "the stamp": f"Compare with message.header.stamp = {stamp}, at every message.",
+            "two robots in turns": "Most likely what is kept belongs to the class: make it in initialize.",
+            "after a restart": restart,
+            "after unconfigure": "Compare with self.node.destroy_publisher(self.publisher), in unconfigure.",
+        }
+        tried = {
+            "on the body Rover": self.topics("/"),
+            **({"in the namespace /lab": self.topics("/lab")} if self.namespaces else {}),
+            "with steps of 1 ms": self.rate(1),
+            **own,
+            "the stamp": self.stamps,
+            **{f"with steps of {ms} ms": self.rate(ms) for ms in (2, 3, 6)},
+            "two robots in turns": self.two,
+            "after a restart": self.restarted,
+            "after unconfigure": lambda answer: self.play(answer, 0.1).leave(),
+            "on ROS 2": self.on_ros,
+        }
+        words = {"kind": self.kind.__name__, "topic": self.topic, "hz": self.hz, "ms": 1000 // self.hz}
+        text = Template(SLASH * self.namespaces + FIRST + table + LAST).substitute(
+            words, steps=self.steps, time=self.time
+        )
+        crashes = dict.fromkeys(tried, crash) if crash else {}
+        return Cases(solution, {**tried, **own}, mistakes(text), say, {**expected, **otherwise}, crashes)
 
     def messages(self, rig: Rig) -> list[Sent]:
         """Return what was sent on the topic; on another where nothing was."""
-        right = [each for each in rig.sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")]
-        return right or [each for each in rig.sent if each.message is not None]
+        sent = [each for each in rig.sent if isinstance(each.message, self.kind)]
+        return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
 
-    def play(self, answer: type, seconds: float, ms: int = 10, begins: Sequence[int] = (0, 1), **options: Any) -> Any:
+    def play(self, answer: type, seconds: float, ms: int = 10, begins: tuple[int, ...] = (0, 1), **options: Any) -> Any:
         """Simulate with steps of so many milliseconds, and return the rig.
 
         If the first message comes later than at step 0, the simulation begins anew with step 1: an answer that counts
@@ -187,6 +200,15 @@ class Publishing:
             if rig.sent and rig.sent[0].step == 0:
                 break
         return rig
+
+    def sent(self, seconds: float, look: Look | None = None, **options: Any) -> Case:
+        """Observe what messages hold, or something else of them."""
+        return lambda answer: self.held(self.play(answer, seconds, **options), look)
+
+    def held(self, rig: Rig, look: Look | None = None) -> Any:
+        """Put into words what the messages of a rig hold."""
+        sent = self.messages(rig)
+        return (look or self.content)(rig, sent) if sent else NOTHING
 
     def topics(self, namespace: str) -> Case:
         """Observe the topic on a node with a namespace."""
@@ -219,24 +241,24 @@ class Publishing:
         return Told(f"{len(periods) / (sum(periods) * time_step or 1):.3g} times per simulated second", periods)
 
     def stamps(self, answer: type) -> Any:
-        """Observe the stamps, with steps of 6 ms."""
-        rig = self.play(answer, 1.3, 6, begins=(1,))
-        return stamps_of((each.stamp_ns, each.step * 6_000_000) for each in self.messages(rig))
+        """Observe the stamps, with steps of 6 ms, beside the times of sending."""
+        sent = self.messages(self.play(answer, 1.3, 6, (1,)))
+        return told_stamps([(each.stamp_ns, each.step * 6_000_000) for each in sent])
 
-    def restarted(self, answer: type) -> Any:
+    def restarted(self, answer: type, **options: Any) -> Any:
         """Observe what is sent after a restart of the simulation."""
-        rig = self.scene(answer, time_step=0.01)
+        rig = self.scene(answer, time_step=0.01, **options)
         for _ in range(2):
             rig.sent.clear()
             rig.start()
             rig.advance(260 // self.hz)
             rig.stop()
-        return self.content(rig)
+        return self.held(rig)
 
-    def two(self, answer: type) -> Any:
+    def two(self, answer: type, **options: Any) -> Any:
         """Observe two robots in turns."""
-        rover = self.scene(answer, time_step=0.01)
-        lift = self.scene(answer, time_step=0.02, model="crane", name="Lift")
+        rover = self.scene(answer, time_step=0.01, **options)
+        lift = self.scene(answer, time_step=0.02, **{"model": "crane", "name": "Lift", **options})
         rover.start()
         lift.start()
         for _ in range(3):
@@ -244,38 +266,32 @@ class Publishing:
             lift.advance(100 // self.hz)
         rover.stop()
         lift.stop()
-        return [look(rig) for rig in (rover, lift) for look in (self.often, self.content)]
+        return [look(rig) for rig in (rover, lift) for look in (self.often, self.held)]
 
-    def left(self, answer: type) -> str:
-        """Observe what is left after `unconfigure`."""
-        rig = self.play(answer, 0.1)
-        return str(rig.leave())
-
-    def on_ros(self, answer: type, prepare: Callable[[World], None] = lambda _: None) -> str:
+    def on_ros(self, answer: type) -> str:
         """Observe whether messages are sent, and the publisher is gone in the end, with rclpy's own node."""
-        with World(answer, name="Rover", time_step=0.002) as world:
-            prepare(world)
-            world.advance(550 // self.hz)
-            world.leave()
-            made = world.ros.node.watched(WatchedPublisher)
+        with closing(CheckThread()) as ros:
+            rig = self.scene(answer, node=ros.node, time_step=0.002)
+            rig.start()
+            rig.advance(550 // self.hz)
+            rig.stop()
+            rig.learner.unconfigure()
+            made = ros.node.watched(WatchedPublisher)
             sent, left = [each for one in made for each in one.sent], [one for one in made if not one.destroyed]
             return f"{'messages are' if sent else 'nothing is'} sent, and {len(left) or 'nothing'} left in the end"
 
 
-def stamps_of(pairs: Iterable[tuple[int, int]]) -> Any:
-    """Observe stamps [ns], each beside what it should be [ns]."""
-    both = list(pairs)
-    odd = [(stamp, time) for stamp, time in both if abs(stamp - time) > 2]  # a float may lose so much
+def told_stamps(pairs: list[tuple[int, int]]) -> Any:
+    """Put into words stamps [ns], each beside what it should be [ns]."""
+    odd = [(stamp, time) for stamp, time in pairs if abs(stamp - time) > 2]  # a float may lose so much
     if not odd:
-        return "the simulated time" if both else NOTHING
-    if min(odd)[0] > WALL_CLOCK:
-        return "the wall clock's time"
+        return "the simulated time" if pairs else NOTHING
     stamp, time = odd[0]
-    return Told(f"{stamp / 1e9:g} s at {time / 1e9:g} s", [stamp for stamp, _ in both])
+    if stamp > 10**18:
+        return "the wall clock's time"
+    return Told(f"{stamp / 1e9:g} s at {time / 1e9:g} s", [stamp for stamp, _ in pairs])
 
 
 def say(seen: Any) -> str:
     """Put what is observed into words."""
-    if isinstance(seen, list):
-        return "; ".join(map(say, seen))
-    return str(seen)
+    return "; ".join(map(say, seen)) if isinstance(seen, list) else str(seen)

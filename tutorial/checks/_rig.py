@@ -22,7 +22,7 @@ from tutorial.body import Body
 from tutorial.checks._answer import missing
 from tutorial.checks._cases import call
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._watch import Failure
+from tutorial.checks._watch import Failure, watch
 from tutorial.checks._world import MODELS, Watched
 from tutorial.controller import ControllerConfig, ControllerIO
 from tutorial.world import Placement, compose
@@ -31,6 +31,10 @@ __all__ = ["Endpoint", "MemoryNode", "Rig", "Sent", "elsewhere"]
 
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
+THREAD = (
+    "Most likely a thread of its own publishes: it goes by the wall clock, and the simulated body belongs to the "
+    "simulation's thread. Publish in control, and count steps."
+)
 TIMER = (
     "Most likely a timer publishes: it goes by the wall clock, on the executor's thread. Count steps in control: "
     "simulated time is io.step * io.time_step."
@@ -77,7 +81,8 @@ class MemoryNode:
         namespace: of its topics.
 
     Attributes:
-        publishers, subscriptions: those that were made, destroyed or not, in the order in which they were made.
+        publishers, subscriptions: those that it has, in the order in which they were made; also one that was destroyed
+            without telling it.
         timers: what `create_timer` was given; none of them ever fires.
         destroyed: whether the learner has destroyed the node itself.
     """
@@ -107,15 +112,17 @@ class MemoryNode:
 
     def destroy_publisher(self, publisher: Endpoint) -> bool:
         """Take a publisher back; whether there was one."""
-        if publisher not in self.publishers or publisher.destroyed:
+        if publisher not in self.publishers:
             return False
+        self.publishers.remove(publisher)
         publisher.destroy()
         return True
 
     def destroy_subscription(self, subscription: Endpoint) -> bool:
         """Take a subscription back; whether there was one."""
-        if subscription not in self.subscriptions or subscription.destroyed:
+        if subscription not in self.subscriptions:
             return False
+        self.subscriptions.remove(subscription)
         subscription.destroy()
         return True
 
@@ -169,6 +176,7 @@ class Rig:
         time_step: of the simulation [s].
         namespace: of the node.
         keep: returns what is to be kept of a message, a copy.
+        node: a real one; None for one in memory.
 
     Attributes:
         io: what the controller is given; it knows the step.
@@ -192,23 +200,26 @@ class Rig:
         time_step: float = 0.001,
         namespace: str = "/",
         keep: Callable[[Any], Any] = deepcopy,
+        node: Any = None,
     ) -> None:
         self.displayed, self.body = _bodies(model, name)
         mujoco.mj_resetData(self.body.model, self.body.data)
         self.before, self.after, self.sent = before, after, list[Sent]()
         self.io = ControllerIO(self.body, time_step)
-        self.node = MemoryNode(self._publish, namespace)
+        self.node = node or MemoryNode(self._publish, namespace)
         self._answer, self._keep = answer, keep
         self._thread, self._threads = threading.current_thread(), set(threading.enumerate())
         self.learner = Watched(answer)
-        self.learner.configure(ControllerConfig(self.displayed, self.node, _drop, _drop))  # type: ignore[arg-type]
+        self.learner.configure(ControllerConfig(self.displayed, self.node, _drop, _drop))
 
     def start(self, step: int = 0) -> None:
         """Begin to simulate, at a step; also again, after `stop`."""
         self.begun = self.io.step = step
         self.learner.initialize(self.io)
-        if self.node.timers:
+        if [*self.node.timers]:
             raise Failure("configure", Misuse("it makes a timer", TIMER), None)
+        if "thread" in watch.noted and missing(self._answer, "control"):
+            raise Failure("initialize", Misuse("it starts a thread of its own", THREAD), watch.noted["thread"])
         self._has("control")
 
     def advance(self, steps: int) -> None:
@@ -231,12 +242,12 @@ class Rig:
     def leave(self) -> str:
         """Have the controller leave its body, and say what it has left behind."""
         self._has("unconfigure", misspelled=True)
+        made = [*self.node.publishers, *self.node.subscriptions]
         self.learner.unconfigure()
         if self.node.destroyed:
             return "the program's node is gone"
-        made = (*self.node.publishers, *self.node.subscriptions)
-        left = sum(not each.destroyed for each in made)
-        return f"{left} of {len(made)} topics are still there" if left else "nothing is left"
+        left = len(self.node.publishers) + len(self.node.subscriptions)
+        return f"the node still has {left} of {len(made)} topics" if left else "nothing is left"
 
     def _has(self, method: str, misspelled: bool = False) -> None:
         lacking = missing(self._answer, method)

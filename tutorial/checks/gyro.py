@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any
 
@@ -12,9 +11,8 @@ from numpy.typing import NDArray
 from rclpy.time import Time
 from sensor_msgs.msg import Imu
 
-from tutorial.checks._cases import Cases
-from tutorial.checks._publishing import NOTHING, Publishing, Told, say
-from tutorial.checks._rig import Rig
+from tutorial.checks._publishing import Publishing, Told
+from tutorial.checks._rig import Rig, Sent
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
@@ -56,6 +54,9 @@ class GyroPublisher(SimpleController):
 
 
 MISTAKES = """
+nothing is published: look at the condition, io.step % $steps == 0, and call self.publisher.publish(message).
+    self.publisher.publish(message) => pass
+
 there is a message for each measurement: one holds the mean of them all.
     self.publisher.publish(message) => for _ in self.samples: self.publisher.publish(message)
 
@@ -69,11 +70,8 @@ the sensor is read once, in initialize, and its value is a copy: ask for self.se
     self.sensor = io.body.sensor("GYRO") => self.sensor = io.body.sensor("GYRO") // self.once = self.sensor.value
     self.sensor.value) => self.once)
 
-the newest measurement alone is sent: note one in every step, and take their mean.
-    np.mean(self.samples, axis=0) => self.samples[-1]
-
-the oldest measurement alone is sent: take the mean of all since the last message.
-    np.mean(self.samples, axis=0) => self.samples[0]
+one measurement alone is sent, the newest or the oldest: note one in every step, and take their mean.
+    np.mean(self.samples, axis=0) => self.samples[-1] => self.samples[0]
 
 the sum is sent: divide it by how many measurements it has.
     np.mean(self.samples, axis=0) => np.sum(self.samples, axis=0)
@@ -82,20 +80,15 @@ the sum is divided by the number of steps between two messages: the first messag
 by how many it has.
     np.mean(self.samples, axis=0) => (np.sum(self.samples, axis=0) / self.steps_per_message)
 
-that is the median: here the mean is asked for.
-    np.mean( => np.median(
-
-that is the largest: here the mean is asked for.
-    np.mean( => np.max(
+that is the median, or the largest: here the mean is asked for.
+    np.mean( => np.median( => np.max(
 
 each measurement is averaged with the mean before it, so the newest counts for half: add all up, and divide once.
     self.samples.append(self.sensor.value) => self.samples = [np.mean([*self.samples, self.sensor.value], axis=0)]
 
-the mean is taken over all numbers at once: axis=0 takes it component by component.
+the mean is taken over all numbers at once, or over x, y and z: axis=0 takes it component by component.
     np.mean(self.samples, axis=0).tolist() => [float(np.mean(self.samples))] * 3
-
-the mean is taken over x, y and z of each measurement: axis=0 takes it component by component.
-    np.mean(self.samples, axis=0) => np.mean(self.samples, axis=1)
+    => np.mean(self.samples, axis=1).tolist()
 
 measurements of the messages before count, too: begin anew after each message, self.samples.clear().
     self.samples.clear() => pass
@@ -114,17 +107,13 @@ the count goes on, though the sum begins anew: after each message begin with bot
 the step's own measurement comes too late: note it before the message is sent.
     self.samples: list[NDArray[np.float64]] = [] => self.samples, self.late = [], []
     self.samples.append(self.sensor.value) => self.samples += self.late // self.late = [self.sensor.value]
-    if self.io.step % => if self.samples and self.io.step %
+    np.mean(self.samples, => np.mean(self.samples, => np.mean(self.samples or self.late,
+    => np.mean(self.samples or [np.zeros(3)],
 
 the step's own measurement comes too late: note it before the message is sent.
     self.samples: list[NDArray[np.float64]] = [] => self.samples, self.late = [], []
     self.samples.append(self.sensor.value) => self.samples += self.late // self.late = [self.sensor.value]
-    np.mean(self.samples, => np.mean(self.samples or self.late,
-
-the step's own measurement comes too late, so there is none for the first message: note it before the message is sent.
-    self.samples: list[NDArray[np.float64]] = [] => self.samples, self.late = [], []
-    self.samples.append(self.sensor.value) => self.samples += self.late // self.late = [self.sensor.value]
-    np.mean(self.samples, axis=0).tolist() => (np.mean(self.samples, axis=0).tolist() if self.samples else 0.0)
+    if self.io.step % => if self.samples and self.io.step %
 
 the mean is that of the message before: compute it when it is sent.
     self.samples: list[NDArray[np.float64]] = [] => self.samples, self.before = [], np.zeros(3)
@@ -145,19 +134,8 @@ the sensor is that of config.body, the displayed copy: what is simulated is io.b
     io.body.sensor( => self.shown.sensor(
 
 x, y and z are exchanged: the sensor's value has them in this order.
-    velocity.x, velocity.y, velocity.z = => velocity.z, velocity.y, velocity.x =
-
-x, y and z are exchanged: the sensor's value has them in this order.
-    velocity.x, velocity.y, velocity.z = => velocity.y, velocity.z, velocity.x =
-
-x, y and z are exchanged: the sensor's value has them in this order.
-    velocity.x, velocity.y, velocity.z = => velocity.z, velocity.x, velocity.y =
-
-x and y are exchanged: the sensor's value has x, y, z in this order.
-    velocity.x, velocity.y, velocity.z = => velocity.y, velocity.x, velocity.z =
-
-y and z are exchanged: the sensor's value has x, y, z in this order.
-    velocity.x, velocity.y, velocity.z = => velocity.x, velocity.z, velocity.y =
+    velocity.x, velocity.y, velocity.z = => velocity.z, velocity.y, velocity.x = => velocity.y, velocity.x, velocity.z =
+    => velocity.x, velocity.z, velocity.y =
 
 only z is sent: the tank also rolls and pitches, x and y.
     velocity.x, velocity.y, velocity.z = => _, _, velocity.z =
@@ -175,26 +153,19 @@ linear_acceleration_covariance[0] is still 0: -1 says that linear_acceleration i
 well.
     message.linear_acceleration_covariance[0] = -1.0 => pass
 
-all three are marked: angular_velocity is measured, so its covariance stays 0, which means unknown.
-    message.orientation_covariance[0] = => message.orientation_covariance[0] = message.angular_velocity_covariance[0] =
-
-angular_velocity is marked in place of linear_acceleration: it is measured, and linear_acceleration is not.
-    message.linear_acceleration_covariance => message.angular_velocity_covariance
+angular_velocity is marked, too, or in place of another: it is measured, so its covariance stays 0, which means unknown.
+    message.linear_acceleration_covariance[0] = => message.angular_velocity_covariance[0] =
+    => message.linear_acceleration_covariance[0] = message.angular_velocity_covariance[0] =
 
 the number is 1: it is -1 that says that something is not measured.
     -1.0 => 1.0
 
-the frame is left out, of which x, y and z are the axes: message.header.frame_id = f"{self.io.body.name}/base_link".
-    f"{self.io.body.name}/base_link" => ""
+the frame is left out, or lacks the body's name or the link's: message.header.frame_id =
+f"{self.io.body.name}/base_link".
+    f"{self.io.body.name}/base_link" => "" => self.io.body.name => "base_link"
 
 the body's name is typed: message.header.frame_id = f"{self.io.body.name}/base_link".
     f"{self.io.body.name}/base_link" => "Tank/base_link"
-
-the frame is the body's name alone: message.header.frame_id = f"{self.io.body.name}/base_link".
-    f"{self.io.body.name}/base_link" => self.io.body.name
-
-the frame lacks the body's name: message.header.frame_id = f"{self.io.body.name}/base_link".
-    f"{self.io.body.name}/base_link" => "base_link"
 
 measurements of the run before are kept: initialize is called at every start, and begins anew.
     self.node = config.node => self.node, self.kept = config.node, []
@@ -203,28 +174,14 @@ measurements of the run before are kept: initialize is called at every start, an
 the publisher is destroyed in stop, but made in configure: after a restart there is none. Destroy it in unconfigure.
     def unconfigure(self) => def stop(self)
 """
-
-STEPS = (
-    "Compare with io.step % steps_per_message == 0, in control, and steps_per_message = round(1 / (10 * io.time_step))."
-)
 OTHERWISE = {
     "": "Compare with the mean, component by component, of the measurements since the last message.",
-    "on the body Rover": 'Compare with config.node.create_publisher(Imu, f"{config.body.name}/gyro", 1), in configure.',
-    "with steps of 1 ms": STEPS,
-    "with steps of 2 ms": "Most likely the number of steps is written down for 1 ms: compute it from io.time_step.",
-    "with steps of 3 ms": STEPS,
-    "with steps of 6 ms": STEPS,
-    "the stamp": "Compare with Time(nanoseconds=self.io.time_ns).to_msg(), at the time of sending.",
     "the frame": 'Compare with message.header.frame_id = f"{self.io.body.name}/base_link".',
     "what is not measured": "Compare with message.orientation_covariance[0] = -1.0; the same for linear_acceleration.",
-    "two robots in turns": "Most likely what is kept belongs to the class: make it in initialize, for each body.",
     "on a robot with a gyroscope alone": "Most likely something is asked for that not every robot has: use only GYRO.",
-    "after a restart": "Most likely something of the run before is kept: initialize is called at every start.",
-    "after unconfigure": "Compare with self.node.destroy_publisher(self.publisher), in unconfigure.",
 }
 
 SIGNAL = np.random.default_rng(4).exponential((0.2, 0.3, 0.5), (700, 3)) - (0.1, 0.4, 0.2)  # [rad/s], at each step
-DISPLAYED = (0.7, 0.8, 0.9)  # [rad/s] what the displayed copy's gyroscope says
 GYROSCOPE_ALONE = """
 <mujoco>
   <worldbody><body><freejoint/><geom size="0.1"/><site name="Rover/IMU"/></body></worldbody>
@@ -233,129 +190,63 @@ GYROSCOPE_ALONE = """
 """.strip()
 
 
-@dataclass(frozen=True)
-class Kept:
-    """What is looked at of a message.
-
-    Attributes:
-        velocity: the angular velocity [rad/s].
-        frame: its frame.
-        marks: the first numbers of the covariances: of orientation, angular velocity and linear acceleration.
-        acceleration: whether it has one.
-    """
-
-    velocity: tuple[float, float, float]
-    frame: str
-    marks: tuple[float, ...]
-    acceleration: bool
-
-
-def keep(message: Any) -> Kept | None:
-    """Keep what is looked at of a message; nothing of any other kind."""
-    if not isinstance(message, Imu):
-        return None
-    v, a = message.angular_velocity, message.linear_acceleration
-    fields = ("orientation", "angular_velocity", "linear_acceleration")
-    marks = tuple(float(getattr(message, f"{field}_covariance")[0]) for field in fields)
-    return Kept((v.x, v.y, v.z), message.header.frame_id, marks, any((a.x, a.y, a.z)))
-
-
 def shaken(answer: type, **options: Any) -> Rig:
     """Make a rig whose gyroscope measures the signal, and the accelerometer something else."""
 
     def measure() -> None:
-        gyroscope.value = SIGNAL[rig.io.step]
-        if accelerometers:
-            accelerometers[0].value = 10 * SIGNAL[rig.io.step] + 1
+        for sensor, scale in zip(sensors, (1, 10)):
+            sensor.value = scale * SIGNAL[rig.io.step]
 
-    rig = Rig(answer, measure, keep=keep, **options)
-    rig.displayed.sensor("GYRO").value = DISPLAYED
-    gyroscope = rig.body.sensor("GYRO")
-    accelerometers = [rig.body.sensor("ACCEL_SENSOR")] if rig.body.model.nsensor > 1 else []
+    rig = Rig(answer, measure, **options)
+    rig.displayed.sensor("GYRO").value = (0.7, 0.8, 0.9)
+    sensors = [rig.body.sensor(name) for name in ("GYRO", "ACCEL_SENSOR")[: rig.body.model.nsensor]]
     measure()
     return rig
 
 
-def means(rig: Rig) -> Any:
+def means(rig: Rig, sent: list[Sent]) -> Any:
     """Observe whether each message holds the mean of what was measured since the one before."""
-    sent = PUBLISHING.messages(rig)
+    seen = [(v.x, v.y, v.z) for v in (each.message.angular_velocity for each in sent)]
     windows = pairwise([rig.begun - 1, *(each.step for each in sent)])
     wanted = [SIGNAL[min(before + 1, step) : step + 1].mean(axis=0) for before, step in windows]
-    seen = [each.message.velocity for each in sent]
     odd = [i for i, mean in enumerate(wanted) if not np.allclose(seen[i], mean)]
     if not odd:
-        return "the means of what was measured" if seen else NOTHING
-    i = odd[0]
-    return Told(f"message {i + 1} has {numbers(seen[i])}, and the mean is {numbers(wanted[i])}", seen)
+        return "the means of what was measured"
+    return Told(f"message {odd[0] + 1} has {say(seen[odd[0]])}, and the mean is {say(wanted[odd[0]])}", seen)
 
 
-def numbers(velocity: Any) -> str:
+def say(velocity: Iterable[float]) -> str:
     """Put an angular velocity [rad/s] into words."""
     return ", ".join(f"{axis} {number:z.3f}" for axis, number in zip("xyz", velocity)) + " rad/s"
 
 
-NAMES = {"steps": "steps_per_message", "time": "self.io.time_ns", "lesson": "ImuPublisher", "lesson_hz": 20}
-PUBLISHING = Publishing(Imu, "gyro", 10, shaken, means, NAMES)
+def marks(_rig: Rig, sent: list[Sent]) -> str:
+    """Observe what the last message says about what it does not measure."""
+    last = sent[-1].message
+    fields = {field: getattr(last, f"{field}_covariance")[0] for field in ("orientation", "linear_acceleration")}
+    marked = [f"{field}_covariance[0] is {number:g}" for field, number in fields.items()]
+    marked += ["angular_velocity_covariance[0] is -1"] * bool(last.angular_velocity_covariance[0] == -1)
+    a = last.linear_acceleration
+    return ", ".join([*marked, *["it has an acceleration"] * any((a.x, a.y, a.z))])
 
 
-def sent(answer: type, **options: Any) -> Any:
-    """Observe the means that are sent."""
-    return means(PUBLISHING.play(answer, 0.45, **options))
-
-
-def last(look: Callable[[Kept], str], **options: Any) -> Callable[[type], str]:
-    """Observe something of the last message."""
-
-    def observe(answer: type) -> str:
-        messages = PUBLISHING.messages(PUBLISHING.play(answer, 0.25, **options))
-        return look(messages[-1].message) if messages else NOTHING
-
-    return observe
-
-
-def marks(kept: Kept) -> str:
-    """Say what a message says about what it does not measure."""
-    orientation, velocity, acceleration = kept.marks
-    texts = [
-        (orientation != -1, f"orientation_covariance[0] is {orientation:g}"),
-        (acceleration != -1, f"linear_acceleration_covariance[0] is {acceleration:g}"),
-        (velocity == -1, "angular_velocity_covariance[0] is -1"),
-        (kept.acceleration, "it has an acceleration"),
-    ]
-    return ", ".join(text for odd, text in texts if odd) or "orientation and linear_acceleration are marked"
-
-
-def frame(kept: Kept) -> str:
-    """Say which frame a message has."""
-    name, _, rest = kept.frame.partition("/")
+def frame(_rig: Rig, sent: list[Sent]) -> str:
+    """Observe the frame of the last message; the sensor's own is as good."""
+    frame_id = sent[-1].message.header.frame_id
+    name, _, rest = frame_id.partition("/")
     own = name == "Rover" and any(word in rest.lower() for word in ("gyro", "imu"))
-    return "'Rover/base_link'" if own else repr(kept.frame)
+    return "'Rover/base_link'" if own else repr(frame_id)
 
 
-CASES = Cases(
-    GyroPublisher,
-    {
-        "on the body Rover": PUBLISHING.topics("/"),
-        "in the namespace /lab": PUBLISHING.topics("/lab"),
-        "with steps of 1 ms": PUBLISHING.rate(1),
-        "what is sent": sent,
-        "what is not measured": last(marks),
-        "the frame": last(frame),
-        "the stamp": PUBLISHING.stamps,
-        "with steps of 2 ms": PUBLISHING.rate(2),
-        "with steps of 3 ms": PUBLISHING.rate(3),
-        "with steps of 6 ms": PUBLISHING.rate(6),
-        "on the crane, with steps of 20 ms": lambda answer: sent(answer, model="crane", ms=20),
-        "on a robot with a gyroscope alone": lambda answer: sent(answer, model=GYROSCOPE_ALONE),
-        "two robots in turns": PUBLISHING.two,
-        "after a restart": PUBLISHING.restarted,
-        "after unconfigure": PUBLISHING.left,
-        "on ROS 2": PUBLISHING.on_ros,
-    },
-    PUBLISHING.mistakes(MISTAKES),
-    say,
-    OTHERWISE,
-)
+PUBLISHING = Publishing(Imu, "gyro", 10, shaken, means)
+TRIED = {
+    "what is sent": PUBLISHING.sent(0.45),
+    "what is not measured": PUBLISHING.sent(0.25, look=marks),
+    "the frame": PUBLISHING.sent(0.25, look=frame),
+    "on the crane, with steps of 20 ms": PUBLISHING.sent(0.45, model="crane", ms=20),
+    "on a robot with a gyroscope alone": PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
+}
+CASES = PUBLISHING.cases(GyroPublisher, TRIED, MISTAKES, OTHERWISE)
 
 gyro = Exercise(
     name="gyro",
@@ -370,7 +261,7 @@ gyro = Exercise(
     - Its stamp is the simulated time at which it is sent.
     - Its frame is `Tank/base_link`, with the body's name. The sensor's own frame, `Tank/GYRO`, is right, too.
     - It works on any body that has such a sensor, and with any time step.
-    - When it leaves the body it destroys its publisher, in `unconfigure`.
+    - When it leaves the body it has the node destroy its publisher, in `unconfigure`.
     """,
     judge=CASES.judge,
     solution=(GyroPublisher,),

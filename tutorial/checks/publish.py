@@ -1,0 +1,224 @@
+"""The exercise `publish`: publish joint states at another rate."""
+
+from __future__ import annotations
+
+from functools import partial
+from math import degrees  # noqa: F401 - what a mistake needs
+from types import SimpleNamespace  # noqa: F401
+from typing import Any
+
+import numpy as np
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+
+from tutorial.checks._cases import same
+from tutorial.checks._publishing import Publishing, Told
+from tutorial.checks._rig import Rig, Sent
+from tutorial.checks.exercise import Exercise
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+
+__all__ = ["SlowPublisher", "publish"]
+
+
+class SlowPublisher(SimpleController):
+    """Publish position, velocity and effort of every joint at 25 Hz."""
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Announce the topic, named after the body."""
+        self.node = config.node
+        self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/turret", 1)
+
+    def initialize(self, io: ControllerIO) -> None:
+        """Take the joints of the simulated body."""
+        self.io = io
+        self.joints = io.body.joints
+        self.steps_per_message = round(1 / (25 * io.time_step))
+
+    def control(self) -> None:
+        """Publish, when it is time to."""
+        if self.io.step % self.steps_per_message == 0:
+            message = JointState()
+            message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
+            message.name = [joint.name for joint in self.joints]
+            message.position = [joint.position for joint in self.joints]
+            message.velocity = [joint.velocity for joint in self.joints]
+            message.effort = [joint.effort for joint in self.joints]
+            self.publisher.publish(message)
+
+    def unconfigure(self) -> None:
+        """Take the topic back."""
+        self.node.destroy_publisher(self.publisher)
+
+
+TANK = ("TURRET_Y", "TURRET_P")  # for those who type names
+MISTAKES = """
+nothing is published: look at the condition, io.step % $steps == 0, and call self.publisher.publish(message).
+    self.publisher.publish(message) => pass
+
+there is a message for each joint: one names all joints, with one list for each field.
+    self.publisher.publish(message) => for _ in self.joints: self.publisher.publish(message)
+
+message.name is left out: without names nobody knows whose positions they are.
+    message.name = => name =
+
+the body's name is put before the joint's: the topic says already whose joints they are.
+    [joint.name for => [f"{self.io.body.name}/{joint.name}" for
+
+the names are sorted or turned round: keep the order of io.body.joints.
+    self.joints = io.body.joints => self.joints = io.body.joints[::-1]
+    => self.joints = sorted(io.body.joints, key=lambda joint: joint.name)
+
+the names are in one order and the numbers in another: run over the same joints for all.
+    [joint.name for joint in self.joints] => [joint.name for joint in self.joints[::-1]]
+
+the names are in one order and the numbers in another: run over the same joints for all.
+    [joint.position for joint in self.joints] => [joint.position for joint in self.joints[::-1]]
+
+the loop ends too early, or begins too late: every joint of io.body.joints is named.
+    self.joints = io.body.joints => self.joints = io.body.joints[:-1] => self.joints = io.body.joints[1:]
+    => self.joints = io.body.joints[:1]
+
+the lists grow from message to message: begin each message with new ones.
+    self.io = io => self.io, self.kept = io, JointState()
+    message.name = => message.name = list(self.kept.name) +
+    message.position = => message.position = list(self.kept.position) +
+    message.velocity = => message.velocity = list(self.kept.velocity) +
+    message.effort = => message.effort = list(self.kept.effort) +
+    self.publisher.publish(message) => self.kept = message // self.publisher.publish(message)
+
+they are converted to degrees: ROS 2 uses rad.
+    [joint.position for => [degrees(joint.position) for
+
+the message is filled once, in initialize, and sent again and again: fill it in control, every time.
+    self.io = io => self.io, self.began_ns = io, io.time_ns
+    self.io.time_ns => self.began_ns
+    io.body.joints => [SimpleNamespace(**{f: getattr(j, f) for f in ("name", *UNITS)}) for j in io.body.joints]
+
+the numbers are read once and kept: read every joint at the time of sending.
+    self.joints = io.body.joints => self.joints, self.kept = io.body.joints, [j.position for j in io.body.joints]
+    [joint.position for joint in self.joints] => self.kept
+
+these are the numbers of the message before: read every joint at the time of sending.
+    message.position = => message.position = getattr(self, "last", []) or
+    self.publisher.publish => self.last = [joint.position for joint in self.joints] // self.publisher.publish
+
+the joints are those of config.body, the displayed copy: what is simulated is io.body, its joints.
+    self.node = config.node => self.node, self.shown = config.node, config.body
+    io.body.joints => self.shown.joints
+
+the numbers are rounded: send them as they are.
+    [joint.position for => [round(joint.position, 3) for => [round(joint.position, 2) for
+
+the sign is turned round: send the numbers as they are.
+    [joint.position for => [-joint.position for
+
+position is left out or cut: it has one number for each name.
+    [joint.position for joint in self.joints] => [] => [joint.position for joint in self.joints[:1]]
+
+velocity is left out or cut: it has one number for each name.
+    [joint.velocity for joint in self.joints] => [] => [joint.velocity for joint in self.joints[:1]]
+
+effort is left out or cut: it has one number for each name.
+    [joint.effort for joint in self.joints] => [] => [joint.effort for joint in self.joints[:1]]
+
+position is filled with another field: [joint.position for joint in self.joints].
+    message.position = [joint.position => message.position = [joint.velocity => message.position = [joint.effort
+
+velocity is filled with another field: [joint.velocity for joint in self.joints].
+    message.velocity = [joint.velocity => message.velocity = [joint.position => message.velocity = [joint.effort
+
+effort is filled with another field: [joint.effort for joint in self.joints].
+    message.effort = [joint.effort => message.effort = [joint.position => message.effort = [joint.velocity
+
+velocity is filled with zeros: [joint.velocity for joint in self.joints].
+    message.velocity = [joint.velocity => message.velocity = [0.0
+
+effort is filled with zeros: [joint.effort for joint in self.joints].
+    message.effort = [joint.effort => message.effort = [0.0
+
+the joints' names are typed, or how many there are: take all of them from the body, io.body.joints.
+    io.body.joints => [io.body.joint(name) for name in TANK] => io.body.joints[:2]
+
+the names alone are typed: take them from the joints, [joint.name for joint in self.joints].
+    [joint.name for joint in self.joints] => list(TANK)
+"""
+UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
+TYPED = "Most likely the joints' names are typed, or how many there are: take all of them from io.body.joints."
+OTHERWISE = {
+    "": TYPED,
+    "the names": "Take the names from the joints, in their order: [joint.name for joint in self.joints].",
+    **{field: f"Compare with message.{field} = [joint.{field} for joint in self.joints]." for field in UNITS},
+}
+
+
+def moving(answer: type, **options: Any) -> Rig:
+    """Make a rig whose joints move, each differently, so that no two numbers are alike."""
+
+    def move() -> None:
+        data = rig.body.data
+        for values, scale in ((data.qpos, 0.00123), (data.qvel, 0.0123), (data.qfrc_actuator, -0.123)):
+            values[:] = scale * (rig.io.step + 1) * np.arange(1, len(values) + 1)
+
+    rig = Rig(answer, move, **options)
+    rig.displayed.set_joint_positions({name: 0.3 + 0.1 * i for i, name in enumerate(rig.body.joint_names)})
+    move()
+    return rig
+
+
+def names(_rig: Rig, sent: list[Sent]) -> str:
+    """Observe the names."""
+    return "; ".join({", ".join(each.message.name) or "none": None for each in sent})
+
+
+def numbers(_rig: Rig, sent: list[Sent], field: str) -> Told:
+    """Observe the numbers of a field, each divided by that of a joint at the step of sending."""
+    seen = [[number / (each.step + 1) for number in getattr(each.message, field)] for each in sent]
+    text = ", ".join(f"{number:.3f}" for number in getattr(sent[-1].message, field)) or "no number"
+    return Told(
+        f"{text} {UNITS[field]} in the end",
+        [each for i, each in enumerate(seen) if not same(each, seen[i - 1]) or not i],
+    )
+
+
+def joints(rig: Rig, sent: list[Sent]) -> list[Any]:
+    """Observe the names and numbers."""
+    return [names(rig, sent), *(numbers(rig, sent, field) for field in UNITS)]
+
+
+PUBLISHING = Publishing(JointState, "turret", 25, moving, joints, namespaces=False)
+TRIED = {
+    "the names": PUBLISHING.sent(0.2, names),
+    **{field: PUBLISHING.sent(0.2, partial(numbers, field=field)) for field in UNITS},
+    "on the crane Lift": PUBLISHING.sent(0.2, model="crane", name="Lift"),
+}
+CASES = PUBLISHING.cases(SlowPublisher, TRIED, MISTAKES, OTHERWISE)
+
+publish = Exercise(
+    name="publish",
+    statement="""
+    Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body, which for
+    the body `Tank` is `/Tank/turret`, 25 times per simulated second, as nearly as whole steps allow.
+
+    - Each message names all joints of the body, in the body's order, with position, velocity and effort.
+    - Its stamp is the simulated time at which it is sent.
+    - It works on any body, and with any time step.
+    - When it leaves the body it has the node destroy its publisher, in `unconfigure`.
+    """,
+    judge=CASES.judge,
+    solution=(SlowPublisher,),
+    base=SimpleController,
+    parts=("configure", "initialize", "control", "unconfigure"),
+    requires=("configure", "initialize"),
+    hints=(
+        "Look at what comes from where: the topic from config.body.name, the joints from io.body.joints, the rate "
+        "from io.step and io.time_step, the stamp from io.time_ns. Nothing comes from the wall clock, and no name is "
+        "typed.",
+        "Make the publisher in configure. In initialize keep io, and compute how many steps there are from one "
+        "message to the next. In control, when it is time to, make a new message, fill one list for each field, all "
+        "over the same joints, stamp it and publish it. Take the publisher back in unconfigure.",
+        "self.steps_per_message = round(1 / (25 * io.time_step)); if self.io.step % self.steps_per_message == 0; "
+        "message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg(); message.position = [joint.position for "
+        "joint in self.joints], and so on; self.node.destroy_publisher(self.publisher).",
+    ),
+    notice="Notice that neither the rate nor the stamp asks for the wall clock: a slow simulation publishes the same.",
+)

@@ -1,0 +1,256 @@
+"""The exercise `thrift`: publish the joints that have moved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+from math import degrees, radians  # noqa: F401 - what some mistakes need
+from typing import Any
+
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+
+from tutorial.checks._cases import Case
+from tutorial.checks._publishing import Publishing, Told
+from tutorial.checks._rig import Rig, Sent
+from tutorial.checks.exercise import Exercise
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+
+__all__ = ["ThriftyPublisher", "thrift"]
+
+
+class ThriftyPublisher(SimpleController):
+    """Publish the positions of the joints that have moved."""
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Announce the topic, named after the body."""
+        self.node = config.node
+        self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/joint_state", 10)
+
+    def initialize(self, io: ControllerIO) -> None:
+        """Begin with nothing sent."""
+        self.io = io
+        self.sent: dict[str, float] = {}
+        self.steps_per_look = round(1 / (50 * io.time_step))
+
+    def control(self) -> None:
+        """Look, when it is time to, what is news."""
+        if self.io.step % self.steps_per_look == 0:
+            positions = {joint.name: joint.position for joint in self.io.body.joints}
+            news = {n: q for n, q in positions.items() if n not in self.sent or abs(q - self.sent[n]) > 0.001}
+            if news:
+                message = JointState(name=list(news), position=list(news.values()))
+                message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
+                self.publisher.publish(message)
+                self.sent.update(news)
+
+    def unconfigure(self) -> None:
+        """Take the topic back."""
+        self.node.destroy_publisher(self.publisher)
+
+
+TANK, CRANE = ("TURRET_Y", "TURRET_P"), ("BRIDGE", "SLEW", "LUFF")  # for those who type names
+MISTAKES = """
+nothing is published: look at the condition, io.step % $steps == 0, and call self.publisher.publish(message).
+    self.publisher.publish(message) => pass
+
+the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news.
+    : dict[str, float] = {} => = {j.name: j.position for j in io.body.joints} => = dict.fromkeys(io.body.joint_names, 0)
+
+the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news.
+    if news: => if not self.sent: self.sent, news = positions, {} // if news:
+
+every joint is sent every time: name only those that have moved, and note down what was sent for them.
+    if n not in self.sent or abs(q - self.sent[n]) > 0.001} => }
+
+the whole message is sent as soon as one joint moves: name only those that did.
+    message = => news = positions // message =
+
+only one of the joints that have moved is named, the first, as with break, or the last: name all that have.
+    if news: => for n in unnamed: del news[n] // if news:
+    for n in unnamed => for n in [*news][1:] => for n in [*news][1 if self.sent else 9:] => for n in [*news][:-1]
+
+a message is sent even if no joint has moved: then send none.
+    if news: => if True:
+
+all names are in the message, but only some positions: they go in pairs.
+    name=list(news) => name=list(positions)
+
+names and positions come from two different lists: take both from the joints that have moved.
+    list(news.values()) => list(positions.values()) => list(positions.values())[:len(news)]
+
+the lists grow from message to message: begin each message with new ones.
+    self.io = io => self.io, self.names, self.numbers = io, [], []
+    message = => self.names.extend(news) // self.numbers.extend(news.values()) // message =
+    name=list(news), position=list(news.values()) => name=self.names, position=self.numbers
+
+the name is changed: take it from the joint, joint.name, and put nothing before it.
+    name=list(news) => name=[f"{self.io.body.name}/{n}" for n in news]
+
+positions are compared with those of the last look: a slow motion is then never sent. Compare with what was last sent.
+    if news: => self.sent = positions // if news:
+
+all positions are remembered as soon as one joint is sent: remember only those that were.
+    self.sent.update(news) => self.sent.update(positions)
+
+what was sent is never different: it is renewed before it is compared, or it is one and the same list or dict as the
+current positions. Compare first, send, and then note down a copy.
+    n not in self.sent or abs(q - self.sent[n]) > 0.001 => n not in self.sent
+
+the changes of all joints are added up: compare each joint for itself with 0.001.
+    abs(q - self.sent[n]) > => sum(abs(p - self.sent[m]) for m, p in positions.items()) >
+
+rounded or truncated positions are compared: how far they are apart counts, abs(a - b) > 0.001.
+    abs(q - self.sent[n]) > 0.001 => round(q, 3) != round(self.sent[n], 3) => int(q * 1000) != int(self.sent[n] * 1000)
+
+the sign gets in the way: compare abs(a - b) with 0.001.
+    abs(q - self.sent[n]) => (q - self.sent[n]) => (self.sent[n] - q) => abs(abs(q) - abs(self.sent[n]))
+
+what was sent is not remembered: note it down whenever you send.
+    self.sent.update(news) => self.sent = news | self.sent
+
+self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them.
+    self.sent.update(news) => self.sent = news
+
+self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them.
+    if news: => self.sent = news // if news:
+
+any change counts: only more than 0.001 does.
+    > 0.001 => > 0
+
+the threshold is another: it is 0.001, in rad (or m).
+    > 0.001 => > 0.1 => > 0.01 => > 0.0001 => > radians(0.001) => > 0.001 * abs(self.sent[n])
+
+the positions are those of config.body, the displayed copy: what is simulated is io.body, its joints.
+    self.io.body.joints => self.body.joints
+    self.node = config.node => self.node, self.body = config.node, config.body
+
+it is how far the joint has moved: send where it is, joint.position.
+    list(news.values()) => [q - self.sent.get(n, 0) for n, q in news.items()]
+
+it is the position that was sent before: send the new one, and note that down.
+    list(news.values()) => [self.sent.get(n, q) for n, q in news.items()]
+
+the position is rounded: compare it and send it as it is.
+    joint.name: joint.position => joint.name: round(joint.position, 3)
+
+the position is rounded, or converted to degrees: send it as it is, in rad.
+    list(news.values()) => [round(q, 3) for q in news.values()] => [degrees(q) for q in news.values()]
+
+the message is filled as in JointStatePublisher: here it has names and positions only.
+    .to_msg() => .to_msg() // message.velocity = [0.0] * len(news)
+
+the joints' names are typed, or how many there are: take them from io.body.joints.
+    self.io.body.joints => self.io.body.joints[:2] => map(self.io.body.joint, TANK) => map(self.io.body.joint, CRANE)
+
+the steps are counted from the last message: after a pause it looks at every step then. Count them from the last look,
+io.step % steps_per_look.
+    self.io.step % self.steps_per_look == 0 => self.io.step >= self.due
+    self.io = io => self.io, self.due = io, 0
+    self.sent.update(news) => self.sent.update(news) // self.due = self.io.step + self.steps_per_look
+
+what was sent is kept from the run before: initialize is called at every start, and begins anew.
+    self.sent: dict[str, float] = {} => self.sent = self.__dict__.get("sent", {})
+"""
+OTHERWISE = {
+    "": "Compare each joint's position with the one that was last sent for it, every 20 ms.",
+    "the joints of the tank": "Most likely the joints' names are typed: take them from io.body.joints.",
+}
+
+LOOK = 0.02  # [s]
+Move = tuple[float, float, float]  # [m, rad, rad] of the crane's joints
+REST: Move = (0.0, 0.0, 0.0)
+SLEW: Move = (0.0, 0.05, 0.0)
+
+
+def moving(answer: type, moves: Sequence[Move] = (), **options: Any) -> Rig:
+    """Make a rig whose joints move between looks, from the second one on; without moves at every step, and fast."""
+
+    def move() -> None:
+        look, rest = divmod(rig.io.step, round(LOOK / rig.io.time_step))
+        at_once = moves[look - 1] if rest == 5 and 0 < look <= len(moves) else REST
+        for joint, distance in zip(rig.body.joints, at_once if moves else (0.01, 0.01, 0.01)):
+            joint.position += distance
+
+    rig = Rig(answer, move, **options)
+    rig.displayed.set_joint_positions({name: 0.3 + 0.1 * i for i, name in enumerate(rig.body.joint_names)})
+    return rig
+
+
+def looks(rig: Rig, sent: list[Sent]) -> Told:
+    """Observe which joints are named, look by look; the first two looks count as one."""
+    steps = round(LOOK / rig.io.time_step)
+    found = [""] * (rig.io.step // steps + 2)
+    for each in sent:
+        found[max(each.step // steps, 1)] += f"{named(each.message)}; "
+    runs = [(text or "nothing; ", len([*alike])) for text, alike in groupby(found[1:])]
+    return Told("".join(f"{count} x {text}" if count > 1 else text for text, count in runs).rstrip("; "), found)
+
+
+def named(message: Any) -> str:
+    """Say which joints a message names, and what is odd about that."""
+    count, more = len(message.position), len(message.velocity) + len(message.effort)
+    odd = f" and {count} positions" * (count != len(message.name)) + " and velocity or effort" * (more > 0)
+    return (" and ".join(sorted(message.name)) or "no joint") + odd
+
+
+def positions(_rig: Rig, sent: list[Sent]) -> Told:
+    """Observe the positions."""
+    seen = [sorted(zip(each.message.name, each.message.position)) for each in sent]
+    return Told(", ".join(f"{name} {position:.6g}" for name, position in seen[-1]), seen)
+
+
+PUBLISHING = Publishing(JointState, "joint_state", 50, moving, looks, "steps_per_look", namespaces=False)
+
+
+def moved(*moves: Move, look: Any = None, **options: Any) -> Case:
+    """Observe what is sent of a crane that moves."""
+    return PUBLISHING.sent(LOOK * (len(moves) + 2), look, ms=1, moves=moves, **{"model": "crane", **options})
+
+
+TRIED = {
+    "nothing moves": moved(*[REST] * 4),
+    "SLEW moves, and rests again": moved(SLEW, REST, REST),
+    "SLEW and LUFF creep, each by little": moved((0.0, 0.0006, 0.0006)),
+    "LUFF moves, and trembles": moved(*[(0.0, 0.0, by) for by in (0.2998, 0.00001, 0.00005, 0.0002)]),
+    "LUFF creeps": moved(*[(0.0, 0.0, 0.00035)] * 8),
+    "BRIDGE and SLEW move": moved((0.006, 0.05, 0.0)),
+    "LUFF creeps on while SLEW moves": moved(*[(0.0, 0.05, 0.00035)] * 9),
+    "BRIDGE moves back": moved((0.02, 0.0, 0.0), (-0.04, 0.0, 0.0), REST, REST),
+    "each position": moved((0.1, 0.3004, -0.2004), SLEW, (0.0, 0.0, 0.05), look=positions),
+    "the joints of the tank": moved(SLEW, model="tank"),
+    "two robots in turns": lambda answer: PUBLISHING.two(answer, moves=(REST,), model="crane"),
+    "after a restart": lambda answer: PUBLISHING.restarted(answer, moves=(REST,), model="crane"),
+}
+CASES = PUBLISHING.cases(ThriftyPublisher, TRIED, MISTAKES, OTHERWISE)
+
+thrift = Exercise(
+    name="thrift",
+    statement="""
+    Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topic `joint_state` of its body, but
+    only what is news:
+
+    - 50 times per simulated second, as nearly as whole steps allow, it looks which joints are more than 0.001 rad (or
+      m) from the position that was last sent for them;
+    - the message names these joints, with their positions; if there are none, nothing is sent;
+    - the first message names all joints, and so does the first one after a restart of the simulation;
+    - the stamp is the simulated time at which it is sent. Velocity and effort stay empty.
+    - When it leaves the body it has the node destroy its publisher, in `unconfigure`.
+    """,
+    judge=CASES.judge,
+    solution=(ThriftyPublisher,),
+    base=SimpleController,
+    parts=("configure", "initialize", "control", "unconfigure"),
+    requires=("configure", "initialize"),
+    hints=(
+        "Look at what is compared with what: each joint's position with the one that was last sent for this joint, "
+        "which may have been long ago. Not with that of the last look, and not all joints together.",
+        "Keep a dict from each joint's name to the position that was last sent for it. It is empty in the beginning, "
+        "so all joints are news. Look every so many steps; collect what is news; only if there is any, send it, and "
+        "only then note down what was sent.",
+        "news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) > "
+        "0.001}. If it is not empty: message.name = list(news), message.position = list(news.values()), publish, then "
+        "self.sent.update(news). In unconfigure: self.node.destroy_publisher(self.publisher).",
+    ),
+    notice="Notice that these messages are read by name: the viewer of step 3 shows them without a change.",
+)
