@@ -22,6 +22,7 @@ from tutorial.body import Body
 from tutorial.checks._answer import missing
 from tutorial.checks._cases import call
 from tutorial.checks._diagnose import Misuse
+from tutorial.checks._node import check_callback
 from tutorial.checks._watch import Failure
 from tutorial.checks._world import MODELS, Watched
 from tutorial.controller import ControllerConfig, ControllerIO
@@ -77,7 +78,8 @@ class MemoryNode:
         namespace: of its topics.
 
     Attributes:
-        publishers, subscriptions: those that were made, destroyed or not, in the order in which they were made.
+        publishers, subscriptions: those that it has, in the order in which they were made; also one that was destroyed
+            without telling it.
         timers: what `create_timer` was given; none of them ever fires.
         destroyed: whether the learner has destroyed the node itself.
     """
@@ -96,8 +98,9 @@ class MemoryNode:
         return self.publishers[-1]
 
     def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any, **_: Any) -> Endpoint:
-        """Make a subscription; a case calls its `Endpoint.callback` itself."""
+        """Make a subscription; `Rig.hear` brings it messages."""
         del qos_profile
+        check_callback(callback, msg_type)
         self.subscriptions.append(Endpoint(self, msg_type, topic, callback))
         return self.subscriptions[-1]
 
@@ -107,15 +110,17 @@ class MemoryNode:
 
     def destroy_publisher(self, publisher: Endpoint) -> bool:
         """Take a publisher back; whether there was one."""
-        if publisher not in self.publishers or publisher.destroyed:
+        if publisher not in self.publishers:
             return False
+        self.publishers.remove(publisher)
         publisher.destroy()
         return True
 
     def destroy_subscription(self, subscription: Endpoint) -> bool:
         """Take a subscription back; whether there was one."""
-        if subscription not in self.subscriptions or subscription.destroyed:
+        if subscription not in self.subscriptions:
             return False
+        self.subscriptions.remove(subscription)
         subscription.destroy()
         return True
 
@@ -219,6 +224,24 @@ class Rig:
             self.after()
             self.io.step += 1
 
+    def hear(self, message: Any) -> None:
+        """Bring a message to whatever subscribes to its kind."""
+        for each in self.node.subscriptions:
+            if each.kind is type(message):
+                call(each.callback, message)
+
+    def hears(self, kind: type, topic: str, cause: str) -> str:
+        """Say which topic is listened to: this one, where it is among them.
+
+        Raises:
+            Failure: no messages of this kind are listened to, for this cause.
+        """
+        made = [each.topic for each in self.node.subscriptions if each.kind is kind]
+        if not made:
+            raise Failure("configure", Misuse(f"it subscribes to no messages of the type {kind.__name__}", cause), None)
+        wanted = Endpoint(self.node, kind, topic).topic
+        return f"it listens to {wanted if wanted in made else made[0]}"
+
     def stop(self) -> None:
         """Simulate no more; wait for what threads of the learner's still publish."""
         self.has_threads = bool(set(threading.enumerate()) - self._threads)
@@ -231,12 +254,12 @@ class Rig:
     def leave(self) -> str:
         """Have the controller leave its body, and say what it has left behind."""
         self._has("unconfigure", misspelled=True)
+        made = [*self.node.publishers, *self.node.subscriptions]
         self.learner.unconfigure()
         if self.node.destroyed:
             return "the program's node is gone"
-        made = (*self.node.publishers, *self.node.subscriptions)
-        left = sum(not each.destroyed for each in made)
-        return f"{left} of {len(made)} topics are still there" if left else "nothing is left"
+        left = len(self.node.publishers) + len(self.node.subscriptions)
+        return f"the node still has {left} of {len(made)} topics" if left else "nothing is left"
 
     def _has(self, method: str, misspelled: bool = False) -> None:
         lacking = missing(self._answer, method)
