@@ -10,7 +10,6 @@ from packaging.specifiers import SpecifierSet
 
 from tutorial.checks import _diagnose
 from tutorial.checks._diagnose import PROVED, blamed, likely_cause, owner_of
-from tutorial.checks._drive import _cause
 from tutorial.controller import SimpleController
 from tutorial.paths import HOME
 
@@ -112,7 +111,6 @@ def test_on_another_python_an_exception_speaks_for_itself(mistake):
     assert blamed(error, Answer) is None
     structured = isinstance(error, AttributeError) and error.obj is not None
     assert structured or likely_cause(error, Answer) == _diagnose._GENERAL
-    assert _cause(error, Answer, Answer.on_joy) is None
 
 
 @pytest.mark.parametrize("text", ["", "3 are too many", "'Answer' has nothing called 'speed'", "f() missing: 1", "'"])

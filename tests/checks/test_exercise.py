@@ -16,9 +16,9 @@ from tutorial.checks._verdict import Finding, Verdict, right, wrong
 from tutorial.checks.aim import aim
 from tutorial.checks.by_name import by_name, match_by_name
 from tutorial.checks.catalogue import exercises
+from tutorial.checks.drive import GentleTank, drive
 from tutorial.checks.exercise import Exercise
 from tutorial.checks.joint_state_publisher import publish
-from tutorial.checks.tank_controller import GentleTank, drive
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.paths import HOME
 from tutorial.project import controller_names

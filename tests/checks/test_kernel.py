@@ -31,7 +31,8 @@ class GentleTank(SimpleController):
         self.track_l, self.track_r = io.body.actuator("TRACK_L"), io.body.actuator("TRACK_R")
 
     def control(self):
-        x, y = map(dead_zone, [*self.joy.get().axes, 0.0, 0.0][:2])
+        axes = [min(max(axis, -1.0), 1.0) for axis in (*self.joy.get().axes, 0.0, 0.0)]
+        x, y = map(dead_zone, axes[:2])
         self.track_l.ctrl = 1.0 * y - 0.5 * x
         self.track_r.ctrl = 1.0 * y + 0.5 * x
 

@@ -10,148 +10,12 @@ from collections import deque
 
 import pytest
 from rclpy.time import Time
-from sensor_msgs.msg import JointState, Joy
+from sensor_msgs.msg import JointState
 
 from tutorial.checks.joint_state_publisher import SlowPublisher, ThriftyPublisher, publish, thrift
 from tutorial.checks.joint_state_subscriber import CalmViewer, MyViewer, keep_up, show
-from tutorial.checks.tank_controller import GentleTank, drive
 from tutorial.controllers.joint_state_publisher import JointStatePublisher
-from tutorial.handoff import Latest
 from tutorial.joints import match_joints
-
-# --- drive
-
-
-class Queued(GentleTank):
-    def configure(self, config):
-        super().configure(config)
-        self.waiting, self.last = deque(), Joy()
-
-    def on_joy(self, message):
-        self.waiting.append(message)
-
-    def control(self):
-        if self.waiting:
-            self.last = self.waiting.popleft()
-        self.joy.put(self.last)
-        super().control()
-
-
-class TakesItOut(GentleTank):
-    def control(self):
-        super().control()
-        self.joy.put(Joy())
-
-
-class Smoothed(GentleTank):
-    def control(self):
-        before = self.track_l.ctrl, self.track_r.ctrl
-        super().control()
-        self.track_l.ctrl = 0.5 * (before[0] + self.track_l.ctrl)
-        self.track_r.ctrl = 0.5 * (before[1] + self.track_r.ctrl)
-
-
-class OnlyAhead(GentleTank):
-    def control(self):
-        x, y = (axis if axis > 0.3 else 0.0 for axis in [*self.joy.get().axes, 0.0, 0.0][:2])
-        self.track_l.ctrl, self.track_r.ctrl = y - 0.5 * x, y + 0.5 * x
-
-
-class FourAxes(GentleTank):
-    def on_joy(self, message):
-        if len(message.axes) == 4:
-            self.joy.put(message)
-
-
-class AllOrNothing(GentleTank):
-    def control(self):
-        axes = self.joy.get().axes
-        x, y = axes[:2] if len(axes) > 1 else (0.0, 0.0)
-        x, y = (axis if abs(axis) > 0.3 else 0.0 for axis in (x, y))
-        self.track_l.ctrl, self.track_r.ctrl = y - 0.5 * x, y + 0.5 * x
-
-
-class ForgetsAtTheStart(GentleTank):
-    def initialize(self, io):
-        super().initialize(io)
-        self.joy.put(Joy())
-
-
-class KnowsTheBodyTooLate(GentleTank):
-    def on_joy(self, message):
-        self.tracks = (self.track_l, self.track_r)
-        self.joy.put(message)
-
-
-_newest = Latest(Joy())
-
-
-class GlobalLatest(GentleTank):
-    def configure(self, config):
-        super().configure(config)
-        self.joy = _newest
-
-
-class ExpectsSix(GentleTank):
-    def control(self):
-        if len(self.joy.get().axes) > 4:
-            raise IndexError("too many")
-        super().control()
-
-
-class TwoSubscriptions(GentleTank):
-    def configure(self, config):
-        super().configure(config)
-        super().configure(config)
-
-
-class DestroysTheNode(GentleTank):
-    def unconfigure(self):
-        self.node.destroy_node()
-
-
-class NumberForATrack(GentleTank):
-    def control(self):
-        self.track_l = self.track_r = 1.0
-
-
-class DropsWhatComesSoon(GentleTank):
-    last = float("-inf")
-
-    def on_joy(self, message):
-        if time.monotonic() - self.last > 1e-6:
-            self.last = time.monotonic()
-            super().on_joy(message)
-
-
-class StopsAfterAWhile(GentleTank):
-    def on_joy(self, message):
-        self.heard = time.time_ns()
-        super().on_joy(message)
-
-    def control(self):
-        if time.time_ns() - getattr(self, "heard", 0) > 5_000_000_000:
-            self.joy.put(Joy())
-        super().control()
-
-
-DRIVE = [
-    (DropsWhatComesSoon, "dropped by time"),
-    (StopsAfterAWhile, "or for a while, and then for nothing"),
-    (Queued, "messages wait in a queue"),
-    (TakesItOut, "a message counts for one step only"),
-    (Smoothed, "the speeds are smoothed"),
-    (OnlyAhead, "abs is missing"),
-    (FourAxes, "a message with few axes is dropped"),
-    (AllOrNothing, "a message with few axes counts as rest"),
-    (ForgetsAtTheStart, "initialize throws away what has come before"),
-    (KnowsTheBodyTooLate, "read before anything has set it"),
-    (GlobalLatest, "_newest is shared by all objects"),
-    (ExpectsSix, "there may be more"),
-    (TwoSubscriptions, "configure makes two"),
-    (DestroysTheNode, "config.node belongs to the whole program"),
-    (NumberForATrack, "puts a number in the place of the actuator"),
-]
 
 # --- publish
 
@@ -761,7 +625,7 @@ KEEP_UP = [
     (FirstStamp, "started again"),
 ]
 
-ALL = {drive: DRIVE, publish: PUBLISH, thrift: THRIFT, show: SHOW, keep_up: KEEP_UP}
+ALL = {publish: PUBLISH, thrift: THRIFT, show: SHOW, keep_up: KEEP_UP}
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ import threading
 
 import pytest
 
+from tutorial.checks.drive import GentleTank, drive
 from tutorial.checks.joint_state_publisher import SlowPublisher, publish
-from tutorial.checks.tank_controller import GentleTank, drive
 
 pytestmark = pytest.mark.process
 

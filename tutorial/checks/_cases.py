@@ -99,8 +99,9 @@ class Cases:
         say: puts an observation into words.
         otherwise: the cause to name where no known mistakes explain what is observed, by the first case that shows it;
             "" for any other.
-        crashes: by case, the cause to name where what the case gives cannot be looked up or computed with.
+        crashes: by case, the cause to name where what the case gives, or None, cannot be looked up or computed with.
         beside: functions of the solution's module that a mistake may change, too.
+        clock: the cause to name of an answer that asks the computer's clock.
     """
 
     solution: Any
@@ -110,6 +111,7 @@ class Cases:
     otherwise: Mapping[str, str]
     crashes: Mapping[str, str] = field(default_factory=dict)
     beside: Sequence[Any] = ()
+    clock: str = CLOCK
 
     def judge(self, answer: Any) -> Iterator[Finding]:
         """Try an answer, say of each case what was observed, and name each mistake where it shows first."""
@@ -133,13 +135,14 @@ class Cases:
             if label not in odd:
                 yield right(f"{label}: {self.say(seen[label])}")
             elif label in raised:
-                known = isinstance(raised[label].error, LookupError | ValueError | ArithmeticError)
+                error = raised[label].error
+                known = isinstance(error, LookupError | ValueError | ArithmeticError) or "NoneType" in sentence(error)
                 yield raised[label].finding(self.crashes.get(label) if known else None, label)
                 return
             elif label in failures and label in causes:
                 yield failures[label].finding(causes[label], label)
             elif label in causes or (not found and label == odd[0]):
-                unknown = CLOCK if by_the_clock else self.otherwise.get(label, self.otherwise[""])
+                unknown = self.clock if by_the_clock else self.otherwise.get(label, self.otherwise[""])
                 text = f"{label}: {self.say(seen[label])}; expected: {self.say(self.expected[label])}"
                 yield wrong(text, causes.get(label) or shared.cause(unknown))
 

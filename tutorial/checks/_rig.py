@@ -22,6 +22,7 @@ from tutorial.body import Body
 from tutorial.checks._answer import missing
 from tutorial.checks._cases import call
 from tutorial.checks._diagnose import Misuse
+from tutorial.checks._node import check_callback
 from tutorial.checks._watch import Failure, watch
 from tutorial.checks._world import MODELS, Watched
 from tutorial.controller import ControllerConfig, ControllerIO
@@ -101,8 +102,9 @@ class MemoryNode:
         return self.publishers[-1]
 
     def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any, **_: Any) -> Endpoint:
-        """Make a subscription; a case calls its `Endpoint.callback` itself."""
+        """Make a subscription; `Rig.hear` brings it messages."""
         del qos_profile
+        check_callback(callback, msg_type)
         self.subscriptions.append(Endpoint(self, msg_type, topic, callback))
         return self.subscriptions[-1]
 
@@ -229,6 +231,24 @@ class Rig:
             self.learner.control()
             self.after()
             self.io.step += 1
+
+    def hear(self, message: Any) -> None:
+        """Bring a message to whatever subscribes to its kind."""
+        for each in self.node.subscriptions:
+            if each.kind is type(message):
+                call(each.callback, message)
+
+    def hears(self, kind: type, topic: str, cause: str) -> str:
+        """Say which topic is listened to: this one, where it is among them.
+
+        Raises:
+            Failure: no messages of this kind are listened to, for this cause.
+        """
+        made = [each.topic for each in self.node.subscriptions if each.kind is kind]
+        if not made:
+            raise Failure("configure", Misuse(f"it subscribes to no messages of the type {kind.__name__}", cause), None)
+        wanted = Endpoint(self.node, kind, topic).topic
+        return f"it listens to {wanted if wanted in made else made[0]}"
 
     def stop(self) -> None:
         """Simulate no more; wait for what threads of the learner's still publish."""

@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import closing
-from functools import cache
 from typing import Any
 
 import numpy as np
-from rclpy.logging import get_logger
 from sensor_msgs.msg import Joy
 
-from tutorial.body import Body
 from tutorial.checks._cases import Cases, mistakes
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._node import CheckThread, WatchedSubscription
-from tutorial.checks._topics import endpoint
+from tutorial.checks._node import WatchedSubscription
+from tutorial.checks._rig import Rig
 from tutorial.checks._watch import Failure
-from tutorial.checks._world import MODELS, Watched
+from tutorial.checks._world import World
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.handoff import Latest
-from tutorial.world import Placement
 
-__all__ = ["FireButton", "Listener", "fire"]
+__all__ = ["FireButton", "Listener", "fire", "over_ros"]
 
 
 class Listener(SimpleController):
@@ -66,23 +61,15 @@ it looks at message.axes: the buttons are in message.buttons.
 it looks whether there are buttons, not whether buttons[0] is 1.
     self.fire.put => pressed = len(message.buttons) > 0 // self.fire.put
 
-it looks at the second button: the first one is buttons[0].
-    message.buttons[0] => sum(message.buttons[1:2])
-
-it looks at the last button: the first one is buttons[0].
-    message.buttons[0] => message.buttons[-1]
+it looks at another button: the first one is buttons[0].
+    message.buttons[0] => sum(message.buttons[1:2]) => message.buttons[-1]
 
 it looks at all buttons: only buttons[0] counts.
-    self.fire.put => pressed = any(message.buttons) // self.fire.put
-
-all buttons have to be pressed: only buttons[0] counts.
-    > 0 => > 0 and all(message.buttons)
-
-True and False are exchanged.
-    self.fire.put => pressed = not pressed // self.fire.put
+    pressed = => pressed = any(message.buttons) or => pressed = all(message.buttons) and
 
 True and False are exchanged.
     == 1 => != 1
+    self.fire.put => self.fire.put => pressed = pressed or not message.buttons // self.fire.put
 
 nothing is put while the button is not pressed, so that it stays: put False then.
     self.fire.put => if pressed: self.fire.put
@@ -97,76 +84,31 @@ the button turns it on and off: it is True as long as the button is pressed, els
     self.fire.put => pressed = pressed != self.fire.get() // self.fire.put
 
 the node still has the subscription: unconfigure calls self.node.destroy_subscription(self.subscription), as
-Listener's does; a flag, None or subscription.destroy() do not tell the node.
+Listener's does; a flag, None or subscription.destroy() does not tell the node.
     def on_joy => def unconfigure(self): pass // def on_joy
 """)
 LISTEN = 'Most likely configure does not do what Listener\'s does: super().configure(config) listens to "joy".'
 NO_LATEST = "Most likely self.fire is assigned anew: what it holds is replaced by self.fire.put(...)."
 NO_TRUTH = "Put whether the button is pressed: True or False. bool(...) makes one of them of anything."
-OTHERWISE = {"": "Compare with: whether there is a buttons[0], and it is 1."}
+OTHERWISE = {"": "Compare with: whether there is a buttons[0], and it is 1.", "the topic": LISTEN}
 CRASHES = {
-    "a message without buttons": "Most likely the code takes for granted that there are buttons: ask for "
-    "len(message.buttons) first.",
-    "a message with one button, pressed": "Most likely more buttons are taken for granted than there are: only "
-    "buttons[0] counts.",
+    "a message without buttons": "Most likely buttons are taken for granted: ask for len(message.buttons) first.",
+    "a message with one button, pressed": "Most likely more buttons are taken for granted: only buttons[0] counts.",
 }
 
 
-class MemoryNode:
-    """As much of a node as a listener uses, without ROS 2.
+class Tank(Rig):
+    """A tank that an answer has joined."""
 
-    What a node has not begins with an underscore, so that no learner is told of it.
-    """
+    def __init__(self, answer: type[SimpleController], name: str = "Tank") -> None:
+        super().__init__(answer, name=name)
+        self.latest = getattr(self.learner.inner, "fire", None)
 
-    def __init__(self) -> None:
-        self._taps: list[Any] = []
-
-    def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any) -> Any:  # noqa: ARG002
-        """Create a subscription."""
-        self._taps.append(WatchedSubscription(self, msg_type, f"/{topic.lstrip('/')}", callback))
-        self._taps[-1].destroy = lambda: None
-        return self._taps[-1]
-
-    def destroy_subscription(self, subscription: Any) -> None:
-        """Destroy a subscription, if it is one."""
-        self._taps = [tap for tap in self._taps if tap is not subscription]
-
-    def get_logger(self) -> Any:
-        """Return a logger."""
-        return get_logger("tank")
-
-    def watched(self, _kind: type) -> list[Any]:
-        """Return the subscriptions that are not destroyed."""
-        return self._taps
-
-
-class Tank(Watched):
-    """A tank that an answer has joined.
-
-    Args:
-        answer: the learner's class.
-        node: what it is given for a node.
-        name: the tank's.
-    """
-
-    def __init__(self, answer: type[SimpleController], node: Any, name: str = "Tank") -> None:
-        super().__init__(answer)
-        self.node = node
-        self.configure(ControllerConfig(_body(name), node, _drop, _drop))
-        self.latest = getattr(self.inner, "fire", None)
-
-    @property
-    def subscription(self) -> WatchedSubscription:
-        """What it hears the joystick with."""
-        found = endpoint(self.node, WatchedSubscription, "/joy", Joy)
-        if found is None:
-            raise Failure("configure", Misuse("it does not listen to /joy, of the type Joy", LISTEN), None)
-        return found
-
-    @property
-    def fire(self) -> bool:
-        """What the answer's `fire` holds."""
-        now = getattr(self.inner, "fire", None)
+    def holds(self, *states: tuple[int, ...]) -> bool:
+        """Return what `fire` holds after messages with these buttons; one has a stick at its end, too."""
+        for buttons in states:
+            self.hear(Joy(axes=[float(buttons == (0, 1)), 0.0], buttons=buttons))
+        now = getattr(self.learner.inner, "fire", None)
         if now is not self.latest or not isinstance(now, Latest):
             raise Failure("on_joy", Misuse("self.fire is not the Latest that it was", NO_LATEST), None)
         value = now.get()
@@ -175,50 +117,31 @@ class Tank(Watched):
         return bool(value)
 
 
-@cache
-def _body(name: str) -> Body:
-    return Body.displayed(Placement(name, MODELS / "tank.xml"))
-
-
-def _drop(*_: object) -> None:
-    pass
-
-
 def after(*states: tuple[int, ...]) -> Callable[[type[SimpleController]], bool]:
-    """Observe what `fire` holds after messages with these buttons; one has a stick at its end, too."""
-
-    def observe(answer: type[SimpleController]) -> bool:
-        tank = Tank(answer, MemoryNode())
-        for buttons in states:
-            tank.subscription.call_back(Joy(axes=[float(buttons == (0, 1)), 0.0], buttons=buttons))
-        return tank.fire
-
-    return observe
+    """Observe what `fire` holds after messages with these buttons."""
+    return lambda answer: Tank(answer).holds(*states)
 
 
 def two(answer: type[SimpleController]) -> list[bool]:
     """Observe what two tanks hold, of which the first one has heard its button."""
-    first, second = Tank(answer, MemoryNode()), Tank(answer, MemoryNode(), "Rover")
-    first.subscription.call_back(Joy(axes=[0.0], buttons=[1]))
-    return [first.fire, second.fire]
+    first, second = Tank(answer), Tank(answer, "Rover")
+    return [first.holds((1,)), second.holds()]
 
 
-def leaves(answer: type[SimpleController]) -> str:
-    """Observe what is left after `unconfigure`."""
-    tank = Tank(answer, MemoryNode())
-    tank.unconfigure()
-    return "it still listens" if tank.node.watched(WatchedSubscription) else "it does not listen any more"
-
-
-def over_ros(answer: type[SimpleController]) -> bool:
-    """Observe what `fire` holds after a message from another node."""
-    with closing(CheckThread()) as ros:
-        tank = Tank(answer, ros.node)
-        ros.publisher_to(tank.subscription)(Joy(axes=[0.0], buttons=[1]))
-        return tank.fire
+def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[World], Any]) -> Any:
+    """Observe something after a message from another node, and a step, with rclpy's own node."""
+    with World(answer, name="Rover") as world:
+        for each in world.ros.node.watched(WatchedSubscription):
+            if each.message_type is Joy:
+                world.ros.publisher_to(each)(message)
+        world.advance()
+        seen = look(world)
+        world.leave()
+        return seen
 
 
 TRIED = {
+    "the topic": lambda answer: Tank(answer).hears(Joy, "joy", LISTEN),
     "button 0 is pressed": after((1, 0)),
     "it is held": after((1, 0), (1, 0)),
     "it is released": after((1, 0), (0, 0)),
@@ -227,8 +150,10 @@ TRIED = {
     "a message without buttons": after((1, 1), ()),
     "a message with one button, pressed": after((1,)),
     "two tanks at the same time, and the button of the first one is pressed": two,
-    "after unconfigure": leaves,
-    "a message from another node, the button pressed": over_ros,
+    "after unconfigure": lambda answer: Tank(answer).leave(),
+    "a message from another node, the button pressed": lambda answer: over_ros(
+        answer, Joy(buttons=[1]), lambda world: bool(vars(world.learner.inner)["fire"].get())
+    ),
 }
 
 CASES = Cases(FireButton, TRIED, MISTAKES, str, OTHERWISE, CRASHES)
