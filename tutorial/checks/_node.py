@@ -20,7 +20,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import SpinThread
 from tutorial.ros.tap import Call, Tap, TappedNode
 
-__all__ = ["CheckThread", "WatchedEndpoint", "WatchedNode", "WatchedPublisher", "WatchedSubscription"]
+__all__ = ["CheckThread", "WatchedEndpoint", "WatchedNode", "WatchedPublisher", "WatchedSubscription", "check_callback"]
 
 PATIENCE = 10.0  # [s]; only what never comes takes so long
 
@@ -71,7 +71,7 @@ class WatchedSubscription(WatchedEndpoint):
 
     def __init__(self, node: Any, message_type: type, topic: str, callback: Any = None) -> None:
         super().__init__(node, message_type, topic)
-        _check_callback(callback, message_type)
+        check_callback(callback, message_type)
         self.callback = callback
         self.finished = 0
         self.failure: Failure | None = None
@@ -214,7 +214,7 @@ class CheckThread(SpinThread[WatchedNode]):
         return publish
 
 
-def _check_callback(callback: Any, message_type: type) -> None:
+def check_callback(callback: Any, message_type: type) -> None:
     """Refuse a callback that cannot work, in the learner's words.
 
     Raises:

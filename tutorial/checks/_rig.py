@@ -22,12 +22,13 @@ from tutorial.body import Body
 from tutorial.checks._answer import missing
 from tutorial.checks._cases import call
 from tutorial.checks._diagnose import Misuse
+from tutorial.checks._node import check_callback
 from tutorial.checks._watch import Failure
 from tutorial.checks._world import MODELS, Watched
 from tutorial.controller import ControllerConfig, ControllerIO
 from tutorial.world import Placement, compose
 
-__all__ = ["Endpoint", "MemoryNode", "Rig", "Sent", "elsewhere"]
+__all__ = ["Endpoint", "MemoryNode", "Rig", "Sent", "check_has", "elsewhere"]
 
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
@@ -45,11 +46,12 @@ class Endpoint:
         topic_name: the topic's full name.
         callback: a subscription's; None for a publisher.
         destroyed: whether the learner has destroyed it.
+        by_itself: whether that was done without asking the node.
     """
 
     def __init__(self, node: MemoryNode, kind: type, topic: str, callback: Any = None) -> None:
         self.topic_name = self.topic = expand_topic_name(topic, "tank", node.namespace)
-        self.kind, self.callback, self.destroyed = kind, callback, False
+        self.kind, self.callback, self.destroyed, self.by_itself = kind, callback, False, False
         self._node = node
 
     def publish(self, message: Any) -> None:
@@ -61,11 +63,15 @@ class Endpoint:
         self._node.publish(self, message)
 
     def destroy(self) -> None:
-        """Take it back."""
-        self.destroyed = True
+        """Take it back; the node is not told."""
+        self.destroyed = self.by_itself = True
 
     def get_subscription_count(self) -> int:
         """Say that somebody listens."""
+        return 1
+
+    def get_publisher_count(self) -> int:
+        """Say that somebody publishes."""
         return 1
 
 
@@ -98,6 +104,7 @@ class MemoryNode:
     def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any, **_: Any) -> Endpoint:
         """Make a subscription; a case calls its `Endpoint.callback` itself."""
         del qos_profile
+        check_callback(callback, msg_type)
         self.subscriptions.append(Endpoint(self, msg_type, topic, callback))
         return self.subscriptions[-1]
 
@@ -107,17 +114,30 @@ class MemoryNode:
 
     def destroy_publisher(self, publisher: Endpoint) -> bool:
         """Take a publisher back; whether there was one."""
-        if publisher not in self.publishers or publisher.destroyed:
-            return False
-        publisher.destroy()
-        return True
+        return self._take_back(publisher, self.publishers)
 
     def destroy_subscription(self, subscription: Endpoint) -> bool:
         """Take a subscription back; whether there was one."""
-        if subscription not in self.subscriptions or subscription.destroyed:
+        return self._take_back(subscription, self.subscriptions)
+
+    def _take_back(self, endpoint: Endpoint, made: list[Endpoint]) -> bool:
+        if endpoint not in made or endpoint.destroyed:
             return False
-        subscription.destroy()
+        endpoint.destroyed = True
         return True
+
+    def left(self) -> str:
+        """Say what the learner has left behind."""
+        if self.destroyed:
+            return "the program's node is gone"
+        made = (*self.publishers, *self.subscriptions)
+        left = sum(not each.destroyed for each in made)
+        if left:
+            return f"{left} of {len(made)} topics are still there"
+        return (
+            "the node still counts what has destroyed itself" * any(each.by_itself for each in made)
+            or "nothing is left"
+        )
 
     def destroy_node(self) -> None:
         """Note that the whole node was destroyed."""
@@ -209,7 +229,7 @@ class Rig:
         self.learner.initialize(self.io)
         if self.node.timers:
             raise Failure("configure", Misuse("it makes a timer", TIMER), None)
-        self._has("control")
+        check_has(self._answer, "control")
 
     def advance(self, steps: int) -> None:
         """Simulate some steps."""
@@ -230,18 +250,9 @@ class Rig:
 
     def leave(self) -> str:
         """Have the controller leave its body, and say what it has left behind."""
-        self._has("unconfigure", misspelled=True)
+        check_has(self._answer, "unconfigure", misspelled=True)
         self.learner.unconfigure()
-        if self.node.destroyed:
-            return "the program's node is gone"
-        made = (*self.node.publishers, *self.node.subscriptions)
-        left = sum(not each.destroyed for each in made)
-        return f"{left} of {len(made)} topics are still there" if left else "nothing is left"
-
-    def _has(self, method: str, misspelled: bool = False) -> None:
-        lacking = missing(self._answer, method)
-        if lacking and ("misspelled" in lacking.cause or not misspelled):
-            raise Failure(method, Misuse(lacking.text, lacking.cause), None)
+        return self.node.left()
 
     def _publish(self, publisher: Endpoint, message: Any) -> None:
         stamp = message.header.stamp if hasattr(message, "header") else Time()
@@ -249,6 +260,22 @@ class Rig:
         if threading.current_thread() is not self._thread:
             step = round(stamp_ns / 1e9 / self.io.time_step)
         self.sent.append(Sent(publisher.topic, step, stamp_ns, self._keep(message)))
+
+
+def check_has(answer: type, method: str, misspelled: bool = False) -> None:
+    """Look whether a method is there.
+
+    Args:
+        answer: the learner's class.
+        method: its name.
+        misspelled: whether it may be missing, but not misspelled.
+
+    Raises:
+        Failure: it is not.
+    """
+    lacking = missing(answer, method)
+    if lacking and ("misspelled" in lacking.cause or not misspelled):
+        raise Failure(method, Misuse(lacking.text, lacking.cause), None)
 
 
 def elsewhere(function: Callable[..., Any], *arguments: Any) -> Any:
