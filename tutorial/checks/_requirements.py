@@ -5,7 +5,7 @@ from __future__ import annotations
 import dis
 import inspect
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,10 +15,9 @@ from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, files_of, watch
 from tutorial.errors import TutorialError
 
-__all__ = ["Requirement", "Requirements"]
+__all__ = ["Requirement", "Requirements", "listed"]
 
 THROTTLED = "Most likely messages are dropped by time or by count: post and show every one, whenever it comes."
-THERE = "Most likely {} is not reached, or not given the right thing: it is written, but that does not help here."
 
 
 @dataclass(frozen=True)
@@ -85,11 +84,11 @@ class Requirements:
         """Name the mistake that leads to what was observed."""
         first, *others = one.mistakes
         found = next((each for each in others if self._seen_of(one, each) == seen), None)
-        if found is not None:
-            return f"Most likely {found.cause}"
-        proposed = re.match(r"((?:self\.)?(?:\w+\.)*(\w+)\([^()]*\)) is missing", first.cause)
-        there = proposed is not None and proposed[2] in _calls(watch.answer)
-        return shared.cause(THERE.format(proposed[1]) if there and proposed else f"Most likely {first.cause}")
+        cause = f"Most likely {(found or first).cause}"
+        proposed = re.search(r"(\w+)\([^()]*\) is missing, or", cause)
+        if proposed and proposed[1] in _calls(watch.answer):  # it is there
+            cause = cause.replace(" is missing, or", " is", 1)
+        return cause if found and "." not in shared.changed() else shared.cause(cause)
 
     def _seen_of(self, one: Requirement, mistake: Mistake) -> Any:
         """Observe the solution with a mistake in it."""
@@ -100,12 +99,23 @@ class Requirements:
             return observed(one.attempt, twin)
 
 
+def listed(tried: Mapping[str, tuple[Callable[[Any], str], str]], table: str) -> tuple[Requirement, ...]:
+    """List requirements.
+
+    Args:
+        tried: by text, what is tried and what is expected.
+        table: the mistakes of all of them, each requirement's below a line with ``#`` and its text.
+    """
+    _, *parts = re.split(r"^# (.*)$", table, flags=re.MULTILINE)
+    tables = dict(zip(parts[::2], parts[1::2]))
+    return tuple(Requirement(text, *asked, tables[text]) for text, asked in tried.items())
+
+
 def _calls(answer: Any) -> set[str]:
-    """Return the names of what a class's methods use, but for where everything is only kept, in `configure`."""
-    methods = (function for name, function in inspect.getmembers(answer, inspect.isfunction) if name != "configure")
+    """Return the names that a class's methods use; what posts is only kept in `configure`."""
     return {
         str(each.argval)
-        for function in methods
+        for method, function in inspect.getmembers(answer, inspect.isfunction)
         for each in dis.get_instructions(function)
-        if "ATTR" in each.opname or "METHOD" in each.opname
+        if not (method == "configure" and str(each.argval).startswith("call_"))
     }

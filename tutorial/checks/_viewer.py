@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable, Hashable
 from functools import cache
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import mujoco
 import numpy as np
@@ -92,10 +92,11 @@ class Viewer:
         loop: asyncio.AbstractEventLoop | None = None,
     ) -> None:
         compiled, self.guard = _model(model, name), _Guard(f"the body {name!r}")
+        self._fresh = mujoco.MjData(compiled)
         self.body = Body(name, compiled, mujoco.MjData(compiled), self.guard)
         self.body.calc_forward_kinematics()
         self.body.on_change(self._observe)
-        self.node: Any = node or MemoryNode(lambda *_: None, namespace)
+        self.node = node or cast("Any", MemoryNode(lambda *_: None, namespace))
         self.loop = loop or _loop()
         self.calls = CallQueue(self.loop)
         self.keys, self.uncallable, self.shown = list[Hashable](), False, list[tuple[str, bool]]()
@@ -168,7 +169,7 @@ class Viewer:
 
     def links_follow(self) -> bool:
         """Whether the links are where the joints' positions put them."""
-        data = mujoco.MjData(self.body.model)
+        data = self._fresh
         data.qpos[:] = self.body.data.qpos
         mujoco.mj_kinematics(self.body.model, data)
         return bool(np.allclose(data.xquat, self.body.data.xquat) and np.allclose(data.xpos, self.body.data.xpos))
@@ -182,7 +183,8 @@ class Viewer:
             self._failures.append(failure)
 
     def _callbacks(self, kind: type) -> list[Any]:
-        return [each.callback for each in self.node.subscriptions if each.kind is kind and not each.destroyed]
+        made = (each for each in self.node.subscriptions if each.kind is kind and not each.destroyed)
+        return [each.callback for each in made if f"/{self.body.name}/" in each.topic]
 
     def _received(self, message: Any) -> None:
         try:
