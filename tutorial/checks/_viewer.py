@@ -156,11 +156,21 @@ class Viewer:
                 "what is posted", Misuse("whenever it runs, it posts another call, without end", ENDLESS), None
             )
 
-    def leave(self) -> str:
-        """Have the controller leave its body, and say what it has left behind. What waits does not run any more."""
+    def leave(self, *messages: Any) -> str:
+        """Have the controller leave its body, and say what it has left behind. What waits does not run any more.
+
+        Args:
+            messages: come while the main thread is busy with that, just before.
+        """
         check_has(self._answer, "unconfigure", misspelled=True)
-        self._scope.close()
-        self.within(self.learner.unconfigure)
+
+        def leave() -> None:
+            for message in messages:
+                self.receive(message)
+            self._scope.close()
+            self.learner.unconfigure()
+
+        self.within(leave)
         return str(self.node.left())
 
     def where(self) -> str:

@@ -163,8 +163,7 @@ def leaves(answer: type) -> str:
 def leaves_while_one_waits(answer: type) -> str:
     """Observe what comes of a message that waits."""
     with Viewer(answer) as viewer:
-        viewer.receive(joint_state("Y P", (0.1, 0.2)))
-        viewer.leave()
+        viewer.leave(joint_state("Y P", (0.1, 0.2)))
         viewer.drain()
         return viewer.where()
 
@@ -193,10 +192,10 @@ FIRST = {
     "NaN for one joint": (shows(("Y P", (nan, 0.07)), ("Y P", (0.06, nan))), at(0.06, 0.07)),
     "two names, one position or none": (shows(("P Y", (0.11,)), ("Y P", ())), at(0, 0.11)),
     "a late message, then a new start": (shows(*SWINGS, stamps=STAMPS), at(0.15, 0.25)),
+    "a message that comes while the body is drawn": (does_not_wait, "the callback does not wait for it"),
     "one that waits when the controller leaves": (leaves_while_one_waits, at(0, 0)),
 }
 LAST = {
-    "a message that comes while the body is drawn": (does_not_wait, "the callback does not wait for it"),
     "the crane Lift": (shows(("LUFF BRIDGE", (0.1, 0.2)), **LIFT), "BRIDGE at 0.2, SLEW at 0, LUFF at 0.1"),
     "two viewers at once": (two, f"{at(0.2, 0.4)}; BRIDGE at 0.6, SLEW at 0.8, LUFF at 1"),
     "after unconfigure": (leaves, "nothing is left"),
@@ -357,7 +356,7 @@ show = Exercise(
     - The displayed body belongs to the main thread: the callback only posts, with `config.call_later`.
     - What is posted matches by name (`match_joints`), sets the positions, computes the kinematics, and tells the
       observers.
-    - It works on any body, and when it leaves the body it stops listening.
+    - It works on any body, and when it leaves the body it has the node destroy its subscription.
     """,
     judge=REQUIREMENTS.judge,
     solution=(MyViewer,),
