@@ -111,17 +111,14 @@ class Viewer:
         """Call a function as a cell of a notebook does: on the main thread, while its loop is running."""
 
         async def call() -> None:
-            try:
-                function(*arguments)
-            except Failure as failure:
-                self._failures.append(failure)
+            self._keep(function, *arguments)
 
         self.loop.run_until_complete(call())
         self._tell()
 
     def receive(self, message: Any) -> None:
         """Have a message come, on a thread of its own, and wait until the callbacks have returned."""
-        thread = threading.Thread(target=self._received, args=(message,), daemon=True)
+        thread = threading.Thread(target=self._keep, args=(self.call_back, message), daemon=True)
         thread.start()
         asleep = 0
         while thread.is_alive() and asleep < ASLEEP and "sleep" not in watch.noted:
@@ -148,12 +145,14 @@ class Viewer:
                     break
             await asyncio.sleep(0)
 
-        self.loop.set_exception_handler(lambda _, context: self._raised.append(context["exception"]))
+        self.loop.set_exception_handler(
+            lambda _, context: self._raised.append(context.get("exception", RuntimeError(context["message"])))
+        )
         self.loop.run_until_complete(turns())
         self._tell()
         if len(self.calls):
             raise Failure(
-                "what is posted", Misuse("whenever it runs, it posts another call, without end", ENDLESS), None
+                "what is posted", Misuse("it posts another call whenever it runs, without end", ENDLESS), None
             )
 
     def leave(self, *messages: Any) -> str:
@@ -186,21 +185,23 @@ class Viewer:
 
     def run(self, function: Callable[..., object], *arguments: Any) -> None:
         """Run something of the learner's that the main thread calls; what it raises, comes out in the end."""
-        try:
+
+        def call() -> None:
             with watch.call(name_of(function)):
                 function(*arguments)
+
+        self._keep(call)
+
+    def _keep(self, function: Callable[..., object], *arguments: Any) -> None:
+        """Call a function, and keep the failure that it raises."""
+        try:
+            function(*arguments)
         except Failure as failure:
             self._failures.append(failure)
 
     def _callbacks(self, kind: type) -> list[Any]:
         made = (each for each in self.node.subscriptions if each.kind is kind and not each.destroyed)
         return [each.callback for each in made if f"/{self.body.name}/" in each.topic]
-
-    def _received(self, message: Any) -> None:
-        try:
-            self.call_back(message)
-        except Failure as failure:
-            self._failures.append(failure)
 
     def _observe(self, _report: object) -> None:
         self.shown.append((self.where(), self.links_follow()))
