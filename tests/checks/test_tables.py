@@ -34,3 +34,22 @@ def test_any_two_mistakes_can_be_made_at_once_unless_one_takes_away_what_the_oth
 @every_table
 def test_what_no_known_mistakes_explain_names_a_case_of_the_table(exercise, cases):
     assert cases.otherwise.keys() <= cases.cases.keys() | {""}
+
+
+LISTS = {
+    each: importlib.import_module(each.module).REQUIREMENTS
+    for those in exercises().values()
+    for each in those
+    if hasattr(importlib.import_module(each.module), "REQUIREMENTS")
+}
+
+
+@pytest.mark.parametrize(("exercise", "requirements"), LISTS.items(), ids=[each.name for each in LISTS])
+def test_each_requirement_is_failed_by_its_mistakes_and_names_their_cause(exercise, requirements, domain):
+    assert exercise.judge(requirements.solution).right
+    for one in requirements.each:
+        assert one.mistakes, one.text
+        for mistake in one.mistakes:
+            verdict = exercise.judge(requirements.mistaken(mistake))
+            assert verdict.causes == (f"Most likely {mistake.cause}",), str(verdict)
+            assert verdict.findings[-1].text.startswith(one.text)

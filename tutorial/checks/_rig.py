@@ -28,7 +28,7 @@ from tutorial.checks._world import MODELS, Watched
 from tutorial.controller import ControllerConfig, ControllerIO
 from tutorial.world import Placement, compose
 
-__all__ = ["Endpoint", "MemoryNode", "Rig", "Sent", "elsewhere"]
+__all__ = ["Endpoint", "MemoryNode", "Rig", "Sent", "check_has", "elsewhere"]
 
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
@@ -66,11 +66,15 @@ class Endpoint:
         self._node.publish(self, message)
 
     def destroy(self) -> None:
-        """Take it back."""
+        """Take it back; the node is not told."""
         self.destroyed = True
 
     def get_subscription_count(self) -> int:
         """Say that somebody listens."""
+        return 1
+
+    def get_publisher_count(self) -> int:
+        """Say that somebody publishes."""
         return 1
 
 
@@ -127,6 +131,14 @@ class MemoryNode:
         self.subscriptions.remove(subscription)
         subscription.destroy()
         return True
+
+    def left(self) -> str:
+        """Say what the learner has left behind."""
+        if self.destroyed:
+            return "the program's node is gone"
+        left = (*self.publishers, *self.subscriptions)
+        alone = " and was not told of its end" * any(each.destroyed for each in left)
+        return f"the node still has {len(left)} of its topics{alone}" if left else "nothing is left"
 
     def destroy_node(self) -> None:
         """Note that the whole node was destroyed."""
@@ -222,7 +234,7 @@ class Rig:
             raise Failure("configure", Misuse("it makes a timer", TIMER), None)
         if "thread" in watch.noted and missing(self._answer, "control"):
             raise Failure("initialize", Misuse("it starts a thread of its own", THREAD), watch.noted["thread"])
-        self._has("control")
+        check_has(self._answer, "control")
 
     def advance(self, steps: int) -> None:
         """Simulate some steps."""
@@ -261,18 +273,9 @@ class Rig:
 
     def leave(self) -> str:
         """Have the controller leave its body, and say what it has left behind."""
-        self._has("unconfigure", misspelled=True)
-        made = [*self.node.publishers, *self.node.subscriptions]
+        check_has(self._answer, "unconfigure", misspelled=True)
         self.learner.unconfigure()
-        if self.node.destroyed:
-            return "the program's node is gone"
-        left = len(self.node.publishers) + len(self.node.subscriptions)
-        return f"the node still has {left} of {len(made)} topics" if left else "nothing is left"
-
-    def _has(self, method: str, misspelled: bool = False) -> None:
-        lacking = missing(self._answer, method)
-        if lacking and ("misspelled" in lacking.cause or not misspelled):
-            raise Failure(method, Misuse(lacking.text, lacking.cause), None)
+        return self.node.left()
 
     def _publish(self, publisher: Endpoint, message: Any) -> None:
         stamp = message.header.stamp if hasattr(message, "header") else Time()
@@ -280,6 +283,22 @@ class Rig:
         if threading.current_thread() is not self._thread:
             step = round(stamp_ns / 1e9 / self.io.time_step)
         self.sent.append(Sent(publisher.topic, step, stamp_ns, self._keep(message)))
+
+
+def check_has(answer: type, method: str, misspelled: bool = False) -> None:
+    """Look whether a method is there.
+
+    Args:
+        answer: the learner's class.
+        method: its name.
+        misspelled: whether it may be missing, but not misspelled.
+
+    Raises:
+        Failure: it is not.
+    """
+    lacking = missing(answer, method)
+    if lacking and ("misspelled" in lacking.cause or not misspelled):
+        raise Failure(method, Misuse(lacking.text, lacking.cause), None)
 
 
 def elsewhere(function: Callable[..., Any], *arguments: Any) -> Any:

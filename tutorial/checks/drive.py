@@ -298,18 +298,6 @@ def halved(answer: type, in_callback: bool) -> str:
     return "half of it is used" if mixed & set(seen) else "it is used as a whole, or not yet"
 
 
-def beyond(answer: type) -> str:
-    """Observe whether a stick beyond 1 counts as 1.
-
-    Raises:
-        Failure: it does not.
-    """
-    if at((1.5, -1.5))(answer) != at((1.0, -1.0))(answer):
-        cause = "Most likely the axes are read as they are: let four_axes read the message, which limits them to 1."
-        raise Failure("control", Misuse("an axis of 1.5 counts for more than 1", cause), None)
-    return "it counts as 1"
-
-
 CASES = Cases(
     GentleTank,
     {
@@ -330,7 +318,6 @@ CASES = Cases(
         BETWEEN[1]: lambda answer: halved(answer, False),
         "after unconfigure": lambda answer: Rig(answer).leave(),
         "a message from another node": lambda answer: over_ros(answer, Joy(axes=DRIVES), lambda it: speeds(it.body)),
-        "a stick beyond 1": beyond,
     },
     MISTAKES,
     say,
@@ -348,8 +335,7 @@ drive = Exercise(
 
     - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
     - An axis within 0.3 of the middle counts as 0; each axis for itself.
-    - `four_axes` reads the message: an axis that it lacks counts as 0, and one beyond 1 as 1. Before the first message
-      everything counts as 0.
+    - An axis that the message lacks counts as 0, and so does everything before the first message.
     - When it leaves the body it has the node destroy the subscription, in `unconfigure`.
 
     Mind the threads: the callback runs on the executor's, `control` on the simulation's.

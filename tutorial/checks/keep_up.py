@@ -1,0 +1,173 @@
+"""The exercise `keep_up`: a viewer that shows the newest message, and lets at most one call wait."""
+
+from __future__ import annotations
+
+import asyncio  # noqa: F401 - what some mistakes need
+import threading  # noqa: F401
+from collections.abc import Callable
+from functools import partial
+from itertools import count
+from math import degrees, isnan, radians  # noqa: F401
+from string import Template
+
+from sensor_msgs.msg import Imu, JointState  # noqa: F401
+
+from tutorial.checks._interleave import interleave
+from tutorial.checks._requirements import Requirements, listed
+from tutorial.checks._viewer import Viewer
+from tutorial.checks.exercise import Exercise
+from tutorial.checks.show import FIRST, LAST, MISTAKES, at, joint_state
+from tutorial.controller import ControllerConfig, SimpleController
+from tutorial.joints import match_joints
+
+__all__ = ["CalmViewer", "keep_up"]
+
+BURST = 50
+MOST = 10_000  # instructions of a method
+
+
+class CalmViewer(SimpleController):
+    """Show the newest joint states that another program publishes."""
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Subscribe to the topic that is named after the body."""
+        self.body = config.body
+        self.node = config.node
+        self.call_latest = config.call_latest
+        topic = f"{self.body.name}/joint_state"
+        self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
+
+    def on_joint_state(self, message: JointState) -> None:
+        """Hand the message to the main thread, in the place of one that still waits there."""
+        self.call_latest(self.body.name, self.update, message)
+
+    def update(self, message: JointState) -> None:
+        """Move the body's joints to where the message says."""
+        positions, report = match_joints(self.body.joint_names, message)
+        self.body.set_joint_positions(positions)
+        self.body.calc_forward_kinematics()
+        self.body.notify_change(report)
+
+    def unconfigure(self) -> None:
+        """Stop listening."""
+        self.node.destroy_subscription(self.subscription)
+
+
+def bursts(answer: type) -> str:
+    """Observe what waits, and what is shown, when many messages come while the main thread is busy; twice."""
+    with Viewer(answer) as viewer:
+        for begin in (0.0, 0.5):
+            viewer.keys.clear()
+            viewer.shown.clear()
+            for i in range(BURST):
+                viewer.receive(
+                    joint_state("Y P", (begin + 0.001 * i, 0.002 * i), 100_000 + round(1e5 * begin) + 401 * i)
+                )
+            waiting, keys = len(viewer.calls), set(viewer.keys)
+            viewer.drain()
+            if waiting > 1:
+                under = ", under the key None" if keys == {None} else ", under different keys" if keys else ""
+                return f"more than one call waits{under}"
+            if viewer.where() == at(begin, 0):
+                return "the first is shown"
+            if viewer.where() != at(begin + 0.049, 0.098):
+                return "the newest is not shown"
+            if len(viewer.shown) > 1:
+                return "one call waits, and draws more than once"
+    return "one call waits, and draws the newest"
+
+
+def in_any_order(answer: type) -> str:
+    """Observe what is shown when the turn of one thread comes at any instruction of the other."""
+    stamps = count(100_000, 20)
+    with Viewer(answer) as viewer:
+        for interrupts_drawing in (True, False):
+            for instruction in (None, None, *range(MOST)):
+                first, second = (joint_state("Y P", (q, q), next(stamps)) for q in (0.3, 0.4))
+                viewer.shown.clear()
+                viewer.call_back(first)
+                come = partial(viewer.call_back, second)
+                turns: list[Callable[[], object]] = [viewer.drain, come] if interrupts_drawing else [come, viewer.drain]
+                if instruction is None:  # Python 3.13 stops between instructions only in code that was traced before
+                    turns[1] = bool
+                more = interleave(turns[0], turns[1], instruction)
+                viewer.drain()
+                if any(where not in (at(0.3, 0.3), at(0.4, 0.4)) for where, _ in viewer.shown):
+                    return "half of each is shown"
+                if not more:
+                    break
+                if instruction is not None and viewer.where() != at(0.4, 0.4):
+                    return "the second is never shown"
+    return "the second is shown in the end"
+
+
+TRIED = {
+    "50 messages while the main thread is busy, twice": (bursts, "one call waits, and draws the newest"),
+    "a message that comes while another is drawn": (in_any_order, "the second is shown in the end"),
+}
+
+MORE = """
+# 50 messages while the main thread is busy, twice
+messages are dropped by time or by count, and the last one with them: post every one with call_latest.
+    $post => if self.__dict__.setdefault("some", count()).__next__() < 20: $post
+each message is posted with call_later, which keeps every call: call_latest keeps the newest of a key.
+    self.call_latest = config.call_latest => self.call_latest = lambda _, *call: config.call_later(*call)
+the key is None, which is no key: take one that says what the call is about, the body's name.
+    self.call_latest(self.body.name, => self.call_latest(None,
+the key differs from message to message: take one that says what the call is about, the body's name.
+    self.call_latest(self.body.name, => self.call_latest(message.header.stamp.nanosec,
+all messages that wait are drawn, one after the other, so the main thread is as busy as with a call for each: draw only
+the newest, which call_latest keeps.
+    self.node = config.node => self.node, self.inbox = config.node, []
+    $post => self.inbox.append(message) // $post
+    self.body.calc_f => for _ in self.inbox: self.body.notify_change(report) // self.inbox.clear() // self.body.calc_f
+the first of them is kept: the newest is what counts, and call_latest keeps that.
+    self.node = config.node => self.node, self.busy = config.node, False
+    $post => if self.busy: return // self.busy = True // $post
+    self.body.calc_f => self.busy = False // self.body.calc_f
+
+# a message that comes while another is drawn
+what says that a call waits is cleared too late, or asked too early: a message that comes between taking the newest and
+clearing it is kept, but no call is posted for it. Clear it first, and under one lock; or leave all that to call_latest.
+    self.node = config.node => self.node, self.waits = config.node, False
+    $post => self.message = message // if self.waits: return // $post // self.waits = True
+    positions, report = => message = self.message // positions, report =
+    self.body.notify_change(report) => self.body.notify_change(report) // self.waits = False
+the callback keeps the message piece by piece, while the main thread reads it: hand it over as a whole, as an argument
+of the posted call.
+    self.node = config.node => self.node, self.kept = config.node, {}
+    $post => for n, q in match_joints(self.body.joint_names, message)[0].items(): self.kept[n] = q // $post
+    positions(positions) => positions(dict(self.kept))
+"""
+REQUIREMENTS = Requirements(
+    CalmViewer,
+    listed(
+        {**FIRST, **TRIED, **LAST},
+        Template(MISTAKES + MORE).substitute(
+            post="self.call_latest(self.body.name, self.update, message)", name="CalmViewer"
+        ),
+    ),
+)
+
+keep_up = Exercise(
+    name="keep_up",
+    statement="""
+    Write the controller `CalmViewer`, for messages that are whole states. It does what `MyViewer` does, but keeps up
+    with any publisher: while the main thread is busy, at most one call waits for it, and what it shows then is the
+    newest message. The last one before the publisher falls silent is always shown.
+    """,
+    judge=REQUIREMENTS.judge,
+    solution=(CalmViewer,),
+    base=SimpleController,
+    parts=("configure", "unconfigure"),
+    requires=("configure",),
+    hints=(
+        "Look at what waits while the main thread is busy: with MyViewer a call for every message, although only the "
+        "newest will be seen. What would have to happen to a call that still waits when the next message comes?",
+        "ControllerConfig has two ways to post. One of them replaces a call that still waits, if both were posted "
+        "under the same key: the key says what the call is about. All else stays as in MyViewer.",
+        "In configure keep config.call_latest in place of config.call_later. It takes a key first, which has to be "
+        "the same for every message and may be the body's name; then the function and the message, as before.",
+    ),
+    notice="Notice what is lost: a call that is replaced never runs, so every message has to name all joints.",
+)
