@@ -107,7 +107,6 @@ ANSWERS = [
     ({"configure": no_lock, "on_joy": piecewise, "control": lambda self: self.set(self.x, self.y)}, "piece by piece"),
     ({"control": read_twice}, "control looks twice"),
     ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "are taken for granted"),
-    ({"control": lambda self: self.set(*dead([*self.joy.get().axes, 0.0, 0.0]))}, "let four_axes read the message"),
     ({"x": 0.0, "y": 0.0, "control": smooth}, "smoothed"),
     ({"on_joy": throttle}, "dropped by time"),
     ({"initialize": lambda self, io: setattr(self, "io", io)}, "read before anything has set it"),

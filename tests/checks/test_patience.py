@@ -10,7 +10,7 @@ import threading
 import pytest
 
 from tutorial.checks.drive import GentleTank, drive
-from tutorial.checks.joint_state_publisher import SlowPublisher, publish
+from tutorial.checks.publish import SlowPublisher, publish
 
 pytestmark = pytest.mark.process
 

@@ -89,6 +89,7 @@ class MemoryNode:
         publishers, subscriptions: those that it has, in the order in which they were made; also one that was destroyed
             without telling it.
         timers: what `create_timer` was given; none of them ever fires.
+        made: how many of both were made.
         destroyed: whether the learner has destroyed the node itself.
     """
 
@@ -97,11 +98,12 @@ class MemoryNode:
         self.publishers: list[Endpoint] = []
         self.subscriptions: list[Endpoint] = []
         self.timers: list[tuple[Any, ...]] = []
-        self.destroyed = False
+        self.made, self.destroyed = 0, False
 
     def create_publisher(self, msg_type: type, topic: str, qos_profile: Any, **_: Any) -> Endpoint:
         """Make a publisher; its depth does not matter."""
         del qos_profile
+        self.made += 1
         self.publishers.append(Endpoint(self, msg_type, topic))
         return self.publishers[-1]
 
@@ -109,6 +111,7 @@ class MemoryNode:
         """Make a subscription; `Rig.hear` brings it messages."""
         del qos_profile
         check_callback(callback, msg_type)
+        self.made += 1
         self.subscriptions.append(Endpoint(self, msg_type, topic, callback))
         return self.subscriptions[-1]
 
@@ -138,7 +141,7 @@ class MemoryNode:
             return "the program's node is gone"
         left = (*self.publishers, *self.subscriptions)
         alone = " and was not told of its end" * any(each.destroyed for each in left)
-        return f"the node still has {len(left)} of its topics{alone}" if left else "nothing is left"
+        return f"the node still has {len(left)} of {self.made} topics{alone}" if left else "nothing is left"
 
     def destroy_node(self) -> None:
         """Note that the whole node was destroyed."""

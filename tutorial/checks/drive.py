@@ -11,7 +11,6 @@ from sensor_msgs.msg import Joy
 
 from tutorial.body import Actuator, Body
 from tutorial.checks._cases import Cases, mistakes
-from tutorial.checks._diagnose import Misuse
 from tutorial.checks._interleave import interleave
 from tutorial.checks._publishing import say
 from tutorial.checks._rig import Rig
@@ -162,7 +161,7 @@ configure makes two subscriptions, and keeps only one, as when super().configure
 
 the node still has the subscription: unconfigure calls self.node.destroy_subscription(self.subscription); a flag, None
 or subscription.destroy() does not tell the node.
-    self.node.destroy_subscription(self.subscription) => pass
+    self.node.destroy_subscription(self.subscription) => pass => self.subscription.destroy()
 """)
 DRIVES, AHEAD = (0.5, -0.8, 0.7, -0.9), (0.0, 1.0, 0.7, -0.9)
 MESSAGES = {

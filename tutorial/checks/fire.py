@@ -86,6 +86,7 @@ the button turns it on and off: it is True as long as the button is pressed, els
 the node still has the subscription: unconfigure calls self.node.destroy_subscription(self.subscription), as
 Listener's does; a flag, None or subscription.destroy() does not tell the node.
     def on_joy => def unconfigure(self): pass // def on_joy
+    => def unconfigure(self): self.subscription.destroy() // def on_joy
 """)
 LISTEN = 'Most likely configure does not do what Listener\'s does: super().configure(config) listens to "joy".'
 NO_LATEST = "Most likely self.fire is assigned anew: what it holds is replaced by self.fire.put(...)."
