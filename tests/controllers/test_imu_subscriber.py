@@ -44,7 +44,8 @@ class Viewer:
         self.controller.configure(ControllerConfig(self.body, self.node, self.post, self.post))
 
     def post(self, function, *args):
-        self.loop.within(lambda: function(*args))
+        self.loop.call_soon(function, *args)
+        self.loop.advance()
 
     def hear(self, message):
         self.controller.on_imu(message)

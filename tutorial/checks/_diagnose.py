@@ -57,8 +57,8 @@ _LIFE = "configure comes first, then initialize, then control; a message may com
 _NONE = "Most likely what stands before the dot is None: nothing was kept or returned there."
 _CLASS = "Most likely parentheses are missing: {name} alone is the class, {name}(...) makes an object of it."
 _LOOP = (
-    "Most likely it goes to the event loop by itself: config.call_later(self.update, message) is asked for; it drops "
-    "what still waits when the controller leaves its body."
+    "Most likely it asks for the event loop, or calls it, on another thread than the main one, as in a callback: that "
+    "posts, self.call_later(self.update, message), and what is posted may ask for the loop."
 )
 _SPIN = "Leave it out: the program spins its node already, on a thread of its own, and spin never returns."
 _PROGRAMS = {

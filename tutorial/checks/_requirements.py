@@ -50,10 +50,14 @@ class Requirements:
     Attributes:
         solution: the right answer, whose source the mistakes change.
         each: the requirements, in the order in which they are tried; the first that is not met ends it.
+        clock: the cause to name where the computer's clock is asked; "" where that may be right.
+        odd: exceptions that odd messages lead to: a requirement's cause is named. Any other speaks for itself.
     """
 
     solution: type
     each: Sequence[Requirement]
+    clock: str = THROTTLED
+    odd: tuple[type[Exception], ...] = (LookupError, ValueError, ArithmeticError, TutorialError)
 
     def judge(self, answer: type) -> Iterator[Finding]:
         """Try an answer, and say of each requirement what was observed."""
@@ -67,7 +71,8 @@ class Requirements:
                 return
             if seen != one.expected:
                 text, place = f"{one.text}: {seen}; expected: {one.expected}", next(iter(watch.noted.values()), None)
-                yield wrong(text, THROTTLED if "clock" in watch.noted else self._cause(one, seen, shared), place)
+                by_the_clock = self.clock if "clock" in watch.noted else ""
+                yield wrong(text, by_the_clock or self._cause(one, seen, shared), place)
                 return
             yield right(f"{one.text}: {seen}")
 
@@ -77,8 +82,7 @@ class Requirements:
 
     def _raised(self, one: Requirement, failure: Failure, shared: SharedState) -> str | None:
         """Return the cause of an exception; None where it speaks for itself."""
-        known = (LookupError, ValueError, ArithmeticError, TutorialError)
-        return self._cause(one, Raised.by(failure), shared) if isinstance(failure.error, known) else None
+        return self._cause(one, Raised.by(failure), shared) if isinstance(failure.error, self.odd) else None
 
     def _cause(self, one: Requirement, seen: Any, shared: SharedState) -> str:
         """Name the mistake that leads to what was observed."""

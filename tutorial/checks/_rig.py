@@ -50,7 +50,10 @@ class Endpoint:
         topic_name: the topic's full name.
         callback: a subscription's; None for a publisher.
         destroyed: whether the learner has destroyed it.
+        depth: how many messages a subscription keeps while its thread is busy; 0 for all.
     """
+
+    depth = 0
 
     def __init__(self, node: MemoryNode, kind: type, topic: str, callback: Any = None) -> None:
         self.topic_name = self.topic = expand_topic_name(topic, "tank", node.namespace)
@@ -109,10 +112,10 @@ class MemoryNode:
 
     def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any, **_: Any) -> Endpoint:
         """Make a subscription; `Rig.hear` brings it messages."""
-        del qos_profile
         check_callback(callback, msg_type)
         self.made += 1
         self.subscriptions.append(Endpoint(self, msg_type, topic, callback))
+        self.subscriptions[-1].depth = getattr(qos_profile, "depth", qos_profile)
         return self.subscriptions[-1]
 
     def create_timer(self, *arguments: Any) -> None:

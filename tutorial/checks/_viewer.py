@@ -31,6 +31,10 @@ TURNS = 1000  # of the loop; many more than there are calls in any check
 ASLEEP = 20  # looks, a hundredth of a second each, at a callback that sleeps: it waits, and is not only slow
 
 KEY = "call_latest takes a key first: self.call_latest(self.body.name, self.update, message)."
+COROUTINE = (
+    "What is posted, or called by a timer, is a plain function, def: to wait in it, it makes a task of the coroutine, "
+    "asyncio.create_task(...)."
+)
 ENDLESS = "Most likely what is posted posts itself: post the method that shows the message, such as self.update."
 ARGUMENTS = (
     "Most likely what is posted gets too few arguments, or too many: behind the function come those that it takes, "
@@ -188,7 +192,10 @@ class Viewer:
 
         def call() -> None:
             with watch.call(name_of(function)):
-                function(*arguments)
+                made = function(*arguments)
+                if inspect.iscoroutine(made):
+                    made.close()
+                    raise Misuse("it is a coroutine function, async def, and nobody awaits it", COROUTINE)
 
         self._keep(call)
 

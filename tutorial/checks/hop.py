@@ -1,0 +1,505 @@
+"""The exercise `hop`: a timer on the main thread, and state that ends with the controller."""
+
+from __future__ import annotations
+
+import asyncio
+import threading  # noqa: F401 - what a mistake needs
+from collections.abc import Callable
+from contextlib import closing
+from functools import partial
+from math import hypot
+
+from geometry_msgs.msg import Vector3
+from numpy.typing import ArrayLike
+from sensor_msgs.msg import Imu, JointState  # noqa: F401
+
+from tutorial.checks._clock import ClockedLoop
+from tutorial.checks._node import CheckThread, WatchedSubscription
+from tutorial.checks._requirements import Requirements, listed
+from tutorial.checks._viewer import Viewer
+from tutorial.checks._watch import Failure, watch
+from tutorial.checks.exercise import Exercise
+from tutorial.controller import ControllerConfig, SimpleController
+
+__all__ = ["HopViewer", "hop"]
+
+Vector = tuple[float, float, float]
+
+HEIGHT = 0.1  # [m]
+PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # [m]; what is added to it and taken off again does not bring these numbers back
+OTHER_PLACE = (-1.1, 0.7, 0.3)
+BLOW, HARMLESS = (25.0, 25.0, 9.8), (1.0, 2.0, 9.8)  # [m/s^2]
+STOOD = "where it stood"
+UP = "0.1 m higher"
+TOLD = "its links follow, observers are told"
+
+
+class HopViewer(SimpleController):
+    """Lift the displayed body for half a second when another program's has hit something."""
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Subscribe to the topic that is named after the body."""
+        self.body = config.body
+        self.node = config.node
+        self.call_later = config.call_later
+        self.timer: asyncio.TimerHandle | None = None
+        self.subscription = self.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10)
+
+    def on_imu(self, message: Imu) -> None:
+        """Hand the message to the main thread."""
+        self.call_later(self.update, message)
+
+    def update(self, message: Imu) -> None:
+        """Hop, if it was a blow; from the ground, even if it is up."""
+        a = message.linear_acceleration
+        if hypot(a.x, a.y) > 20:
+            self.land()
+            self.place = self.body.position
+            x, y, z = self.place
+            self.move((x, y, z + 0.1))
+            self.timer = asyncio.get_running_loop().call_later(0.5, self.land)
+
+    def land(self) -> None:
+        """Stand where it stood, if it is up."""
+        timer, self.timer = self.timer, None
+        if timer is not None:
+            timer.cancel()
+            self.move(self.place)
+
+    def move(self, position: ArrayLike) -> None:
+        """Stand there, and have it drawn."""
+        self.body.position = position
+        self.body.calc_forward_kinematics()
+        self.body.notify_change()
+
+    def unconfigure(self) -> None:
+        """Stop listening, and land."""
+        self.node.destroy_subscription(self.subscription)
+        self.land()
+
+
+class Hall(Viewer):
+    """A displayed body with the learner's controller, and a clock that stands still. Each method says what is seen."""
+
+    loop: ClockedLoop
+    place: Vector = PLACE
+
+    def __init__(self, answer: type, model: str = "tank", name: str = "Rover", node: object = None) -> None:
+        loop = ClockedLoop()
+        loop.set_exception_handler(lambda _, context: self._raised.append(context["exception"]))
+        try:
+            super().__init__(answer, model, name, node, loop=loop)
+        except Failure:
+            loop.close()
+            raise
+        loop.wrap = lambda function: partial(self.run, function)
+        self.stand(PLACE)
+
+    def __exit__(self, *_: object) -> None:
+        super().__exit__()
+        self.loop.close()
+
+    def stand(self, place: Vector) -> None:
+        """Put the body somewhere [m]."""
+        self.place = self.body.position = place
+        self.body.calc_forward_kinematics()
+        self.shown.clear()
+
+    def come(self, *accelerations: Vector) -> None:
+        """Have messages come [m/s^2]."""
+        self.shown.clear()
+        for each in accelerations:
+            self.receive(imu(*each))
+
+    def advance(self, seconds: float) -> None:
+        """Let the clock go on [s]."""
+        self.loop.advance(seconds)
+        self.drain()
+
+    def where(self) -> str:
+        """Say where the body is."""
+        x, y, z = (self.body.position - self.place).tolist()
+        if max(abs(x), abs(y), abs(z)) < 1e-9:
+            return "almost where it stood" if x or y or z else STOOD
+        if abs(abs(x) - HEIGHT) < 1e-9 or abs(abs(y) - HEIGHT) < 1e-9:
+            return "0.1 m aside"
+        return "somewhere else" if x or y else f"{z:.3g} m higher"
+
+    def news(self) -> str:
+        """Say whether everything follows the last move."""
+        told = f"observers are told{' too early' * (self.shown[-1] != (self.where(), True))}" if self.shown else ""
+        return f"its links {'follow' if self.links_follow() else 'stay behind'}, {told or 'nobody is told'}"
+
+    def falls(self) -> str:
+        """Say when it is not up any more, however far away that is."""
+        self.shown.clear()
+        began, timers = self.loop.time(), len(self.loop.timers)
+        for _ in range(1000):
+            after = self.loop.time() - began
+            if self.body.position[2] - self.place[2] < HEIGHT / 2:
+                after = next((due for due in (0.125, 0.5) if -0.02 < after - due < 0.03), after)
+                return f"down after {after:.3g} s{f', of {timers} timers' * (timers > 1)}"
+            rings = [timer.when() - self.loop.time() for timer in self.loop.timers]
+            if not rings and after > 1.0:
+                break
+            self.advance(min(rings, default=1 / 64))
+        kinds = ("a timer on another thread", "no function posted", "a timer that moves it", "a timer", "no timer")
+        there = (self.node.timers or "thread" in watch.noted, self.uncallable, self.shown, timers, True)
+        return f"up for ever, with {next(kind for kind, is_there in zip(kinds, there) if is_there)}"
+
+    def leaves(self, *messages: Imu) -> str:
+        """Say what the controller leaves behind, or how the body is left; with messages that come at the same time."""
+        self.shown.clear()
+        left = self.leave(*messages)
+        self.advance(0.0)
+        return left if left != "nothing is left" else "a timer goes on" if self.loop.timers else self.where()
+
+
+def imu(x: float, y: float, z: float) -> Imu:
+    """Make a message [m/s^2]."""
+    return Imu(linear_acceleration=Vector3(x=x, y=y, z=z))
+
+
+def tries(*steps: Callable[[Hall], str | None]) -> Callable[[type], str]:
+    """Make an attempt of steps, each of which may say what is seen."""
+
+    def attempt(answer: type) -> str:
+        with Hall(answer) as hall:
+            return ", ".join(filter(None, [step(hall) for step in steps]))
+
+    return attempt
+
+
+def hit(*accelerations: Vector) -> Callable[[Hall], None]:
+    """Have messages come, and what they post run."""
+
+    def step(hall: Hall) -> None:
+        hall.come(*accelerations)
+        hall.drain()
+
+    return step
+
+
+def land(hall: Hall) -> None:
+    """Let it come down."""
+    hall.falls()
+
+
+def wait(hall: Hall) -> None:
+    """Let pass what is less than the half second."""
+    hall.advance(0.375)
+
+
+def listens(answer: type) -> str:
+    """Observe what it listens to."""
+    with Hall(answer) as hall:
+        made = [f"{each.topic} of {each.kind.__name__}" for each in hall.node.subscriptions if not each.destroyed]
+        return "/Rover/imu of Imu" if "/Rover/imu of Imu" in made else ", ".join(made) or "nothing"
+
+
+def hands_over(hall: Hall) -> str:
+    """Observe what the callback does itself."""
+    hall.guard.lenient = True
+    try:
+        hall.come(HARMLESS, BLOW)
+    except Failure:
+        if "touch" not in watch.noted:
+            raise
+    if "touch" in watch.noted:
+        then = "and no function is posted" if hall.uncallable else "and nowhere else"
+        return f"is touched on the executor's thread, {then}"
+    return "is left alone" if hall.loop.posted else "hears of nothing"
+
+
+def leaves_well(hall: Hall) -> str:
+    """Observe what is left behind, and if that is nothing, whether everybody knows where the body is."""
+    left = hall.leaves()
+    return f"{left}, {hall.news()}" if left == STOOD else left
+
+
+def move_it(hall: Hall) -> None:
+    """Have the body moved by somebody else."""
+    hall.stand(OTHER_PLACE)
+
+
+THEN = Hall.where, Hall.falls, Hall.where  # what is asked after a message
+ACCELERATIONS: tuple[Vector, ...] = (
+    (25.0, 0.0, 9.8), (-25.0, 0.0, 9.8), (0.0, 25.0, 9.8), (0.0, -25.0, 9.8), (-15.0, 15.0, 9.8), (15.0, 15.0, 9.8),
+    (20.5, 0.0, 0.0), (20.0, 0.0, 0.0), (5.0, 0.0, 9.8), (14.0, 14.0, 0.0), (14.0, 0.0, 30.0), (0.0, 0.0, 40.0),
+)  # fmt: skip
+
+
+def mistaken(answer: type) -> str:
+    """Observe which accelerations are mistaken for blows, and which blows are not taken for such."""
+    odd = []
+    for x, y, z in ACCELERATIONS:
+        with Hall(answer) as hall:
+            hit((x, y, z))(hall)
+            moved = any(where != STOOD for where in (hall.where(), *(where for where, _ in hall.shown)))
+            taken = moved or len(hall.loop.timers) + len(hall.node.timers) > 0
+            if taken != (hypot(x, y) > 20):
+                odd.append(f"{x:g} {y:g} {z:g}{' is one' * taken}")
+    return ", ".join(odd) if odd else "none is mistaken"
+
+
+def in_a_crowd(hall: Hall) -> str:
+    """Observe what comes of a blow among harmless messages, which come while both threads are busy."""
+    crowd = (HARMLESS, BLOW, BLOW, HARMLESS)
+    kept = crowd[-next(each.depth for each in hall.node.subscriptions if each.kind is Imu) :]
+    hall.come(*kept)
+    calls = len(hall.calls)
+    hall.drain()
+    if hall.where() == UP:
+        return f"{UP}, {hall.falls()}"
+    return f"{hall.where()}; {len(kept)} of 4 have come, {calls} have waited{' under a key' * bool(hall.keys)}"
+
+
+def beside(answer: type) -> str:
+    """Observe the crane Lift and the tank at the same time."""
+    with Hall(answer) as tank, Hall(answer, "crane", "Lift") as lift:
+        lift.stand(OTHER_PLACE)
+        for each in (tank, lift):
+            hit(BLOW)(each)
+        up = f"{tank.where()} and {lift.where()}"
+        for each in (tank, lift):
+            each.falls()
+        return f"{up}, then {tank.where()} and {lift.where()}"
+
+
+def down_anyhow(answer: type) -> str:
+    """Observe how it is left when no blow has come, and when it has landed."""
+    try:
+        return ", ".join(tries(*steps, move_it, Hall.leaves)(answer) for steps in ((), (hit(BLOW), land)))
+    except Failure as failure:
+        return f"{failure.method} raises {type(failure.error).__name__}: {failure.error}"
+
+
+def over_ros(answer: type) -> str:
+    """Observe what a blow from another node does."""
+    try:
+        with closing(CheckThread()) as ros, Hall(answer, node=ros.node) as hall:
+            ros.publisher_to(ros.node.watched(WatchedSubscription)[-1])(imu(*BLOW))
+            hall.drain()
+            return hall.where()
+    except Failure as failure:
+        return f"{failure.method} raises {type(failure.error).__name__}: {failure.error}"
+
+
+TRIED = {
+    "on a body called Rover it listens to": (listens, "/Rover/imu of Imu"),
+    "when messages come, the body": (tries(hands_over), "is left alone"),
+    "of accelerations x, y, z that are blows or not": (mistaken, "none is mistaken"),
+    "a blow puts the body": (tries(hit(BLOW), Hall.where), UP),
+    "when a blow has moved it": (tries(hit(BLOW), Hall.news), TOLD),
+    "the body is": (tries(hit(BLOW), Hall.falls), "down after 0.5 s"),
+    "then it stands": (tries(hit(BLOW), land, Hall.where), STOOD),
+    "when it is down again": (tries(hit(BLOW), land, Hall.news), TOLD),
+    "a second blow, when it has landed and been moved elsewhere": (
+        tries(hit(BLOW), land, move_it, hit(BLOW), *THEN),
+        f"{UP}, down after 0.5 s, {STOOD}",
+    ),
+    "a second blow while it is up": (tries(hit(BLOW), wait, hit(BLOW), *THEN), f"{UP}, down after 0.5 s, {STOOD}"),
+    "a harmless message while it is up": (
+        tries(hit(BLOW), wait, hit(HARMLESS), *THEN),
+        f"{UP}, down after 0.125 s, {STOOD}",
+    ),
+    "blows between harmless messages, both threads being busy": (tries(in_a_crowd), f"{UP}, down after 0.5 s"),
+    "the tank and the crane Lift": (beside, f"{UP} and {UP}, then {STOOD} and {STOOD}"),
+    "unconfigure, while it is up, leaves it": (tries(hit(BLOW), wait, leaves_well), f"{STOOD}, {TOLD}"),
+    "unconfigure, when it is not up, leaves it": (down_anyhow, f"{STOOD}, {STOOD}"),
+    "a blow that still waits then puts it": (tries(lambda hall: hall.leaves(imu(*BLOW)) and None, Hall.where), STOOD),
+    "a blow from another node of ROS 2 puts the body": (over_ros, UP),
+}
+MISTAKES = """
+# on a body called Rover it listens to
+the topic's name is another: it is f"{config.body.name}/imu".
+    /imu" => /imus"
+config.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10) is missing, or not reached.
+    self.subscription = self.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10) => pass
+the body's name is typed: take it from config.body.name.
+    {self.body.name}/imu => Tank/imu
+
+# when messages come, the body
+the callback moves the body itself: post the call instead, self.call_later(self.update, message); a lock does not help.
+    self.call_later(self.update, message) => self.update(message)
+the callback posts nothing: self.call_later(self.update, message).
+    self.call_later(self.update, message) => pass
+the parentheses call it at once, and post what it returns: give both apart, self.call_later(self.update, message).
+    self.update, message) => self.update(message))
+
+# of accelerations x, y, z that are blows or not
+the condition is another: hypot(a.x, a.y) > 20, where a is message.linear_acceleration.
+    > 20 => > 16 => > 200
+every message counts as a blow: if hypot(a.x, a.y) > 20.
+    hypot(a.x, a.y) > 20 => True
+only x counts, or only y: it is hypot(x, y), whichever way it is hit.
+    hypot(a.x, a.y) => a.x => abs(a.x) => a.y => abs(a.y)
+a blow against an axis does not count: hypot(x, y) has no sign.
+    hypot(a.x, a.y) => max(a.x, a.y)
+the larger component alone counts: their length is hypot(x, y).
+    hypot(a.x, a.y) => max(abs(a.x), abs(a.y))
+z counts, too: gravity is in it, and a hard landing. Only x and y are horizontal.
+    hypot(a.x, a.y) => hypot(a.x, a.y, a.z)
+the components are added up: their length is hypot(x, y).
+    hypot(a.x, a.y) => a.x + a.y => abs(a.x) + abs(a.y)
+the root is missing: x*x + y*y is the square of the length; hypot(x, y) is the length.
+    hypot(a.x, a.y) => a.x**2 + a.y**2
+20 m/s² is taken for more than 20: hypot(a.x, a.y) > 20.
+    > 20 => >= 20
+
+# a blow puts the body
+the height is another: x, y, z = self.place; self.body.position = x, y, z + 0.1.
+    z + 0.1 => z + 1
+the body is not moved, for body.position is a copy: x, y, z = self.place; self.body.position = x, y, z + 0.1.
+    self.move((x, y, z + 0.1)) => self.move(self.place)
+the sign is turned round: z points up.
+    z + 0.1 => z - 0.1
+it is put at a height of 0.1 m above the ground: 0.1 is added to where it stood, z + 0.1.
+    z + 0.1 => 0.1
+0.1 is added to another component, or to all: the position is x, y, z, and z points up.
+    (x, y, z + 0.1) => (x + 0.1, y + 0.1, z + 0.1)
+the place is typed, or noted too early, in configure: note it when the blow comes.
+    x, y, z = self.place => x, y, z = 0.0, 0.0, 0.0
+
+# when a blow has moved it
+self.body.notify_change() is missing, or called too early: it comes last.
+    self.body.notify_change() => pass
+self.body.calc_forward_kinematics() is missing, or called before the body is moved.
+    self.body.calc_forward_kinematics() => pass
+
+# the body is
+the timer's seconds are not 0.5: asyncio.get_running_loop().call_later(0.5, self.land).
+    call_later(0.5 => call_later(0.3 => call_later(500
+nothing is to bring it back: asyncio.get_running_loop().call_later(0.5, self.land).
+    self.timer = asyncio.get_running_loop().call_later(0.5, self.land) => pass
+config.call_later is called, which takes no seconds: asyncio.get_running_loop().call_later(0.5, self.land).
+    asyncio.get_running_loop().call => self.call
+a timer of rclpy's or a thread of its own is to bring it back, and the body belongs to the main thread. There it is
+asyncio.get_running_loop().call_later(0.5, self.land).
+    self.timer = asyncio.get_running_loop().call_later(0.5, self.land) => self.node.create_timer(0.5, self.land)\
+ => threading.Thread(target=int).start()
+the place is noted after the move up, or changed by it, as += changes an array itself: keep where it stood before.
+    self.move((x, y, z + 0.1)) => self.move((x, y, z + 0.1)) // self.place = self.body.position
+the timer rings, but what it calls takes the body for one that is down: set first what it asks, such as self.timer.
+    self.timer = asyncio => asyncio
+
+# then it stands
+the place is typed, or noted too early, in configure: note it when the blow comes.
+    self.move(self.place) => self.move((0.0, 0.0, 0.105))
+0.1 is taken off again: sums of floating point numbers are rounded. Keep the position before the hop, and set that.
+    self.move(self.place) => x, y, z = self.body.position // self.move((x, y, z - 0.1))
+
+# when it is down again
+the way down does not end as the way up: with self.body.calc_forward_kinematics(), and then self.body.notify_change().
+    self.move(self.place) => self.body.position = self.place
+
+# a second blow, when it has landed and been moved elsewhere
+what says that the body is up is still set when it has landed: set self.timer = None there.
+    > 20 => > 20 and not hasattr(self, "place")
+the place of an earlier hop is used: note it with each blow that finds the body down, and set self.timer = None then.
+    timer, self.timer = self.timer, None => timer = self.timer
+
+# a second blow while it is up
+such a blow changes more than the time: it cancels the timer, and makes a new one of 0.5 s; place and height stay.
+    self.land() => if self.timer: return self.land()
+the place is noted anew by a blow that comes while the body is up: note it only when it stands, if self.timer is None.
+    self.land() => if self.timer: self.timer.cancel()
+it is lifted from where it is, not from where it stood: lift it only when it stands, if self.timer is None.
+    self.land() => if self.timer: self.timer.cancel()
+    self.place = self.body.position => if not self.timer: self.place = self.body.position
+    x, y, z = self.place => x, y, z = self.body.position
+a blow that comes while the body is up is ignored: it counts, and its 0.5 s begin anew.
+    > 20 => > 20 and not self.timer
+the first blow's timer goes on, and brings the body down: cancel it before the next, self.timer.cancel().
+    self.land() => if self.timer: self.move(self.place)
+what was left of the first 0.5 s is added: they begin anew, 0.5 s from the second blow.
+    call_later(0.5 => call_later(0.5 + left
+    a = message. => left = self.timer.when() - asyncio.get_running_loop().time() if self.timer else 0 // a = message.
+the first timer is cancelled, and no new one is made.
+    self.land() => if self.timer: return self.timer.cancel()
+
+# a harmless message while it is up
+a harmless message is not left alone while the body is up: only a blow may touch the timer.
+    a = message. => if self.timer: self.timer.cancel() // a = message.
+every message, even a harmless one, begins the 0.5 s anew while the body is up: ask first whether it is a blow.
+    > 20 => > 20 or self.timer
+a harmless message ends the hop: only the timer does that, and unconfigure.
+    a = message. => self.land() // a = message.
+
+# blows between harmless messages, both threads being busy
+a blow is lost among other messages: post each one, and give it along, self.call_later(self.update, message).
+    self.call_later(self.update, message) => self.message = message // self.call_later(self.update, message)
+    a = message => a = self.message
+it is posted with call_latest, which replaces a call that waits: call_later keeps all, in order.
+    self.call_later = config.call_later => self.call_later = lambda *call: config.call_latest("imu", *call)
+the subscription keeps one message, and a blow is lost when another comes right behind it: let it keep ten, 10.
+    self.on_imu, 10) => self.on_imu, 1)
+
+# the tank and the crane Lift
+HopViewer.place is shared by all objects of the class: keep in each what is its own, self.place = ..., and make it in
+__init__, configure or initialize.
+    self.place => type(self).place
+
+# unconfigure, while it is up, leaves it
+unconfigure does not put the body back where it stood: self.body.position = self.place, and tell who draws.
+    self.node.destroy => if self.timer: self.timer.cancel() // return self.node.destroy
+the way back does not end as the way up: with self.body.calc_forward_kinematics(), and then self.body.notify_change().
+    self.node.destroy => self.timer.cancel() // self.body.position = self.place // return self.node.destroy\
+ => self.timer.cancel() // self.body.position = self.place // return\
+ self.body.calc_forward_kinematics(), self.node.destroy
+unconfigure does not cancel the timer: self.timer.cancel().
+    self.node.destroy => return self.node.destroy
+self.node.destroy_subscription(self.subscription) is missing, or not given what configure has made: None ends nothing.
+    self.node.destroy_subscription(self.subscription) => pass
+unconfigure calls self.subscription.destroy(), and the node still counts it: self.node.destroy_subscription(...).
+    self.node.destroy_subscription(self.subscription) => self.subscription.destroy()
+config.node belongs to the whole program: destroy only the subscription, self.node.destroy_subscription(...).
+    self.node.destroy_subscription(self.subscription) => self.node.destroy_node()
+configure makes two, and keeps only one, as when super().configure(config) has made one already: make only one.
+    self.node = config.node => self.node = config.node // self.node.create_subscription(JointState, "more", max, 10)
+
+# unconfigure, when it is not up, leaves it
+unconfigure puts it back although it is down: to a place that was never noted, or to that of an earlier hop.
+    self.node.destroy => self.move(getattr(self, "place", (0.0, 0.0, 0.0))) // self.node.destroy
+
+# a blow that still waits then puts it
+the event loop itself runs what waits when the controller has left: self.call_later(self.update, message) drops it.
+    self.node = config.node => self.node = config.node // self.loop = asyncio.get_running_loop()
+    self.call_later(self.update => self.loop.call_soon_threadsafe(self.update
+
+# a blow from another node of ROS 2 puts the body
+the queue's depth is none: let it keep ten messages, 10.
+    self.on_imu, 10) => self.on_imu, -1)
+"""
+REQUIREMENTS = Requirements(HopViewer, listed(TRIED, MISTAKES), clock="", odd=())
+
+hop = Exercise(
+    name="hop",
+    statement="""
+    Write the controller `HopViewer`. It listens to the topic `imu` of its body, which for the body `Tank` is
+    `/Tank/imu` (type `Imu`), and when it hears of a blow, the displayed body hops.
+
+    - A blow is a horizontal acceleration, x and y together, of more than 20 m/s².
+    - The body stands 0.1 m higher than it stood, and 0.5 s after the blow exactly where it stood before.
+    - A blow that comes while it is up makes it 0.5 s again; it goes no higher. A harmless message changes nothing.
+    - No blow is lost among other messages, however busy the threads are.
+    - The timer is asyncio's, on the main thread. Whoever draws is told of both moves.
+    - When the controller leaves the body, no timer is left, the body stands where it stood, and nothing listens.
+    """,
+    judge=REQUIREMENTS.judge,
+    solution=(HopViewer,),
+    base=SimpleController,
+    parts=("configure", "unconfigure"),
+    requires=("configure",),
+    hints=(
+        "Look at what has to be remembered between two calls: where the body stood, and the timer. Whether there is a "
+        "timer also says whether the body is up.",
+        "Begin with self.timer = None. Landing, if there is a timer, cancels it, sets it to None and puts the body "
+        "back. A blow lands first; then it notes the position, moves the body up, and makes a new timer. unconfigure "
+        "lands, too.",
+        "self.place = self.body.position, whose x, y, z become x, y, z + 0.1; then calc_forward_kinematics and "
+        "notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses "
+        "after land. Put back self.place itself: what is added and taken off again is not exactly the same.",
+    ),
+    notice="Notice that one method lands, for the timer, the next blow and unconfigure: whoever comes first ends it.",
+)
