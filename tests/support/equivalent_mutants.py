@@ -57,7 +57,7 @@ TOLD = "self.body.notify_change({})"
 PER_MESSAGE = "self.steps_per_message = round(1 / (25 * io.time_step))"
 PER_LOOK = "self.steps_per_look = round(1 / (50 * io.time_step))"
 DUE = "if self.io.step % self.steps_per_message == 0:"
-NOT_DUE = "if self.io.step % self.steps_per_look:"
+LOOK_DUE = DUE.replace("message", "look")
 
 PER_TENTH = PER_MESSAGE.replace("25", "10")
 PER_PICTURE = PER_MESSAGE.replace("25", "5").replace("message", "picture")
@@ -151,14 +151,8 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         **now_and_then(DUE, PER_MESSAGE, "25", TURRET),
     },
     "thrift": {
-        UNRELATED: (
-            *exchanged("thrift", ("self.io", "self.steps"), ("self.publisher.publish", "self.sent")),
-            swapped(f"{NOT_DUE}; return", "positions = {joint.name: joint.position for joint in self.io.body.joints}"),
-        ),
-        EVEN: (
-            *becomes(NOT_DUE, "if -self.io.step % self.steps_per_look:", "if self.io.step % -self.steps_per_look:"),
-            *negative(PER_LOOK, "50"),
-        ),
+        UNRELATED: exchanged("thrift", ("self.io", "self.steps"), ("self.publisher.publish", "self.sent")),
+        EVEN: now_and_then(LOOK_DUE, PER_LOOK, "50", STATE)[EVEN],
         DEPTH: at_any_depth(STATE, 10),
     },
     "show": displaying("show"),

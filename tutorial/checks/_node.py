@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import functools
 import inspect
 import time
 from collections.abc import Callable
@@ -49,16 +48,6 @@ class WatchedEndpoint(Tap):
         """Whether the learner has destroyed it, and not the whole node with it."""
         return _is_valid(self.node.get_name) and not _is_valid(lambda: self.endpoint.topic_name)
 
-    @property
-    def node_destroyed(self) -> bool:
-        """Whether the learner has destroyed the whole node."""
-        return not _is_valid(self.node.get_name)
-
-    @property
-    def by_itself(self) -> bool:
-        """Whether that was done without the node, which still counts it among its own."""
-        return self.destroyed and self.endpoint in (*self.node.publishers, *self.node.subscriptions)
-
 
 class WatchedSubscription(WatchedEndpoint):
     """A subscription of the learner's.
@@ -103,53 +92,26 @@ class WatchedPublisher(WatchedEndpoint):
     """A publisher of the learner's.
 
     Attributes:
-        sent: what was published: copies of the messages, each with what the node's `moment` said.
+        sent: copies of what was published.
     """
 
     def __init__(self, node: Any, message_type: type, topic: str) -> None:
         super().__init__(node, message_type, topic)
-        self.sent: list[tuple[Any, Any]] = []
+        self.sent: list[Any] = []
 
     def published(self, message: Any) -> None:
         """Keep a copy."""
-        self.sent.append((copy.deepcopy(message), self.node.moment()))
+        self.sent.append(copy.deepcopy(message))
 
 
 class WatchedNode(TappedNode):
-    """The node that the learner's controller is given. In everything that the learner sees it is rclpy's.
-
-    Attributes:
-        timers_made: how many timers were created.
-        timers_seen: the timers themselves.
-        moment: called whenever something is published; what it returns is kept with the message.
-    """
+    """The node that the learner's controller is given. In everything that the learner sees it is rclpy's."""
 
     publisher_tap, subscription_tap = WatchedPublisher, WatchedSubscription
-    timers_made = 0
-    timers_seen: tuple[Any, ...] = ()
-    moment: Callable[[], Any] = staticmethod(lambda: None)
 
     def watched(self, kind: type[Endpoint]) -> list[Endpoint]:
         """Return the learner's subscriptions or publishers, destroyed or not, in the order in which they were made."""
         return [tap for tap in self.taps if isinstance(tap, kind)]
-
-    def create_timer(self, timer_period_sec: float, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
-        """Create a timer, as rclpy does, whose callbacks are counted and watched."""
-        self.timers_made += 1
-
-        @functools.wraps(callback)
-        def watched(*arguments: Any) -> None:
-            with watch.call(getattr(callback, "__name__", "the timer's callback")):
-                callback(*arguments)
-
-        timer = super().create_timer(timer_period_sec, watched, *args, **kwargs)
-        self.timers_seen = (*self.timers_seen, timer)
-        return timer
-
-    @property
-    def timers_left(self) -> int:
-        """How many of them still run."""
-        return sum(_is_valid(timer.is_canceled) and not timer.is_canceled() for timer in self.timers_seen)
 
 
 class CheckThread(SpinThread[WatchedNode]):

@@ -156,7 +156,7 @@ class Publishing:
         restart = "Most likely something of the run before is kept: initialize is called at every start."
         expected = {
             "on the body Rover": f"Compare with config.node.create_publisher({self.kind.__name__}, {topic}, 1).",
-            **dict.fromkeys((f"with steps of {ms} ms" for ms in (1, 2, 3, 6)), steps),
+            **dict.fromkeys((f"with steps of {ms} ms" for ms in (0.5, 1, 2, 3, 6)), steps),
             "the stamp": f"Compare with message.header.stamp = {stamp}, at every message.",
             "two robots in turns": "Most likely what is kept belongs to the class: make it in initialize.",
             "after a restart": restart,
@@ -186,7 +186,9 @@ class Publishing:
         sent = [each for each in rig.sent if isinstance(each.message, self.kind)]
         return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
 
-    def play(self, answer: type, seconds: float, ms: int = 10, begins: tuple[int, ...] = (0, 1), **options: Any) -> Any:
+    def play(
+        self, answer: type, seconds: float, ms: float = 10, begins: tuple[int, ...] = (0, 1), **options: Any
+    ) -> Any:
         """Simulate with steps of so many milliseconds, and return the rig.
 
         If the first message comes later than at step 0, the simulation begins anew with step 1: an answer that counts
@@ -221,7 +223,7 @@ class Publishing:
 
         return observe
 
-    def rate(self, ms: int) -> Case:
+    def rate(self, ms: float) -> Case:
         """Observe how often a message is sent, with steps of so many milliseconds."""
         return lambda answer: self.often(self.play(answer, 4.3 / self.hz, ms))
 

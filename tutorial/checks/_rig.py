@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
@@ -24,12 +23,13 @@ from tutorial.checks._cases import call
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._node import check_callback
 from tutorial.checks._watch import Failure, watch
-from tutorial.checks._world import MODELS, Watched
-from tutorial.controller import ControllerConfig, ControllerIO
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+from tutorial.paths import HOME
 from tutorial.world import Placement, compose
 
-__all__ = ["Endpoint", "MemoryNode", "Rig", "Sent", "check_has", "elsewhere"]
+__all__ = ["MODELS", "Endpoint", "MemoryNode", "Rig", "Sent", "Watched", "check_has"]
 
+MODELS = HOME / "project" / "models"
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
 THREAD = (
@@ -167,6 +167,46 @@ class MemoryNode:
         return self.namespace
 
 
+class Watched(SimpleController):
+    """The learner's controller, each call of which is watched.
+
+    Args:
+        controller_class: the learner's class.
+
+    Attributes:
+        inner: the learner's controller.
+    """
+
+    def __init__(self, controller_class: type[SimpleController]) -> None:
+        with watch.call("__init__"):
+            self.inner = controller_class()
+
+    def configure(self, config: ControllerConfig) -> None:
+        """Pass the call on."""
+        with watch.call("configure"):
+            self.inner.configure(config)
+
+    def initialize(self, io: ControllerIO) -> None:
+        """Pass the call on."""
+        with watch.call("initialize"):
+            self.inner.initialize(io)
+
+    def control(self) -> None:
+        """Pass the call on."""
+        with watch.call("control"):
+            self.inner.control()
+
+    def stop(self) -> None:
+        """Pass the call on."""
+        with watch.call("stop"):
+            self.inner.stop()
+
+    def unconfigure(self) -> None:
+        """Pass the call on."""
+        with watch.call("unconfigure"):
+            self.inner.unconfigure()
+
+
 @dataclass(frozen=True)
 class Sent:
     """A message that was published.
@@ -226,7 +266,7 @@ class Rig:
         mujoco.mj_resetData(self.body.model, self.body.data)
         self.before, self.after, self.sent = before, after, list[Sent]()
         self.io = ControllerIO(self.body, time_step)
-        self.node = node or MemoryNode(self._publish, namespace)
+        self.node: Any = node or MemoryNode(self._publish, namespace)
         self._answer, self._keep = answer, keep
         self._thread, self._threads = threading.current_thread(), set(threading.enumerate())
         self.learner = Watched(answer)
@@ -305,16 +345,6 @@ def check_has(answer: type, method: str, misspelled: bool = False) -> None:
     lacking = missing(answer, method)
     if lacking and ("misspelled" in lacking.cause or not misspelled):
         raise Failure(method, Misuse(lacking.text, lacking.cause), None)
-
-
-def elsewhere(function: Callable[..., Any], *arguments: Any) -> Any:
-    """Call what the learner wrote on another thread, and wait for it.
-
-    Raises:
-        Failure: it raised.
-    """
-    with ThreadPoolExecutor(1) as pool:
-        return pool.submit(call, function, *arguments).result()
 
 
 @cache

@@ -17,9 +17,8 @@ import numpy as np
 from tutorial.body import Body
 from tutorial.checks._answer import name_of
 from tutorial.checks._diagnose import Misuse, lacks_self, no_self, slept
-from tutorial.checks._rig import MemoryNode, check_has
+from tutorial.checks._rig import MODELS, MemoryNode, Watched, check_has
 from tutorial.checks._watch import Failure, watch
-from tutorial.checks._world import MODELS, Watched
 from tutorial.controller import ControllerConfig
 from tutorial.errors import WrongThreadError
 from tutorial.handoff import CallQueue, ThreadGuard

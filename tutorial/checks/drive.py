@@ -14,7 +14,7 @@ from tutorial.checks._cases import Cases, mistakes
 from tutorial.checks._interleave import interleave
 from tutorial.checks._publishing import say
 from tutorial.checks._rig import Rig
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._watch import watch
 from tutorial.checks.bound import four_axes
 from tutorial.checks.exercise import Exercise
 from tutorial.checks.fire import over_ros
@@ -247,6 +247,13 @@ def unmoved(answer: type) -> str:
     return speeds(rig.body)
 
 
+def stepped(rig: Rig) -> str:
+    """Observe the speeds after the first step."""
+    rig.start()
+    rig.advance(1)
+    return speeds(rig.body)
+
+
 def at(*messages: tuple[float, ...]) -> Callable[[type], list[str]]:
     """Observe the speeds that messages with these axes lead to, each after one that drives."""
     return lambda answer: [after("start", DRIVES, 1, axes, 1)(answer) for axes in messages]
@@ -316,7 +323,7 @@ CASES = Cases(
         BETWEEN[0]: lambda answer: halved(answer, True),
         BETWEEN[1]: lambda answer: halved(answer, False),
         "after unconfigure": lambda answer: Rig(answer).leave(),
-        "a message from another node": lambda answer: over_ros(answer, Joy(axes=DRIVES), lambda it: speeds(it.body)),
+        "a message from another node": lambda answer: over_ros(answer, Joy(axes=DRIVES), stepped),
     },
     MISTAKES,
     say,

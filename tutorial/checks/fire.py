@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,9 @@ from sensor_msgs.msg import Joy
 
 from tutorial.checks._cases import Cases, mistakes
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._node import WatchedSubscription
+from tutorial.checks._node import CheckThread, WatchedSubscription
 from tutorial.checks._rig import Rig
 from tutorial.checks._watch import Failure
-from tutorial.checks._world import World
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.handoff import Latest
@@ -129,15 +129,15 @@ def two(answer: type[SimpleController]) -> list[bool]:
     return [first.holds((1,)), second.holds()]
 
 
-def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[World], Any]) -> Any:
-    """Observe something after a message from another node, and a step, with rclpy's own node."""
-    with World(answer, name="Rover") as world:
-        for each in world.ros.node.watched(WatchedSubscription):
+def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig], Any]) -> Any:
+    """Observe something after a message from another node, with rclpy's own node."""
+    with closing(CheckThread()) as ros:
+        rig = Rig(answer, node=ros.node)
+        for each in ros.node.watched(WatchedSubscription):
             if each.message_type is Joy:
-                world.ros.publisher_to(each)(message)
-        world.advance()
-        seen = look(world)
-        world.leave()
+                ros.publisher_to(each)(message)
+        seen = look(rig)
+        rig.learner.unconfigure()
         return seen
 
 
@@ -153,7 +153,7 @@ TRIED = {
     "two tanks at the same time, and the button of the first one is pressed": two,
     "after unconfigure": lambda answer: Tank(answer).leave(),
     "a message from another node, the button pressed": lambda answer: over_ros(
-        answer, Joy(buttons=[1]), lambda world: bool(vars(world.learner.inner)["fire"].get())
+        answer, Joy(buttons=[1]), lambda rig: bool(vars(rig.learner.inner)["fire"].get())
     ),
 }
 

@@ -209,9 +209,10 @@ def moved(*moves: Move, look: Any = None, **options: Any) -> Case:
 
 
 TRIED = {
+    "with steps of 0.5 ms": PUBLISHING.rate(0.5),
     "nothing moves": moved(*[REST] * 4),
     "SLEW moves, and rests again": moved(SLEW, REST, REST),
-    "SLEW and LUFF creep, each by little": moved((0.0, 0.0006, 0.0006)),
+    "all creep, each by little": moved((0.001, 0.0006, 0.0006)),
     "LUFF moves, and trembles": moved(*[(0.0, 0.0, by) for by in (0.2998, 0.00001, 0.00005, 0.0002)]),
     "LUFF creeps": moved(*[(0.0, 0.0, 0.00035)] * 8),
     "BRIDGE and SLEW move": moved((0.006, 0.05, 0.0)),
