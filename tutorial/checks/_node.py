@@ -7,7 +7,6 @@ import inspect
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from itertools import count
 from typing import Any, TypeVar
 
 from rclpy.exceptions import InvalidHandle
@@ -24,9 +23,6 @@ __all__ = ["CheckThread", "WatchedEndpoint", "WatchedNode", "WatchedPublisher", 
 PATIENCE = 10.0  # [s]; only what never comes takes so long
 
 Endpoint = TypeVar("Endpoint")
-
-_numbers: set[int] = set()
-"""Those of the check's threads that there are."""
 
 
 class WatchedEndpoint(Tap):
@@ -75,15 +71,6 @@ class WatchedSubscription(WatchedEndpoint):
         finally:
             self.finished += 1
 
-    def call_back(self, message: Any) -> None:
-        """Call back on this thread.
-
-        Raises:
-            Failure: the callback raised.
-        """
-        with self._watched():
-            self.callback(message)
-
     def _watched(self) -> AbstractContextManager[None]:
         return watch.call(getattr(self.callback, "__name__", "the callback"))
 
@@ -119,61 +106,33 @@ class CheckThread(SpinThread[WatchedNode]):
 
     Attributes:
         other: the one that stands for the other programs.
-        failure: what a timer of the learner's has raised first; subscriptions keep theirs.
     """
 
-    failure: Failure | None = None
     patience = None  # a callback that does not return is the watchdog's
 
     def __init__(self) -> None:
-        self._number = next(number for number in count(1) if number not in _numbers)
-        _numbers.add(self._number)
-        behind = f"_{self._number}" if self._number > 1 else ""  # rcl warns of nodes of one name in one process
-        super().__init__(WatchedNode, f"tank{behind}")
-        self.other = Node(f"check{behind}", context=self.node.context)
+        super().__init__(WatchedNode, "tank")
+        self.other = Node("check", context=self.node.context)
 
     def close(self) -> None:
-        """End the thread and both nodes.
-
-        Raises:
-            Failure: a timer's callback raised.
-        """
+        """End the thread and both nodes."""
         self.other.destroy_node()
         super().close()
-        _numbers.discard(self._number)
-        if self.failure is not None:
-            raise self.failure
 
-    def failed(self, error: BaseException) -> None:
-        """Keep the first failure of the learner's, which the check tells. What else there is, is logged once."""
-        if isinstance(error, Failure):
-            self.failure = self.failure or error
-        elif self.error is None:
-            super().failed(error)
-
-    def publisher_to(self, subscription: WatchedSubscription) -> Callable[[Any], None]:
-        """Make a publisher for a subscription, once the two have found each other.
-
-        Returns:
-            A function that publishes a message and returns when the subscription's callback has come to its end; it
-            raises the `Failure` of that.
+    def send(self, subscription: WatchedSubscription, message: Any) -> None:
+        """Publish a message for a subscription, once it is found, and wait until its callback has come to its end.
 
         Raises:
-            TutorialError: the two don't find each other.
+            TutorialError: the message does not arrive.
+            Failure: the callback raised.
         """
         publisher = self.other.create_publisher(subscription.message_type, subscription.topic, 10)
         _wait(lambda: publisher.get_subscription_count() > 0, "no message reaches the subscription. Is its QoS 1?")
-
-        def publish(message: Any) -> None:
-            before = subscription.finished
-            subscription.failure = None
-            publisher.publish(message)
-            _wait(lambda: subscription.finished > before or self.failure, "a message did not arrive")
-            failure = subscription.failure or self.failure
-            if failure is not None:
-                raise failure
-
-        return publish
+        before = subscription.finished
+        publisher.publish(message)
+        _wait(lambda: subscription.finished > before, "a message did not arrive")
+        if subscription.failure is not None:
+            raise subscription.failure
 
 
 def check_callback(callback: Any, message_type: type) -> None:

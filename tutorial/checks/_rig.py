@@ -8,7 +8,7 @@ from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, cast
 
 import mujoco
 from builtin_interfaces.msg import Time
@@ -266,7 +266,7 @@ class Rig:
         mujoco.mj_resetData(self.body.model, self.body.data)
         self.before, self.after, self.sent = before, after, list[Sent]()
         self.io = ControllerIO(self.body, time_step)
-        self.node: Any = node or MemoryNode(self._publish, namespace)
+        self.node = node or cast("Any", MemoryNode(self._publish, namespace))
         self._answer, self._keep = answer, keep
         self._thread, self._threads = threading.current_thread(), set(threading.enumerate())
         self.learner = Watched(answer)
@@ -321,7 +321,7 @@ class Rig:
         """Have the controller leave its body, and say what it has left behind."""
         check_has(self._answer, "unconfigure", misspelled=True)
         self.learner.unconfigure()
-        return self.node.left()
+        return str(self.node.left())
 
     def _publish(self, publisher: Endpoint, message: Any) -> None:
         stamp = message.header.stamp if hasattr(message, "header") else Time()

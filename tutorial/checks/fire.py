@@ -135,7 +135,7 @@ def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig],
         rig = Rig(answer, node=ros.node)
         for each in ros.node.watched(WatchedSubscription):
             if each.message_type is Joy:
-                ros.publisher_to(each)(message)
+                ros.send(each, message)
         seen = look(rig)
         rig.learner.unconfigure()
         return seen

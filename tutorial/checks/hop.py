@@ -278,7 +278,7 @@ def over_ros(answer: type) -> str:
     """Observe what a blow from another node does."""
     try:
         with closing(CheckThread()) as ros, Hall(answer, node=ros.node) as hall:
-            ros.publisher_to(ros.node.watched(WatchedSubscription)[-1])(imu(*BLOW))
+            ros.send(ros.node.watched(WatchedSubscription)[-1], imu(*BLOW))
             hall.drain()
             return hall.where()
     except Failure as failure:

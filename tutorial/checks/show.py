@@ -171,7 +171,7 @@ def leaves_while_one_waits(answer: type) -> str:
 def over_ros(answer: type) -> str:
     """Observe where the joints are after a message from another node."""
     with closing(CheckThread()) as ros, Viewer(answer, node=ros.node) as viewer:
-        ros.publisher_to(ros.node.watched(WatchedSubscription)[-1])(joint_state("P Y", (0.2, 0.1)))
+        ros.send(ros.node.watched(WatchedSubscription)[-1], joint_state("P Y", (0.2, 0.1)))
         viewer.drain()
         return viewer.where()
 
