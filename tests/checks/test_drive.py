@@ -40,6 +40,22 @@ class OwnLock(GentleTank):
         self.motors["L"].ctrl, self.motors["R"].ctrl = np.array([[-0.5, 1.0], [0.5, 1.0]]) @ (x, y)
 
 
+class LocksAllOfControl(GentleTank):
+    """Has the callback wait as long as `control` runs."""
+
+    def configure(self, config):
+        super().configure(config)
+        self.lock = threading.Lock()
+
+    def on_joy(self, message):
+        with self.lock:
+            self.joy.put(message)
+
+    def control(self):
+        with self.lock:
+            super().control()
+
+
 class WholeMessage(GentleTank):
     """Keeps one attribute, which is replaced as a whole, and logs when."""
 
@@ -55,7 +71,7 @@ class WholeMessage(GentleTank):
         self.track_l.ctrl, self.track_r.ctrl = y - x / 2, y + x / 2
 
 
-@pytest.mark.parametrize("answer", [GentleTank, OwnLock, WholeMessage])
+@pytest.mark.parametrize("answer", [GentleTank, OwnLock, LocksAllOfControl, WholeMessage])
 def test_right_answers_are_right(answer, domain):
     verdict = drive.judge(answer)
     assert verdict.right, str(verdict)
