@@ -71,10 +71,18 @@ def mistakes(table: str) -> tuple[Mistake, ...]:
     Args:
         table: one block for each mistake. Its cause stands at the margin. Below it stand its edits, indented, one a
             line: ``what => what instead``. A `` // `` in an edit begins a new line, indented as the changed one.
-            ``what => this => that`` makes two mistakes with the same cause; the next line may go on with ``=>``.
+            ``what => this => that`` makes two mistakes with the same cause; the next line may go on with ``=>``. Change
+            as little as possible: two mistakes that change the same text cannot be found together.
+
+    Raises:
+        ValueError: a cause has no edit below it, or an edit no cause.
     """
     lines = re.sub(r"\n +=>", " =>", inspect.cleandoc(table)) + "\n"
-    blocks = re.findall(r"((?:^\S.*\n)+)((?:^ .*\n)+)", lines, re.MULTILINE)
+    block = r"((?:^\S.*\n)+)((?:^ .*=>.*\n)+)"
+    left = re.sub(block, "", lines, flags=re.MULTILINE).strip()
+    if left:
+        raise ValueError(f"this is no cause with its edits below it, indented, what => what instead: {left}")
+    blocks = re.findall(block, lines, re.MULTILINE)
     return tuple(
         Mistake(" ".join(cause.split()), chosen)
         for cause, edits in blocks
@@ -90,6 +98,8 @@ def _edits(line: str) -> list[tuple[str, str]]:
 @dataclass(frozen=True, eq=False)
 class Cases:
     """What an answer is tried in, and what it may have done instead.
+
+    Numbers that are within 1e-4 of each other are the same, so let a case return numbers about 1, or a text.
 
     Attributes:
         solution: the right answer. What is observed of it is what is expected.

@@ -27,7 +27,8 @@ class Exercise:
     """One exercise of a notebook.
 
     Args:
-        name: what it is called in its module.
+        name: what it is called in its module, which has this name, too. The answer has another: it would hide the
+            exercise.
         statement: the problem; also the exercise's docstring.
         judge: looks at an answer and yields what it finds, the root cause first; it ends where looking on makes no
             sense. It may raise `Failure` or `TutorialError`.
@@ -54,6 +55,8 @@ class Exercise:
         requires: Sequence[str] = (),
         imports: Sequence[str] = (),
     ) -> None:
+        if name == solution[0].__name__:
+            raise ValueError(f"the exercise {name!r} and its answer need two names: the answer would hide the exercise")
         self.__doc__ = inspect.cleandoc(statement)
         self.name = name
         self.module = solution[0].__module__
