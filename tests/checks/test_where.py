@@ -93,7 +93,7 @@ def keeps(transforms, point, places=[]):  # noqa: B006 - it is what is looked at
     ("answer", "cause"),
     [
         (lambda transforms, point: to_parent(*transforms, point), "a certain number of transforms is expected"),
-        (lambda all_, point: where_is(all_[:-1], to_parent(all_[-1], point)), "a first transform is taken for granted"),
+        (lambda all_, point: where_is(all_[:-1], to_parent(all_[-1], point)), "take no first transform for granted"),
         (lambda all_, point: where_is(all_, point) if all_ else None, "Without transforms the point is returned as it"),
         (lambda transforms, point: where_is(transforms, point)[:2], "Return x, y and z: a list"),
         (lambda transforms, point: [where_is(transforms[i:], point) for i in range(3)], "Return x, y and z: a list"),
