@@ -163,7 +163,9 @@ class Cases:
         """
         raises = isinstance(next(iter(seen.values())), Raised)
         most = 1 if raises or 2 * len(seen) < len(self.cases) else MOST
-        odd, *others = sorted(seen, key=lambda label: same(seen[label], self.expected[label]))
+        odds = [label for label in seen if not same(seen[label], self.expected[label])]
+        odd = next((label for label in odds[::-1] if label != [*self.cases][-1]), odds[-1])  # the last takes longest
+        others = [label for label in seen if label != odd]
         alone = {each: observed(self.cases[odd], self.mistaken(each)) for each in self.mistakes}
         shows = {each: not same(alone[each], self.expected[odd]) for each in self.mistakes}
         for count in range(1, most + 1):
