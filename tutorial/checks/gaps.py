@@ -164,7 +164,6 @@ the last message's stamp is told: a late one is not where the gap begins.
     newest, stamp)) => stamps_of(messages)[stamps_of(messages).index(stamp) - 1], stamp))
 """)
 EXACT = "Most likely floats are computed, which are rounded: count in whole nanoseconds, without / and 1e9."
-LIMIT = "Most likely the limit is another: more than 0.1 s, which is 100_000_000 ns, is a gap."
 BACK = "Most likely the limit of a restart is another: more than 1 s back, which is 1_000_000_000 ns."
 EMPTY = "Most likely a bag without a message is not expected: return an empty list."
 INDEX = "Most likely there is an index beyond the end: keep what came before in a variable, then no index is needed."
@@ -175,9 +174,7 @@ WORDS = 'The words are "gap" and "restart".'
 CHANGED = "Most likely sort, pop, remove or an assignment changes the list or a message: leave them as they are."
 
 SINCE_1970 = 1_750_000_000  # [s]
-EXACT_UP_TO = 2**53  # what a floating point number holds of whole numbers
 
-Messages = Sequence[tuple[int, JointState]]
 Found = list[tuple[str | float, ...]]  # what happened, and the stamps [ns]: a text if whole, as no digit may be lost
 
 
@@ -195,7 +192,7 @@ def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Iterator[tu
         yield round((SINCE_1970 + i * every) * 1e9), message
 
 
-def stamps_of(messages: Messages) -> list[int]:
+def stamps_of(messages: Sequence[tuple[int, JointState]]) -> list[int]:
     """Return when they were made [ns]."""
     return [Time.from_msg(message.header.stamp).nanoseconds for _, message in messages]
 
@@ -235,8 +232,7 @@ def read(given: Any) -> Found:
     Raises:
         Misuse: it is no list of what happened.
     """
-    cause = misfit(given)
-    if cause:
+    if cause := misfit(given):
         what = f"{given!r:.80}" if isinstance(given, list | tuple | None) else f"a {type(given).__name__}"
         raise Misuse(f"it returns {what}", cause)
     return [(str(what), *map(whole, numbers)) for what, *numbers in given]
@@ -253,15 +249,14 @@ def misfit(given: Any) -> str:
 
 
 def whole(number: Any) -> str | float:
-    """Return a whole number as a text, with all its digits; any other as it is."""
-    is_exact = number % 1 == 0 and (not isinstance(number, float) or abs(number) < EXACT_UP_TO)
+    """Return a whole number as a text, with all its digits; any other, or a float too large for them, as it is."""
+    is_exact = number % 1 == 0 and (not isinstance(number, float) or abs(number) < 2**53)
     return f"{int(number):_}" if is_exact else float(number)
 
 
 TRIED = {
     "20 ms apart": bag(1.0, 1.02, 1.04, 1.06, 1.08, 1.1, 1.12, 1.14),
     "the bag waits 3 s, the stamps do not": bag(1.0, 1.02, 1.04, every=3.0),
-    "5 ms apart": bag(1.0, 1.005, 1.01, 1.015),
     "0.09 s without a message": bag(1.0, 1.02, 1.11, 1.13),
     "0.3 s without a message": bag(1.0, 1.02, 1.32, 1.34),
     "the bag receives all at once": bag(1.0, 1.02, 1.32, 1.34, every=0.0),
@@ -276,7 +271,6 @@ TRIED = {
     "late, and later": bag(5.0, 4.2, 3.9, 3.92),
     "equal stamps": bag(1.0, 1.0, 1.02, 1.02),
     "exactly 0.1 s apart": bag(0.8, 0.9, 1.0, 1.1),
-    "0.1 s and 1 ns apart": bag(1.000000037, 1.100000038),
     "exactly 1 s back": bag(2.0, 1.0, 2.02),
     "1 s and 1 ns back": bag(2.0, 0.999999999),
     "a gap after 0 s": bag(0.0, 0.5, 0.52),
@@ -294,8 +288,7 @@ TRIED = {
 CAUSES = {  # by a word of the cases that they are the cause of
     "the bag": "Most likely the bag's times are compared: they say when a message was received, not made.",
     "a full second, and no gap": "Most likely the stamps are not compared whole: take sec and nanosec, both.",
-    "0.09 s": LIMIT,
-    "0.1 s and 1 ns": LIMIT,
+    "0.09 s": "Most likely the limit is another: more than 0.1 s, which is 100_000_000 ns, is a gap.",
     "milliseconds": EXACT,
     "exactly 0.1 s": EXACT,
     "robot's": EXACT,
