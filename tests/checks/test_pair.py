@@ -127,7 +127,7 @@ class NeverBehind(Queues):
         (OnlyTwenty, "what gives way: nothing as long as 50 wait"),
         (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),
         (returning(lambda found: found or (None, None)), "Return the two messages"),
-        (returning(lambda found: found and tuple(map(stamp_of, found))), "Return the messages themselves"),
+        (returning(lambda found: found and tuple(map(stamp_of, found))), "Return the two messages"),
         (StampAsKey, "the stamp itself is the key of a dict"),
         (TakesItForGranted, "a partner is taken for granted"),
         (NoSelf, "self is missing"),
