@@ -134,7 +134,7 @@ def test_check_urdf_has_nothing_to_say_against_it(bodies, environment, tmp_path)
 
 
 def test_a_real_latecomer_gets_it(node, bodies, environment):
-    echo = ["ros2", "topic", "echo", "--once", "--full-length", "--field", "data"]
+    echo = ["ros2", "topic", "echo", "--no-daemon", "--once", "--full-length", "--field", "data"]
     qos = ["--qos-reliability", "reliable", "--qos-durability", "transient_local"]
     command = [*REAL, *echo, *qos, "/Tank/robot_description", "std_msgs/msg/String"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=True)
