@@ -321,6 +321,9 @@ class Anything:
         return 1
 
 
+TEXT = "Do.\n\nDo it.\n\nHint 1: Look.\n\nNotice it."
+
+
 def doze(answer):
     """Judge for ever."""
     print("dozing", flush=True)
@@ -329,7 +332,7 @@ def doze(answer):
         yield right("still")
 
 
-dozing = Exercise("dozing", "", doze, (Anything,), object, ("method",), (), "")
+dozing = Exercise("dozing", TEXT, doze, Anything)
 
 
 def crash_in_the_middle(answer):
@@ -349,7 +352,7 @@ def crash_in_the_middle(answer):
         yield right("ö" * 300_000)
 
 
-crashing = Exercise("crashing", "", crash_in_the_middle, (Anything,), object, ("method",), (), "")
+crashing = Exercise("crashing", TEXT, crash_in_the_middle, Anything)
 
 
 @pytest.mark.process

@@ -77,6 +77,9 @@ def test_the_first_hints_give_nothing_away(exercise, capsys):
     assert "call_latest(" not in second
 
 
+TEXT = "Mend.\n\nMend it.\n\nHint 1: Look.\n\nHint 2: Think.\n\nHint 3: Write.\n\nNotice it."
+
+
 @pytest.mark.parametrize(
     ("findings", "number"),
     [
@@ -87,16 +90,14 @@ def test_the_first_hints_give_nothing_away(exercise, capsys):
     ],
 )
 def test_a_wrong_answer_is_told_which_hint_fits(findings, number):
-    exercise = Exercise("mending", "", lambda _: iter(findings), (GentleTank,), object, (), ("a", "b", "c"), "")
+    exercise = Exercise("mending", TEXT, lambda _: iter(findings), GentleTank)
     says = {1: "what to look at", 2: "how it is done", 3: "nearly the code"}[number]
     assert str(exercise.judge(GentleTank)).splitlines()[-1] == f"Stuck? mending.hint({number}) says {says}."
 
 
 def test_a_right_answer_is_told_no_hint():
-    exercise = Exercise(
-        "mending", "", lambda _: iter([right("a")]), (GentleTank,), object, (), ("a", "b", "c"), "Well."
-    )
-    assert str(exercise.judge(GentleTank)).splitlines()[-1] == "All right. Well."
+    exercise = Exercise("mending", TEXT, lambda _: iter([right("a")]), GentleTank)
+    assert str(exercise.judge(GentleTank)).splitlines()[-1] == "All right. Notice it."
 
 
 BEFORE = (ast.Import, ast.ImportFrom, ast.ClassDef, ast.FunctionDef)

@@ -1,4 +1,26 @@
-"""The exercise `aim`: hold a joint where the stick has put it."""
+"""The exercise `aim`: hold a joint where the stick has put it.
+
+Write the method `aim` of `HeldJoint`. It is called once for every step of the simulation, with the stick's
+position between -1 and 1, and holds the joint where the stick has put it:
+
+- the reference angle begins where the joint stands, moves by 0.002 rad per call at full stick, and stays within
+  `joint.range`;
+- the torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`, to be set as `joint.effort` [N.m]. `q` is
+  `joint.position`, `q_ref` the reference after it has moved; `dq` and `dq_ref` are how fast the two have
+  changed since the last call [rad/s]. A call is `time_step` seconds after the one before.
+
+Hint 1: Look at what has to outlive the call, and so belongs to self: there are two such numbers, and both begin where
+the joint stands. And at the ends of the range: joint.range has two.
+
+Hint 2: Move the reference first, and limit it. A speed is how far something has moved since the last call, divided by
+time_step: compute both speeds while the old values are still there. Keep the new ones at the very end.
+
+Hint 3: q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper), then dq_ref = (q_ref - self.q_ref) / self.time_step;
+the same for q = self.joint.position and self.q_prev; then self.joint.effort = ..., and in the end self.q_ref,
+self.q_prev = q_ref, q.
+
+Notice that a reference which stays within the range answers at once when the stick is reversed.
+"""
 
 from __future__ import annotations
 
@@ -214,31 +236,4 @@ def say(torque: Any) -> str:
 
 CASES = Cases(HeldJoint, TRIED, MISTAKES, say, OTHERWISE)
 
-aim = Exercise(
-    name="aim",
-    statement="""
-    Write the method `aim` of `HeldJoint`. It is called once for every step of the simulation, with the stick's
-    position between -1 and 1, and holds the joint where the stick has put it:
-
-    - the reference angle begins where the joint stands, moves by 0.002 rad per call at full stick, and stays within
-      `joint.range`;
-    - the torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`, to be set as `joint.effort` [N.m]. `q` is
-      `joint.position`, `q_ref` the reference after it has moved; `dq` and `dq_ref` are how fast the two have
-      changed since the last call [rad/s]. A call is `time_step` seconds after the one before.
-    """,
-    judge=CASES.judge,
-    solution=(HeldJoint,),
-    base=object,
-    parts=("aim",),
-    requires=("aim",),
-    hints=(
-        "Look at what has to outlive the call, and so belongs to self: there are two such numbers, and both begin "
-        "where the joint stands. And at the ends of the range: joint.range has two.",
-        "Move the reference first, and limit it. A speed is how far something has moved since the last call, divided "
-        "by time_step: compute both speeds while the old values are still there. Keep the new ones at the very end.",
-        "q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper), then dq_ref = (q_ref - self.q_ref) / "
-        "self.time_step; the same for q = self.joint.position and self.q_prev; then self.joint.effort = ..., and in "
-        "the end self.q_ref, self.q_prev = q_ref, q.",
-    ),
-    notice="Notice that a reference which stays within the range answers at once when the stick is reversed.",
-)
+aim = Exercise("aim", __doc__, CASES.judge, HeldJoint)

@@ -1,4 +1,27 @@
-"""The exercise `bound`: read four axes from any message."""
+"""The exercise `bound`: read four axes from any message.
+
+Write the function `four_axes(message)`. It returns the first four axes of the `Joy` `message` as a list of four
+numbers from -1 to 1, whatever anybody has put into the message:
+
+- An axis beyond -1 or 1 is limited to that end.
+- One that is not finite, NaN or an infinity, counts as 0, and so does one that the message lacks.
+- Each axis stands for itself: the others count as if nothing was wrong with one.
+
+It is called a thousand times a second, so a million axes take no longer than four. It never raises, and leaves the
+message as it is.
+
+Hint 1: Look at how much of the message is touched, however many axes there are; and at what a single axis may be:
+lacking, not finite, too large, too small.
+
+Hint 2: A slice takes at most four, and fewer where there are fewer: put zeros behind it, and take four of all. Then go
+through those: ask isfinite first, for NaN is neither smaller nor larger than a number, and limit the others with max
+and min.
+
+Hint 3: axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4], and then a list of min(max(axis, -1.0), 1.0) if
+isfinite(axis) else 0.0, for axis in axes.
+
+Notice that no message can make it fail or take long: whatever arrives is bounded before it is used.
+"""
 
 from __future__ import annotations
 
@@ -227,32 +250,4 @@ def say(seen: list[float]) -> str:
 
 CASES = Cases(four_axes, TRIED, MISTAKES, say, OTHERWISE, CRASHES)
 
-bound = Exercise(
-    name="bound",
-    statement="""
-    Write the function `four_axes(message)`. It returns the first four axes of the `Joy` `message` as a list of four
-    numbers from -1 to 1, whatever anybody has put into the message:
-
-    - An axis beyond -1 or 1 is limited to that end.
-    - One that is not finite, NaN or an infinity, counts as 0, and so does one that the message lacks.
-    - Each axis stands for itself: the others count as if nothing was wrong with one.
-
-    It is called a thousand times a second, so a million axes take no longer than four. It never raises, and leaves the
-    message as it is.
-    """,
-    judge=CASES.judge,
-    solution=(four_axes,),
-    base=None,
-    parts=(),
-    hints=(
-        "Look at how much of the message is touched, however many axes there are; and at what a single axis may be: "
-        "lacking, not finite, too large, too small.",
-        "A slice takes at most four, and fewer where there are fewer: put zeros behind it, and take four of all. Then "
-        "go through those: ask isfinite first, for NaN is neither smaller nor larger than a number, and limit the "
-        "others with max and min.",
-        "axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4], and then a list of min(max(axis, -1.0), 1.0) if "
-        "isfinite(axis) else 0.0, for axis in axes.",
-    ),
-    notice="Notice that no message can make it fail or take long: whatever arrives is bounded before it is used.",
-    imports=("from math import isfinite",),
-)
+bound = Exercise("bound", __doc__, CASES.judge, four_axes, imports=("from math import isfinite",))

@@ -1,4 +1,28 @@
-"""The exercise `by_name`: find out which joint a message moves where."""
+"""The exercise `by_name`: find out which joint a message moves where.
+
+Write the function `match_by_name(joint_names, message)`. It returns a dict from joint names to positions: what
+the `JointState` `message` says about the joints of the body, whose names are in `joint_names`.
+
+- The i-th position belongs to the i-th name of the message, in whatever order, and however many there are.
+- Names that the body does not have are left out.
+- If there are fewer positions than names, those that are there count; with none, the dict is empty.
+- A position that is not finite, above all NaN, is left out.
+- If a name comes twice, the last one that is a number counts.
+
+It never raises, never invents a number, and leaves the message as it is.
+
+Hint 1: Look at the message's names and positions as pairs, in the message's order: each pair is either left out or
+counts, and none says anything about another.
+
+Hint 2: Go through both together with zip, which ends with the shorter. Leave out a pair whose name is not in
+joint_names, or whose position is not finite. Put the others into a new dict, one after the other: of equal names the
+last wins by itself.
+
+Hint 3: One dict comprehension does it all: {name: position for name, position in zip(message.name, message.position) if
+...}, with name in joint_names and isfinite(position).
+
+Notice that a short array, an unknown name and a name that comes twice needed no line of their own.
+"""
 
 from __future__ import annotations
 
@@ -217,33 +241,4 @@ OTHERWISE = {"": COMPARE} | {label: f"Most likely {cause}" for label, (cause, _)
 
 CASES = Cases(match_by_name, TRIED, MISTAKES, str, OTHERWISE)
 
-by_name = Exercise(
-    name="by_name",
-    statement="""
-    Write the function `match_by_name(joint_names, message)`. It returns a dict from joint names to positions: what
-    the `JointState` `message` says about the joints of the body, whose names are in `joint_names`.
-
-    - The i-th position belongs to the i-th name of the message, in whatever order, and however many there are.
-    - Names that the body does not have are left out.
-    - If there are fewer positions than names, those that are there count; with none, the dict is empty.
-    - A position that is not finite, above all NaN, is left out.
-    - If a name comes twice, the last one that is a number counts.
-
-    It never raises, never invents a number, and leaves the message as it is.
-    """,
-    judge=CASES.judge,
-    solution=(match_by_name,),
-    base=None,
-    parts=(),
-    hints=(
-        "Look at the message's names and positions as pairs, in the message's order: each pair is either left out or "
-        "counts, and none says anything about another.",
-        "Go through both together with zip, which ends with the shorter. Leave out a pair whose name is not in "
-        "joint_names, or whose position is not finite. Put the others into a new dict, one after the other: of equal "
-        "names the last wins by itself.",
-        "One dict comprehension does it all: {name: position for name, position in zip(message.name, "
-        "message.position) if ...}, with name in joint_names and isfinite(position).",
-    ),
-    notice="Notice that a short array, an unknown name and a name that comes twice needed no line of their own.",
-    imports=("from math import isfinite",),
-)
+by_name = Exercise("by_name", __doc__, CASES.judge, match_by_name, imports=("from math import isfinite",))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -13,6 +14,7 @@ from tutorial.checks._verdict import Finding, Verdict, wrong
 from tutorial.checks._watch import Failure, files_of, watch
 from tutorial.checks._witness import witnessed
 from tutorial.checks.progress import remember
+from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 
 __all__ = ["NOT_YET", "Exercise"]
@@ -20,6 +22,7 @@ __all__ = ["NOT_YET", "Exercise"]
 NOT_YET = "Not attempted yet"
 """What the text begins with that says that nothing is written yet."""
 
+_PARTS = re.compile(r"\n\n(?:Hint \d: |(?=Notice ))")
 SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hint does, the weakest first
 
 
@@ -29,46 +32,43 @@ class Exercise:
     Args:
         name: what it is called in its module, which has this name, too. The answer has another: it would hide the
             exercise.
-        statement: the problem; also the exercise's docstring.
+        text: the module's docstring: a title, the statement, which is the exercise's docstring, too, then paragraphs
+            that begin with ``Hint 1: ``, what to look at, ``Hint 2: ``, how, ``Hint 3: ``, nearly the code, and
+            ``Notice``, about an answer that is right.
         judge: looks at an answer and yields what it finds, the root cause first; it ends where looking on makes no
             sense. It may raise `Failure` or `TutorialError`.
-        solution: the right answer, and what else belongs to it; its source is what `solution` shows, in the
-            notebooks' style.
-        base: the class that the answer has to be made from, `object` for any; None where it is a function.
-        parts: the methods that are to be written.
-        hints: the first says what to look at, the second how, the third nearly the code.
-        notice: one sentence on what to notice about an answer that is right.
-        requires: those of the parts without which there is nothing to look at.
+        solution: the right answer; its source is what `solution` shows, in the notebooks' style.
+        parts: the methods that are to be written; if none are given, what a controller overrides of its base, or all
+            of another class.
         imports: what the solution needs and the notebook has not imported, each an import statement.
     """
 
     def __init__(
         self,
         name: str,
-        statement: str,
+        text: str | None,
         judge: Callable[[Any], Iterator[Finding]],
-        solution: Sequence[Any],
-        base: type | None,
-        parts: Sequence[str],
-        hints: Sequence[str],
-        notice: str,
-        requires: Sequence[str] = (),
+        solution: Any,
+        parts: Sequence[str] = (),
         imports: Sequence[str] = (),
     ) -> None:
-        if name == solution[0].__name__:
+        if name == solution.__name__:
             raise ValueError(f"the exercise {name!r} and its answer need two names: the answer would hide the exercise")
-        self.__doc__ = inspect.cleandoc(statement)
-        self.name = name
-        self.module = solution[0].__module__
-        self.right_answer = solution[0]
-        self._judge = judge
-        self._solution = tuple(solution)
-        self._base = base
-        self._parts = tuple(parts)
-        self._hints = tuple(hints)
-        self._notice = notice
-        self._requires = tuple(requires)
-        self._imports = tuple(imports)
+        _title, _, page = inspect.cleandoc(text or "").partition("\n\n")
+        self.__doc__, *prose = _PARTS.split(page)
+        if len(prose) < 2:
+            raise ValueError(f"the text of the exercise {name!r} lacks a hint, or what to notice: {text!r}")
+        *self._hints, self._notice = (" ".join(each.split()) for each in prose)
+        self.name, self.module, self.right_answer = name, solution.__module__, solution
+        self._judge, self._imports = judge, imports
+        self._base: type | None = None
+        if isinstance(solution, type):
+            self._base = SimpleController if issubclass(solution, SimpleController) else object
+        own = [
+            each for each in vars(solution) if each[0] != "_" and (self._base is object or hasattr(self._base, each))
+        ]
+        self._parts = parts or own
+        self._requires = [each for each in own if self._base is object or each in ("configure", "initialize")]
 
     def __repr__(self) -> str:
         return f"Exercise({self.name!r})"
@@ -129,7 +129,7 @@ class Exercise:
     def solution(self) -> None:
         """Print the source of a right answer, ready to be pasted into the notebook's cell."""
         imports = ["\n".join(self._imports)] if self._imports else []
-        _say("\n\n\n".join(imports + [listing(part) for part in self._solution]))
+        _say("\n\n\n".join([*imports, listing(self.right_answer)]))
 
     async def _contained(self, answer: Any) -> Verdict:
         findings, output = await contain(self.module, self.name, answer)

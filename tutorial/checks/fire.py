@@ -1,4 +1,17 @@
-"""The exercise `fire`: hear whether the joystick's first button is pressed."""
+"""The exercise `fire`: hear whether the joystick's first button is pressed.
+
+Write the callback `on_joy` of `FireButton`: it puts `True` into `self.fire` if button 0 of the message is pressed,
+else `False`. In `message.buttons` a button that is pressed is 1, else 0; one that the message lacks is not pressed.
+
+Hint 1: Look at what is put, and when: something at every message, also when the button is released, and when there are
+no buttons.
+
+Hint 2: message.buttons is a list, which may be empty: ask for its len before its first entry.
+
+Hint 3: pressed = len(message.buttons) > 0 and ..., and then self.fire.put(pressed).
+
+Notice that the callback only leaves a value behind, and returns.
+"""
 
 from __future__ import annotations
 
@@ -159,21 +172,4 @@ TRIED = {
 
 CASES = Cases(FireButton, TRIED, MISTAKES, str, OTHERWISE, CRASHES)
 
-fire = Exercise(
-    name="fire",
-    statement="""
-    Write the callback `on_joy` of `FireButton`: it puts `True` into `self.fire` if button 0 of the message is pressed,
-    else `False`. In `message.buttons` a button that is pressed is 1, else 0; one that the message lacks is not pressed.
-    """,
-    judge=CASES.judge,
-    solution=(FireButton,),
-    base=SimpleController,
-    parts=("on_joy",),
-    hints=(
-        "Look at what is put, and when: something at every message, also when the button is released, and when there "
-        "are no buttons.",
-        "message.buttons is a list, which may be empty: ask for its len before its first entry.",
-        "pressed = len(message.buttons) > 0 and ..., and then self.fire.put(pressed).",
-    ),
-    notice="Notice that the callback only leaves a value behind, and returns.",
-)
+fire = Exercise("fire", __doc__, CASES.judge, FireButton, parts=("on_joy",))

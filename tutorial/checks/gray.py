@@ -1,4 +1,29 @@
-"""The exercise `gray`: publish gray pictures."""
+"""The exercise `gray`: publish gray pictures.
+
+Write the controller `GrayPublisher`. It publishes an `Image` on the topic `camera/gray` of its body, 5 times per
+simulated second, as near as whole steps allow: what the camera `CAMERA` sees, in gray. For the body `Tank` the
+topic is `Tank/camera/gray`, without a slash in front: so it is in the namespace of the node.
+
+- A pixel is one byte, the mean of its red, green and blue, rounded or cut off. The encoding for that is called
+  `mono8`; `step` says how many bytes a row has.
+- The stamp is the simulated time at which the picture was taken, the frame is the camera's name. A picture may come
+  after the next one was asked for, or not at all.
+- It works with pictures of any size, on any body that has such a camera, and with any time step.
+- When the simulation stops, `stop` closes the camera; `unconfigure` has the node destroy the publisher.
+
+Hint 1: Look at who does what: control only asks for a picture, in every two hundredth step. What is done with it is the
+business of the function that it is delivered to.
+
+Hint 2: In control have the camera capture a picture, and hand over the function that is to get it, and the simulated
+time. In that function, which is given the pixels and that time, fill the message: height and width from pixels.shape,
+one byte per pixel in each row.
+
+Hint 3: self.camera.capture(self.publish, self.io.time_ns); then message.height, message.width, _ = pixels.shape;
+message.step = message.width; message.data = array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()); the stamp is
+Time(nanoseconds=time_ns).to_msg().
+
+Notice that the control loop never waits for a picture, and that gray costs a sixth of what colour did.
+"""
 
 from __future__ import annotations
 
@@ -342,34 +367,5 @@ TRIED = {
 }
 CASES = PUBLISHING.cases(GrayPublisher, TRIED, MISTAKES, OTHERWISE)
 
-gray = Exercise(
-    name="gray",
-    statement="""
-    Write the controller `GrayPublisher`. It publishes an `Image` on the topic `camera/gray` of its body, 5 times per
-    simulated second, as near as whole steps allow: what the camera `CAMERA` sees, in gray. For the body `Tank` the
-    topic is `Tank/camera/gray`, without a slash in front: so it is in the namespace of the node.
-
-    - A pixel is one byte, the mean of its red, green and blue, rounded or cut off. The encoding for that is called
-      `mono8`; `step` says how many bytes a row has.
-    - The stamp is the simulated time at which the picture was taken, the frame is the camera's name. A picture may come
-      after the next one was asked for, or not at all.
-    - It works with pictures of any size, on any body that has such a camera, and with any time step.
-    - When the simulation stops, `stop` closes the camera; `unconfigure` has the node destroy the publisher.
-    """,
-    judge=CASES.judge,
-    solution=(GrayPublisher,),
-    base=SimpleController,
-    parts=("configure", "initialize", "control", "publish", "stop", "unconfigure"),
-    requires=("configure", "initialize"),
-    hints=(
-        "Look at who does what: control only asks for a picture, in every two hundredth step. What is done with it is "
-        "the business of the function that it is delivered to.",
-        "In control have the camera capture a picture, and hand over the function that is to get it, and the simulated "
-        "time. In that function, which is given the pixels and that time, fill the message: height and width from "
-        "pixels.shape, one byte per pixel in each row.",
-        "self.camera.capture(self.publish, self.io.time_ns); then message.height, message.width, _ = pixels.shape; "
-        "message.step = message.width; message.data = "
-        'array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()); the stamp is Time(nanoseconds=time_ns).to_msg().',
-    ),
-    notice="Notice that the control loop never waits for a picture, and that gray costs a sixth of what colour did.",
-)
+PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")
+gray = Exercise("gray", __doc__, CASES.judge, GrayPublisher, PARTS)

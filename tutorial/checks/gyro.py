@@ -1,4 +1,29 @@
-"""The exercise `gyro`: publish means of what a sensor measures."""
+"""The exercise `gyro`: publish means of what a sensor measures.
+
+Write the controller `GyroPublisher`, for a robot that has a gyroscope and no accelerometer. It publishes an `Imu`
+on the topic `gyro` of its body, 10 times per simulated second, as near as whole steps allow. For the body `Tank`
+the topic is `Tank/gyro`, without a slash in front: so it is in the namespace of the node.
+
+- Its angular velocity is the mean of what the sensor `GYRO` has measured, one value per step, since the last
+  message; the first message has what there is.
+- What is not measured says so: -1 is the first number in the covariances of orientation and linear acceleration.
+- Its stamp is the simulated time at which it is sent.
+- Its frame is `Tank/base_link`, with the body's name. The sensor's own frame, `Tank/GYRO`, is right, too.
+- It works on any body that has such a sensor, and with any time step.
+- When it leaves the body it has the node destroy its publisher, in `unconfigure`.
+
+Hint 1: Look at what happens how often: measuring in every step, sending in every hundredth. What is measured has to be
+kept from the one to the other.
+
+Hint 2: In initialize look up the sensor, and begin with an empty list. In control append the sensor's value, in every
+step; when it is time to, send the mean of the list, and empty it. Mark what is not measured.
+
+Hint 3: self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, x, y, z =
+np.mean(self.samples, axis=0).tolist() go into message.angular_velocity, -1.0 into both covariances,
+message.orientation_covariance[0] = -1.0, and so on. Publish, then self.samples.clear().
+
+Notice that the mean of many measurements shakes less than any of them, and nothing between them is lost.
+"""
 
 from __future__ import annotations
 
@@ -248,34 +273,4 @@ TRIED = {
 }
 CASES = PUBLISHING.cases(GyroPublisher, TRIED, MISTAKES, OTHERWISE)
 
-gyro = Exercise(
-    name="gyro",
-    statement="""
-    Write the controller `GyroPublisher`, for a robot that has a gyroscope and no accelerometer. It publishes an `Imu`
-    on the topic `gyro` of its body, 10 times per simulated second, as near as whole steps allow. For the body `Tank`
-    the topic is `Tank/gyro`, without a slash in front: so it is in the namespace of the node.
-
-    - Its angular velocity is the mean of what the sensor `GYRO` has measured, one value per step, since the last
-      message; the first message has what there is.
-    - What is not measured says so: -1 is the first number in the covariances of orientation and linear acceleration.
-    - Its stamp is the simulated time at which it is sent.
-    - Its frame is `Tank/base_link`, with the body's name. The sensor's own frame, `Tank/GYRO`, is right, too.
-    - It works on any body that has such a sensor, and with any time step.
-    - When it leaves the body it has the node destroy its publisher, in `unconfigure`.
-    """,
-    judge=CASES.judge,
-    solution=(GyroPublisher,),
-    base=SimpleController,
-    parts=("configure", "initialize", "control", "unconfigure"),
-    requires=("configure", "initialize"),
-    hints=(
-        "Look at what happens how often: measuring in every step, sending in every hundredth. What is measured has to "
-        "be kept from the one to the other.",
-        "In initialize look up the sensor, and begin with an empty list. In control append the sensor's value, in "
-        "every step; when it is time to, send the mean of the list, and empty it. Mark what is not measured.",
-        "self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, x, y, z = "
-        "np.mean(self.samples, axis=0).tolist() go into message.angular_velocity, -1.0 into both covariances, "
-        "message.orientation_covariance[0] = -1.0, and so on. Publish, then self.samples.clear().",
-    ),
-    notice="Notice that the mean of many measurements shakes less than any of them, and nothing between them is lost.",
-)
+gyro = Exercise("gyro", __doc__, CASES.judge, GyroPublisher)

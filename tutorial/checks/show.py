@@ -1,4 +1,26 @@
-"""The exercise `show`: a displayed body moves as messages say. What it asks for, `keep_up` asks for, too."""
+"""The exercise `show`: a displayed body moves as messages say. What it asks for, `keep_up` asks for, too.
+
+Write the controller `MyViewer`. It listens to the topic `joint_state` of its body, which for the body `Tank` is
+`/Tank/joint_state` (type `JointState`), and shows on the displayed body what it hears.
+
+- The displayed body belongs to the main thread: the callback only posts, with `config.call_later`.
+- What is posted matches by name (`match_joints`), sets the positions, computes the kinematics, and tells the
+  observers.
+- It works on any body, and when it leaves the body it has the node destroy its subscription.
+
+Hint 1: Look at the two threads: the callback runs on the executor's, and the displayed body belongs to the main thread.
+What moves it may only run there.
+
+Hint 2: In configure keep config.body and config.call_later, and subscribe to a topic made from the body's name. The
+callback has one line: it posts a method, with the message. That method matches, sets the positions, computes the
+kinematics and notifies, in this order.
+
+Hint 3: The callback: self.call_later(self.update, message), without parentheses after update. In update: positions,
+report = match_joints(self.body.joint_names, message), then set_joint_positions, calc_forward_kinematics and
+notify_change. In unconfigure: self.node.destroy_subscription(self.subscription).
+
+Notice that the body's name and its joints come from the body, so the crane needed no other line.
+"""
 
 from __future__ import annotations
 
@@ -347,31 +369,4 @@ REQUIREMENTS = Requirements(
     ),
 )
 
-show = Exercise(
-    name="show",
-    statement="""
-    Write the controller `MyViewer`. It listens to the topic `joint_state` of its body, which for the body `Tank` is
-    `/Tank/joint_state` (type `JointState`), and shows on the displayed body what it hears.
-
-    - The displayed body belongs to the main thread: the callback only posts, with `config.call_later`.
-    - What is posted matches by name (`match_joints`), sets the positions, computes the kinematics, and tells the
-      observers.
-    - It works on any body, and when it leaves the body it has the node destroy its subscription.
-    """,
-    judge=REQUIREMENTS.judge,
-    solution=(MyViewer,),
-    base=SimpleController,
-    parts=("configure", "unconfigure"),
-    requires=("configure",),
-    hints=(
-        "Look at the two threads: the callback runs on the executor's, and the displayed body belongs to the main "
-        "thread. What moves it may only run there.",
-        "In configure keep config.body and config.call_later, and subscribe to a topic made from the body's name. The "
-        "callback has one line: it posts a method, with the message. That method matches, sets the positions, "
-        "computes the kinematics and notifies, in this order.",
-        "The callback: self.call_later(self.update, message), without parentheses after update. In update: positions, "
-        "report = match_joints(self.body.joint_names, message), then set_joint_positions, calc_forward_kinematics "
-        "and notify_change. In unconfigure: self.node.destroy_subscription(self.subscription).",
-    ),
-    notice="Notice that the body's name and its joints come from the body, so the crane needed no other line.",
-)
+show = Exercise("show", __doc__, REQUIREMENTS.judge, MyViewer)
