@@ -103,10 +103,6 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
         project.with_robot(Path("r" * 300))
 
 
-MERGES = "\n".join(["a0: &a0 {x: 1}", *(f"a{i + 1}: &a{i + 1} {{<<: [{f'*a{i},' * 9}]}}" for i in range(9))])
-"""Of one key, some four hundred millions, by merges of merges."""
-
-
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -114,60 +110,41 @@ MERGES = "\n".join(["a0: &a0 {x: 1}", *(f"a{i + 1}: &a{i + 1} {{<<: [{f'*a{i},' 
         ("bodies:\n  - name: Tank\n   model: x", "line 3: this is not YAML:"),
         ("bodies: !tank [1]", "line 1: this is not YAML: could not determine a constructor for the tag '!tank'."),
         ("bodies: 2026-99-99", "line 1: this is not YAML: '2026-99-99' is no timestamp."),
-        ("bodies:\n  - !!bool x", "line 2: this is not YAML: 'x' is no bool."),
-        ("bodies:\n  - !!timestamp x", "line 2: this is not YAML: 'x' is no timestamp."),
         ('bodies: "\\UFFFFFFFF"', "line 1: this is not YAML:"),
-        ("\n" + "[" * 21, "line 2: nested deeper than 20 levels, which nothing here needs."),
-        ("bodies:\n  - name: A\n    model: m\n    name: B", "line 4: 'name' is there twice. Keep one."),
-        ("bodies: &a {<<: *a}", "line 1: bodies: expected a list, got a mapping."),
-        (MERGES, "line 4: a mapping of more than 100 keys, which nothing here needs."),
-        ("bodies:\n  - \0", "line 2: this is not YAML: there is no character 0x0 in a text."),
-        (f"bodies:\n  - {'9' * 50_000}", f"line 2: this is not YAML: '{'9' * 60}...' is no int."),
-        (f"'{'k' * 900}': 1", f"line 1: '{'k' * 60}...' is not known here."),
-        ("bodies:\n  - !!null name: T", "line 2: 'name' is not known here. Did you mean 'name'?"),
+        (
+            "bodies:\n  - name: A\n    model: m\n    name: B",
+            "line 4: this is not YAML: 'name' is there twice. Keep one.",
+        ),
+        ("bodies:\n  - \0", "line 2: this is not YAML: unacceptable character #x0000"),
+        ("bodies:\n  - !!null name: T", "line 2: a key here is no text. Put it in quotes."),
         ("bodies:\n  - {<<: {nme: Tank}, model: x}", "line 2: 'nme' is not known here. Did you mean 'name'?"),
         (body("\n    contollers: []"), "line 3: 'contollers' is not known here. Did you mean 'controllers'?"),
         ("- 1", "line 1: expected a mapping, got a list."),
-        ("simulator: {time_step: 0}", "line 1: 'bodies' is missing here."),
         ("bodies:\n  - name: Tank\n", "line 2: 'model' is missing here."),
-        ("bodies: Tank", "line 1: bodies: expected a list, got a text."),
-        ("bodies: []", "line 1: bodies: expected a list of length >= 1."),
-        ("bodies: !!set {Tank}", "line 1: bodies: expected a list, got a set."),
-        ("bodies:\n  - {model: m, name: 1}", "line 2: bodies[0].name: expected a text, got a whole number."),
         ("bodies: [{}]\nsimulator:", "line 1: 'name' is missing here."),
-        ("simulator:\nbodies: [{}]", "line 1: simulator: expected a mapping, got nothing."),
         (simulator("clock: 100"), "line 1: simulator.clock: expected true or false, got a whole number."),
-        (simulator("time_step: true"), "line 1: simulator.time_step: expected a number, got true or false."),
         (simulator("time_step: 1e-300"), "line 1: simulator.time_step: expected a number >= 0.0001."),
         ("simulator:\n  time_step: 1\nbodies: [{}]", "line 2: simulator.time_step: expected a number <= 0.01."),
-        (simulator("time_step: .nan"), "line 1: simulator.time_step: expected a number that is finite."),
         (body("count: 1001"), "line 2: bodies[0].count: expected a whole number <= 1000."),
-        (body("count: 0"), "line 2: bodies[0].count: expected a whole number >= 1."),
         (body("count: 2.0"), "line 2: bodies[0].count: expected a whole number, got a number."),
-        (body("spacing: 0"), "line 2: bodies[0].spacing: expected a number > 0."),
         (body("position: [1, 2]"), "line 2: bodies[0].position: expected a list of length 3, got 2."),
         (body("position: [1, 2,\n  a]"), "line 3: bodies[0].position[2]: expected a number, got a text."),
-        (body(f"position: [0, 0, {10**400}]"), "line 2: bodies[0].position[2]: expected a number that is finite."),
-        (body("position: [1.0e+300, 0, 0]"), "line 2: bodies[0].position[0]: expected a number <= 10000."),
-        (body(f"controllers: [{'C,' * 21}]"), "line 2: bodies[0].controllers: expected a list of length <= 20."),
-        (body(f"controllers: [{'C' * 300}]"), f"line 2: there is no controller '{'C' * 60}'. Known are"),
+        (body(f"position: [0, 0, {10**400}]"), "line 2: bodies[0].position[2]: number out of range."),
         (
             body("controllers: [JointStatePublisher,\n  TankControler]"),
             "line 3: there is no controller 'TankControler'. Did you mean 'TankController'?",
         ),
         (body("", ""), "line 3: there is a body 'Tank' already. Give this one another name."),
         (body("name: Tank_2", "count: 3"), "line 3: there is a body 'Tank_2' already. Give this one another name."),
-        (body("count: 1000", "name: U"), "line 3: with this one there are 1001 bodies; 1000 are the most."),
         (body("name: My Tank"), "line 2: 'My Tank' cannot be part of a topic. Use letters, digits and _, a letter"),
         (body('name: "A\\e[2J"'), r"line 2: 'A\x1b[2J' cannot be part of a topic."),
         (body("name: _T"), "line 2: '_T' cannot be part of a topic."),
         (body("name: Öl"), "line 2: 'Öl' cannot be part of a topic."),
-        (body(f"name: {'n' * 300}"), f"line 2: '{'n' * 60}'... has 300 letters. Take a name of 60 at most."),
+        (body(f"name: {'n' * 300}"), f"line 2: '{'n' * 300}' has 300 letters. Take a name of 60 at most."),
         (
             body("\n    model: models/tnak.xml"),
             "line 3: there is no model 'models/tnak.xml'. Did you mean 'models/tank.xml'?",
         ),
-        (body(f"model: {'m' * 300}"), f"line 2: there is no model '{'m' * 60}'. Known are 'models/tank.xml'."),
         (body('model: "\\0.xml"'), r"line 2: there is no model '\x00.xml'. Known are 'models/tank.xml'."),
         (body("model: models"), "line 2: there is no model 'models'."),
     ],
@@ -197,19 +174,10 @@ def test_a_missing_file_is_named_with_the_nearest_whatever_its_name(tmp_path, fi
         find(tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("content", "size", "said"),
-    [
-        (b"\n\xff\xfe\x00", 4, r"project\.yaml, line 2: this is not a text file in UTF-8"),
-        (b"", 10_000_000_000, "has more than 100,000 bytes, which is no project that a person writes"),
-    ],
-)
-def test_a_file_that_no_person_writes_is_not_read(tmp_path, content, size, said):
+def test_a_file_that_is_no_text_is_named_with_its_line(tmp_path):
     path = tmp_path / "project.yaml"
-    with path.open("wb") as file:
-        file.write(content)
-        file.truncate(size)  # takes no room on the disk
-    with pytest.raises(TutorialError, match=said):
+    path.write_bytes(b"\n\xff\xfe\x00")
+    with pytest.raises(TutorialError, match=r"project\.yaml, line 2: this is not a text file in UTF-8"):
         Project.load(path)
 
 
@@ -225,9 +193,8 @@ BODY = "<mujoco><worldbody><body {}><freejoint/><geom size='{}'/></body></worldb
         (BODY.format("", "1e300"), "has a body_mass that is no number, or far too large."),
         (BODY.format("pos='nan 0 0'", "1"), "has a qpos0 that is no number, or far too large."),
         ("\0", "does not load. MuJoCo says:"),
-        ("x" * 10_000_001, "has more than 10,000,000 bytes. Make it smaller."),
     ],
-    ids=["includes itself", "wrong", "a quaternion of zeros", "too large", "NaN", "binary", "ten megabytes"],
+    ids=["includes itself", "wrong", "a quaternion of zeros", "too large", "NaN", "binary"],
 )
 def test_a_model_that_cannot_be_simulated_is_named_with_the_line(write, tmp_path, model, said):
     path = write(body())

@@ -33,9 +33,7 @@ Point = tuple[Coordinate, Coordinate, Coordinate]
 LONGEST_NAME = 60
 """Of a body [characters]: it becomes part of the names of topics."""
 MOST_BODIES = 1000
-"""Of a project: so many tanks take a processor half a minute to load."""
-LARGEST_MODEL = 10_000_000
-"""Of an MJCF file, without its meshes and textures [bytes]."""
+"""Of a fleet: so many tanks take a processor half a minute to load."""
 MAGNITUDES = ("qpos0", "body_pos", "body_quat", "body_mass", "body_inertia", "geom_pos", "geom_size", "jnt_range")
 """What has to be a number that MuJoCo can compute with, in a model."""
 
@@ -49,7 +47,7 @@ class _Body(msgspec.Struct, forbid_unknown_fields=True):
     name: str
     model: str
     position: Point = (0.0, 0.0, 0.0)
-    controllers: Annotated[list[str], msgspec.Meta(max_length=20)] = []
+    controllers: list[str] = []
     count: Annotated[int, msgspec.Meta(ge=1, le=MOST_BODIES)] | msgspec.UnsetType = msgspec.UNSET
     spacing: Annotated[float, msgspec.Meta(gt=0, le=100)] = 1.5  # [m]
 
@@ -62,7 +60,7 @@ class _Body(msgspec.Struct, forbid_unknown_fields=True):
 class _ProjectFile(msgspec.Struct, forbid_unknown_fields=True):
     """What a project file looks like."""
 
-    bodies: Annotated[list[_Body], msgspec.Meta(min_length=1, max_length=MOST_BODIES)]
+    bodies: Annotated[list[_Body], msgspec.Meta(min_length=1)]
     simulator: _Simulator | msgspec.UnsetType = msgspec.UNSET
 
 
@@ -206,8 +204,7 @@ def find_controller(name: str) -> type[SimpleController]:
     """
     known = controller_names()
     if name not in known:
-        given = name[:LONGEST_NAME]
-        raise TutorialError(f"there is no controller {given!r}.{did_you_mean(given, known)}")
+        raise TutorialError(f"there is no controller {name!r}.{did_you_mean(name, known)}")
     file = str(Path(controllers.__path__[0]) / f"{known[name].rpartition('.')[2]}.py")
     try:
         module = import_module(known[name])
@@ -281,14 +278,12 @@ def _check_names(file: YamlFile[_ProjectFile]) -> None:
             if name in taken:
                 raise file.error(where, f"there is a body {name!r} already. Give this one another name.")
             taken.add(name)
-        if len(taken) > MOST_BODIES:
-            raise file.error(where, f"with this one there are {len(taken)} bodies; {MOST_BODIES} are the most.")
 
 
 def _unfit(name: str) -> str:
     """Say why a body cannot have a name; empty if it can."""
     if len(name) > LONGEST_NAME:
-        return f"{name[:LONGEST_NAME]!r}... has {len(name)} letters. Take a name of {LONGEST_NAME} at most."
+        return f"{name!r} has {len(name)} letters. Take a name of {LONGEST_NAME} at most."
     if not (name.isascii() and name.isidentifier() and name[0] != "_"):
         return f"{name!r} cannot be part of a topic. Use letters, digits and _, a letter first."
     return ""
@@ -313,12 +308,10 @@ def check_model(path: Path) -> None:
         path: an MJCF file.
 
     Raises:
-        TutorialError: it does not load, is larger than one writes, or has values that are no numbers or far too large.
+        TutorialError: it does not load, or has values that are no numbers or far too large.
     """
     if not is_file(path):
-        raise TutorialError(f"there is no model {str(path)[:200]!r}. Give the path of an MJCF file (.xml).")
-    if path.stat().st_size > LARGEST_MODEL:
-        raise TutorialError(f"the model {path.name!r} has more than {LARGEST_MODEL:,} bytes. Make it smaller.")
+        raise TutorialError(f"there is no model {str(path)!r}. Give the path of an MJCF file (.xml).")
     model = compose([Placement("Model", path)])
     for name in MAGNITUDES:
         if not (np.abs(getattr(model, name)) < mujoco.mjMAXVAL).all():  # which NaN is not, either
@@ -335,8 +328,8 @@ def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body) -> list[B
     model = folder / body.model
     if not is_file(model):
         others = [str(path.relative_to(folder)) for path in _models_near(folder)]
-        hint = did_you_mean(body.model[:LONGEST_NAME], others)
-        raise file.error(("bodies", index, "model"), f"there is no model {body.model[:LONGEST_NAME]!r}.{hint}")
+        hint = did_you_mean(body.model, others)
+        raise file.error(("bodies", index, "model"), f"there is no model {body.model!r}.{hint}")
     classes = []
     for i, name in enumerate(body.controllers):
         try:
