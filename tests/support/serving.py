@@ -36,10 +36,10 @@ def request(text: str, port: int) -> bytes:
     return "\r\n".join([f"{first} HTTP/1.1", *lines, "", ""]).encode("latin1")
 
 
-async def ask(port: int, text: str, more: bytes = b"") -> str:
+async def ask(port: int, text: str) -> str:
     """Send a request, and return the first line of the answer."""
     reader, writer = await asyncio.open_connection("127.0.0.1", port)
-    writer.write(request(text, port) + more)
+    writer.write(request(text, port))
     line = await reader.readline()
     writer.close()
     return line.decode().strip()

@@ -10,7 +10,7 @@ import pytest
 from browser import LIKE_A_CARD, Witness, chromium, open_browser, pixels, red_spot, until
 from loops import in_a_loop
 from scenes import lines
-from serving import look, port_of
+from serving import UPGRADE, ask, look, port_of, serving
 
 from tutorial.errors import TutorialError
 from tutorial.view import web
@@ -126,6 +126,38 @@ def test_closing_after_the_loop_has_ended_does_no_harm():
     server.close()
     with socket.create_server(("127.0.0.1", port_of(server))):
         pass
+
+
+REFUSED = [
+    ("GET / | Host: a.org", 404),
+    ("GET /socket | Host: a.org | Origin: http://a.org" + UPGRADE, 404),
+    ("GET / | Host: 127x0x0x1", 404),
+    ("GET / | Host: [::1", 404),
+    ("GET / | Host: HERE | Host: a.org", 400),
+    ("GET /socket | Host: HERE | Origin: http://a.org" + UPGRADE, 403),
+    ("GET /socket | Host: HERE | Origin: http://localhost:8000" + UPGRADE, 403),
+    ("GET /socket | Host: HERE | Origin: null" + UPGRADE, 403),
+    ("POST / | Host: HERE | Content-Length: 89000000", 400),
+    ("GET /static/.. | Host: HERE", 403),
+    ("GET /static/%2e%2e/scene.py | Host: HERE", 404),
+    ("GET /meshcat/ | Host: HERE", 404),
+]
+
+
+@pytest.mark.parametrize(("text", "status"), REFUSED)
+@in_a_loop
+async def test_a_page_from_elsewhere_is_refused_and_so_is_a_large_body(text, status):
+    async with serving() as (_, port):
+        assert (await ask(port, text)).split()[1] == str(status)
+
+
+@in_a_loop
+async def test_its_own_page_may_look_also_through_a_forwarded_port():
+    async with serving() as (_, port):
+        for host in (f"127.0.0.1:{port}", "localhost:8000"):
+            assert await ask(port, f"GET / | Host: {host}") == "HTTP/1.1 200 OK"
+            answer = await ask(port, f"GET /socket | Host: {host} | Origin: http://{host}{UPGRADE}")
+            assert answer == "HTTP/1.1 101 Switching Protocols"
 
 
 # What a learner sees. The camera looks along y, 4 m from the box and level with it.

@@ -31,7 +31,6 @@ from tornado.websocket import WebSocketClosedError
 from traitlets import default
 from traitlets.config import Config
 
-from tutorial.commands.lab_door import BODY_PATIENCE, Door
 from tutorial.commands.terminal import say
 
 __all__ = ["CourseServer"]
@@ -74,11 +73,13 @@ class CourseServer(ServerApp):
         name, domain = map(os.environ.get, ("CODESPACE_NAME", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN"))
         return rf"https://{re.escape(name)}-\d+\.{re.escape(domain)}" if name and domain else ""
 
-    def init_httpserver(self) -> None:
-        """Put a door before Jupyter's application."""
-        super().init_httpserver()
-        self.http_server.request_callback = Door(self.web_app)
-        self.http_server.conn_params.body_timeout = BODY_PATIENCE
+    @default("max_body_size")
+    def _largest_request(self) -> int:
+        """Jupyter reads what it is sent before it asks who sent it, by itself up to 512 MB [bytes].
+
+        A notebook is far smaller, and JupyterLab sends large files in pieces.
+        """
+        return 64_000_000
 
     def init_signal(self) -> None:
         """End at one Ctrl-C, without a question and in the same way whether there is a terminal or not."""

@@ -13,13 +13,14 @@ import socket
 from contextlib import AbstractAsyncContextManager, AbstractContextManager
 from typing import Any
 
-from tornado.web import Application, HTTPError, RequestHandler, StaticFileHandler
+from tornado.httpserver import HTTPServer
+from tornado.routing import HostMatches
+from tornado.web import Application, RequestHandler, StaticFileHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from tutorial.errors import TutorialError, running_loop
 from tutorial.handoff import ThreadGuard
 from tutorial.view.assets import STATIC, meshcats_viewer
-from tutorial.view.door import GuardedServer, Refusals
 from tutorial.view.scene import Scene
 
 __all__ = ["SceneServer"]
@@ -37,8 +38,12 @@ POLICY = (
 BACKLOG = 1 << 18
 """What the system holds for one browser [bytes]. One that is further behind misses frames."""
 
-PAGES = 32
-"""How many may look at a time: each that does not read holds a copy of the whole scene."""
+OWN_HOSTS = r"127\.0\.0\.1|localhost"
+"""The names by which a browser reaches this server. A page from elsewhere can have its own name lead to this machine
+(DNS rebinding): it is not found here. One that asks by the right name is of another origin, and gets no socket."""
+
+LIMITS = {"max_header_size": 16 * 1024, "max_body_size": 1024, "idle_connection_timeout": 30.0, "body_timeout": 30.0}
+"""Of a request, which has no body [bytes], and how long a connection may take to ask [s]."""
 
 NO_LOOP = "the 3D view is served by an event loop, and none runs here. Make it within asyncio.run(main())."
 
@@ -64,8 +69,7 @@ class SceneServer(AbstractContextManager["SceneServer"], AbstractAsyncContextMan
         self._listener = _listen(port)
         self._listener.setblocking(False)
         self._port = int(self._listener.getsockname()[1])
-        self._refusals = Refusals()
-        self._http = GuardedServer(_application(scene, title, self._browsers, self._refusals), self._refusals)
+        self._http = HTTPServer(_application(scene, title, self._browsers), **LIMITS)
         self._http.add_socket(self._listener)
         self._closing: asyncio.Task[None] | None = None
 
@@ -86,7 +90,6 @@ class SceneServer(AbstractContextManager["SceneServer"], AbstractAsyncContextMan
             WrongThreadError: called on another thread than the server's.
         """
         self._guard.check("SceneServer.close")
-        self._refusals.close()
         if self._loop.is_closed():
             self._listener.close()
         if self._closing is not None or self._loop.is_closed():
@@ -135,14 +138,15 @@ def _listen_on(port: int) -> socket.socket:
         raise TutorialError(f"the 3D view cannot have port {port}: {reason}. {mend}") from error
 
 
-def _application(scene: Scene, title: str, browsers: set[_Browser], refusals: Refusals) -> Application:
+def _application(scene: Scene, title: str, browsers: set[_Browser]) -> Application:
+    pages = [
+        (r"/", _Page, {"title": title}),
+        (r"/socket", _Browser, {"scene": scene, "browsers": browsers}),
+        (r"/static/([\w.-]+)", _Files, {"path": str(STATIC)}),
+        (r"/meshcat/([\w.-]+)", _Files, {"path": str(meshcats_viewer())}),
+    ]
     return Application(
-        [
-            (r"/", _Page, {"title": title}),
-            (r"/socket", _Browser, {"scene": scene, "browsers": browsers, "refusals": refusals}),
-            (r"/static/([\w.-]+)", _Files, {"path": str(STATIC)}),
-            (r"/meshcat/([\w.-]+)", _Files, {"path": str(meshcats_viewer())}),
-        ],
+        [(HostMatches(OWN_HOSTS), pages)],
         template_path=str(STATIC),
         log_function=lambda _handler: None,
         websocket_max_message_size=1024,
@@ -171,17 +175,10 @@ class _Files(_Protected, StaticFileHandler):
 class _Browser(WebSocketHandler):
     """One page that looks at the scene: it gets the whole scene, then each frame that it can keep up with."""
 
-    def initialize(self, scene: Scene, browsers: set[_Browser], refusals: Refusals) -> None:
+    def initialize(self, scene: Scene, browsers: set[_Browser]) -> None:
         self.scene = scene
         self.browsers = browsers
-        self.refusals = refusals
         self.is_behind = False
-
-    def prepare(self) -> None:
-        """Let in as many as there is room for."""
-        if len(self.browsers) >= PAGES:
-            self.refusals.add(f"{PAGES} pages look already")
-            raise HTTPError(503)
 
     def open(self, *_args: str, **_kwargs: str) -> None:
         if self._stream.closed():  # hung up already
@@ -192,20 +189,8 @@ class _Browser(WebSocketHandler):
         self._send(self.scene.snapshot())
         self.scene.attach(self.show)
 
-    def on_message(self, message: str | bytes) -> None:  # noqa: ARG002
-        """Hang up: the page has nothing to say, so this is another."""
-        self.refusals.add("a page that says something; it is hung up")
-        assert self.ws_connection is not None
-        self.ws_connection.client_terminated = True  # or what has come with it would be read, too
-        self._stream.close()
-
-    def on_ping(self, data: bytes) -> None:
-        """Hang up, too: no browser asks."""
-        self.on_message(data)
-
-    def on_pong(self, data: bytes) -> None:
-        """Hang up, too: nobody was asked."""
-        self.on_message(data)
+    def on_message(self, message: str | bytes) -> None:
+        """The page has nothing to say."""
 
     def on_close(self) -> None:
         self.browsers.discard(self)
