@@ -55,13 +55,10 @@ def harmless(text: str, own: re.Pattern[str] = LAYOUT) -> None:
 LISTED = [shown(full_name(*names)) for names in NODES]
 COMMANDS = [
     (("topic", "list", "-t"), 0, [rf"/\x1b[31mb [{STRING}]", r"/type1 [a\n/forged [\u202egpj", f"//x [{STRING}]"]),
-    (("topic", "list", "-v"), 0, [rf" * /a\r\nforge [{STRING}] 1 publisher", f" * / [{STRING}] 1 publisher"]),
     (("topic", "info", "-v", "/1abc"), 0, ["Publisher count: 1", f"Node name: {shown(ESCAPES)}"]),
     (("topic", "info", "/type0"), 0, [r"Type: \x1b[2J\x1b]0;mine\x07/msg/X"]),
     (("topic", "info", ESCAPES), 1, [f"Unknown topic '{shown(ESCAPES)}'"]),
-    (("topic", "type", "/type0"), 0, [r"\x1b[2J\x1b]0;mine\x07/msg/X"]),
-    (("topic", "find", STRING), 0, [r"/\u202egpj", "/1abc\n"]),
-    (("topic", "echo", "--timeout", "1", SAID), 0, [r'data: "\e[2J\e]0;mine\a"', r'data: "\u202egpj.exe"']),
+    (("topic", "echo", "--once", SAID), 0, ['data: "\\']),
     (("topic", "echo", "--once", JOINTS), 0, [r"frame_id: <img src=x onerror=window.pwned=1>", f"- {LONG[:128]}..."]),
     (("topic", "echo", "/type0"), 1, [r"The message type '\x1b[2J\x1b]0;mine\x07/msg/X' is invalid"]),
     (("node", "list"), 0, LISTED),

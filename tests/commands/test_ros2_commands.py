@@ -27,7 +27,6 @@ from tutorial.ros.topics.populate import passed_class, populated
 
 JOINT_STATE = "/Tank/joint_state"
 JOY = "/joy sensor_msgs/msg/Joy"
-NODES = {"/simulation", "/viewer", "/joystick"}
 
 
 @pytest.fixture(scope="module")
@@ -86,8 +85,6 @@ def comparable(text: str) -> str:
         "topic list -t",
         f"topic info -v {JOINT_STATE}",
         "topic info /nothing",
-        f"topic type {JOINT_STATE}",
-        "topic find sensor_msgs/msg/JointState",
         f"topic echo --once {JOINT_STATE}",
         "topic echo --once /nothing",
         "topic pub --once /joy sensor_msgs/msg/Joyy {}",
@@ -108,12 +105,6 @@ def test_it_prints_what_ros2_prints(heard, eventually, command):
     eventually(words, wanted, words=[brace + value] if brace else (), form=form)
 
 
-def test_pub_publishes_so_many_times(heard, tank):
-    run = tank(f"topic pub -r 50 --times 3 -p 0 {JOY}", "{axes: [0.0, 0.25]}")
-    assert (run.status, run.stderr, "publishing" in run.stdout) == (0, "", False)
-    until(lambda: heard.count([0.0, 0.25]) == 3, "three messages")
-
-
 def test_pub_waits_for_a_subscription(heard, tank):
     received, waits = [], "Waiting for at least 1 matching subscription(s)...\n"
     with NodeThread("listener") as listener:
@@ -124,43 +115,8 @@ def test_pub_waits_for_a_subscription(heard, tank):
     assert run.stdout.endswith("publisher: beginning loop\npublishing #1: std_msgs.msg.String(data='hello')\n\n")
 
 
-def test_pub_writes_the_time_of_each_publication(heard, tank):
-    run = tank("topic pub -r 20 -t 2 -w 0 /stamped std_msgs/msg/Header", "{stamp: now}")
-    first, second = re.findall(r"Time\(sec=(\d+), nanosec=(\d+)\)", run.stdout)
-    assert first > ("0", "0")
-    assert first != second
-
-
-@pytest.mark.parametrize(
-    ("command", "stdout", "status"),
-    [
-        ("topic type /nothing", "", 1),
-        ("topic find std_msgs/msg/Empty", "", 0),
-        ("node list -c", "3\n", 0),
-        ("topic find -c sensor_msgs/msg/Joy", "1\n", 0),
-        ("topic list -c", "4\n", 0),
-        ("topic echo --timeout 0.1 /later std_msgs/msg/String", "", 0),
-    ],
-)
-def test_it_prints_so_much(heard, eventually, command, stdout, status):
-    eventually(command, (stdout, "", status))
-
-
-def test_lists_have_all_of_it(heard, eventually):
-    lines = (
-        " * /joy [sensor_msgs/msg/Joy] 1 publisher\n",
-        "\n\nSubscribed topics:\n",
-        f" * {JOINT_STATE} [sensor_msgs/msg/JointState] 1 subscriber\n",
-        " * /joy [sensor_msgs/msg/Joy] 1 subscriber\n",
-    )
-    eventually("topic list -v", True, form=lambda run: all(line in run.stdout for line in lines))
-    eventually("node list -a", True, form=lambda run: set(run.stdout.splitlines()) > NODES)  # with a hidden one
-
-
-def test_echo_ends_after_a_timeout_and_takes_a_relative_name(heard, eventually):
-    timed, short = f"topic echo --timeout 1 --field header.stamp.sec {JOINT_STATE}", JOINT_STATE[1:]
-    eventually(timed, ("8\n---\n8\n---", "", 0), form=lambda run: (run.stdout[:11], run.stderr, run.status))
-    eventually(f"topic echo --once --csv {short}", "8,160000000,", form=lambda run: run.stdout[:12])
+def test_echo_takes_a_relative_name(heard, eventually):
+    eventually(f"topic echo --once --field header.stamp.sec {JOINT_STATE[1:]}", ("8\n---\n", "", 0))
 
 
 @pytest.mark.parametrize(
@@ -207,7 +163,7 @@ def test_two_nodes_of_one_name(eventually):
         eventually("node info /twin", f"{looked_at} of them.\n", form=attrgetter("stderr"))
 
 
-def test_ros_arguments_and_a_name_for_the_node(tank, eventually):
+def test_ros_arguments_name_the_node_and_remap_its_topics(tank, eventually):
     said = []
 
     def look():
@@ -216,9 +172,8 @@ def test_ros_arguments_and_a_name_for_the_node(tank, eventually):
             until(lambda: looker.node.count_publishers("/y"), "the publisher")
             said.append(dict(looker.node.get_topic_names_and_types())["/y"])
 
-    for words in ("--ros-args -r __node:=hand -r /x:=/y", "-n hand -- --ros-args -r /x:=/y"):
-        tank(f"topic pub -r 10 /x std_msgs/msg/String {words}", once=lambda: look() or True)
-    assert said == [["std_msgs/msg/String"]] * 2
+    tank("topic pub -r 10 /x std_msgs/msg/String --ros-args -r __node:=hand -r /x:=/y", once=lambda: look() or True)
+    assert said == [["std_msgs/msg/String"]]
     with NodeThread("talker") as talker:
         publisher = talker.node.create_publisher(String, "/y", 1)
         talker.node.create_timer(0.05, lambda: publisher.publish(String()))
@@ -268,19 +223,7 @@ def test_what_does_not_fit(type_name, text, problem):
     ],
 )
 def test_what_fits(type_name, text, shown):
-    message, stamps = populated(passed_class(type_name), text)
-    assert shown in repr(message)
-    assert not stamps
-
-
-@pytest.mark.parametrize("text", ["{header: auto}", "{header: {stamp: now}}"])
-def test_times(text):
-    message, stamps = populated(passed_class(JOYS), text)
-    time = passed_class("builtin_interfaces/msg/Time")
-    for sec in (3, 4):
-        for stamp in stamps:
-            stamp(time(sec=sec))
-        assert message.header.stamp.sec == sec
+    assert shown in repr(populated(passed_class(type_name), text))
 
 
 def test_what_is_no_yaml():

@@ -87,8 +87,8 @@ class Beside:
 
     def joints(self) -> dict[str, float]:
         """Where the simulated joints are now [rad]."""
-        quiet = ["--no-lost-messages"] if self.ros2[-1] == "ros2" else []
-        said = self.say("topic", "echo", "--once", *quiet, JOINTS, JOINT_STATE)
+        real = ["--no-lost-messages", JOINTS, JOINT_STATE] if self.ros2[-1] == "ros2" else [JOINTS]
+        said = self.say("topic", "echo", "--once", *real)
         message = yaml.safe_load(said.partition("---")[0])
         return dict(zip(message["name"], message["position"], strict=True))
 

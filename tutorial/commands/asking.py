@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import signal
 import sys
@@ -21,14 +20,12 @@ from tutorial.errors import TutorialError
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["ask", "asks", "clear_ros_errors", "meet", "named_node", "say_all"]
+__all__ = ["ask", "asks", "clear_ros_errors", "named_node", "say_all"]
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
 
-_log = logging.getLogger(__name__)
 
-
-def asks(question: Callable[..., Awaitable[int | None]]) -> Callable[..., int]:
+def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
     """Make a command's function of a question: what it is given, beside the node, are the command's options.
 
     The option ``use_sim_time`` is the node's parameter.
@@ -43,15 +40,12 @@ def asks(question: Callable[..., Awaitable[int | None]]) -> Callable[..., int]:
     return command
 
 
-def ask(
-    ros_args: Sequence[str], question: Callable[[MeteredNode], Awaitable[int | None]], name: str | None = None
-) -> int:
-    """Make a node, and run a question with it on a fresh event loop.
+def ask(ros_args: Sequence[str], question: Callable[[MeteredNode], Awaitable[None]]) -> int:
+    """Make a node that is hidden, as that of ``ros2``, and run a question with it on a fresh event loop.
 
     Args:
         ros_args: ROS 2's arguments.
-        question: is given the node, prints what there is to say, and returns the exit status; None is 0.
-        name: of the node; None for one of its own that is hidden, as that of ``ros2``.
+        question: is given the node, and prints what there is to say.
 
     Returns:
         The exit status, which is that of ``ros2``: 1 after an error, whose text is on stderr then; 2 after Ctrl-C.
@@ -61,10 +55,11 @@ def ask(
     async def program(node: MeteredNode) -> None:
         nonlocal status
         with clear_ros_errors():
-            status = await question(node) or 0
+            await question(node)
+            status = 0
 
     try:
-        with named_node(name or f"_tank_{os.getpid()}", ros_args) as thread:
+        with named_node(f"_tank_{os.getpid()}", ros_args) as thread:
             until_asked(program(thread.node), None)
     except TutorialError as error:
         say(f"{error}\n", err=True)
@@ -73,14 +68,6 @@ def ask(
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
         return BROKEN_PIPE
     return int(status)
-
-
-async def meet(node: MeteredNode, wanted: Callable[[], object] = lambda: True) -> None:
-    """Wait as `settled`, and say so if that was in vain."""
-    from tutorial.ros.topics import settled
-
-    if not await settled(node, wanted=wanted):
-        _log.warning("nodes still come and go: what is printed may be incomplete")
 
 
 async def say_all(texts: AsyncGenerator[str, None], count: int | None = None) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tutorial.commands.asking import asks, meet
+from tutorial.commands.asking import asks
 from tutorial.commands.terminal import say
 
 if TYPE_CHECKING:
@@ -28,19 +28,14 @@ def node() -> None:
 
 
 @node.command("list")
-@click.option("-a", "--all", "include_hidden", is_flag=True, help="List hidden nodes, too.")
-@click.option("-c", "--count-nodes", is_flag=True, help="Print only how many there are.")
 @asks
-async def list_nodes(asker: MeteredNode, include_hidden: bool, count_nodes: bool) -> None:
+async def list_nodes(asker: MeteredNode) -> None:
     """List the nodes there are, in all programs."""
-    from tutorial.ros.topics import node_names
+    from tutorial.ros.topics import node_names, wait_for_graph
     from tutorial.ros.topics.names import shown
 
-    await meet(asker)
-    names = node_names(asker, include_hidden)
-    if count_nodes:
-        say(f"{len(names)}\n")
-        return
+    await wait_for_graph(asker)
+    names = node_names(asker)
     if len(set(names)) < len(names):
         say(f"{SAME_NAME}\n", err=True)
     say("".join(f"{shown(name)}\n" for name in names))
@@ -48,18 +43,17 @@ async def list_nodes(asker: MeteredNode, include_hidden: bool, count_nodes: bool
 
 @node.command()
 @click.argument("node_name")
-@click.option("--include-hidden", is_flag=True, help="Show hidden topics and services, too.")
 @asks
-async def info(asker: MeteredNode, node_name: str, include_hidden: bool) -> None:
+async def info(asker: MeteredNode, node_name: str) -> None:
     """Say what a node publishes, subscribes to and offers. NODE_NAME is its full name, such as /simulation."""
-    from tutorial.ros.topics import node_info, node_names
+    from tutorial.ros.topics import node_info, node_names, wait_for_graph
 
-    await meet(asker, lambda: node_name in node_names(asker, include_hidden))
-    count = node_names(asker, include_hidden).count(node_name)
+    await wait_for_graph(asker, lambda: node_name in node_names(asker))
+    count = node_names(asker).count(node_name)
     if count > 1:
         say(
             f'There are {count} nodes in the graph with the exact name "{node_name}". '
             "You are seeing information about only one of them.\n",
             err=True,
         )
-    say(node_info(asker, node_name, include_hidden))
+    say(node_info(asker, node_name))

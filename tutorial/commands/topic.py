@@ -8,16 +8,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tutorial.commands.asking import asks, meet
-from tutorial.commands.streams import echo, hz, pub
+from tutorial.commands.asking import asks, say_all
+from tutorial.commands.options import Finite
 from tutorial.commands.terminal import say
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode
 
 __all__ = ["topic"]
-
-hidden_option = click.option("--include-hidden-topics", "include_hidden", is_flag=True, help="Show hidden topics, too.")
 
 
 @click.group(short_help="List topics, look at one, or publish on it, as ros2 topic does.")
@@ -27,19 +25,13 @@ def topic() -> None:
 
 @topic.command("list")
 @click.option("-t", "--show-types", is_flag=True, help="Show the topics' types.")
-@click.option("-c", "--count-topics", is_flag=True, help="Print only how many there are.")
-@hidden_option
-@click.option("-v", "--verbose", is_flag=True, help="Show how many publish and subscribe.")
 @asks
-async def list_topics(node: MeteredNode, count_topics: bool, include_hidden: bool, **how: bool) -> None:
+async def list_topics(node: MeteredNode, show_types: bool) -> None:
     """List the topics there are."""
-    from tutorial.ros.topics import topic_list
+    from tutorial.ros.topics import topic_list, wait_for_graph
 
-    await meet(node)
-    if count_topics:
-        say(f"{topic_list(node, include_hidden=include_hidden).count(chr(10))}\n")
-    else:
-        say(topic_list(node, include_hidden=include_hidden, **how))
+    await wait_for_graph(node)
+    say(topic_list(node, show_types))
 
 
 @topic.command()
@@ -48,39 +40,65 @@ async def list_topics(node: MeteredNode, count_topics: bool, include_hidden: boo
 @asks
 async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
     """Say what type a topic has, and who publishes and subscribes."""
-    from tutorial.ros.topics import topic_info, topic_type
+    from tutorial.ros.topics import topic_info, wait_for_graph
+    from tutorial.ros.topics.listing import topics_with_types
 
-    await meet(node, lambda: topic_type(node, topic_name, include_hidden=True))
+    await wait_for_graph(node, lambda: topic_name in topics_with_types(node, include_hidden=True))
     say(topic_info(node, topic_name, verbose))
 
 
-@topic.command("type")
+@topic.command()
 @click.argument("topic_name")
-@hidden_option
+@click.option("--once", is_flag=True, help="End after the first message.")
+@click.option("--field", metavar="FIELD", help="Show only this field, such as position or header.stamp.")
+@click.option("--no-arr", is_flag=True, help="Print of each array only what it is.")
 @asks
-async def type_(node: MeteredNode, topic_name: str, include_hidden: bool) -> int:
-    """Print a topic's type; the exit status is 1 when there is no such topic."""
-    from tutorial.ros.topics import topic_type
+async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None, no_arr: bool) -> None:
+    """Print the messages of a topic as they come, until Ctrl-C."""
+    from tutorial.ros.topics import topic_echo
+    from tutorial.ros.topics.qos import compromises
 
-    await meet(node, lambda: topic_type(node, topic_name, include_hidden))
-    text = topic_type(node, topic_name, include_hidden)
-    say(text)
-    return 0 if text else 1
+    name = await _met(node, topic_name)
+    say(compromises(node, name))
+    await say_all(topic_echo(node, name, count=1 if once else None, field=field, no_arr=no_arr))
 
 
 @topic.command()
-@click.argument("topic_type")
-@click.option("-c", "--count-topics", is_flag=True, help="Print only how many there are.")
-@hidden_option
+@click.argument("topic_name")
+@click.option(
+    "-w", "--window", type=click.IntRange(min=1), default=10_000, show_default=True, help="Of how many messages."
+)
+@click.option("-s", "--use-sim-time", is_flag=True, help="By simulated time, from /clock.")
 @asks
-async def find(node: MeteredNode, topic_type: str, count_topics: bool, include_hidden: bool) -> None:
-    """List the topics of a type, such as sensor_msgs/msg/Joy."""
-    from tutorial.ros.topics import topic_find
+async def hz(node: MeteredNode, topic_name: str, window: int) -> None:
+    """Measure how often messages come on a topic, until Ctrl-C."""
+    from tutorial.ros.topics import topic_hz
 
-    await meet(node)
-    text = topic_find(node, topic_type, include_hidden)
-    say(f"{text.count(chr(10))}\n" if count_topics else text)
+    await say_all(topic_hz(node, await _met(node, topic_name), window=window))
 
 
-for command in (echo, hz, pub):
-    topic.add_command(command)
+@topic.command()
+@click.argument("topic_name")
+@click.argument("message_type")
+@click.argument("values", default="{}")
+@click.option("-r", "--rate", type=Finite(min=0, min_open=True), default=1.0, show_default=True, help="How often [Hz].")
+@click.option("-1", "--once", is_flag=True, help="Wait for a subscription, publish once, and end.")
+@asks
+async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str, rate: float, once: bool) -> None:
+    """Publish a message. VALUES are its fields in YAML: '{axes: [0.0, 0.5]}'."""
+    from tutorial.ros.topics import topic_pub
+    from tutorial.ros.topics.populate import passed_class, populated
+
+    message = populated(passed_class(message_type), values)
+    await say_all(topic_pub(node, topic_name, message, rate, once))
+
+
+async def _met(node: MeteredNode, topic_name: str) -> str:
+    """Wait for a topic, a little, and return its full name."""
+    from tutorial.ros.topics import wait_for_graph
+    from tutorial.ros.topics.listening import type_of
+    from tutorial.ros.topics.names import full_topic
+
+    name = full_topic(node, topic_name)
+    await wait_for_graph(node, lambda: type_of(node, name))
+    return name

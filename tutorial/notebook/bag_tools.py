@@ -7,11 +7,11 @@ import threading
 from collections.abc import Collection
 from pathlib import Path
 
-from tutorial.commands.asking import meet
 from tutorial.notebook.desk import keep
 from tutorial.notebook.topic_tools import has_met_the_others
 from tutorial.ros.bags import Bag, Player
 from tutorial.ros.node_thread import NodeThread
+from tutorial.ros.topics import wait_for_graph
 
 __all__ = ["bag_play"]
 
@@ -37,7 +37,7 @@ async def bag_play(
     stop = threading.Event()
     try:
         player = Player(thread.node, opened, rate=rate, start_offset=start_offset, topics=topics)
-        await meet(thread.node, lambda: has_met_the_others(thread.node))
+        await wait_for_graph(thread.node, lambda: has_met_the_others(thread.node))
         playing = asyncio.ensure_future(asyncio.to_thread(player.run, stop))
         try:
             await asyncio.shield(playing)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from tutorial.commands.asking import meet, say_all
+from tutorial.commands.asking import say_all
 from tutorial.commands.terminal import say
 from tutorial.notebook.desk import keep_once
 from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread
-from tutorial.ros.topics.message_form import MessageForm
+from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import full_name
 
 __all__ = ["has_met_the_others", "topic_echo", "topic_hz", "topic_info", "topic_list"]
@@ -49,8 +49,9 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None, n
     Raises:
         TutorialError: there is no such topic or field, or nobody publishes on it for 10 s.
     """
-    count, form = 1 if once else None, MessageForm(field, no_arr=no_arr)
-    await say_all(topics.topic_echo(await _asker(topic), topic, count=count, timeout=PATIENCE, form=form))
+    count = 1 if once else None
+    echo = topics.topic_echo(await _asker(topic), topic, count=count, field=field, no_arr=no_arr, timeout=PATIENCE)
+    await say_all(echo)
 
 
 async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
@@ -76,10 +77,10 @@ async def _asker(topic: str | None = None) -> MeteredNode:
     node = keep_once("topic tools", lambda: NodeThread("_notebook"), NodeThread.close).node
 
     def has_met_them() -> bool:
-        is_there = topic is None or bool(topics.topic_type(node, topic, include_hidden=True))
+        is_there = topic is None or topic in topics_with_types(node, include_hidden=True)
         return is_there and has_met_the_others(node)
 
-    await meet(node, has_met_them)
+    await topics.wait_for_graph(node, has_met_them)
     return node
 
 

@@ -53,7 +53,7 @@ def nodes() -> dict[str, Any]:
     names: Any = importlib.import_module("tutorial.ros.topics.names")
     with ros.NodeThread("_doctor") as thread:
         time.sleep(LISTEN)
-        is_settled = asyncio.run(topics.settled(thread.node))
+        is_settled = asyncio.run(topics.wait_for_graph(thread.node))
         return {"settled": is_settled, "nodes": [names.shown(name) for name in topics.node_names(thread.node)]}
 
 

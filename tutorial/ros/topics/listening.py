@@ -14,11 +14,10 @@ from contextlib import asynccontextmanager, closing
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
 
 from tutorial.errors import TutorialError
 from tutorial.handoff import CallQueue
-from tutorial.ros.topics.message_form import MessageForm
+from tutorial.ros.topics.message_yaml import field_text
 from tutorial.ros.topics.names import message_class, shown
 from tutorial.ros.topics.qos import reader_qos
 
@@ -37,10 +36,8 @@ async def topic_echo(
     *,
     count: int | None = None,
     field: str | None = None,
+    no_arr: bool = False,
     timeout: float | None = None,
-    form: MessageForm | None = None,
-    kind: Any = None,
-    qos: QoSProfile | None = None,
 ) -> AsyncGenerator[str, None]:
     """Show messages as they come, as ``ros2 topic echo``.
 
@@ -51,10 +48,8 @@ async def topic_echo(
         topic: its full name.
         count: how many messages; 1 is ``--once``, None goes on for ever.
         field: show only this field: ``"position"``, ``"header.stamp"``.
+        no_arr: show of each array only what it is.
         timeout: how long to wait for each message at most [s]; None for ever.
-        form: how to write the messages; None for YAML, of the field if there is one.
-        kind: the class of the messages; None to find it out.
-        qos: what to ask the publishers for; None for what fits all there are.
 
     Yields:
         The text of each message, with the closing ``---``.
@@ -62,16 +57,13 @@ async def topic_echo(
     Raises:
         TutorialError: the topic or the field is unknown, with the text of ``ros2``; or no message came in time.
     """
-    form = form or MessageForm(field)
-    if kind is None:
-        type_name = type_of(node, topic)
-        if type_name is None:
-            raise TutorialError(f"{not_published(topic)}\n{NO_TYPE}")
-        kind = message_class(type_name)
-    with closing(_Inbox(node, kind, topic, qos=qos)) as inbox:
+    type_name = type_of(node, topic)
+    if type_name is None:
+        raise TutorialError(f"{not_published(topic)}\n{NO_TYPE}")
+    with closing(_Inbox(node, message_class(type_name), topic)) as inbox:
         while count is None or count > 0:
             _, message = await inbox.next(timeout)
-            yield form.text(message)
+            yield field_text(message, field, no_arr)
             count = None if count is None else count - 1
 
 
@@ -124,7 +116,6 @@ class _Inbox:
         topic: its full name.
         kept: how many messages wait at most to be taken.
         times_only: keep None instead of each message, which is not even decoded.
-        qos: what to ask the publishers for; None for what fits all there are.
     """
 
     def __init__(
@@ -134,7 +125,6 @@ class _Inbox:
         topic: str,
         kept: int = 100,
         times_only: bool = False,
-        qos: QoSProfile | None = None,
     ) -> None:
         self._node = node
         self._topic = topic
@@ -144,7 +134,7 @@ class _Inbox:
         self._scope = self._calls.scope(f"a look at {topic}")
         self._times_only = times_only
         self._subscription = node.create_subscription(
-            kind, topic, self._on_message, qos or reader_qos(node, topic), raw=times_only
+            kind, topic, self._on_message, reader_qos(node, topic), raw=times_only
         )
 
     async def next(self, timeout: float | None = None) -> tuple[float, Any]:

@@ -1,12 +1,10 @@
-"""Which topics there are and who is on them: ``ros2 topic list``, ``info``, ``type`` and ``find``, as text.
+"""Which topics there are and who is on them: ``ros2 topic list`` and ``info``, as text.
 
 The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. Names stand in
 the texts as `shown`: ``ros2`` has them as they come.
 """
 
 from __future__ import annotations
-
-from collections.abc import Iterable
 
 from rclpy.duration import Duration, Infinite
 from rclpy.node import Node
@@ -17,7 +15,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.names import is_hidden, shown
 
-__all__ = ["topic_find", "topic_info", "topic_list", "topic_type", "topics_with_types"]
+__all__ = ["topic_info", "topic_list", "topics_with_types"]
 
 
 def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, list[str]]:
@@ -31,22 +29,21 @@ def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, lis
     return {topic: types for topic, types in found if include_hidden or not is_hidden(topic)}
 
 
-def topic_list(node: Node, show_types: bool = False, include_hidden: bool = False, verbose: bool = False) -> str:
-    """List the topics there are, as ``ros2 topic list``.
+def topic_list(node: Node, show_types: bool = False) -> str:
+    """List the topics there are, as ``ros2 topic list``, which leaves hidden ones out.
 
     Args:
         node: that asks.
         show_types: add each topic's type, as with ``-t``.
-        include_hidden: also hidden ones, as with ``--include-hidden-topics``.
-        verbose: with types, and how many publish and subscribe, as with ``-v``.
 
     Returns:
         One line for each topic.
     """
-    topics = topics_with_types(node, include_hidden)
-    if verbose and topics:
-        return _counts(node, topics, publishers=True) + _counts(node, topics, publishers=False)
-    return _lines(_with_types(topic, topics) if show_types else shown(topic) for topic in topics)
+    lines = (
+        f"{shown(topic)} [{', '.join(map(shown, types))}]\n" if show_types else f"{shown(topic)}\n"
+        for topic, types in topics_with_types(node).items()
+    )
+    return "".join(lines)
 
 
 def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
@@ -71,37 +68,6 @@ def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
     parts += [_endpoint_text(info) for info in subscriptions if verbose]
     end = "\n\n" if verbose else "\n"
     return end.join(parts) + end
-
-
-def topic_type(node: Node, topic: str, include_hidden: bool = False) -> str:
-    """Name the types of a topic, one a line, as ``ros2 topic type``; nothing when there is no such topic."""
-    types = topics_with_types(node, include_hidden).get(topic, [])
-    return _lines(map(shown, types))
-
-
-def topic_find(node: Node, type_name: str, include_hidden: bool = False) -> str:
-    """List the topics of a type, one a line, as ``ros2 topic find``."""
-    topics = topics_with_types(node, include_hidden)
-    return _lines(shown(topic) for topic, types in topics.items() if type_name in types)
-
-
-def _lines(texts: Iterable[str]) -> str:
-    return "".join(f"{text}\n" for text in texts)
-
-
-def _with_types(topic: str, topics: dict[str, list[str]]) -> str:
-    return f"{shown(topic)} [{', '.join(map(shown, topics[topic]))}]"
-
-
-def _counts(node: Node, topics: dict[str, list[str]], publishers: bool) -> str:
-    """One half of ``ros2 topic list -v``."""
-    endpoints_on, who = (publishers_on, "publisher") if publishers else (subscriptions_on, "subscriber")
-    text = "Published topics:\n" if publishers else "Subscribed topics:\n"
-    for topic in topics:
-        count = len(endpoints_on(node, topic))
-        if count:
-            text += f" * {_with_types(topic, topics)} {count} {who}{'s' if count > 1 else ''}\n"
-    return f"{text}\n"
 
 
 def _endpoint_text(info: TopicEndpointInfo) -> str:

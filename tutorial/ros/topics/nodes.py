@@ -21,37 +21,35 @@ __all__ = ["node_info", "node_names"]
 NamesAndTypes = Iterable[tuple[str, list[str]]]
 
 
-def node_names(node: Node, include_hidden: bool = False) -> list[str]:
-    """Return the full names of the nodes there are, sorted; a name that several have comes as often.
+def node_names(node: Node) -> list[str]:
+    """Return the full names of the nodes there are, but for hidden ones, sorted; one that several have comes as often.
 
     Args:
         node: that asks.
-        include_hidden: also nodes whose names begin with an underscore.
     """
     found = node.get_node_names_and_namespaces()
-    return sorted(full_name(name, space) for name, space in found if include_hidden or not name.startswith("_"))
+    return sorted(full_name(name, space) for name, space in found if not name.startswith("_"))
 
 
-def node_info(node: Node, name: str, include_hidden: bool = False) -> str:
+def node_info(node: Node, name: str) -> str:
     """Say what a node subscribes to, publishes and offers, as ``ros2 node info``.
 
     Args:
         node: that asks.
         name: the full name of the node in question.
-        include_hidden: also a hidden node, and hidden topics and services.
 
     Raises:
         TutorialError: there is no such node; the text is that of ``ros2``.
     """
     found = node.get_node_names_and_namespaces()
-    named = [who for who in found if full_name(*who) == name and (include_hidden or not who[0].startswith("_"))]
+    named = [who for who in found if full_name(*who) == name and not who[0].startswith("_")]
     if not named:
         raise TutorialError(f"Unable to find node '{shown(name)}'")
     try:
         sections = _sections(node, named[0])
     except (RuntimeError, ValueError) as error:  # it has gone, or its name breaks the rules
         raise TutorialError(f"nothing can be said of node '{shown(name)}': {printable(str(error))}") from error
-    return f"{shown(name)}\n" + "".join(_section(title, has, include_hidden) for title, has in sections.items())
+    return f"{shown(name)}\n" + "".join(_section(title, has) for title, has in sections.items())
 
 
 def _sections(node: Node, who: tuple[str, str]) -> dict[str, NamesAndTypes]:
@@ -72,9 +70,9 @@ def _sections(node: Node, who: tuple[str, str]) -> dict[str, NamesAndTypes]:
     }
 
 
-def _section(title: str, names_and_types: NamesAndTypes, include_hidden: bool) -> str:
+def _section(title: str, names_and_types: NamesAndTypes) -> str:
     """One section; an empty one has an empty line."""
-    told = (item for item in names_and_types if include_hidden or not is_hidden(item[0]))
+    told = (item for item in names_and_types if not is_hidden(item[0]))
     lines = [f"    {shown(name)}: {', '.join(map(shown, types))}" for name, types in told]
     return "\n".join((f"  {title}:", *(lines or [""]))) + "\n"
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,10 +13,7 @@ from rclpy.serialization import serialize_message
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.names import is_message, message_class
 
-__all__ = ["Stamp", "passed_class", "populated"]
-
-Stamp = Callable[[Any], None]
-"""Puts a time into a message, where its values say ``auto`` or ``now``."""
+__all__ = ["passed_class", "populated"]
 
 
 def passed_class(type_name: str) -> Any:
@@ -36,15 +31,12 @@ def passed_class(type_name: str) -> Any:
         raise TutorialError("The passed message type is invalid") from None
 
 
-def populated(kind: Any, text: str) -> tuple[Any, list[Stamp]]:
+def populated(kind: Any, text: str) -> Any:
     """Make a message and fill it.
 
     Args:
         kind: its class.
-        text: the fields' values as YAML: ``"{axes: [0.0, 0.5]}"``. A header may be ``auto``, a time ``now``.
-
-    Returns:
-        The message, and what is to be called with the time before each time that it is published.
+        text: the fields' values as YAML: ``"{axes: [0.0, 0.5]}"``.
 
     Raises:
         TutorialError: that is no YAML, or not what the message's fields take; the text is that of ``ros2``.
@@ -56,16 +48,15 @@ def populated(kind: Any, text: str) -> tuple[Any, list[Stamp]]:
     if not isinstance(values, dict):
         raise TutorialError("The passed value needs to be a dictionary in YAML format")
     message = _empty(kind)
-    stamps: list[Stamp] = []
     try:
-        _fill(message, values, stamps)
+        _fill(message, values)
         serialize_message(message)
     except (ArithmeticError, AssertionError, AttributeError, RuntimeError, TypeError, ValueError) as error:
         raise TutorialError(f"Failed to populate field: {error}") from error
-    return message, stamps
+    return message
 
 
-def _fill(target: Any, values: Any, stamps: list[Stamp]) -> None:
+def _fill(target: Any, values: Any) -> None:
     """Assign each value to its field."""
     if not isinstance(values, dict):
         raise TypeError(f"Value '{values}' is expected to be a dictionary but is a {type(values).__name__}")
@@ -74,17 +65,13 @@ def _fill(target: Any, values: Any, stamps: list[Stamp]) -> None:
         if name not in kinds:
             raise AttributeError(f"'{type(target).__name__}' object has no attribute '{name}'")
         old = getattr(target, name)
-        if value == "auto" and _is_a(old, "std_msgs.msg", "Header"):
-            stamps.append(partial(setattr, old, "stamp"))
-        elif value == "now" and _is_a(old, "builtin_interfaces.msg", "Time"):
-            stamps.append(partial(setattr, target, name))
-        elif (element := _element(kinds[name])) is not None:
-            setattr(target, name, [_filled(element, item, stamps) for item in value])
+        if (element := _element(kinds[name])) is not None:
+            setattr(target, name, [_filled(element, item) for item in value])
         else:
-            setattr(target, name, _converted(old, value, stamps))
+            setattr(target, name, _converted(old, value))
 
 
-def _converted(old: Any, value: Any, stamps: list[Stamp]) -> Any:
+def _converted(old: Any, value: Any) -> Any:
     """Turn a value into what a field's old value is."""
     kind = type(old)
     if isinstance(old, array):
@@ -94,16 +81,16 @@ def _converted(old: Any, value: Any, stamps: list[Stamp]) -> Any:
     if type(value) is kind:
         return value
     if is_message(kind):
-        return _filled(kind, value, stamps)
+        return _filled(kind, value)
     try:
         return kind(value)
     except TypeError:
-        return _filled(kind, value, stamps)
+        return _filled(kind, value)
 
 
-def _filled(kind: Any, values: Any, stamps: list[Stamp]) -> Any:
+def _filled(kind: Any, values: Any) -> Any:
     made = _empty(kind)
-    _fill(made, values, stamps)
+    _fill(made, values)
     return made
 
 
@@ -116,7 +103,3 @@ def _element(field_type: str) -> Any:
     """Return the class of the messages that an array holds; None for any other field."""
     found = re.fullmatch(r"(?:sequence<)?(\w+)/(\w+)(?:(?:, \d+)?>|\[\d+\])", field_type)
     return message_class(f"{found[1]}/msg/{found[2]}") if found else None
-
-
-def _is_a(value: Any, package: str, name: str) -> bool:
-    return type(value).__name__ == name and type(value).__module__.startswith(f"{package}.")

@@ -7,8 +7,8 @@ import asyncio
 import pytest
 
 from tutorial.ros.node_thread import NodeThread
-from tutorial.ros.topics import settled, settling
-from tutorial.ros.topics.settling import QUIET_READS, READ_EVERY
+from tutorial.ros.topics import graph, wait_for_graph
+from tutorial.ros.topics.graph import QUIET_READS, READ_EVERY
 
 pytestmark = pytest.mark.embedded
 
@@ -20,7 +20,7 @@ def asker(domain):
 
 
 def settle(asker, **how):
-    return asyncio.run(settled(asker, patience=4 * QUIET_READS * READ_EVERY, **how))
+    return asyncio.run(wait_for_graph(asker, patience=4 * QUIET_READS * READ_EVERY, **how))
 
 
 def test_a_ros_2_program_that_was_discovered_is_waited_for(asker, stranger):
@@ -29,7 +29,7 @@ def test_a_ros_2_program_that_was_discovered_is_waited_for(asker, stranger):
 
 def test_it_is_waited_for_until_its_nodes_and_all_that_they_have_are_known(asker, stranger):
     async def told_in_the_meantime():
-        waiting = asyncio.create_task(settled(asker, patience=60.0))
+        waiting = asyncio.create_task(wait_for_graph(asker, patience=60.0))
         await asyncio.sleep(0)  # the first look
         stranger.announce(stranger.listing("late"))
         return await waiting
@@ -44,12 +44,12 @@ def test_a_program_that_is_dds_alone_is_not_waited_for(asker, domain):
     from cyclonedds.domain import DomainParticipant
 
     other = DomainParticipant(domain)
-    assert asyncio.run(settled(asker, patience=60.0))
+    assert asyncio.run(wait_for_graph(asker, patience=60.0))
     del other
 
 
 def test_what_is_asked_for_is_waited_for_a_little_longer(asker, monkeypatch):
-    monkeypatch.setattr(settling, "SHY", 60.0)
+    monkeypatch.setattr(graph, "DISCOVERY_TIMEOUT", 60.0)
     looks = iter([False, False, True])
-    assert asyncio.run(settled(asker, patience=60.0, wanted=lambda: next(looks)))
+    assert asyncio.run(wait_for_graph(asker, patience=60.0, wanted=lambda: next(looks)))
     assert next(looks, "all taken") == "all taken"

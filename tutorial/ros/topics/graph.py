@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -15,39 +16,46 @@ from rclpy.utilities import get_rmw_implementation_identifier
 from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name
 
-__all__ = ["settled"]
+__all__ = ["wait_for_graph"]
+
+_log = logging.getLogger(__name__)
 
 READ_EVERY = 0.1  # [s] between two looks at the graph
-QUIET_READS = 5  # that have to agree before the graph counts as settled
+QUIET_READS = 5  # that have to agree before the graph counts as known
 PATIENT_READS = 30  # on a real rclpy, which does not tell whether more is on its way: see `_reads`
 LOOKED_INTO = 50  # topics, of however many there are, whose publishers and subscriptions are looked at
-PATIENCE = 8.0  # [s] for it to settle; Fast DDS says again who its nodes are every 3 s, beginning after 1 s
-SHY = 2.0  # [s] that a node or topic that is asked for may take to turn up
-SHY_ON_FAST_DDS = 6.0  # [s]
+PATIENCE = 8.0  # [s]; Fast DDS says again who its nodes are every 3 s, beginning after 1 s
+DISCOVERY_TIMEOUT = 2.0  # [s] that a node or topic that is asked for may take to turn up
+TIMEOUT_ON_FAST_DDS = 6.0  # [s]
 NAMELESS = "_NODE_NAME_UNKNOWN_"  # whose name is still on its way
 
 
-async def settled(node: Node, patience: float = PATIENCE, wanted: Callable[[], object] = lambda: True) -> bool:
+async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True, patience: float = PATIENCE) -> bool:
     """Wait until all who were discovered have told what they have, and what is known has stopped changing.
+
+    If that was in vain, a warning says so.
 
     Args:
         node: that asks; its thread must spin.
-        patience: how long to wait at most [s].
         wanted: whether what is asked for is there; if it is not, the wait goes on a little longer.
+        patience: how long to wait at most [s].
 
     Returns:
-        Whether the graph has settled.
+        Whether the graph is known.
     """
     began = time.monotonic()
-    shy = SHY_ON_FAST_DDS if _is_fast_dds() else SHY
+    timeout = TIMEOUT_ON_FAST_DDS if _is_fast_dds() else DISCOVERY_TIMEOUT
     seen: tuple[tuple[str, ...], ...] = ()
     agreeing = 0  # looks in a row
     while True:
         before, seen = seen, _snapshot(node)
         agreeing = agreeing + 1 if seen == before else 0
         done, waited = agreeing >= _reads(node, seen), time.monotonic() - began
-        if (done and (waited >= shy or wanted())) or waited >= patience:
-            return done
+        if done and (waited >= timeout or wanted()):
+            return True
+        if waited >= patience:
+            _log.warning("nodes still come and go: what is said of them may be incomplete")
+            return False
         await asyncio.sleep(READ_EVERY)
 
 
