@@ -132,7 +132,7 @@ EMPTY = "a bag without a message is not expected"
         (largest_of_none, [EMPTY]),
         (neighbours_of_some, [LAST, EMPTY]),
         (beyond_the_end, ["an index beyond the end"]),
-        (no_message, ["a tuple of 2 things: take them apart first"]),
+        (no_message, ["a tuple: take it apart first"]),
         (the_longest, ["Compare with: newest is the newest stamp"]),
         (own_words, ['The words are "gap" and "restart".']),
         (texts, ["Return a list of tuples"]),

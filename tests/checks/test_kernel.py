@@ -121,9 +121,9 @@ def test_answers_of_a_notebook(desk):
     assert "  in control, line 3: self.track_l.ctrl = self.speed\n" in said
     said = run(LOOPS)
     assert "✗ on_joy does not return\n  in on_joy, line 3: while True: pass\n" in said
-    assert "control uses program, an object of the class" in run(PROGRAM)
+    assert "Reaches uses program, an object of the class" in run(PROGRAM)
     said = run(WIDGET)
-    assert "control uses slider, an object of the class FloatSlider, that belongs to the notebook" in said, said
+    assert "Slides uses slider, an object of the class FloatSlider, that belongs to the notebook" in said, said
 
 
 def test_the_kernel_stays_free_during_a_check(desk):

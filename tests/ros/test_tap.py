@@ -15,9 +15,6 @@ from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 from std_msgs.msg import String
 
-from tutorial.checks._diagnose import Misuse
-from tutorial.checks._node import CheckThread, WatchedNode, WatchedPublisher, WatchedSubscription
-from tutorial.checks._watch import Failure
 from tutorial.ros.node_thread import NodeThread, SpinThread
 from tutorial.ros.tap import TappedNode
 
@@ -25,7 +22,6 @@ THREADS = {
     "plain": lambda: SpinThread(Node, "tank"),
     "tapped": lambda: SpinThread(TappedNode, "tank"),
     "counting": lambda: NodeThread("tank"),
-    "checking": CheckThread,
 }
 
 
@@ -100,8 +96,8 @@ def test_a_coroutine_function_is_left_to_rclpy(node, backend):
     async def on_words(message):
         got.append(message.data)
 
-    if backend == "underlay" or isinstance(node, WatchedNode):  # which speaks to learners
-        with pytest.raises((ImportError, Misuse), match="coroutine"):
+    if backend == "underlay":
+        with pytest.raises(ImportError, match="coroutine"):
             node.create_subscription(String, "words", on_words, 1)
         return
     node.create_subscription(String, "words", on_words, 1)
@@ -164,30 +160,6 @@ def test_what_the_node_destroys_is_gone(node):
         _ = subscription.topic_name
 
 
-def test_what_destroys_itself_is_gone_and_its_node_does_not_know(domain):
-    thread = CheckThread()
-    thread._stopping.set()  # a real rclpy cannot spin any more
-    thread._thread.join()
-    publisher = thread.node.create_publisher(String, "words", 1)
-    subscription = thread.node.create_subscription(String, "words", print, 1)
-    other = thread.node.create_subscription(String, "words", print, 1)
-    taps = [*thread.node.watched(WatchedPublisher), *thread.node.watched(WatchedSubscription)]
-    publisher.destroy()
-    subscription.destroy()
-    thread.node.destroy_subscription(other)
-    assert publisher in thread.node.publishers
-    assert [each.destroyed for each in taps] == [True, True, True]
-    thread.close()
-
-
-def test_a_destroyed_node_is_not_taken_for_a_destroyed_subscription(domain):
-    thread = CheckThread()
-    thread.node.create_subscription(String, "words", print, 1)
-    thread.node.destroy_node()
-    assert not thread.node.watched(WatchedSubscription)[0].destroyed
-    thread.close()
-
-
 def test_a_timer_calls_back_until_it_is_destroyed(node):
     calls = []
     timer = node.create_timer(0.001, lambda: calls.append(None))
@@ -215,11 +187,8 @@ def test_whatever_a_callback_raises_is_seen_and_the_node_goes_on(thread, caplog,
         thread.node.create_subscription(String, "words", fail_at_first, 10)
         send(thread.node.create_publisher(String, "words", 10), 1, "first", "second")
         until(lambda: heard == ["first", "second"], "both messages")
-    if not isinstance(thread, CheckThread) or what == "timer":
-        assert isinstance(thread.error, failure)
-        assert "a callback of the node 'tank' failed; the others go on" in caplog.text
-    else:
-        assert isinstance(thread.node.watched(WatchedSubscription)[0].failure.error, failure)
+    assert isinstance(thread.error, failure)
+    assert "a callback of the node 'tank' failed; the others go on" in caplog.text
 
 
 def test_a_node_that_its_program_has_destroyed_can_be_closed(thread):
@@ -228,16 +197,3 @@ def test_a_node_that_its_program_has_destroyed_can_be_closed(thread):
     thread.close()
     thread.close()
     assert not thread._thread.is_alive()
-
-
-def test_a_check_publishes_and_waits_for_the_callback(domain):
-    got = []
-    with CheckThread() as thread:
-        thread.node.create_subscription(String, "words", lambda message: got.append(message.data), 1)
-        thread.node.create_subscription(String, "others", lambda message: 1 / 0, 1)
-        words, others = thread.node.watched(WatchedSubscription)
-        for text in "ab":
-            thread.send(words, String(data=text))
-            assert got[-1] == text
-        with pytest.raises(Failure, match="raised ZeroDivisionError"):
-            thread.send(others, String())

@@ -35,7 +35,7 @@ class Popen:
     """
 
     def __init__(self, command: Sequence[str], *, pass_fds: Sequence[int], env: dict[str, str], **_: Any) -> None:
-        stdin, self._stdin = os.pipe()
+        stdin, job = os.pipe()
         out, stdout = os.pipe()
         given = [Connection(fd) for fd in (stdin, stdout, *map(os.dup, pass_fds))]
         self._process = _server.Process(target=_judge, args=(env, *given))
@@ -43,7 +43,7 @@ class Popen:
         self.pid = self._process.pid
         for each in given:
             each.close()
-        self.stdout = os.fdopen(out, "rb", buffering=0)
+        self.stdin, self.stdout = os.fdopen(job, "wb", buffering=0), os.fdopen(out, "rb", buffering=0)
         self.returncode: int | None = None
 
     def __enter__(self) -> Popen:
@@ -51,7 +51,7 @@ class Popen:
 
     def __exit__(self, *_: object) -> None:
         """Close the streams, and wait for the end."""
-        os.close(self._stdin)
+        self.stdin.close()
         self.stdout.close()
         self._process.join()
         self.returncode = self._process.exitcode

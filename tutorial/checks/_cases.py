@@ -14,7 +14,7 @@ from math import isclose, isnan
 from numbers import Real
 from typing import Any
 
-from tutorial.checks._diagnose import Misuse, sentence
+from tutorial.checks._diagnose import Misuse
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, watch
@@ -112,6 +112,7 @@ class Cases:
         crashes: by case, the cause to name where what the case gives, or None, cannot be looked up or computed with.
         beside: functions of the solution's module that a mistake may change, too.
         clock: the cause to name of an answer that asks the computer's clock.
+        on_ros: tries a right answer with rclpy's own node, and says what comes of it.
     """
 
     solution: Any
@@ -122,6 +123,7 @@ class Cases:
     crashes: Mapping[str, str] = field(default_factory=dict)
     beside: Sequence[Any] = ()
     clock: str = CLOCK
+    on_ros: Case | None = None
 
     def judge(self, answer: Any) -> Iterator[Finding]:
         """Try an answer, say of each case what was observed, and name each mistake where it shows first."""
@@ -146,7 +148,7 @@ class Cases:
                 yield right(f"{label}: {self.say(seen[label])}")
             elif label in raised:
                 error = raised[label].error
-                known = isinstance(error, LookupError | ValueError | ArithmeticError) or "NoneType" in sentence(error)
+                known = isinstance(error, LookupError | ValueError | ArithmeticError) or "NoneType" in str(error)
                 yield raised[label].finding(self.crashes.get(label) if known else None, label)
                 return
             elif label in failures and label in causes:
@@ -155,6 +157,8 @@ class Cases:
                 unknown = self.clock if by_the_clock else self.otherwise.get(label, self.otherwise[""])
                 text = f"{label}: {self.say(seen[label])}; expected: {self.say(self.expected[label])}"
                 yield wrong(text, causes.get(label) or shared.cause(unknown))
+        if self.on_ros and not odd:
+            yield right(f"with another program: {self.on_ros(answer)}")
 
     def explain(self, seen: Mapping[str, Any]) -> tuple[Mistake, ...]:
         """Find the fewest mistakes that lead to exactly what was observed; none where nothing known does.
@@ -163,8 +167,7 @@ class Cases:
         """
         raises = isinstance(next(iter(seen.values())), Raised)
         most = 1 if raises or 2 * len(seen) < len(self.cases) else MOST
-        odds = [label for label in seen if not same(seen[label], self.expected[label])]
-        odd = next((label for label in odds[::-1] if label != [*self.cases][-1]), odds[-1])  # the last takes longest
+        odd = [label for label in seen if not same(seen[label], self.expected[label])][-1]
         others = [label for label in seen if label != odd]
         alone = {each: observed(self.cases[odd], self.mistaken(each)) for each in self.mistakes}
         shows = {each: not same(alone[each], self.expected[odd]) for each in self.mistakes}
@@ -234,7 +237,7 @@ def blame(cause: str, *kinds: type[Exception], words: str = "") -> Iterator[None
     try:
         yield
     except kinds as error:
-        if words not in sentence(error):
+        if words not in str(error):
             raise
         raise Misuse(f"it raises {type(error).__name__}: {error}", cause).with_traceback(error.__traceback__) from error
 

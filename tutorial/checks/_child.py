@@ -1,10 +1,9 @@
-"""The process that an answer is judged in: ``python -m tutorial.checks._child PIPE JOB TRACE``, three descriptors.
+"""The process that an answer is judged in: ``python -m tutorial.checks._child PIPE``, the number of a descriptor.
 
-The job is read from the file JOB. What is found goes to PIPE as lines of JSON, and ``done`` is the last of them; each
-is shorter than `tutorial.checks._contain.CHUNK`, and they are written one after the other. What Python itself has to
-say when it dies is written past every lock: it goes to the file TRACE. The pipe stdin stays open as long as whoever has
-asked lives. A watchdog looks ten times a second whether one of the learner's methods does not return; it counts its own
-looks, not seconds, so that a machine with much else to do is not held against the learner.
+The job comes by stdin, its length first, and stdin stays open as long as whoever has asked lives. What is found goes to
+PIPE as lines of JSON, and ``done`` is the last of them; what Python itself has to say when it dies is written there,
+too, past every lock. A watchdog looks ten times a second whether one of the learner's methods does not return; it
+counts its own looks, not seconds, so that a machine with much else to do is not held against the learner.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ LOOK = 0.1  # [s] between two looks of the watchdog
 PATIENCE = 15  # looks that a single call may take; it should take none
 BUDGET = 25  # looks that all calls of one method may take together
 HALT = 5.0  # [s] without a look, after which the watchdog itself is held up
-LONGEST = 2000  # characters of a text that is told, of which a finding has four; one takes up to 7 bytes
+LONGEST = 2000  # characters of a text that is told
 
 _exit = os._exit
 _writing = threading.Lock()
@@ -50,18 +49,17 @@ _FUNCTION = "Most likely the condition of a loop never becomes false, or it wait
 
 def main() -> NoReturn:
     """Judge the answer, and end the process."""
-    report, job_file, trace = map(int, sys.argv[1:])
-    for each in (report, trace):
-        os.set_inheritable(each, False)
-    faulthandler.enable(trace)
-    with open(job_file, "rb") as file:  # noqa: PTH123  (it has no path)
-        job = msgspec.json.decode(file.read(), type=Job)
+    report = int(sys.argv[1])
+    os.set_inheritable(report, False)
+    faulthandler.enable(report)
     lifeline = os.dup(0)
+    with open(0, "rb", closefd=False) as stdin:
+        job = msgspec.json.decode(stdin.read(int.from_bytes(stdin.read(8))), type=Job)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     sys.path[:] = job.path
     watch.files = set(job.files)
     os._exit = lambda status: _end(report, status)
-    threading.Thread(target=_watchdog, args=(report, trace, lifeline), name="watchdog", daemon=True).start()
+    threading.Thread(target=_watchdog, args=(report, lifeline), name="watchdog", daemon=True).start()
     os.environ.update(ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
     os.environ.pop("ROS_STATIC_PEERS", None)
     with reserved_domain(avoid=os.environ.get("ROS_DOMAIN_ID")) as domain:
@@ -87,12 +85,12 @@ def _judge(job: Job, report: int) -> None:
         _find(report, finding)
 
 
-def _watchdog(report: int, trace: int, lifeline: int) -> None:
+def _watchdog(report: int, lifeline: int) -> None:
     """Look whether who has asked still lives, and whether a method of the learner's does not return."""
     looks: Counter[tuple[str, int]] = Counter()
     sums: Counter[str] = Counter()
     while not select.select([lifeline], [], [], LOOK)[0]:
-        faulthandler.dump_traceback_later(HALT, exit=True, file=trace)
+        faulthandler.dump_traceback_later(HALT, exit=True, file=report)
         running = dict(watch.running)
         looks = Counter({call: looks[call] + 1 for call in running.values()})
         if not watch.interleaved:
@@ -100,7 +98,6 @@ def _watchdog(report: int, trace: int, lifeline: int) -> None:
         for ident, (method, number) in running.items():
             if looks[method, number] > PATIENCE or sums[method] > BUDGET:
                 _give_up(report, ident, method, looks[method, number] > PATIENCE)
-        _send(report, b"")
     os.killpg(0, signal.SIGKILL)
 
 

@@ -51,6 +51,7 @@ class Requirements:
         solution: the right answer, whose source the mistakes change.
         each: the requirements, in the order in which they are tried; the first that is not met ends it.
         clock: the cause to name where the computer's clock is asked; "" where that may be right.
+        on_ros: tries a right answer with rclpy's own node, and says what comes of it.
         odd: exceptions that odd messages lead to: a requirement's cause is named. Any other speaks for itself.
     """
 
@@ -58,6 +59,7 @@ class Requirements:
     each: Sequence[Requirement]
     clock: str = THROTTLED
     odd: tuple[type[Exception], ...] = (LookupError, ValueError, ArithmeticError, TutorialError)
+    on_ros: Callable[[Any], str] | None = None
 
     def judge(self, answer: type) -> Iterator[Finding]:
         """Try an answer, and say of each requirement what was observed."""
@@ -75,6 +77,8 @@ class Requirements:
                 yield wrong(text, by_the_clock or self._cause(one, seen, shared), place)
                 return
             yield right(f"{one.text}: {seen}")
+        if self.on_ros:
+            yield right(f"with another program: {self.on_ros(answer)}")
 
     def mistaken(self, mistake: Mistake) -> Any:
         """Define the solution with a mistake in it."""

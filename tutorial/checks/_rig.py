@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import threading
 import time
 from collections.abc import Callable
@@ -20,8 +21,7 @@ from rclpy.logging import get_logger
 from tutorial.body import Body
 from tutorial.checks._answer import missing
 from tutorial.checks._cases import call
-from tutorial.checks._diagnose import Misuse
-from tutorial.checks._node import check_callback
+from tutorial.checks._diagnose import AT_ONCE, Misuse, lacks_self, no_self
 from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.paths import HOME
@@ -49,15 +49,14 @@ class Endpoint:
         kind: the class of its messages.
         topic_name: the topic's full name.
         callback: a subscription's; None for a publisher.
+        depth: how many messages a subscription keeps while its thread is busy.
         destroyed: whether the learner has destroyed it.
-        depth: how many messages a subscription keeps while its thread is busy; 0 for all.
     """
 
-    depth = 0
-
-    def __init__(self, node: MemoryNode, kind: type, topic: str, callback: Any = None) -> None:
+    def __init__(self, node: MemoryNode, kind: type, topic: str, qos: Any, callback: Any = None) -> None:
         self.topic_name = self.topic = expand_topic_name(topic, "tank", node.namespace)
         self.kind, self.callback, self.destroyed = kind, callback, False
+        self.depth = getattr(qos, "depth", qos)
         self._node = node
 
     def publish(self, message: Any) -> None:
@@ -73,12 +72,10 @@ class Endpoint:
         self.destroyed = True
 
     def get_subscription_count(self) -> int:
-        """Say that somebody listens."""
+        """Say that somebody is there."""
         return 1
 
-    def get_publisher_count(self) -> int:
-        """Say that somebody publishes."""
-        return 1
+    get_publisher_count = get_subscription_count
 
 
 class MemoryNode:
@@ -89,62 +86,59 @@ class MemoryNode:
         namespace: of its topics.
 
     Attributes:
-        publishers, subscriptions: those that it has, in the order in which they were made; also one that was destroyed
-            without telling it.
+        endpoints: the publishers and subscriptions that it has, in the order in which they were made; also one that was
+            destroyed without telling it.
         timers: what `create_timer` was given; none of them ever fires.
-        made: how many of both were made.
+        made: how many endpoints were made.
         destroyed: whether the learner has destroyed the node itself.
     """
 
     def __init__(self, publish: Callable[[Endpoint, Any], None], namespace: str = "/") -> None:
         self.publish, self.namespace = publish, namespace
-        self.publishers: list[Endpoint] = []
-        self.subscriptions: list[Endpoint] = []
+        self.endpoints: list[Endpoint] = []
         self.timers: list[tuple[Any, ...]] = []
         self.made, self.destroyed = 0, False
 
+    @property
+    def publishers(self) -> list[Endpoint]:
+        """The publishers."""
+        return [each for each in self.endpoints if each.callback is None]
+
+    @property
+    def subscriptions(self) -> list[Endpoint]:
+        """The subscriptions."""
+        return [each for each in self.endpoints if each.callback is not None]
+
     def create_publisher(self, msg_type: type, topic: str, qos_profile: Any, **_: Any) -> Endpoint:
-        """Make a publisher; its depth does not matter."""
-        del qos_profile
-        self.made += 1
-        self.publishers.append(Endpoint(self, msg_type, topic))
-        return self.publishers[-1]
+        """Make a publisher."""
+        return self._make(Endpoint(self, msg_type, topic, qos_profile))
 
     def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any, **_: Any) -> Endpoint:
         """Make a subscription; `Rig.hear` brings it messages."""
         check_callback(callback, msg_type)
-        self.made += 1
-        self.subscriptions.append(Endpoint(self, msg_type, topic, callback))
-        self.subscriptions[-1].depth = getattr(qos_profile, "depth", qos_profile)
-        return self.subscriptions[-1]
+        return self._make(Endpoint(self, msg_type, topic, qos_profile, callback))
 
     def create_timer(self, *arguments: Any) -> None:
         """Note that a timer was asked for."""
         self.timers.append(arguments)
 
-    def destroy_publisher(self, publisher: Endpoint) -> bool:
-        """Take a publisher back; whether there was one."""
-        if publisher not in self.publishers:
+    def destroy_publisher(self, endpoint: Endpoint) -> bool:
+        """Take a publisher or a subscription back; whether there was one."""
+        if endpoint not in self.endpoints:
             return False
-        self.publishers.remove(publisher)
-        publisher.destroy()
+        self.endpoints.remove(endpoint)
+        endpoint.destroy()
         return True
 
-    def destroy_subscription(self, subscription: Endpoint) -> bool:
-        """Take a subscription back; whether there was one."""
-        if subscription not in self.subscriptions:
-            return False
-        self.subscriptions.remove(subscription)
-        subscription.destroy()
-        return True
+    destroy_subscription = destroy_publisher
 
     def left(self) -> str:
         """Say what the learner has left behind."""
         if self.destroyed:
             return "the program's node is gone"
-        left = (*self.publishers, *self.subscriptions)
-        alone = " and was not told of its end" * any(each.destroyed for each in left)
-        return f"the node still has {len(left)} of {self.made} topics{alone}" if left else "nothing is left"
+        alone = " and was not told of its end" * any(each.destroyed for each in self.endpoints)
+        left = f"the node still has {len(self.endpoints)} of {self.made} topics{alone}"
+        return left if self.endpoints else "nothing is left"
 
     def destroy_node(self) -> None:
         """Note that the whole node was destroyed."""
@@ -166,8 +160,30 @@ class MemoryNode:
         """Return its namespace."""
         return self.namespace
 
+    def _make(self, endpoint: Endpoint) -> Endpoint:
+        self.made += 1
+        self.endpoints.append(endpoint)
+        return endpoint
 
-class Watched(SimpleController):
+
+def check_callback(callback: Any, message_type: type) -> None:
+    """Refuse a callback that cannot work, in the learner's words.
+
+    Raises:
+        Misuse: it is not a function, or one that cannot take a message.
+    """
+    name = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in message_type.__name__)
+    if not callable(callback):
+        text = f"create_subscription is given {callback!r} in place of a function"
+        raise Misuse(text, AT_ONCE.format(f"on{name}"))
+    if inspect.iscoroutinefunction(callback):
+        text = f"{callback.__name__} is a coroutine function, async def, and nobody awaits it"
+        raise Misuse(text, "A callback is a plain function: it puts the message away, or posts a call, and returns.")
+    if inspect.ismethod(callback) and lacks_self(callback.__func__):
+        raise Misuse(f"{callback.__name__} cannot take a message", no_self(callback.__func__))
+
+
+class Watched:
     """The learner's controller, each call of which is watched.
 
     Args:
@@ -181,30 +197,12 @@ class Watched(SimpleController):
         with watch.call("__init__"):
             self.inner = controller_class()
 
-    def configure(self, config: ControllerConfig) -> None:
-        """Pass the call on."""
-        with watch.call("configure"):
-            self.inner.configure(config)
+    def __getattr__(self, method: str) -> Callable[..., None]:
+        def call(*arguments: Any) -> None:
+            with watch.call(method):
+                getattr(self.inner, method)(*arguments)
 
-    def initialize(self, io: ControllerIO) -> None:
-        """Pass the call on."""
-        with watch.call("initialize"):
-            self.inner.initialize(io)
-
-    def control(self) -> None:
-        """Pass the call on."""
-        with watch.call("control"):
-            self.inner.control()
-
-    def stop(self) -> None:
-        """Pass the call on."""
-        with watch.call("stop"):
-            self.inner.stop()
-
-    def unconfigure(self) -> None:
-        """Pass the call on."""
-        with watch.call("unconfigure"):
-            self.inner.unconfigure()
+        return call
 
 
 @dataclass(frozen=True)
@@ -305,7 +303,7 @@ class Rig:
         made = [each.topic for each in self.node.subscriptions if each.kind is kind]
         if not made:
             raise Failure("configure", Misuse(f"it subscribes to no messages of the type {kind.__name__}", cause), None)
-        wanted = Endpoint(self.node, kind, topic).topic
+        wanted = Endpoint(self.node, kind, topic, 1).topic
         return f"it listens to {wanted if wanted in made else made[0]}"
 
     def stop(self) -> None:

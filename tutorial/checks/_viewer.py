@@ -234,7 +234,7 @@ class Viewer:
         except TypeError as error:
             inner = getattr(function, "__func__", None)
             cause = ARGUMENTS.format(name_of(function))
-            if inner is not None and lacks_self(inner, len(arguments) + 1):
+            if inner is not None and lacks_self(inner):
                 cause = no_self(inner)
             count = f"{len(arguments)} argument{'s' * (len(arguments) != 1)}"
             raise Misuse(f"{name_of(function)} is posted with {count}, it cannot begin: {error}", cause) from error

@@ -10,7 +10,7 @@ from functools import partial
 from types import FrameType
 from typing import Any
 
-from tutorial.checks._diagnose import Misuse, blamed, likely_cause, slept
+from tutorial.checks._diagnose import Misuse, likely_cause, slept
 from tutorial.checks._verdict import Finding, Place, wrong
 
 __all__ = ["Failure", "Watch", "files_of", "watch"]
@@ -42,13 +42,8 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
         text = f"{self.method} raised {type(self.error).__name__}: {lines[0]}".removesuffix(": ")
         if isinstance(self.error, Misuse):
             text = f"{self.method}: {self.error}"
-        method = blamed(self.error, watch.answer)
-        place = self.place
-        if method is not None:
-            place = Place(method.__code__.co_filename, method.__code__.co_firstlineno, method.__name__)
-        if cause is None or method is not None:
-            cause = likely_cause(self.error, watch.answer)
-        return wrong(f"{when}{': ' * bool(when)}{text}", cause, place)
+        cause = likely_cause(self.error, watch.answer) if cause is None else cause
+        return wrong(f"{when}{': ' * bool(when)}{text}", cause, self.place)
 
 
 class Watch:

@@ -347,13 +347,13 @@ CASES = Cases(
         BETWEEN[0]: lambda answer: halved(answer, True),
         BETWEEN[1]: lambda answer: halved(answer, False),
         "after unconfigure": lambda answer: Rig(answer).leave(),
-        "a message from another node": lambda answer: over_ros(answer, Joy(axes=DRIVES), stepped),
     },
     MISTAKES,
     say,
     OTHERWISE,
     {label: OTHERWISE[label] for label in ("before the first message", *MESSAGES, *BETWEEN)},
     clock=f"Most likely messages are dropped by time, or count for a while only: {KEPT}",
+    on_ros=lambda answer: over_ros(answer, Joy(axes=DRIVES), stepped),
 )
 
 drive = Exercise("drive", __doc__, CASES.judge, GentleTank)

@@ -16,15 +16,13 @@ Notice that the callback only leaves a value behind, and returns.
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import closing
-from typing import Any
 
 import numpy as np
 from sensor_msgs.msg import Joy
 
 from tutorial.checks._cases import Cases, mistakes
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._node import CheckThread, WatchedSubscription
+from tutorial.checks._node import ros_node, send
 from tutorial.checks._rig import Rig
 from tutorial.checks._watch import Failure
 from tutorial.checks.exercise import Exercise
@@ -142,16 +140,13 @@ def two(answer: type[SimpleController]) -> list[bool]:
     return [first.holds((1,)), second.holds()]
 
 
-def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig], Any]) -> Any:
+def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig], str]) -> str:
     """Observe something after a message from another node, with rclpy's own node."""
-    with closing(CheckThread()) as ros:
-        rig = Rig(answer, node=ros.node)
-        for each in ros.node.watched(WatchedSubscription):
-            if each.message_type is Joy:
-                ros.send(each, message)
-        seen = look(rig)
-        rig.learner.unconfigure()
-        return seen
+    with ros_node() as node:
+        rig = Rig(answer, node=node)
+        before = look(rig)
+        send(node, "/joy", message, lambda: look(rig) != before)
+        return look(rig)
 
 
 TRIED = {
@@ -165,11 +160,22 @@ TRIED = {
     "a message with one button, pressed": after((1,)),
     "two tanks at the same time, and the button of the first one is pressed": two,
     "after unconfigure": lambda answer: Tank(answer).leave(),
-    "a message from another node, the button pressed": lambda answer: over_ros(
-        answer, Joy(buttons=[1]), lambda rig: bool(vars(rig.learner.inner)["fire"].get())
-    ),
 }
 
-CASES = Cases(FireButton, TRIED, MISTAKES, str, OTHERWISE, CRASHES)
+
+def pressed(rig: Rig) -> str:
+    """Say what `fire` holds."""
+    return str(bool(vars(rig.learner.inner)["fire"].get()))
+
+
+CASES = Cases(
+    FireButton,
+    TRIED,
+    MISTAKES,
+    str,
+    OTHERWISE,
+    CRASHES,
+    on_ros=lambda answer: over_ros(answer, Joy(buttons=[1]), pressed),
+)
 
 fire = Exercise("fire", __doc__, CASES.judge, FireButton, parts=("on_joy",))

@@ -256,7 +256,7 @@ class Camera:
         """Take an order."""
         if not callable(deliver):
             text = f"capture is given {deliver!r} in place of a function"
-            raise Misuse(text, AT_ONCE.format(name="publish"))
+            raise Misuse(text, AT_ONCE.format("publish"))
         self._take(self, deliver, arguments)
 
     def close(self) -> None:

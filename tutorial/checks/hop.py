@@ -28,7 +28,6 @@ from __future__ import annotations
 import asyncio
 import threading  # noqa: F401 - what a mistake needs
 from collections.abc import Callable
-from contextlib import closing
 from functools import partial
 from math import hypot
 
@@ -37,7 +36,7 @@ from numpy.typing import ArrayLike
 from sensor_msgs.msg import Imu, JointState  # noqa: F401
 
 from tutorial.checks._clock import ClockedLoop
-from tutorial.checks._node import CheckThread, WatchedSubscription
+from tutorial.checks._node import ros_node, send
 from tutorial.checks._requirements import Requirements, listed
 from tutorial.checks._viewer import Viewer
 from tutorial.checks._watch import Failure, watch
@@ -299,13 +298,10 @@ def down_anyhow(answer: type) -> str:
 
 def over_ros(answer: type) -> str:
     """Observe what a blow from another node does."""
-    try:
-        with closing(CheckThread()) as ros, Hall(answer, node=ros.node) as hall:
-            ros.send(ros.node.watched(WatchedSubscription)[-1], imu(*BLOW))
-            hall.drain()
-            return hall.where()
-    except Failure as failure:
-        return f"{failure.method} raises {type(failure.error).__name__}: {failure.error}"
+    with ros_node() as node, Hall(answer, node=node) as hall:
+        send(node, "/Rover/imu", imu(*BLOW), lambda: hall.loop.posted)
+        hall.drain()
+        return f"a blow puts the body {hall.where()}"
 
 
 TRIED = {
@@ -331,7 +327,6 @@ TRIED = {
     "unconfigure, while it is up, leaves it": (tries(hit(BLOW), wait, leaves_well), f"{STOOD}, {TOLD}"),
     "unconfigure, when it is not up, leaves it": (down_anyhow, f"{STOOD}, {STOOD}"),
     "a blow that still waits then puts it": (tries(lambda hall: hall.leaves(imu(*BLOW)) and None, Hall.where), STOOD),
-    "a blow from another node of ROS 2 puts the body": (over_ros, UP),
 }
 MISTAKES = """
 # on a body called Rover it listens to
@@ -489,11 +484,7 @@ unconfigure puts it back although it is down: to a place that was never noted, o
 the event loop itself runs what waits when the controller has left: self.call_later(self.update, message) drops it.
     self.node = config.node => self.node = config.node // self.loop = asyncio.get_running_loop()
     self.call_later(self.update => self.loop.call_soon_threadsafe(self.update
-
-# a blow from another node of ROS 2 puts the body
-the queue's depth is none: let it keep ten messages, 10.
-    self.on_imu, 10) => self.on_imu, -1)
 """
-REQUIREMENTS = Requirements(HopViewer, listed(TRIED, MISTAKES), clock="", odd=())
+REQUIREMENTS = Requirements(HopViewer, listed(TRIED, MISTAKES), clock="", odd=(), on_ros=over_ros)
 
 hop = Exercise("hop", __doc__, REQUIREMENTS.judge, HopViewer)

@@ -32,7 +32,7 @@ from tutorial.checks._interleave import interleave
 from tutorial.checks._requirements import Requirements, listed
 from tutorial.checks._viewer import Viewer
 from tutorial.checks.exercise import Exercise
-from tutorial.checks.show import FIRST, LAST, MISTAKES, at, joint_state
+from tutorial.checks.show import FIRST, LAST, MISTAKES, at, joint_state, over_ros
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
@@ -163,6 +163,7 @@ REQUIREMENTS = Requirements(
             post="self.call_latest(self.body.name, self.update, message)", name="CalmViewer"
         ),
     ),
+    on_ros=over_ros,
 )
 
 keep_up = Exercise("keep_up", __doc__, REQUIREMENTS.judge, CalmViewer)

@@ -27,7 +27,6 @@ from __future__ import annotations
 import asyncio  # noqa: F401 - what some mistakes need
 import threading  # noqa: F401
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from functools import partial
 from math import degrees, isnan, nan, radians  # noqa: F401
 from string import Template
@@ -35,7 +34,7 @@ from typing import Any
 
 from sensor_msgs.msg import Imu, JointState  # noqa: F401
 
-from tutorial.checks._node import CheckThread, WatchedSubscription
+from tutorial.checks._node import ros_node, send
 from tutorial.checks._requirements import Requirements, listed
 from tutorial.checks._viewer import Viewer
 from tutorial.checks._watch import Failure, watch
@@ -43,7 +42,7 @@ from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
-__all__ = ["FIRST", "LAST", "MISTAKES", "MyViewer", "at", "joint_state", "show"]
+__all__ = ["FIRST", "LAST", "MISTAKES", "MyViewer", "at", "joint_state", "over_ros", "show"]
 
 TRIES = 12  # messages, of which each is to be shown
 Attempt = Callable[[type], str]
@@ -192,9 +191,14 @@ def leaves_while_one_waits(answer: type) -> str:
 
 def over_ros(answer: type) -> str:
     """Observe where the joints are after a message from another node."""
-    with closing(CheckThread()) as ros, Viewer(answer, node=ros.node) as viewer:
-        ros.send(ros.node.watched(WatchedSubscription)[-1], joint_state("P Y", (0.2, 0.1)))
-        viewer.drain()
+    with ros_node() as node, Viewer(answer, node=node) as viewer:
+        before = viewer.where()
+        send(
+            node,
+            "/Tank/joint_state",
+            joint_state("P Y", (0.2, 0.1)),
+            lambda: viewer.drain() or viewer.where() != before,
+        )
         return viewer.where()
 
 
@@ -221,7 +225,6 @@ LAST = {
     "the crane Lift": (shows(("LUFF BRIDGE", (0.1, 0.2)), **LIFT), "BRIDGE at 0.2, SLEW at 0, LUFF at 0.1"),
     "two viewers at once": (two, f"{at(0.2, 0.4)}; BRIDGE at 0.6, SLEW at 0.8, LUFF at 1"),
     "after unconfigure": (leaves, "nothing is left"),
-    "a message from another node of ROS 2": (over_ros, at(0.1, 0.2)),
 }
 
 MISTAKES = """
@@ -339,10 +342,6 @@ config.node belongs to the whole program: unconfigure destroys only the subscrip
     self.node.destroy_subscription(self.subscription) => self.node.destroy_node()
 configure makes two, and keeps only one, as when super().configure(config) has made one already: make only one.
     self.node = config.node => self.node = config.node // self.node.create_subscription(JointState, "more", print, 1)
-
-# a message from another node of ROS 2
-the queue's depth is none: keep one message, 1.
-    self.on_joint_state, 1) => self.on_joint_state, -1)
 """
 
 MORE = """
@@ -367,6 +366,7 @@ REQUIREMENTS = Requirements(
         {**FIRST, "five messages that wait together": (wait_together, at(0.15, 0.16)), **LAST},
         Template(MISTAKES + MORE).substitute(post="self.call_later(self.update, message)", name="MyViewer"),
     ),
+    on_ros=over_ros,
 )
 
 show = Exercise("show", __doc__, REQUIREMENTS.judge, MyViewer)
