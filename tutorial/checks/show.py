@@ -193,12 +193,12 @@ def over_ros(answer: type) -> str:
     """Observe where the joints are after a message from another node."""
     with ros_node() as node, Viewer(answer, node=node) as viewer:
         before = viewer.where()
-        send(
-            node,
-            "/Tank/joint_state",
-            joint_state("P Y", (0.2, 0.1)),
-            lambda: viewer.drain() or viewer.where() != before,
-        )
+
+        def is_shown() -> bool:
+            viewer.drain()
+            return viewer.where() != before
+
+        send(node, "/Tank/joint_state", joint_state("P Y", (0.2, 0.1)), is_shown)
         return viewer.where()
 
 
