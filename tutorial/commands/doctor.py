@@ -1,0 +1,314 @@
+"""``tank doctor``: what this machine has for the tutorial, what is in the way, and the mend.
+
+What may crash or hang is asked in a process of its own, ``python -m tutorial.commands.doctor QUESTION``. Its last line
+is the answer, as JSON.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import importlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from collections import Counter
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from importlib import metadata
+from typing import Any, Literal, NamedTuple
+
+from tutorial.commands.terminal import say
+from tutorial.errors import TutorialError, did_you_mean
+from tutorial.paths import PACKAGE
+from tutorial.ros.backend import choose, real_rclpy_exists
+from tutorial.ros.domains import LAST
+
+__all__ = ["doctor"]
+
+WIDTH = 100  # columns
+SUBJECT, LEVEL = 11, 9  # columns
+PATIENCE = 45  # [s] that an answer may take: a loaded machine is slow to import
+FIRST_LOOK = 4.0  # [s] before the graph may count as known: nodes on Fast DDS show up after 1 to 4 s
+MOST_NAMES = 50
+
+OLDEST, NEWEST = (3, 11), (3, 13)
+PIP = "python -m pip install"
+JUPYTER = ("jupyterlab", "ipykernel", "ipywidgets", "anywidget")
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+RANGES = {
+    "LOCALHOST": "nodes on this machine only",
+    "SUBNET": "nodes on all machines of this network",
+    "OFF": "no other node, not even on this machine",
+    "SYSTEM_DEFAULT": "what the middleware is configured for",
+}
+BY_HAND = {
+    "ROS_STATIC_PEERS": "nodes on these machines are looked for as well",
+    "ROS_LOCALHOST_ONLY": "ROS 2's former way, which a real one may put above the range",
+    "CYCLONEDDS_URI": "it comes on top of what the tutorial and ROS 2 configure",
+}
+LAST_DOMAIN = 232
+
+
+class Diagnosis(NamedTuple):
+    """What was found of one thing that was looked at.
+
+    Attributes:
+        level: ``"ok"``; ``"note"``, where something may surprise; ``"problem"``, where something does not work.
+        text: what there is.
+        mend: what to type or to do; a note and a problem have one.
+    """
+
+    level: Literal["ok", "note", "problem"]
+    text: str
+    mend: str = ""
+
+
+def doctor() -> int:
+    """Look at this machine, and print what there is: a line or a few for each thing.
+
+    Returns:
+        The exit status: 0 where there is no problem, else 1.
+    """
+    levels: Counter[str] = Counter()
+    with ThreadPoolExecutor(len(PROBES)) as pool:
+        for subject, found in zip(PROBES, pool.map(_looked, PROBES.values())):
+            for each in found:
+                say(f"{layout(subject, each)}\n")
+                levels[each.level] += 1
+    counts = (f"{levels[each] or 'no'} {each}{'s' * (levels[each] != 1)}" for each in ("problem", "note"))
+    say(f"\n{', '.join(counts)}.\n")
+    return int(levels["problem"] > 0)
+
+
+def _looked(probe: Callable[[], Iterator[Diagnosis]]) -> list[Diagnosis]:
+    try:
+        return list(probe())
+    except Exception as error:  # noqa: BLE001 - whatever it is, the other probes go on
+        return [Diagnosis("note", f"it could not be looked at: {type(error).__name__}: {error}", "look at it by hand")]
+
+
+def layout(subject: str, found: Diagnosis) -> str:
+    """Put a diagnosis into columns: subject, level, text; the mend stands below, behind an arrow.
+
+    A word is never broken, so that paths and commands can be copied.
+    """
+    indent = " " * (SUBJECT + LEVEL)
+    wrapper = textwrap.TextWrapper(WIDTH, break_long_words=False, break_on_hyphens=False, subsequent_indent=indent)
+    lines = wrapper.wrap(f"{subject:<{SUBJECT}}{found.level:<{LEVEL}}{found.text}")
+    wrapper.initial_indent, wrapper.subsequent_indent = f"{indent}-> ", f"{indent}   "
+    return "\n".join([*lines, *wrapper.wrap(found.mend)])
+
+
+def ask(question: str, patience: float = PATIENCE, **environment: str) -> Any:
+    """Have one of `QUESTIONS` answered in a process of its own.
+
+    Args:
+        question: which one.
+        patience: how long it may take [s].
+        environment: variables that are others there.
+
+    Raises:
+        TutorialError: it crashed, failed or took too long; the text says so.
+    """
+    path = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
+    given = {**os.environ, **environment, "PYTHONPATH": path, "PYTHONUTF8": "1"}
+    command = [sys.executable, "-P", "-m", __name__, question]
+    try:
+        done = subprocess.run(
+            command, env=given, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=patience, check=False
+        )
+    except subprocess.TimeoutExpired:
+        raise TutorialError(f"no answer within {patience:g} s") from None
+    if done.returncode < 0:
+        raise TutorialError(f"crashed with {signal.Signals(-done.returncode).name}")
+    if done.returncode > 0:
+        raise TutorialError((done.stderr.split("\n")[-2:-1] or [f"exit status {done.returncode}"])[0])
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def python(version: tuple[int, ...] = sys.version_info[:3], is_apart: bool = sys.prefix != sys.base_prefix) -> Any:
+    """Say which Python this is."""
+    is_apart = is_apart or os.path.isdir(os.path.join(sys.prefix, "conda-meta"))  # noqa: PTH112, PTH118
+    text = f"{'.'.join(map(str, version))}, {sys.executable}{'' if is_apart else ', not in a virtual environment'}"
+    if not OLDEST <= version[:2] <= NEWEST:
+        text = f"{text}; the tutorial is made for 3.11 to 3.13"
+        yield Diagnosis("problem", text, "python3.12 -m venv .venv, or 3.11, or 3.13")
+    elif is_apart:
+        yield Diagnosis("ok", text)
+    else:
+        mend = "to keep the tutorial's packages apart from the system's: make install, and . .venv/bin/activate"
+        yield Diagnosis("note", text, mend)
+
+
+def mujoco() -> Iterator[Diagnosis]:
+    """Say which MuJoCo there is, and whether it renders the pictures of a camera."""
+    try:
+        version, problem = ask("mujoco")
+    except TutorialError as error:
+        mend = "unset MUJOCO_GL" if "MUJOCO_GL" in str(error) else f"{PIP} --force-reinstall mujoco"
+        yield Diagnosis("problem", f"it cannot be imported: {error}", mend)
+        return
+    if problem:
+        yield Diagnosis("note", f"{version}; cameras take no pictures, all else works: {problem[0]}", problem[1])
+    else:
+        yield Diagnosis("ok", f"{version}, which renders without a screen")
+
+
+def packages() -> Iterator[Diagnosis]:
+    """Say what ``pip check`` says of the installed packages, and which JupyterLab there is."""
+    command = [sys.executable, "-m", "pip", "check", "--disable-pip-version-check"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    if done.returncode == 0:
+        yield Diagnosis("ok", done.stdout.strip())
+    else:
+        text = done.stdout.strip() or done.stderr.strip()
+        yield Diagnosis("problem", text.replace("\n", " "), f"in the tutorial's folder: {PIP} -c constraints.txt -e .")
+    yield Diagnosis("ok", ", ".join(f"{each} {metadata.version(each)}" for each in JUPYTER))
+
+
+def backend() -> Iterator[Diagnosis]:
+    """Say which ROS 2 is in use, and why."""
+    wanted, distro = os.environ.get("TUTORIAL_ROS"), os.environ.get("ROS_DISTRO")
+    try:
+        chosen = choose()
+    except TutorialError as error:
+        yield Diagnosis("problem", str(error), "unset TUTORIAL_ROS")
+        return
+    is_there = real_rclpy_exists()
+    because = (
+        f"because TUTORIAL_ROS={wanted}" if wanted else f"because this Python finds {'it' if is_there else 'no rclpy'}"
+    )
+    name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if chosen == "rclpy" else "the tutorial's own, on Cyclone DDS"
+    if chosen == "rclpy" and not is_there:
+        text = "TUTORIAL_ROS=rclpy asks for a real ROS 2, and this Python finds no rclpy"
+        yield Diagnosis("problem", text, ". /opt/ros/jazzy/setup.bash, or unset TUTORIAL_ROS")
+        return
+    try:
+        version, file, rmw = ask("rclpy")
+    except TutorialError as error:
+        mend = f"{PIP} cyclonedds rosbags; where there is no cyclonedds, a real ROS 2"
+        if chosen == "rclpy":
+            mend = f"Jazzy's is made for Python 3.12 (this is {sys.version_info.major}.{sys.version_info.minor}); "
+            mend += "the tutorial's own: export TUTORIAL_ROS=underlay"
+        yield Diagnosis("problem", f"{name}, {because}; but it is broken: {error}", mend)
+        return
+    how = "RMW_IMPLEMENTATION" if os.environ.get("RMW_IMPLEMENTATION") else "the default"
+    text = f"{name}, {because}{f': rclpy {version}, {file}, on {rmw} ({how})' * (chosen == 'rclpy')}"
+    if chosen == "rclpy" and "dds" not in rmw and "fastrtps" not in rmw:
+        mend = "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
+        yield Diagnosis("note", f"{text}, which does not speak DDS: it hears none of the others", mend)
+    elif chosen == "rclpy" and distro != "jazzy":
+        yield Diagnosis("note", f"{text}. The tutorial is made for jazzy", ". /opt/ros/jazzy/setup.bash")
+    elif chosen != "rclpy" and distro and not wanted:
+        mend = "with the Python that ROS 2 is made for: python3.12 -m venv --system-site-packages ~/tank-ros"
+        yield Diagnosis("note", f"{text}, although ROS 2 {distro} is set up in this shell", mend)
+    else:
+        yield Diagnosis("ok", text)
+
+
+def discovery() -> Iterator[Diagnosis]:
+    """Say in plain words how far the nodes here look for others, and what was set by hand."""
+    is_real = real_rclpy_exists() and os.environ.get("TUTORIAL_ROS") != "underlay"
+    given = os.environ.get(RANGE, "")
+    reach = given or ("SUBNET" if is_real else "LOCALHOST")
+    origin = f"{RANGE} is {given}" if given else f"{reach}, the default"
+    mend = f"export {RANGE}=LOCALHOST" if is_real else f"unset {RANGE}"
+    if reach not in RANGES:
+        yield Diagnosis("problem", f"{RANGE} is {given!r}.{did_you_mean(given, RANGES)}", mend)
+    elif reach == "LOCALHOST":
+        yield Diagnosis("ok", f"{RANGES[reach]} ({origin})")
+    else:
+        yield Diagnosis("note", f"{RANGES[reach]} ({origin})", f"for this machine only: {mend}")
+    for name, meaning in BY_HAND.items():
+        if value := os.environ.get(name):
+            yield Diagnosis("note", f"{name} is {value!r}: {meaning}", f"if it is not meant: unset {name}")
+
+
+def domain() -> Iterator[Diagnosis]:
+    """Say which domain nodes meet in, who is there, and which names are there more than once."""
+    given = os.environ.get("ROS_DOMAIN_ID", "").strip()
+    number = int(given or 0) if (given or "0").isdecimal() else LAST_DOMAIN + 1
+    if number > LAST_DOMAIN:
+        text = f"ROS_DOMAIN_ID is {given!r}, and must be a number from 0 to {LAST_DOMAIN}"
+        yield Diagnosis("problem", text, f"unset ROS_DOMAIN_ID, or a number up to {LAST}")
+        return
+    if number > LAST:  # Linux gives its ports to outgoing connections, too
+        text = f"{number}: its ports, from {7400 + 250 * number} on, may be taken by other programs' connections"
+        yield Diagnosis("note", text, f"export ROS_DOMAIN_ID=42, or another up to {LAST}")
+    else:
+        origin = "ROS_DOMAIN_ID" if given else "the default; a notebook takes one of its own"
+        yield Diagnosis("ok", f"{number} ({origin}): only nodes of one domain hear each other")
+    try:
+        is_known, names = ask("nodes")
+    except TutorialError as error:
+        yield Diagnosis("problem", f"a node cannot be made: {error}", "mend what is said of ROS 2 first")
+        return
+    counts = Counter(names)
+    named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
+    more = f", and {len(named) - MOST_NAMES:,} more" if len(named) > MOST_NAMES else ""
+    text = f"in domain {number}: {', '.join(named[:MOST_NAMES]) or 'nobody else'}{more}"
+    if len(counts) < len(names):
+        mend = "give each its own name: tank run step3 --ros-args -r __node:=viewer"
+        yield Diagnosis("note", f"{text}. Nodes of one name cannot be told apart", mend)
+    elif not is_known:
+        yield Diagnosis("note", f"{text}. Some still come or go", "run tank doctor again")
+    else:
+        yield Diagnosis("ok", text)
+
+
+PROBES: dict[str, Callable[[], Iterator[Diagnosis]]] = {
+    "Python": python,
+    "MuJoCo": mujoco,
+    "packages": packages,
+    "ROS 2": backend,
+    "discovery": discovery,
+    "domain": domain,
+}
+"""What is looked at, all at once, in the order in which a reader wants to know."""
+
+
+def _mujoco() -> tuple[str, tuple[str, str] | None]:
+    """Which MuJoCo can be imported, and why it does not render, with the mend."""
+    version = str(importlib.import_module("mujoco").__version__)
+    offscreen: Any = importlib.import_module("tutorial.view.offscreen")
+    try:
+        with offscreen.Offscreen(importlib.import_module("mujoco").MjModel.from_xml_string("<mujoco/>")):
+            return version, None
+    except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and the driver raise what they like
+        return version, (f"{type(error).__name__}: {error}", offscreen.mend())
+
+
+def _rclpy() -> tuple[str, str, str]:
+    """Which rclpy can be imported, where it is, and through which middleware it talks."""
+    module: Any = importlib.import_module("rclpy")
+    utilities: Any = importlib.import_module("rclpy.utilities")
+    try:
+        version = metadata.version("rclpy")
+    except metadata.PackageNotFoundError:
+        version = ""
+    return version, module.__file__, utilities.get_rmw_implementation_identifier()
+
+
+def _nodes() -> tuple[bool, list[str]]:
+    """Whether the graph is known, and who is in it, but for hidden nodes, which this one is."""
+    ros: Any = importlib.import_module("tutorial.ros.node_thread")
+    topics: Any = importlib.import_module("tutorial.ros.topics")
+    names: Any = importlib.import_module("tutorial.ros.topics.names")
+
+    async def look(node: Any) -> bool:
+        await asyncio.sleep(FIRST_LOOK)
+        return bool(await topics.wait_for_graph(node))
+
+    with ros.NodeThread("_doctor") as thread:
+        is_known = asyncio.run(look(thread.node))
+        return is_known, [names.shown(name) for name in topics.node_names(thread.node)]
+
+
+QUESTIONS: dict[str, Callable[[], Any]] = {"mujoco": _mujoco, "rclpy": _rclpy, "nodes": _nodes}
+
+if __name__ == "__main__":
+    signal.alarm(2 * PATIENCE)  # ends it if nobody else does
+    print(json.dumps(QUESTIONS[sys.argv[1]]()))  # noqa: T201 - its answer
