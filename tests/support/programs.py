@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,6 +18,10 @@ from urllib.error import URLError
 from urllib.request import Request, urlopen
 
 import psutil
+import pytest
+
+from tutorial.commands.checking.sandbox import need_sandbox
+from tutorial.errors import TutorialError
 
 TANK = str(Path(sys.executable).parent / "tank")
 PATIENCE = 60.0
@@ -118,3 +123,11 @@ class Program:
     def _read(self) -> None:
         for line in self.process.stdout:
             self.lines.append(line)
+
+
+def need_sandbox_here() -> None:
+    """Skip the test where there is no sandbox, and say why; in CI (CI=true) the program for it has to be there."""
+    try:
+        need_sandbox()
+    except TutorialError as error:
+        (pytest.fail if os.environ.get("CI") == "true" and not shutil.which("bwrap") else pytest.skip)(str(error))

@@ -43,23 +43,29 @@ LIMIT = 60.0  # [s] that an answer may take
     help="Give up an answer that takes longer.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, with all that a check says, instead of the table.")
+@click.option("--no-sandbox", is_flag=True, help="Run the answers as you run any program. Trust them, then.")
 @click.option(
     "--junit", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Write JUnit's XML to FILE, too."
 )
-def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, junit: Path | None) -> int:
+def check(
+    notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, no_sandbox: bool, junit: Path | None
+) -> int:
     """Check the answers in NOTEBOOKS: files, or folders of them.
 
-    Only the answers are run, with the definitions that they need, and behind walls: what they are, the last lines say.
+    Only the answers are run, with the definitions that they need, in a sandbox.
     The exit status is 1 if an answer is not right, or could not be judged; one that was not tried does not count.
     """
     from tutorial.commands.checking.messages import Outcome
+    from tutorial.commands.checking.sandbox import need_sandbox
 
+    if not no_sandbox:
+        need_sandbox()
     paths = list(_found(notebooks))
     if not paths:
         raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")
     names = _names(paths)
     done: dict[Path, Submission] = {}
-    interrupted = until_asked(_judge_all(paths, names, jobs, limit, done), duration=math.inf)
+    interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done), duration=math.inf)
     submissions = [done[path] for path in paths if path in done]
     if junit is not None:
         _write(junit, submissions, names)
@@ -98,7 +104,12 @@ def _names(paths: Sequence[Path]) -> dict[Path, str]:
 
 
 async def _judge_all(
-    paths: Sequence[Path], names: dict[Path, str], jobs: int, limit: float, done: dict[Path, Submission]
+    paths: Sequence[Path],
+    names: dict[Path, str],
+    jobs: int,
+    limit: float,
+    is_sandboxed: bool,
+    done: dict[Path, Submission],
 ) -> None:
     """Judge notebooks, some at a time, with a progress bar; where nobody can watch it, a line for each."""
     from tqdm import tqdm
@@ -111,7 +122,7 @@ async def _judge_all(
 
         async def judge_one(path: Path) -> None:
             async with turn:
-                done[path] = await judge(path, limit)
+                done[path] = await judge(path, limit, is_sandboxed)
             bar.update()
             if not terminal:
                 say(f"{len(done)} of {len(paths)}: {names[path]}\n", err=True)
@@ -131,8 +142,7 @@ def _show(submissions: Sequence[Submission], names: dict[Path, str], as_json: bo
         return
     console = Console(highlight=False)
     console.print(report.table(submissions, names))
-    walls = report.walls_of(submissions)
-    for line in (*report.summary(submissions), *(walls.sentences() if walls else ())):
+    for line in report.summary(submissions):
         console.print(line, markup=False)
 
 

@@ -1,12 +1,9 @@
 """The process in which a notebook is read and its answers are judged: ``python -m tutorial.commands.checking._child``.
 
-It is given the descriptors of a pipe for its messages and of the notebook, the folder that it may write to, the
-processor time [s] that a process may take, and the names of exercises that are done already. First it raises the walls.
-It does not end by itself, but is killed by whoever has started it, or when that is gone: so what an answer has started
-can be found beneath it.
+It is given the descriptors of a pipe for its messages and of the notebook, the processor time [s] that a process may
+take, whether it is in a sandbox, and the names of exercises that are done already. It does not end by itself, but is
+killed by whoever has started it, or when that is gone.
 """
-
-# ruff: noqa: PLC0415 - the walls are raised while there is one thread; numpy and others start more
 
 from __future__ import annotations
 
@@ -16,27 +13,26 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Collection
-from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 import msgspec
 
+from tutorial.checks._verdict import Verdict
+from tutorial.checks.catalogue import exercises
+from tutorial.checks.exercise import NOT_YET, Exercise
+from tutorial.commands.checking.answers import Answer, cells_of, find_answers
 from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable, clean
-from tutorial.commands.checking.walls import Walls, raise_walls
-
-if TYPE_CHECKING:
-    from tutorial.checks.exercise import Exercise
-    from tutorial.commands.checking.answers import Answer
+from tutorial.commands.checking.sandbox import limit
 
 UNDEFINED = "Most likely the answer needs something of a cell that only works in a running notebook."
 
 
 def main() -> NoReturn:
     """Judge a notebook, and wait to be killed."""
-    report, notebook, folder, seconds, *done = sys.argv[1:]
+    report, notebook, seconds, is_sandboxed, *done = sys.argv[1:]
     for fd in map(int, (report, notebook)):
         os.set_inheritable(fd, False)
-    walls = raise_walls(Path(folder), int(seconds))
+    limit(int(seconds), is_sandboxed == "True")
     threading.Thread(target=_end_with_the_teacher, name="lifeline", daemon=True).start()
 
     def tell(message: Message) -> None:
@@ -44,7 +40,7 @@ def main() -> NoReturn:
         while line:
             line = line[os.write(int(report), line) :]
 
-    _judge_all(int(notebook), done, walls, tell)
+    _judge_all(int(notebook), done, tell)
     tell(Done())
     while True:
         signal.pause()
@@ -56,19 +52,16 @@ def _end_with_the_teacher() -> None:
     os.killpg(0, signal.SIGKILL)
 
 
-def _judge_all(notebook: int, done: Collection[str], walls: Walls, tell: Callable[[Message], None]) -> None:
-    from tutorial.checks.catalogue import exercises
-    from tutorial.commands.checking.answers import cells_of, find_answers
-
+def _judge_all(notebook: int, done: Collection[str], tell: Callable[[Message], None]) -> None:
     known = {each.name: each for those in exercises().values() for each in those}
     try:
         with open(notebook, encoding="utf-8") as file:
             cells = cells_of(file.read())
         answers = find_answers(cells, {name: each.right_answer.__name__ for name, each in known.items()})
     except Exception as error:  # noqa: BLE001 - the file may be anything
-        tell(Unreadable(walls, clean(f"it is no notebook: {error}")[:200]))
+        tell(Unreadable(clean(f"it is no notebook: {error}")[:200]))
         return
-    tell(Opened(walls, tuple(answer.exercise for answer in answers)))
+    tell(Opened(tuple(answer.exercise for answer in answers)))
     for answer in answers:
         if answer.exercise not in done:
             tell(Trying(answer.exercise))
@@ -76,9 +69,6 @@ def _judge_all(notebook: int, done: Collection[str], walls: Walls, tell: Callabl
 
 
 def _judge(exercise: Exercise, answer: Answer) -> Judged:
-    from tutorial.checks._verdict import Verdict
-    from tutorial.checks.exercise import NOT_YET
-
     name = exercise.name
     if answer.given is None:
         outcome = Outcome.WRONG if answer.unreadable else Outcome.NOT_TRIED

@@ -6,8 +6,6 @@ from enum import StrEnum
 
 import msgspec
 
-from tutorial.commands.checking.walls import Walls
-
 __all__ = ["LONGEST", "Done", "Judged", "Message", "Opened", "Outcome", "Trying", "Unreadable", "clean"]
 
 LONGEST = 4000  # characters of a text that is told
@@ -23,16 +21,14 @@ class Outcome(StrEnum):
 
 
 class Opened(msgspec.Struct, frozen=True, tag=True):
-    """The notebook is read: which walls stand, and which exercises it has."""
+    """The notebook is read: which exercises it has."""
 
-    walls: Walls
     exercises: tuple[str, ...]
 
 
 class Unreadable(msgspec.Struct, frozen=True, tag=True):
     """It is none that can be read, and why."""
 
-    walls: Walls
     why: str
 
 

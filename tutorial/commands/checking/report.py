@@ -14,9 +14,8 @@ from rich.text import Text
 
 from tutorial.commands.checking.messages import Judged, Outcome
 from tutorial.commands.checking.submission import Submission
-from tutorial.commands.checking.walls import Walls
 
-__all__ = ["as_json", "as_junit", "count", "summary", "table", "walls_of"]
+__all__ = ["as_json", "as_junit", "count", "summary", "table"]
 
 STYLES = {Outcome.RIGHT: "green", Outcome.WRONG: "red", Outcome.NOT_TRIED: "dim", Outcome.NOT_JUDGED: "yellow"}
 
@@ -73,21 +72,8 @@ def count(number: int, what: str) -> str:
     return f"{number} {what}{'s' * (number != 1)}"
 
 
-def walls_of(submissions: Iterable[Submission]) -> Walls | None:
-    """Return the walls that stood around all of them; None if no answer was run."""
-    all_walls = [each.walls for each in submissions if each.walls is not None]
-    if not all_walls:
-        return None
-    return Walls(
-        namespaces=all(each.namespaces for each in all_walls),
-        landlock=min(each.landlock for each in all_walls),
-        seccomp=all(each.seccomp for each in all_walls),
-    )
-
-
 def as_json(submissions: Sequence[Submission], names: dict[Path, str]) -> dict[str, Any]:
     """Return all of it as what JSON can hold."""
-    walls = walls_of(submissions)
     return {
         "notebooks": [
             {
@@ -101,7 +87,6 @@ def as_json(submissions: Sequence[Submission], names: dict[Path, str]) -> dict[s
             for each in submissions
         ],
         "summary": summary(submissions),
-        "walls": list(walls.sentences()) if walls else [],
     }
 
 

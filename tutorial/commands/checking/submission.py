@@ -1,4 +1,4 @@
-"""Having one notebook judged, in a process that has walls around it."""
+"""Having one notebook judged, in a process of its own that a sandbox holds."""
 
 from __future__ import annotations
 
@@ -17,12 +17,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
-import psutil  # type: ignore[import-untyped]
 
 from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable, clean
-from tutorial.commands.checking.namespaces import DOMAINS
-from tutorial.commands.checking.system_calls import PR_SET_CHILD_SUBREAPER, prctl
-from tutorial.commands.checking.walls import Walls
+from tutorial.commands.checking.sandbox import sandbox
 from tutorial.paths import PACKAGE
 from tutorial.ros.domains import shared_folder
 
@@ -40,9 +37,6 @@ KEPT = (
 )
 """What variables begin with that a learner's code may see; others may hold keys and passwords."""
 
-_processes: set[int] = set()
-"""Those that judge at the moment."""
-
 
 @dataclass
 class Submission:
@@ -52,34 +46,31 @@ class Submission:
         path: the file.
         judged: by the exercise's name, in the notebook's order.
         problem: why it could not be judged as a whole; else empty.
-        walls: those that stood around its code; None if there was none to run.
     """
 
     path: Path
     judged: dict[str, Judged] = field(default_factory=dict)
     problem: str = ""
-    walls: Walls | None = None
 
 
-async def judge(path: Path, limit: float) -> Submission:
-    """Have a notebook's answers judged. On Linux, this process may have no children but those that it has of here.
+async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> Submission:
+    """Have a notebook's answers judged.
 
     An answer that takes too long, or ends the process, is charged with that, and the others are judged in another one.
 
     Args:
         path: the file.
         limit: how long an answer may take [s].
+        is_sandboxed: whether a sandbox holds it.
     """
     submission = Submission(path)
-    if sys.platform == "linux":
-        prctl(PR_SET_CHILD_SUBREAPER, 1)  # for `_end_orphans`
     try:
         notebook = _opened(path)
     except OSError as error:
         submission.problem = f"it cannot be opened: {error.strerror}"
         return submission
     try:
-        while await _goes_on(submission, notebook, limit):
+        while await _goes_on(submission, notebook, limit, is_sandboxed):
             os.lseek(notebook, 0, os.SEEK_SET)
     except OSError as error:
         submission.problem = f"it could not be judged: {error}"
@@ -102,12 +93,12 @@ def _opened(path: Path) -> int:
     return fd
 
 
-async def _goes_on(submission: Submission, notebook: int, limit: float) -> bool:
+async def _goes_on(submission: Submission, notebook: int, limit: float, is_sandboxed: bool) -> bool:
     """Judge what is not judged yet, in one process; return whether something is left that another one can do."""
     state = _State(submission)
     why = BROKEN
     try:
-        async with aclosing(_messages(notebook, tuple(submission.judged), limit)) as messages:
+        async with aclosing(_messages(notebook, tuple(submission.judged), limit, is_sandboxed)) as messages:
             async for message in messages:
                 state.take(message)
     except TimeoutError:
@@ -151,9 +142,8 @@ class _State:
         submission = self._submission
         match message:
             case Unreadable() if not self.opened:
-                submission.problem, submission.walls = message.why, message.walls
+                submission.problem = message.why
             case Opened() if not self.opened:
-                submission.walls = message.walls
                 self.left = set(message.exercises) - submission.judged.keys()
             case Trying(exercise=name) if name in self.left and not self.trying:
                 self.trying = name
@@ -167,7 +157,7 @@ class _State:
         self.opened = True
 
 
-async def _messages(notebook: int, done: Sequence[str], limit: float) -> AsyncGenerator[Message]:
+async def _messages(notebook: int, done: Sequence[str], limit: float, is_sandboxed: bool) -> AsyncGenerator[Message]:
     """Start the process, and yield what it tells; nothing of it is left afterwards.
 
     Raises:
@@ -176,7 +166,7 @@ async def _messages(notebook: int, done: Sequence[str], limit: float) -> AsyncGe
     """
     loop = asyncio.get_running_loop()
     read_end, write_end = os.pipe()
-    with _running(notebook, write_end, done, limit):
+    with _running(notebook, write_end, done, limit, is_sandboxed):
         os.close(write_end)
         reader = asyncio.StreamReader(LINE)
         transport, _ = await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(read_end))
@@ -193,12 +183,14 @@ async def _messages(notebook: int, done: Sequence[str], limit: float) -> AsyncGe
 
 
 @contextmanager
-def _running(notebook: int, report: int, done: Sequence[str], limit: float) -> Iterator[None]:
+def _running(notebook: int, report: int, done: Sequence[str], limit: float, is_sandboxed: bool) -> Iterator[None]:
     with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder:
-        (Path(folder) / DOMAINS).symlink_to(shared_folder())
-        words = [report, notebook, folder, math.ceil(OUTLAST * limit), *done]
+        if not is_sandboxed:  # then its ROS domain has to be another one than everybody else's
+            (Path(folder) / shared_folder().name).symlink_to(shared_folder())
+        words = [report, notebook, math.ceil(OUTLAST * limit), is_sandboxed, *done]
+        command = [sys.executable, "-P", "-m", "tutorial.commands.checking._child", *map(str, words)]
         process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "tutorial.commands.checking._child", *map(str, words)],
+            [*(sandbox(folder) if is_sandboxed else ()), *command],
             stdin=subprocess.PIPE,  # its end tells the process that this one is gone
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -207,14 +199,12 @@ def _running(notebook: int, report: int, done: Sequence[str], limit: float) -> I
             cwd=folder,
             env=_environment(folder),
         )
-        _processes.add(process.pid)
         with process:
             try:
                 yield
             finally:
-                _end(process)
-        _processes.remove(process.pid)
-        _end_orphans()
+                with suppress(ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
+                    os.killpg(process.pid, signal.SIGKILL)
 
 
 def _environment(folder: str) -> dict[str, str]:
@@ -227,27 +217,3 @@ def _environment(folder: str) -> dict[str, str]:
         **{"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},  # each thread takes memory, of which there is a limit
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """Kill the process, and all that has come from it."""
-    _kill_below(process.pid)
-    with suppress(ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
-        os.killpg(process.pid, signal.SIGKILL)
-
-
-def _end_orphans() -> None:
-    """Kill what an answer has started and has outlived its judge: on Linux it is a child of this process now."""
-    for each in psutil.Process().children():
-        if each.pid not in _processes:
-            _kill_below(each.pid)
-            with suppress(psutil.NoSuchProcess, psutil.AccessDenied):
-                each.kill()
-                each.wait()
-
-
-def _kill_below(pid: int) -> None:
-    with suppress(psutil.NoSuchProcess):
-        for each in psutil.Process(pid).children(recursive=True):
-            with suppress(psutil.NoSuchProcess, psutil.AccessDenied):
-                each.kill()
