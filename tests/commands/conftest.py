@@ -19,8 +19,8 @@ from programs import TANK, until
 
 from tutorial.commands.tank import main
 
-HEEDING = ("terminal", "tank", "bag", "chaos", "launcher")
-"""The modules that have the process heed signals, which are pytest's here."""
+SIGNALLED = ("terminal", "tank", "bag", "chaos", "launcher")
+"""The modules that have the process handle_signals signals, which are pytest's here."""
 
 
 class Run:
@@ -63,8 +63,8 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
     def run(line: str, *words: object, once: str | Callable[[], object] | None = None, then=None) -> Run:
         done = Run()
         with monkeypatch.context() as patch, redirect_stdout(done.out), redirect_stderr(done.err):
-            for module in HEEDING:
-                patch.setattr(f"tutorial.commands.{module}.heed", lambda ask, **_: done.asks.append(ask))
+            for module in SIGNALLED:
+                patch.setattr(f"tutorial.commands.{module}.handle_signals", lambda ask, **_: done.asks.append(ask))
             patch.setattr("tutorial.commands.terminal.logging_redirect_tqdm", nullcontext)  # it changes all handlers
             patch.setattr(gc, "freeze", lambda: None)
             patch.setattr(logging.root, "handlers", [])

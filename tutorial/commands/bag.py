@@ -14,7 +14,7 @@ import click
 
 from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.options import Finite, Seconds, duration_option
-from tutorial.commands.terminal import INTERRUPTED, heed, progress_bar, say, status_line
+from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, say, status_line
 
 if TYPE_CHECKING:
     from tutorial.ros.bags import Bag, Recorder
@@ -76,7 +76,7 @@ def record(
         raise click.UsageError("name topics, or give -a for all of them.")
     path = output or Path(time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
     stop = threading.Event()
-    heed(stop.set)
+    handle_signals(stop.set)
     with named_node("rosbag2_recorder", ros_args) as thread:
         with clear_ros_errors():
             recorder = Recorder(thread.node, path, None if everything else topics, storage, max_duration)
@@ -134,7 +134,7 @@ def play(
         raise click.UsageError(f"{more[0]!r} is too much: one bag is played at a time. Topics stand after --topics.")
     opened = Bag(bag)
     stop = threading.Event()
-    heed(stop.set)
+    handle_signals(stop.set)
     with named_node("rosbag2_player", ros_args) as thread, clear_ros_errors():
         player = Player(thread.node, opened, rate, loop, start_offset, (*topics, *more) or None, clock or 0.0)
         say(f"playing {bag}, {opened.duration:.1f} s; Ctrl-C ends it\n")

@@ -13,7 +13,7 @@ import click
 
 from tutorial.commands.asking import named_node
 from tutorial.commands.options import duration_option
-from tutorial.commands.terminal import INTERRUPTED, heed, progress_bar, say
+from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, say
 from tutorial.errors import TutorialError
 from tutorial.ros.chaos import FAULTS, Chaos, parse_fault, share_of
 
@@ -73,7 +73,7 @@ def chaos(
 
     faulty = Chaos(dict(faults), seed)
     stop = threading.Event()
-    heed(stop.set)
+    handle_signals(stop.set)
     with named_node("chaos", ros_args) as thread:
         with clear_ros_errors():
             stream = ChaosStream(thread.node, faulty, topic_name, good)

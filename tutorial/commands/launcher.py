@@ -7,7 +7,6 @@ import os
 import runpy
 import shutil
 import signal
-import socket
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -18,11 +17,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, TextIO
 
-from honcho.colour import get_colours
-from honcho.printer import Message, Printer
+import click
 
-from tutorial.commands import lifeline
-from tutorial.commands.terminal import heed
+from tutorial import parent_watch
+from tutorial.commands.terminal import handle_signals
 from tutorial.errors import TutorialError, printable_lines, tell
 from tutorial.paths import with_own_commands
 from tutorial.ros.backend import UNDERLAY
@@ -33,10 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["Launcher", "load_launch_file"]
 
 PATIENCE = 8.0  # [s] from asking a process to stop to killing it
-MOST = 50
-"""Processes of a launch file."""
-LONGEST_NAME = 60
-"""Of a process [characters]: it stands before each of its lines."""
+COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue")
 
 
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
@@ -72,8 +67,6 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
         if unfit := _unfit(entity):
             raise TutorialError(f"{path} has a process that cannot be started: {unfit}")
-    if len(entities) > MOST:
-        raise TutorialError(f"{path} describes {len(entities):,} processes. Start {MOST} at most at a time.")
     return entities
 
 
@@ -84,8 +77,8 @@ def _unfit(process: ExecuteProcess) -> str:
         return f"its cmd is {command!r:.100}. Give a list of words, such as cmd=['tank', 'joy']."
     if not command or not str(command[0]):
         return "its cmd is empty. Give the program and its arguments, such as cmd=['tank', 'joy']."
-    if name is not None and not (isinstance(name, str) and name.isprintable() and 0 < len(name) <= LONGEST_NAME):
-        return f"its name is {name!r:.100}. Give a text of {LONGEST_NAME} letters at most, or none."
+    if name is not None and not (isinstance(name, str) and name.isprintable() and name):
+        return f"its name is {name!r:.100}. Give a text, or none."
     return ""
 
 
@@ -93,7 +86,7 @@ class Launcher:
     """Starts processes, prints their output with their names in front, and sees to it that they end together.
 
     When one fails, the others are stopped: asked first, killed if they don't, or at a second Ctrl-C at once. None
-    outlives the launcher, even when it is killed: see `tutorial.commands.lifeline`.
+    outlives the launcher, even when it is killed: see `tutorial.parent_watch`.
 
     Args:
         processes: what to start.
@@ -104,10 +97,10 @@ class Launcher:
     def __init__(self, processes: Sequence[ExecuteProcess], environment: Mapping[str, str], output: TextIO) -> None:
         self._processes = _by_name(processes)
         self._environment = environment
-        self._printer = Printer(output, width=max(map(len, self._processes)))
-        self._colours = dict(zip(self._processes, cycle(get_colours())))
+        self._output = output
+        self._width = max(map(len, self._processes))
+        self._colours = dict(zip(self._processes, cycle(COLOURS)))
         self._running: dict[str, asyncio.subprocess.Process] = {}
-        self._lifelines: dict[str, socket.socket] = {}
         self._stop = asyncio.Event()
         self._status = 0
         self.interrupted = False
@@ -119,40 +112,34 @@ class Launcher:
             The exit status: that of the process that failed first, 0 when none did.
         """
         loop = asyncio.get_running_loop()
-        heed(
+        handle_signals(
             lambda: loop.call_soon_threadsafe(self._interrupt),
             at_once=lambda: self._signal_groups(signal.SIGKILL),
             hangup=True,
         )
         try:
             for name, process in self._processes.items():
-                self._lifelines[name], other_end = socket.socketpair()
-                self._lifelines[name].setblocking(False)
-                with other_end:
-                    self._running[name] = await self._start(name, process, other_end.fileno())
+                self._running[name] = await self._start(name, process)
             await self._see_through()
             return self._status
         finally:
             await self._stop_all()
-            for end in self._lifelines.values():
-                end.close()
 
     def _interrupt(self) -> None:
         self.interrupted = True
         self._stop.set()
 
-    async def _start(self, name: str, process: ExecuteProcess, end: int) -> asyncio.subprocess.Process:
+    async def _start(self, name: str, process: ExecuteProcess) -> asyncio.subprocess.Process:
         command = [str(word) for word in process.cmd]
         try:
             environment = {**(os.environ if process.env is None else process.env), "PYTHONUNBUFFERED": "1"}
             environment = with_own_commands({**environment, **self._environment, **(process.additional_env or {})})
             command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
             return await asyncio.create_subprocess_exec(
-                *lifeline.with_lifeline(end, command),
-                stdin=asyncio.subprocess.DEVNULL,
+                *parent_watch.watched(command),
+                stdin=asyncio.subprocess.PIPE,
                 stdout=asyncio.subprocess.PIPE,
                 stderr=asyncio.subprocess.STDOUT,
-                pass_fds=(end,),
                 start_new_session=True,
                 env=environment,
                 cwd=process.cwd,
@@ -173,22 +160,13 @@ class Launcher:
     async def _follow(self, name: str, process: asyncio.subprocess.Process) -> None:
         """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
         assert process.stdout is not None
-        watch = asyncio.create_task(self._watch(name))
-        try:
-            while line := await _read_line(process.stdout):
-                self._say(name, printable_lines(line), self._colours[name])
-            status = await process.wait()
-        finally:
-            watch.cancel()
+        while line := await _read_line(process.stdout):
+            self._say(name, printable_lines(line.rstrip("\n")))
+        status = await process.wait()
         if status >= 0:  # else there may be something left of its group, which is going to be stopped
             self._running.pop(name, None)
         if status:
             self._fail(name, status if status > 0 else 128 - status)
-
-    async def _watch(self, name: str) -> None:
-        """If a process's lifeline is killed, have it stopped with all others: nothing else would end it any more."""
-        if not await asyncio.get_running_loop().sock_recv(self._lifelines[name], 1):
-            self._fail(name, 128 + signal.SIGKILL)
 
     def _fail(self, name: str, status: int) -> None:
         if not self._stop.is_set():
@@ -214,13 +192,17 @@ class Launcher:
     def _signal_groups(self, number: int) -> bool:
         """Signal every process group that is left, 0 to ask nothing of it; return whether there is one."""
         for name, process in tuple(self._running.items()):
-            if not lifeline.signal_group(process.pid, number):
+            if not parent_watch.signal_group(process.pid, number):
                 self._running.pop(name, None)
         return bool(self._running)
 
-    def _say(self, name: str, line: str, colour: str | None = None) -> None:
+    def _say(self, name: str, line: str) -> None:
+        prefix = f"{datetime.now():%H:%M:%S} {name:{self._width}} | "
+        if self._output.isatty():
+            prefix = click.style(prefix, fg=self._colours[name])
         try:
-            self._printer.write(Message(type="line", data=line, time=datetime.now(), name=name, colour=colour))
+            self._output.write(f"{prefix}{line}\n")
+            self._output.flush()
         except BrokenPipeError:  # whoever read has gone, as head does
             self._stop.set()
 
@@ -230,7 +212,7 @@ async def _read_line(stream: asyncio.StreamReader) -> str:
     try:
         return (await stream.readline()).decode("utf-8", "replace")
     except ValueError:  # longer than the reader's buffer, which is emptied
-        return "...\n"
+        return "..."
 
 
 def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:

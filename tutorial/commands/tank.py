@@ -24,7 +24,15 @@ from tutorial.commands.node import node
 from tutorial.commands.options import duration_option, headless_option, linger_option, part_class, report_option
 from tutorial.commands.package import package
 from tutorial.commands.progress import progress
-from tutorial.commands.terminal import INTERRUPTED, heed, prepare_output, progress_bar, say, until_asked, with_bar
+from tutorial.commands.terminal import (
+    INTERRUPTED,
+    handle_signals,
+    prepare_output,
+    progress_bar,
+    say,
+    until_asked,
+    with_bar,
+)
 from tutorial.commands.topic import topic
 from tutorial.commands.urdf import urdf
 from tutorial.errors import TutorialError, printable
@@ -131,7 +139,7 @@ def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: 
 
     source = _joy_source(drive)
     stop = threading.Event()
-    heed(stop.set)
+    handle_signals(stop.set)
     with named_node("joy", ros_args) as thread, progress_bar(duration) as progress:
         seconds = JoyPublisher(thread.node, source).run(duration, linger, stop, progress)
         if report is not None:

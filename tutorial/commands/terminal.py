@@ -21,7 +21,16 @@ from tqdm.contrib.logging import logging_redirect_tqdm
 
 from tutorial.errors import printable_lines
 
-__all__ = ["INTERRUPTED", "heed", "prepare_output", "progress_bar", "say", "status_line", "until_asked", "with_bar"]
+__all__ = [
+    "INTERRUPTED",
+    "handle_signals",
+    "prepare_output",
+    "progress_bar",
+    "say",
+    "status_line",
+    "until_asked",
+    "with_bar",
+]
 
 INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
 
@@ -55,7 +64,9 @@ def prepare_output() -> None:
     logging.getLogger("OpenGL").setLevel(logging.WARNING)  # at its import it says what it does without
 
 
-def heed(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None, hangup: bool = False) -> None:
+def handle_signals(
+    ask: Callable[[], object], at_once: Callable[[], object] = lambda: None, hangup: bool = False
+) -> None:
     """From now on the first Ctrl-C or SIGTERM asks this process to end, and the second ends it at once. Main thread.
 
     A thread of its own waits for them, for the main thread may be in a loop, or in a call that does not return. It
@@ -99,7 +110,7 @@ def until_asked(program: Awaitable[None], duration: float | None) -> int:
             asked.set()
             loop.call_soon_threadsafe(task.cancel)
 
-        heed(ask)
+        handle_signals(ask)
         try:
             await task
         except asyncio.CancelledError:

@@ -6,13 +6,12 @@ import os
 import shlex
 import shutil
 import signal
-import socket
 import subprocess
 import threading
 from collections import deque
 from contextlib import suppress
 
-from tutorial.commands import lifeline
+from tutorial import parent_watch
 from tutorial.errors import TutorialError
 from tutorial.notebook.desk import until
 from tutorial.paths import HOME, with_own_commands
@@ -36,14 +35,7 @@ class Command:
     def __init__(self, line: str) -> None:
         self._line = line
         self._kept: deque[str] = deque(maxlen=LINES_KEPT)
-        self._lifeline, other_end = socket.socketpair()
-        try:
-            with other_end:
-                self._process = _start(line, other_end.fileno())
-        except BaseException:
-            self._lifeline.close()
-            raise
-        threading.Thread(target=self._watch, name=f"lifeline of {line}", daemon=True).start()
+        self._process = _start(line)
         self._reader = threading.Thread(target=self._read, name=f"reader of {line}", daemon=True)
         self._reader.start()
 
@@ -86,36 +78,26 @@ class Command:
         for number in (signal.SIGINT, signal.SIGKILL):
             if not self._reader.is_alive() and self.status is not None:
                 break
-            lifeline.signal_group(self._process.pid, number)
+            parent_watch.signal_group(self._process.pid, number)
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(PATIENCE)
                 self._reader.join(PATIENCE)
-        self._lifeline.close()
-
-    def _watch(self) -> None:
-        """End the command if its lifeline is killed: nothing else would, once the kernel is gone."""
-        with self._lifeline, suppress(OSError):
-            if not self._lifeline.recv(1):
-                lifeline.signal_group(self._process.pid, signal.SIGKILL)
-            self._process.wait()  # before this end is closed, which would end the lifeline
 
     def _read(self) -> None:
-        assert self._process.stdout is not None
-        with self._process.stdout as lines:
-            self._kept.extend(lines)
+        with self._process:  # to leave it closes its streams, and waits for it
+            self._kept.extend(self._process.stdout or ())
 
 
-def _start(line: str, end: int) -> subprocess.Popen[str]:
+def _start(line: str) -> subprocess.Popen[str]:
     words = shlex.split(line)
     environment = with_own_commands(os.environ)
     if not words or shutil.which(words[0], path=environment["PATH"]) is None:
         raise TutorialError(f"there is no command {line!r}. Write it as at a terminal: start_command('tank joy').")
     return subprocess.Popen(
-        lifeline.with_lifeline(end, words),
-        stdin=subprocess.DEVNULL,
+        parent_watch.watched(words),
+        stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
-        pass_fds=(end,),
         start_new_session=True,
         env={**environment, "PYTHONUNBUFFERED": "1"},
         cwd=HOME,

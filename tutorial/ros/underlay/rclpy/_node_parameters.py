@@ -43,7 +43,7 @@ class NodeParameters:
             name: of the parameter.
             value: its value, or only its type.
             descriptor: what values it may have, and whether it can be changed.
-            ignore_override: don't heed the command line.
+            ignore_override: don't handle_signals the command line.
 
         Raises:
             ParameterAlreadyDeclaredException: there is one of this name.

@@ -1,10 +1,8 @@
-"""Runs a command that ends when the launcher does, even when that is killed: ``python lifeline.py FD COMMAND...``.
+"""Runs a command that ends when who has started it does, even when that is killed: ``python parent_watch.py COMMAND...``.
 
-FD is one of a pair of sockets, of which the launcher holds the other. When one of the two processes is gone, whatever
-ended it, the system closes its end, and the other learns of it at once: this one asks the command to stop, and kills it
-if it doesn't. When this one ends as it should, it says so, with one byte; if it is killed, the launcher has to end the
-command. The command and this process are one process group, which the launcher can signal as a whole; signals that ask
-are the command's business.
+Standard input is the watch: when who holds its other end is gone, whatever ended it, this process asks the command to
+stop, and kills it if it doesn't. The command and this process are one process group, which can be signalled as a whole;
+signals that ask are the command's business.
 
 Standard library only, and run by its path: starting it costs next to nothing.
 """
@@ -17,7 +15,6 @@ import subprocess
 import sys
 import threading
 from collections.abc import Sequence
-from contextlib import suppress
 
 PATIENCE = 5.0  # [s] from asking to killing
 ASKING = {signal.SIGINT, signal.SIGTERM}
@@ -25,35 +22,30 @@ ASKING = {signal.SIGINT, signal.SIGTERM}
 
 def main() -> int:
     """Run the command, and return its exit status; 128 + n where signal n ended it."""
-    fd, *command = sys.argv[1:]
+    command = sys.argv[1:]
     signal.pthread_sigmask(signal.SIG_BLOCK, ASKING)
     early: set[int] = set()
     os.register_at_fork(before=lambda: early.update(signal.sigpending() & ASKING))
     try:
-        process = subprocess.Popen(command, preexec_fn=lambda: _begin(early))  # noqa: PLW1509 - one thread
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=lambda: _begin(early))  # noqa: PLW1509
     except OSError as error:
         print(f"{command[0]} could not be started: {error.strerror}", file=sys.stderr)  # noqa: T201
         return 127
     for asking in ASKING:
         signal.signal(asking, lambda *_: None)  # the command has it, too
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ASKING)
-    threading.Thread(target=_watch, args=(int(fd), process), daemon=True).start()
+    threading.Thread(target=_watch, args=(process,), daemon=True).start()
     status = process.wait()
     return status if status >= 0 else 128 - status
 
 
-def with_lifeline(end: int, words: Sequence[str]) -> list[str]:
-    """Return the command line that runs a command on a lifeline.
-
-    Args:
-        end: file descriptor of a socket; the process has to inherit it, and to begin a session.
-        words: the command.
-    """
-    return [sys.executable, "-S", "-I", __file__, str(end), *words]
+def watched(words: Sequence[str]) -> list[str]:
+    """Return the command line that runs a command so; its process has to begin a session, with a pipe for stdin."""
+    return [sys.executable, "-S", "-I", __file__, *words]
 
 
 def signal_group(pid: int, number: int) -> bool:
-    """Signal a command on a lifeline, with all that comes from it; 0 asks nothing of it.
+    """Signal a watched command, with all that comes from it; 0 asks nothing of it.
 
     Returns:
         Whether there is something left of it.
@@ -74,9 +66,9 @@ def _begin(early: set[int]) -> None:
         os.kill(os.getpid(), number)
 
 
-def _watch(fd: int, process: subprocess.Popen[bytes]) -> None:
-    """Wait for the launcher's end, then end the group."""
-    os.read(fd, 1)
+def _watch(process: subprocess.Popen[bytes]) -> None:
+    """Wait until the other end of stdin is closed, then end the group."""
+    os.read(0, 1)
     os.killpg(0, signal.SIGINT)
     try:
         process.wait(PATIENCE)
@@ -85,8 +77,4 @@ def _watch(fd: int, process: subprocess.Popen[bytes]) -> None:
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    finally:
-        with suppress(OSError):  # nobody listens any more
-            os.write(int(sys.argv[1]), b".")
+    sys.exit(main())
