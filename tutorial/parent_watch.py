@@ -1,4 +1,4 @@
-"""Runs a command that ends when who has started it does, even when that is killed: ``python parent_watch.py COMMAND...``.
+"""Runs a command that ends when its parent does, even when that is killed: ``python parent_watch.py COMMAND...``.
 
 Standard input is the watch: when who holds its other end is gone, whatever ended it, this process asks the command to
 stop, and kills it if it doesn't. The command and this process are one process group, which can be signalled as a whole;

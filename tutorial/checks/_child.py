@@ -52,14 +52,14 @@ def main() -> NoReturn:
     report = int(sys.argv[1])
     os.set_inheritable(report, False)
     faulthandler.enable(report)
-    lifeline = os.dup(0)
+    parent = os.dup(0)
     with open(0, "rb", closefd=False) as stdin:
         job = msgspec.json.decode(stdin.read(int.from_bytes(stdin.read(8))), type=Job)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     sys.path[:] = job.path
     watch.files = set(job.files)
     os._exit = lambda status: _end(report, status)
-    threading.Thread(target=_watchdog, args=(report, lifeline), name="watchdog", daemon=True).start()
+    threading.Thread(target=_watchdog, args=(report, parent), name="watchdog", daemon=True).start()
     os.environ.update(ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
     os.environ.pop("ROS_STATIC_PEERS", None)
     with reserved_domain(avoid=os.environ.get("ROS_DOMAIN_ID")) as domain:
@@ -85,11 +85,11 @@ def _judge(job: Job, report: int) -> None:
         _find(report, finding)
 
 
-def _watchdog(report: int, lifeline: int) -> None:
+def _watchdog(report: int, parent: int) -> None:
     """Look whether who has asked still lives, and whether a method of the learner's does not return."""
     looks: Counter[tuple[str, int]] = Counter()
     sums: Counter[str] = Counter()
-    while not select.select([lifeline], [], [], LOOK)[0]:
+    while not select.select([parent], [], [], LOOK)[0]:
         faulthandler.dump_traceback_later(HALT, exit=True, file=report)
         running = dict(watch.running)
         looks = Counter({call: looks[call] + 1 for call in running.values()})

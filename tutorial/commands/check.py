@@ -58,11 +58,11 @@ def check(
     from tutorial.commands.checking.messages import Outcome
     from tutorial.commands.checking.sandbox import need_sandbox
 
-    if not no_sandbox:
-        need_sandbox()
     paths = list(_found(notebooks))
     if not paths:
         raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")
+    if not no_sandbox:
+        need_sandbox()
     names = _names(paths)
     done: dict[Path, Submission] = {}
     interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done), duration=math.inf)

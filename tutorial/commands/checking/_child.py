@@ -33,7 +33,7 @@ def main() -> NoReturn:
     for fd in map(int, (report, notebook)):
         os.set_inheritable(fd, False)
     limit(int(seconds), is_sandboxed == "True")
-    threading.Thread(target=_end_with_the_teacher, name="lifeline", daemon=True).start()
+    threading.Thread(target=_end_with_the_teacher, name="parent watch", daemon=True).start()
 
     def tell(message: Message) -> None:
         line = msgspec.json.encode(message) + b"\n"
