@@ -31,14 +31,14 @@ LOOK_EVERY = 10  # messages from one look at how many publish to the next
 SILENT_AFTER = 25  # messages in a row from each of the others: then the publisher that was followed is silent
 
 
-class Finding(NamedTuple):
+class NameList(NamedTuple):
     """Names that have something in common: how many there are, and the first few of them."""
 
     total: int = 0
     names: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, names: Sequence[str]) -> Finding:
+    def of(cls, names: Sequence[str]) -> NameList:
         """Count the names and keep a few, each cut to a bearable length."""
         return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else cls()
 
@@ -55,13 +55,13 @@ class JointReport(NamedTuple):
     another: bool = False  #: the message was not of the publisher that is followed, and was dropped
     restarted: bool = False  #: the stamp stepped far back, so the publisher was started again
     switched: bool = False  #: of several, the one that was followed has fallen silent; from now on this one is followed
-    unknown: Finding = Finding()  #: names that are no joints of the body, or come after ten thousand others
-    duplicate: Finding = Finding()  #: joints that were named more than once; the last entry won
+    unknown: NameList = NameList()  #: names that are no joints of the body, or come after ten thousand others
+    duplicate: NameList = NameList()  #: joints that were named more than once; the last entry won
     short: int = 0  #: how many names came without a position
     long: int = 0  #: how many positions came without a name
-    non_finite: Finding = Finding()  #: joints whose position was NaN or infinite; they keep their last good value
-    huge: Finding = Finding()  #: joints whose position was too large to be shown, beyond 1e9 rad or m; they keep theirs
-    outside: Finding = Finding()  #: joints whose position is outside their range; they are shown as received
+    non_finite: NameList = NameList()  #: joints whose position was NaN or infinite; they keep their last good value
+    huge: NameList = NameList()  #: joints whose position was too large to be shown, beyond 1e9; they keep theirs
+    outside: NameList = NameList()  #: joints whose position is outside their range; they are shown as received
     known: tuple[str, ...] = ()  #: where names are unknown, the first few that are not
 
     @property
@@ -77,7 +77,7 @@ class JointReport(NamedTuple):
     def counts(self) -> dict[str, int]:
         """How many joints or names there are of each kind: numbers that may be summed up over many messages."""
         kinds = ((kind, getattr(self, kind)) for kind in self._fields[1:-1])
-        found = {kind: each.total if isinstance(each, Finding) else int(each) for kind, each in kinds}
+        found = {kind: each.total if isinstance(each, NameList) else int(each) for kind, each in kinds}
         return {"matched": self.matched, **found}
 
     def __str__(self) -> str:
@@ -208,9 +208,9 @@ class JointMatcher:
             joints=tuple(shown),
             restarted=ahead < 0 and not switched,
             switched=switched,
-            non_finite=Finding.of([joint for joint in values if not isfinite(values[joint])]),
-            huge=Finding.of([joint for joint in values if joint not in shown and isfinite(values[joint])]),
-            outside=Finding.of([joint for joint, low, high in limits if not low <= shown.get(joint, low) <= high]),
+            non_finite=NameList.of([joint for joint in values if not isfinite(values[joint])]),
+            huge=NameList.of([joint for joint in values if joint not in shown and isfinite(values[joint])]),
+            outside=NameList.of([joint for joint, low, high in limits if not low <= shown.get(joint, low) <= high]),
         )
 
     def _goes_on(self, ahead: float, positions: dict[str, float]) -> bool:
@@ -229,8 +229,8 @@ class JointMatcher:
         strange = [name for name in names[:MOST_NAMES] if name not in self._limits] + names[MOST_NAMES:]
         usual = JointReport(
             joints=tuple(places),
-            unknown=Finding.of(strange),
-            duplicate=Finding.of(twins),
+            unknown=NameList.of(strange),
+            duplicate=NameList.of(twins),
             short=max(len(names) - length, 0) if length else 0,
             long=max(length - len(names), 0),
             known=tuple(islice(self._limits, 8)) if strange else (),

@@ -42,7 +42,7 @@ def machine(monkeypatch):
         monkeypatch.setattr(doctor, "ask", answered)
         monkeypatch.setattr(doctor, "real_rclpy_exists", lambda: is_real)
         wanted = environment.get("TUTORIAL_ROS", "rclpy" if is_real else "underlay")
-        monkeypatch.setattr(doctor, "choose", lambda: wanted)
+        monkeypatch.setattr(doctor, "install_backend", lambda: wanted)
 
     return machine
 

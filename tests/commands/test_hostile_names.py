@@ -13,7 +13,7 @@ from hostile_peer import BACKWARDS, ESCAPES, FORGED, JOINTS, LONG, NODES, SAID, 
 from programs import until
 
 from tutorial import ros_backend
-from tutorial.ros.topics.names import full_name, shown
+from tutorial.ros.topics.names import escape_name, full_name
 
 pytestmark = [
     pytest.mark.process,
@@ -52,17 +52,17 @@ def harmless(text: str, own: re.Pattern[str] = LAYOUT) -> None:
     assert "Traceback" not in text
 
 
-LISTED = [shown(full_name(*names)) for names in NODES]
+LISTED = [escape_name(full_name(*names)) for names in NODES]
 COMMANDS = [
     (("topic", "list", "-t"), 0, [rf"/\x1b[31mb [{STRING}]", r"/type1 [a\n/forged [\u202egpj", f"//x [{STRING}]"]),
-    (("topic", "info", "-v", "/1abc"), 0, ["Publisher count: 1", f"Node name: {shown(ESCAPES)}"]),
+    (("topic", "info", "-v", "/1abc"), 0, ["Publisher count: 1", f"Node name: {escape_name(ESCAPES)}"]),
     (("topic", "info", "/type0"), 0, [r"Type: \x1b[2J\x1b]0;mine\x07/msg/X"]),
-    (("topic", "info", ESCAPES), 1, [f"Unknown topic '{shown(ESCAPES)}'"]),
+    (("topic", "info", ESCAPES), 1, [f"Unknown topic '{escape_name(ESCAPES)}'"]),
     (("topic", "echo", "--once", SAID), 0, ['data: "\\']),
     (("topic", "echo", "--once", JOINTS), 0, [r"frame_id: <img src=x onerror=window.pwned=1>", f"- {LONG[:128]}..."]),
     (("topic", "echo", "/type0"), 1, [r"The message type '\x1b[2J\x1b]0;mine\x07/msg/X' is invalid"]),
     (("node", "list"), 0, LISTED),
-    (("node", "info", f"/{ESCAPES}"), None, [shown(f"/{ESCAPES}")]),
+    (("node", "info", f"/{ESCAPES}"), None, [escape_name(f"/{ESCAPES}")]),
     (("node", "info", "//x/a/b"), None, ["//x/a/b"]),
     (("doctor",), None, [r"\x1b[2J\x1b]0;mine\x07", r"/forged\u2028\x85b"]),
     (("chaos", "-f", "shuffle", "--from", JOINTS, "/chaos", "--duration", "1"), 0, ["messages hit: "]),

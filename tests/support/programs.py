@@ -20,9 +20,6 @@ from urllib.request import Request, urlopen
 import psutil
 import pytest
 
-from tutorial.commands.checking.sandbox import need_sandbox
-from tutorial.errors import TutorialError
-
 TANK = str(Path(sys.executable).parent / "tank")
 PATIENCE = 60.0
 """How long a condition may take to come true [s]: long, for both cores may be busy. Only a failing test waits that
@@ -127,6 +124,9 @@ class Program:
 
 def need_sandbox_here() -> None:
     """Skip the test where there is no sandbox, and say why; in CI (CI=true) the program for it has to be there."""
+    from tutorial.commands.checking.sandbox import need_sandbox
+    from tutorial.errors import TutorialError
+
     try:
         need_sandbox()
     except TutorialError as error:

@@ -21,7 +21,7 @@ from tutorial.paths import find_project
 from tutorial.project import Project
 from tutorial.view import replay
 from tutorial.view.bodies import View
-from tutorial.view.replay import Recorder, recorded
+from tutorial.view.replay import ReplayRecorder, recorded
 from tutorial.view.scene import Scene
 
 BALL = mujoco.MjModel.from_xml_string(
@@ -39,7 +39,7 @@ class Stage:
         self.view = View(self.scene)
         self.view.add("Ball", BALL)
         self.data = mujoco.MjData(BALL)
-        self.recorder = Recorder(self.scene, lambda: self.time, lambda: {"Ball x": self.data.qpos[0]}, **options)
+        self.recorder = ReplayRecorder(self.scene, lambda: self.time, lambda: {"Ball x": self.data.qpos[0]}, **options)
 
     def move(self, time, x):
         self.time = 5.0 + time

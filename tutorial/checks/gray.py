@@ -274,7 +274,7 @@ class Order(NamedTuple):
     deliver: Callable[[], None]
 
 
-class Scene(Rig):
+class CameraRig(Rig):
     """A rig with a camera, whose pictures come later, and on which some are missed.
 
     Args:
@@ -320,7 +320,7 @@ class Scene(Rig):
                 order.deliver()
 
 
-def pictures(rig: Scene, sent: list[Sent]) -> Any:
+def pictures(rig: CameraRig, sent: list[Sent]) -> Any:
     """Observe whether each message holds the picture that was delivered, in gray."""
     seen = [[*each.message.data] for each in sent]
     wanted = [order.pixels.mean(axis=2).astype(np.uint8).ravel().tolist() for order in rig.delivered]
@@ -335,7 +335,7 @@ def say(data: list[int]) -> str:
     return f"{len(data)} bytes ({', '.join(map(str, data[:6]))}{', …' * (len(data) > 6)})"
 
 
-PUBLISHING = Publishing(Image, "camera/gray", 5, Scene, pictures, "steps_per_picture", "time_ns")
+PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "steps_per_picture", "time_ns")
 
 
 def late(answer: type) -> Any:

@@ -23,7 +23,7 @@ from typing import Any, Literal, NamedTuple
 from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.paths import PACKAGE
-from tutorial.ros.backend import choose, real_rclpy_exists
+from tutorial.ros.backend import install_backend, real_rclpy_exists
 from tutorial.ros.domains import LAST
 
 __all__ = ["doctor"]
@@ -173,7 +173,7 @@ def backend() -> Iterator[Diagnosis]:
     """Say which ROS 2 is in use, and why."""
     wanted, distro = os.environ.get("TUTORIAL_ROS"), os.environ.get("ROS_DISTRO")
     try:
-        chosen = choose()
+        chosen = install_backend()
     except TutorialError as error:
         yield Diagnosis("problem", str(error), "unset TUTORIAL_ROS")
         return
@@ -304,7 +304,7 @@ def _nodes() -> tuple[bool, list[str]]:
 
     with ros.NodeThread("_doctor") as thread:
         is_known = asyncio.run(look(thread.node))
-        return is_known, [names.shown(name) for name in topics.node_names(thread.node)]
+        return is_known, [names.escape_name(name) for name in topics.node_names(thread.node)]
 
 
 QUESTIONS: dict[str, Callable[[], Any]] = {"mujoco": _mujoco, "rclpy": _rclpy, "nodes": _nodes}

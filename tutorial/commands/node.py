@@ -32,13 +32,13 @@ def node() -> None:
 async def list_nodes(asker: MeteredNode) -> None:
     """List the nodes there are, in all programs."""
     from tutorial.ros.topics import node_names, wait_for_graph
-    from tutorial.ros.topics.names import shown
+    from tutorial.ros.topics.names import escape_name
 
     await wait_for_graph(asker)
     names = node_names(asker)
     if len(set(names)) < len(names):
         say(f"{SAME_NAME}\n", err=True)
-    say("".join(f"{shown(name)}\n" for name in names))
+    say("".join(f"{escape_name(name)}\n" for name in names))
 
 
 @node.command()

@@ -15,7 +15,7 @@ from typing import Literal, cast
 
 from tutorial.errors import TutorialError, did_you_mean
 
-__all__ = ["choose", "promise", "ros_backend"]
+__all__ = ["install_backend", "promise", "ros_backend"]
 
 Backend = Literal["rclpy", "underlay"]
 
@@ -24,11 +24,11 @@ UNDERLAY = Path(__file__).parent / "underlay"
 
 def ros_backend() -> Backend:
     """Say which ROS 2 this process uses: ``"rclpy"``, a real one, or ``"underlay"``, the embedded one."""
-    return choose()
+    return install_backend()
 
 
 @cache
-def choose() -> Backend:
+def install_backend() -> Backend:
     """Decide once, and make ``import rclpy`` and the messages work accordingly.
 
     The environment variable ``TUTORIAL_ROS`` decides by hand. Otherwise a real rclpy wins; one that is there but broken
@@ -52,7 +52,7 @@ def promise() -> None:
     A wrong ``TUTORIAL_ROS`` is no error of ``import tutorial``: without rclpy, ``tank doctor`` can still say so.
     """
     try:
-        choose()
+        install_backend()
     except TutorialError as error:
         sys.meta_path.insert(0, _Refusal(str(error)))
 

@@ -24,7 +24,7 @@ from tutorial.view.animation import Frame, animated, lines
 from tutorial.view.assets import STATIC, read_static, zipped_viewer
 from tutorial.view.scene import Scene
 
-__all__ = ["Recorder", "Replay", "recorded"]
+__all__ = ["Replay", "ReplayRecorder", "recorded"]
 
 _log = logging.getLogger(__name__)
 
@@ -95,7 +95,7 @@ def style() -> str:
     return read_static(*STYLES)
 
 
-class Recorder:
+class ReplayRecorder:
     """Puts a scene's messages away, each with its time. It belongs to the scene's thread.
 
     Args:
@@ -174,7 +174,7 @@ def recorded(
         raise TutorialError(f"there is no folder {path.parent} to write {path.name} to. Make it first.")
     with _told(path), path.open("a"):  # what is there already stays until the run is over
         pass
-    recorder = Recorder(scene, seconds, joints, longest_pause)
+    recorder = ReplayRecorder(scene, seconds, joints, longest_pause)
     try:
         yield
     finally:

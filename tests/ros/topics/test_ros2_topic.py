@@ -24,7 +24,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics import topic_echo, topic_hz, topic_info, topic_list, wait_for_graph
 from tutorial.ros.topics.message_yaml import field_text, message_to_yaml
-from tutorial.ros.topics.names import is_valid_topic, message_class, shown
+from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
 from tutorial.ros.topics.qos import compromises, reader_qos
 
 JOINT_STATE = "/Tank/joint_state"
@@ -318,8 +318,8 @@ class TestYaml:
 
 class TestNames:
     def test_a_name_is_shown_up_to_the_longest_of_ros_2(self):
-        assert shown("/" + "a" * 254) == "/" + "a" * 254
-        assert shown("\x1b" + "a" * 1254) == r"\x1b" + "a" * 254 + "... and 1,000 more characters"
+        assert escape_name("/" + "a" * 254) == "/" + "a" * 254
+        assert escape_name("\x1b" + "a" * 1254) == r"\x1b" + "a" * 254 + "... and 1,000 more characters"
 
     @pytest.mark.parametrize("topic", ["/1abc", "/a/", "//x", "/", "/<b>x</b>", "/half\ud800", "joy"])
     def test_topics_that_break_the_rules(self, topic):

@@ -8,12 +8,12 @@ import anywidget
 import msgspec
 import traitlets
 
-__all__ = ["CellWidget", "understood"]
+__all__ = ["CellWidget", "parse_message"]
 
 T = TypeVar("T")
 
 
-def understood(content: object, kind: type[T]) -> T | None:
+def parse_message(content: object, kind: type[T]) -> T | None:
     """Read a message of a page; None for one that makes no sense. Any thread.
 
     Args:

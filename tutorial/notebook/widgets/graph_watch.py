@@ -14,7 +14,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.listing import topics_with_types
-from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name, is_hidden, is_valid_topic, message_class, shown
+from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name, full_name, is_hidden, is_valid_topic, message_class
 
 __all__ = ["GraphWatch", "TopicNews", "Topology"]
 
@@ -42,7 +42,7 @@ class TopicNews:
 
 @dataclass(frozen=True)
 class Topology:
-    """The node graph at one moment, without what is hidden; all names are as `shown`.
+    """The node graph at one moment, without what is hidden; all names are as `escape_name`.
 
     Attributes:
         nodes: how many nodes have each full name.
@@ -75,7 +75,7 @@ class GraphWatch:
         Of very many topics, those that it has looked into before come first, whoever brings others.
         """
         names = (full_name(name, space) for name, space in self._node.get_node_names_and_namespaces())
-        nodes = Counter(sorted(shown(name) for name in names if not is_hidden(name)))
+        nodes = Counter(sorted(escape_name(name) for name in names if not is_hidden(name)))
         found = {topic: types for topic, types in topics_with_types(self._node).items() if topic not in EVERY_NODE_HAS}
         chosen = sorted(sorted(found, key=lambda topic: topic not in self._known)[:MOST_TOPICS])
         news = {topic: self._news(topic, found[topic]) for topic in chosen}
@@ -83,14 +83,14 @@ class GraphWatch:
         for topic in tuple(self._meters):
             if topic not in news or not news[topic].publishers:
                 self._meters.pop(topic).close()
-        topics = {shown(topic): each for topic, each in news.items() if topic in self._known}
+        topics = {escape_name(topic): each for topic, each in news.items() if topic in self._known}
         return Topology(dict(nodes), topics, len(found) - len(chosen))
 
     def _news(self, topic: str, types: list[str]) -> TopicNews:
         publishers = _visible(publishers_on(self._node, topic))
         subscribers = _visible(subscriptions_on(self._node, topic))
         rate = self._rate(topic, types) if publishers and self._rates else None
-        return TopicNews(", ".join(map(shown, types)), rate, publishers, subscribers)
+        return TopicNews(", ".join(map(escape_name, types)), rate, publishers, subscribers)
 
     def _rate(self, topic: str, types: list[str]) -> float | None:
         """How often a topic's messages come; from the first time on that this is asked."""
@@ -136,4 +136,4 @@ class _RateMeter:
 def _visible(infos: list[TopicEndpointInfo]) -> tuple[str, ...]:
     """The full names of the nodes that endpoints belong to, each once."""
     names = {full_name(info.node_name, info.node_namespace) for info in infos}
-    return tuple(sorted(shown(name) for name in names if not is_hidden(name)))
+    return tuple(sorted(escape_name(name) for name in names if not is_hidden(name)))

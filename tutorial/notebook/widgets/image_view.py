@@ -15,7 +15,7 @@ from sensor_msgs.msg import Image
 
 from tutorial.errors import printable, running_loop
 from tutorial.handoff import CallQueue
-from tutorial.notebook.widgets.cell_widget import CellWidget, understood
+from tutorial.notebook.widgets.cell_widget import CellWidget, parse_message
 from tutorial.ros.node_thread import NodeThread
 from tutorial.view.assets import read_static
 
@@ -136,7 +136,7 @@ class ImageView(CellWidget):
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says: on whatever thread, so what belongs to the main thread is posted."""
-        match understood(content, _Words):
+        match parse_message(content, _Words):
             case _Words(type="hello", view=view):
                 self._scope.call_latest(("hello", view), self._welcome, view)
             case _Words(type="drawn", view=view, frame=frame):

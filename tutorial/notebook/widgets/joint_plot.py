@@ -17,7 +17,7 @@ from tutorial.errors import TutorialError
 from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.chart import Axes, Point, thin
 from tutorial.notebook.widgets.live_picture import LivePicture
-from tutorial.ros.topics.names import shown
+from tutorial.ros.topics.names import escape_name
 
 __all__ = ["JointPlot"]
 
@@ -35,7 +35,7 @@ RESTART = 1.0  # [s] by which the time steps back when its publisher has been st
 
 
 class _Sample(NamedTuple):
-    """What one message said, at its time [s]; the joints' names are as `shown`."""
+    """What one message said, at its time [s]; the joints' names are as `escape_name`."""
 
     time: float
     positions: dict[str, float]
@@ -118,7 +118,7 @@ class _History:
         if self._samples and moment < self._samples[-1].time - RESTART:
             self._samples.clear()
         named = islice(zip(message.name, message.position), NAMES_KEPT)
-        self._samples.append(_Sample(moment, {shown(name): position for name, position in named}))
+        self._samples.append(_Sample(moment, {escape_name(name): position for name, position in named}))
 
     def recent(self) -> list[_Sample]:
         """The samples of the last seconds."""

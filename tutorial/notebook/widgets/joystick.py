@@ -13,7 +13,7 @@ from sensor_msgs.msg import Joy
 
 from tutorial.commands.joystick import NEUTRAL, RATE, joy_message
 from tutorial.handoff import Latest
-from tutorial.notebook.widgets.cell_widget import CellWidget, understood
+from tutorial.notebook.widgets.cell_widget import CellWidget, parse_message
 from tutorial.ros.node_thread import NodeThread
 from tutorial.view.assets import read_static
 
@@ -91,7 +91,7 @@ class Joystick(CellWidget):
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says, on whatever thread, and leave it for the node's."""
-        said = understood(content, _Sticks)
+        said = parse_message(content, _Sticks)
         if said is not None:
             axes = tuple(max(-1.0, min(axis, 1.0)) for axis in said.axes)
             self._held.put(_Held(axes, tuple(int(button != 0) for button in said.buttons), self._clock()))

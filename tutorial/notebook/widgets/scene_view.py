@@ -11,7 +11,7 @@ import traitlets
 
 from tutorial.errors import TutorialError, running_loop
 from tutorial.handoff import CallQueue
-from tutorial.notebook.widgets.cell_widget import CellWidget, understood
+from tutorial.notebook.widgets.cell_widget import CellWidget, parse_message
 from tutorial.view.assets import read_static, zipped_viewer
 from tutorial.view.scene import Record, Scene, pack_record, unpack_command, unpack_records
 
@@ -113,7 +113,7 @@ class SceneView(CellWidget):
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says: on whatever thread, so what touches the scene is posted."""
-        match understood(content, _Words):
+        match parse_message(content, _Words):
             case _Words(type="library"):
                 self._scope.call_latest("library", lambda: self.say("library", [zipped_viewer()]))
             case _Words(type="hello", view=view):

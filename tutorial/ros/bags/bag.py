@@ -17,7 +17,7 @@ from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.metadata import read_metadata
 from tutorial.ros.bags.sqlite import SqliteReader
 from tutorial.ros.bags.storage import MOST_FAULTS, SUFFIXES, Channel, Damaged, FileReader
-from tutorial.ros.topics.names import message_class, shown
+from tutorial.ros.topics.names import escape_name, message_class
 
 __all__ = ["Bag", "BagTopic"]
 
@@ -105,8 +105,8 @@ class Bag:
             TutorialError: there is no such topic.
         """
         if topic not in self.channels:
-            known = [shown(name) for name in self.channels]
-            raise TutorialError(f"there is no topic '{shown(topic)}' in this bag.{did_you_mean(topic, known)}")
+            known = [escape_name(name) for name in self.channels]
+            raise TutorialError(f"there is no topic '{escape_name(topic)}' in this bag.{did_you_mean(topic, known)}")
         return self.channels[topic]
 
     def messages(
@@ -127,7 +127,7 @@ class Bag:
             try:
                 message = deserialize_message(payload, kinds[name])
             except Exception as error:  # noqa: BLE001 - a real rclpy raises of many kinds
-                self._say(f"a message on {shown(name)} cannot be decoded: {printable(str(error))[:200]}")
+                self._say(f"a message on {escape_name(name)} cannot be decoded: {printable(str(error))[:200]}")
                 continue
             yield name, time, message
 
@@ -147,7 +147,7 @@ class Bag:
                     if len(payload) >= CDR_HEAD:
                         yield names[number], time, payload
                     else:
-                        self._say(f"a message on {shown(names[number])} is empty")
+                        self._say(f"a message on {escape_name(names[number])} is empty")
 
     def _chosen(self, topics: Collection[str] | None) -> set[str]:
         return set(self.channels) if topics is None else {self.channel(name).topic for name in topics}
@@ -174,16 +174,16 @@ class Bag:
         try:
             reader = READERS[file.suffix](file)
         except Damaged as damaged:
-            self._say(f"{shown(file.name)}: {damaged}")
+            self._say(f"{escape_name(file.name)}: {damaged}")
         except OSError as error:
-            self._say(f"{shown(file.name)} cannot be read: {error.strerror}")
+            self._say(f"{escape_name(file.name)} cannot be read: {error.strerror}")
         try:
             yield reader
         finally:
             if reader is not None:
                 reader.close()
                 for fault in reader.faults:
-                    self._say(f"{shown(file.name)}: {fault}")
+                    self._say(f"{escape_name(file.name)}: {fault}")
 
     def _say(self, fault: str) -> None:
         if len(self._faults) >= MOST_FAULTS and fault not in self._faults:
@@ -228,7 +228,7 @@ class Bag:
         listed = told.get("relative_file_paths")
         wanted = [PurePath(str(name)).name for name in listed[:MOST_FILES]] if isinstance(listed, list) else []
         if missing := [name for name in wanted if name not in names]:
-            self._say(f"{len(missing):,} of its files are missing, the first is {shown(missing[0])}")
+            self._say(f"{len(missing):,} of its files are missing, the first is {escape_name(missing[0])}")
 
 
 def _number(path: Path) -> tuple[int, str]:

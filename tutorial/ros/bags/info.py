@@ -6,7 +6,7 @@ import time
 
 from tutorial.errors import printable
 from tutorial.ros.bags.bag import Bag
-from tutorial.ros.topics.names import shown
+from tutorial.ros.topics.names import escape_name
 
 __all__ = ["bag_info"]
 
@@ -17,8 +17,8 @@ UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
 def bag_info(bag: Bag) -> str:
     """Return what ``ros2 bag info`` prints; the topics are in the order of their names."""
     topics = [
-        f"Topic: {shown(topic.name)} | Type: {shown(topic.type)} | Count: {topic.count} | "
-        f"Serialization Format: {shown(bag.channels[topic.name].encoding)}"
+        f"Topic: {escape_name(topic.name)} | Type: {escape_name(topic.type)} | Count: {topic.count} | "
+        f"Serialization Format: {escape_name(bag.channels[topic.name].encoding)}"
         for topic in bag.topics
     ]
     lines = {

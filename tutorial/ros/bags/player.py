@@ -18,7 +18,7 @@ from rosgraph_msgs.msg import Clock
 from tutorial.errors import TutorialError
 from tutorial.ros.bags.bag import Bag
 from tutorial.ros.bags.metadata import offered
-from tutorial.ros.topics.names import is_valid_topic, message_class, shown
+from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
 
 __all__ = ["Player"]
 
@@ -135,7 +135,7 @@ class Player:
         except RuntimeError as error:
             if topic not in self._refused:
                 self._refused.add(topic)
-                _log.warning("a message on %s is not played, and others like it: %s", shown(topic), error)
+                _log.warning("a message on %s is not played, and others like it: %s", escape_name(topic), error)
 
     def _tick(self, now_ns: int) -> None:
         """Publish the time of the bag."""
@@ -178,8 +178,8 @@ class Player:
                 if not is_valid_topic(topic):
                     raise TutorialError("the name breaks the rules of ROS 2")
                 if channel.encoding != "cdr":
-                    raise TutorialError(f"its messages are {shown(channel.encoding)!r}, and not 'cdr'")
+                    raise TutorialError(f"its messages are {escape_name(channel.encoding)!r}, and not 'cdr'")
                 playable[topic] = message_class(channel.type_name), offered(channel.qos)
             except TutorialError as error:
-                _log.warning("topic %s is not played: %s", shown(topic), error)
+                _log.warning("topic %s is not played: %s", escape_name(topic), error)
         return playable

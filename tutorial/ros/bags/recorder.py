@@ -24,7 +24,7 @@ from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_TOPICS, Channel
 from tutorial.ros.bags.writer import BagWriter
 from tutorial.ros.topics.endpoints import publishers_on
 from tutorial.ros.topics.listing import topics_with_types
-from tutorial.ros.topics.names import full_topic, is_valid_topic, message_class, shown
+from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, message_class
 from tutorial.ros.topics.qos import reader_qos
 
 __all__ = ["Recorder"]
@@ -204,7 +204,7 @@ class Recorder:
             kind = self._kind(topic, types)
         except TutorialError as error:
             self._refused.add(topic)
-            _log.warning("topic %s is not recorded: %s", shown(topic), error)
+            _log.warning("topic %s is not recorded: %s", escape_name(topic), error)
             return
         number = len(self._subscriptions) + 1
         qos = qos_text(info.qos_profile for info in publishers[:MOST_PROFILES])
@@ -214,7 +214,7 @@ class Recorder:
             kind, topic, partial(self._on_message, number), self._request(topic), raw=True
         )
         self._writer.add_channel(Channel(number, topic, types[0], "cdr", qos, definition, type_hash))
-        _log.info("recording %s", shown(topic))
+        _log.info("recording %s", escape_name(topic))
 
     def _kind(self, topic: str, types: list[str]) -> Any:
         """Return the class of a topic's messages.
@@ -225,7 +225,7 @@ class Recorder:
         if not is_valid_topic(topic):
             raise TutorialError("its name breaks the rules of ROS 2")
         if len(types) > 1:
-            raise TutorialError(f"it has several types, {', '.join(map(shown, types[:10]))}")
+            raise TutorialError(f"it has several types, {', '.join(map(escape_name, types[:10]))}")
         if len(self._subscriptions) >= MOST_TOPICS:
             raise TutorialError(f"there are more than {MOST_TOPICS:,} topics")
         return message_class(types[0])

@@ -18,7 +18,7 @@ from rclpy.node import Node
 from tutorial.errors import TutorialError
 from tutorial.handoff import CallQueue
 from tutorial.ros.topics.message_yaml import field_text
-from tutorial.ros.topics.names import message_class, shown
+from tutorial.ros.topics.names import escape_name, message_class
 from tutorial.ros.topics.qos import reader_qos
 
 __all__ = ["NO_TYPE", "not_published", "topic_echo", "topic_hz", "type_of"]
@@ -188,14 +188,14 @@ def type_of(node: Node, topic: str) -> str | None:
     """
     types = dict(node.get_topic_names_and_types()).get(topic, [])
     if len(types) > 1:
-        names = ", ".join(map(shown, types))
-        raise TutorialError(f"Cannot echo topic '{shown(topic)}', as it contains more than one type: [{names}]")
+        names = ", ".join(map(escape_name, types))
+        raise TutorialError(f"Cannot echo topic '{escape_name(topic)}', as it contains more than one type: [{names}]")
     return types[0] if types else None
 
 
 def not_published(topic: str) -> str:
     """Say that there is no such topic, in the words of ``ros2``."""
-    return f"WARNING: topic [{shown(topic)}] does not appear to be published yet"
+    return f"WARNING: topic [{escape_name(topic)}] does not appear to be published yet"
 
 
 def _rate_text(intervals: deque[float]) -> str:

@@ -1,7 +1,7 @@
 """Which topics there are and who is on them: ``ros2 topic list`` and ``info``, as text.
 
 The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. Names stand in
-the texts as `shown`: ``ros2`` has them as they come.
+the texts as `escape_name`: ``ros2`` has them as they come.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
-from tutorial.ros.topics.names import is_hidden, shown
+from tutorial.ros.topics.names import escape_name, is_hidden
 
 __all__ = ["topic_info", "topic_list", "topics_with_types"]
 
@@ -40,7 +40,7 @@ def topic_list(node: Node, show_types: bool = False) -> str:
         One line for each topic.
     """
     lines = (
-        f"{shown(topic)} [{', '.join(map(shown, types))}]\n" if show_types else f"{shown(topic)}\n"
+        f"{escape_name(topic)} [{', '.join(map(escape_name, types))}]\n" if show_types else f"{escape_name(topic)}\n"
         for topic, types in topics_with_types(node).items()
     )
     return "".join(lines)
@@ -59,9 +59,13 @@ def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
     """
     types = topics_with_types(node, include_hidden=True).get(topic)
     if types is None:
-        raise TutorialError(f"Unknown topic '{shown(topic)}'")
+        raise TutorialError(f"Unknown topic '{escape_name(topic)}'")
     publishers, subscriptions = publishers_on(node, topic), subscriptions_on(node, topic)
-    kind = shown(types[0]) if len(types) == 1 else "[{}]".format(", ".join(f"'{shown(name)}'" for name in types))
+    kind = (
+        escape_name(types[0])
+        if len(types) == 1
+        else "[{}]".format(", ".join(f"'{escape_name(name)}'" for name in types))
+    )
     parts = [f"Type: {kind}", f"Publisher count: {len(publishers)}"]
     parts += [_endpoint_text(info) for info in publishers if verbose]
     parts += [f"Subscription count: {len(subscriptions)}"]
@@ -76,9 +80,9 @@ def _endpoint_text(info: TopicEndpointInfo) -> str:
     depth = f" ({qos.depth})" if qos.history == HistoryPolicy.KEEP_LAST else ""
     return "\n".join(
         (
-            f"Node name: {shown(info.node_name)}",
-            f"Node namespace: {shown(info.node_namespace)}",
-            f"Topic type: {shown(info.topic_type)}",
+            f"Node name: {escape_name(info.node_name)}",
+            f"Node namespace: {escape_name(info.node_namespace)}",
+            f"Topic type: {escape_name(info.topic_type)}",
             f"Topic type hash: {info.topic_type_hash}",
             f"Endpoint type: {info.endpoint_type.name}",
             f"GID: {'.'.join(f'{byte:02x}' for byte in info.endpoint_gid)}",

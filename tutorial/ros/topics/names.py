@@ -21,13 +21,13 @@ from tutorial.errors import TutorialError, printable
 __all__ = [
     "EVERY_NODE_HAS",
     "LONGEST_NAME",
+    "escape_name",
     "full_name",
     "full_topic",
     "is_hidden",
     "is_message",
     "is_valid_topic",
     "message_class",
-    "shown",
 ]
 
 LONGEST_NAME = 255
@@ -42,7 +42,7 @@ def full_name(name: str, namespace: str) -> str:
     return f"{namespace.rstrip('/')}/{name}"
 
 
-def shown(name: str) -> str:
+def escape_name(name: str) -> str:
     """Return a name as it may be printed: no more of it than ROS 2's longest, and what is not visible as escapes.
 
     Args:
@@ -104,7 +104,7 @@ def message_class(type_name: str) -> Any:
     except (ValueError, TypeError, ImportError, AttributeError):
         pass
     if not is_message(found):
-        raise TutorialError(f"The message type '{shown(type_name)}' is invalid")
+        raise TutorialError(f"The message type '{escape_name(type_name)}' is invalid")
     return found
 
 

@@ -1,7 +1,7 @@
 """Which nodes there are and what each does: ``ros2 node list`` and ``info``, as text.
 
 The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. Names stand in
-the texts as `shown`: ``ros2`` has them as they come.
+the texts as `escape_name`: ``ros2`` has them as they come.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 from rclpy.node import Node
 
 from tutorial.errors import TutorialError, printable
-from tutorial.ros.topics.names import full_name, is_hidden, shown
+from tutorial.ros.topics.names import escape_name, full_name, is_hidden
 
 __all__ = ["node_info", "node_names"]
 
@@ -44,12 +44,12 @@ def node_info(node: Node, name: str) -> str:
     found = node.get_node_names_and_namespaces()
     named = [who for who in found if full_name(*who) == name and not who[0].startswith("_")]
     if not named:
-        raise TutorialError(f"Unable to find node '{shown(name)}'")
+        raise TutorialError(f"Unable to find node '{escape_name(name)}'")
     try:
         sections = _sections(node, named[0])
     except (RuntimeError, ValueError) as error:  # it has gone, or its name breaks the rules
-        raise TutorialError(f"nothing can be said of node '{shown(name)}': {printable(str(error))}") from error
-    return f"{shown(name)}\n" + "".join(_section(title, has) for title, has in sections.items())
+        raise TutorialError(f"nothing can be said of node '{escape_name(name)}': {printable(str(error))}") from error
+    return f"{escape_name(name)}\n" + "".join(_section(title, has) for title, has in sections.items())
 
 
 def _sections(node: Node, who: tuple[str, str]) -> dict[str, NamesAndTypes]:
@@ -73,7 +73,7 @@ def _sections(node: Node, who: tuple[str, str]) -> dict[str, NamesAndTypes]:
 def _section(title: str, names_and_types: NamesAndTypes) -> str:
     """One section; an empty one has an empty line."""
     told = (item for item in names_and_types if not is_hidden(item[0]))
-    lines = [f"    {shown(name)}: {', '.join(map(shown, types))}" for name, types in told]
+    lines = [f"    {escape_name(name)}: {', '.join(map(escape_name, types))}" for name, types in told]
     return "\n".join((f"  {title}:", *(lines or [""]))) + "\n"
 
 
