@@ -5,6 +5,7 @@ These sentences are no interface. Where one is another, an exception speaks for 
 
 from __future__ import annotations
 
+import dis
 import inspect
 import re
 from collections.abc import Sequence
@@ -145,11 +146,9 @@ def _unset(answer: type, name: str) -> str:
         if code is not None and name in code.co_varnames[code.co_argcount :]:
             return f"Most likely self is missing in {method}: self.{name} = ..."
     life = _LIFE if issubclass(answer, SimpleController) else "let __init__ set it."
-    is_set = any(code is not None and name in code.co_names for method, code in codes.items() if method in _BEFORE)
+    steps = [step for code in codes.values() if code is not None for step in dis.get_instructions(code)]
+    is_set = any(step.opname == "STORE_ATTR" and step.argval == name for step in steps)
     return f"Most likely {_UNSET + life if is_set else _KEEP.get(name, _UNSET + life)}"
-
-
-_BEFORE = ("__init__", "configure", "initialize")
 
 
 def _what_there_is(owner: Any, name: str) -> str:
