@@ -79,7 +79,7 @@ def test_the_first_signal_asks_and_the_second_ends_it_at_once(monkeypatch, heard
 
     monkeypatch.setattr(os, "_exit", happened.append)
     with pytest.raises(RuntimeError, match="at once"):
-        terminal._end(iter(heard), lambda: fail("asked"), lambda: fail("at once"))
+        terminal._end(iter(heard).__next__, lambda: fail("asked"), lambda: fail("at once"))
     assert happened == ["asked", "at once", status]
 
 

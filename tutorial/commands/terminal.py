@@ -12,7 +12,6 @@ import time
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
-from itertools import count
 from typing import Any
 
 import click
@@ -32,6 +31,7 @@ __all__ = [
     "with_bar",
 ]
 
+ENDINGS = (signal.SIGINT, signal.SIGTERM)
 INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
 
 
@@ -79,19 +79,21 @@ def handle_signals(
     """
     read_end, write_end = os.pipe()
     os.set_blocking(write_end, False)
-    signal.set_wakeup_fd(write_end, warn_on_full_buffer=False)
-    for number in (signal.SIGINT, signal.SIGTERM, *[signal.SIGHUP] * hangup):
+    signal.set_wakeup_fd(write_end, warn_on_full_buffer=False)  # Python writes the number of each signal there
+    for number in (*ENDINGS, *[signal.SIGHUP] * hangup):
         signal.signal(number, lambda *_: None)
-    heard = (os.read(read_end, 1)[0] for _ in count())
-    threading.Thread(target=_end, args=(heard, ask, at_once), name="endings", daemon=True).start()
+    heard = (lambda: os.read(read_end, 1)[0], ask, at_once)
+    threading.Thread(target=_end, args=heard, name="endings", daemon=True).start()
 
 
-def _end(heard: Iterator[int], ask: Callable[[], object], at_once: Callable[[], object]) -> None:
-    endings = (signal.SIGINT, signal.SIGTERM)
-    next(number for number in heard if number in (*endings, signal.SIGHUP))
+def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[], object]) -> None:
+    """Wait for a signal that asks, and then for one that ends."""
+    while hear() not in (*ENDINGS, signal.SIGHUP):
+        pass
     with suppress(Exception):
         ask()
-    number = next(number for number in heard if number in endings)
+    while (number := hear()) not in ENDINGS:
+        pass
     try:
         at_once()
     finally:
