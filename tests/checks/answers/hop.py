@@ -6,12 +6,10 @@ import asyncio
 import time
 
 import numpy as np
-import pytest
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import Imu
 
 from tutorial.checks.hop import HopViewer
-from tutorial.checks.imu_subscriber import hop
 
 
 class Task(HopViewer):
@@ -74,10 +72,7 @@ class ByTheLoop(HopViewer):
         super().unconfigure()
 
 
-@pytest.mark.parametrize("answer", [Task, Ticking, ByTheLoop])
-def test_right_answers_are_right(answer, domain):
-    verdict = hop.judge(answer)
-    assert verdict.right, str(verdict)
+RIGHT = [Task, Ticking, ByTheLoop]
 
 
 def changed(**methods):
@@ -96,20 +91,14 @@ def posts_at_once(self, message):
     self.call_later(self.update(message))
 
 
-@pytest.mark.parametrize(
-    ("answer", "cause"),
-    [
-        (changed(update=never_awaited), "a plain function, def"),
-        (changed(update=lambda self, _: time.sleep(0.5)), "Leave out what sleeps"),
-        (changed(update=lambda self, _: asyncio.get_running_loop().call_later(0.5, self.land())), "parentheses call"),
-        (
-            changed(update=lambda self, _: setattr(self, "timer", asyncio.create_task(fails(self)))),
-            "Mend this line first",
-        ),
-        (changed(on_imu=lambda self, m: asyncio.get_running_loop().call_soon(self.update, m)), "another thread than"),
-        (changed(on_imu=posts_at_once), "the parentheses call it at once"),
-    ],
-)
-def test_what_no_edit_tells_has_a_cause_too(answer, cause, domain):
-    verdict = hop.judge(answer)
-    assert cause in verdict.causes[0], str(verdict)
+WRONG = [
+    (changed(update=never_awaited), "a plain function, def"),
+    (changed(update=lambda self, _: time.sleep(0.5)), "Leave out what sleeps"),
+    (changed(update=lambda self, _: asyncio.get_running_loop().call_later(0.5, self.land())), "parentheses call"),
+    (
+        changed(update=lambda self, _: setattr(self, "timer", asyncio.create_task(fails(self)))),
+        "Mend this line first",
+    ),
+    (changed(on_imu=lambda self, m: asyncio.get_running_loop().call_soon(self.update, m)), "another thread than"),
+    (changed(on_imu=posts_at_once), "the parentheses call it at once"),
+]

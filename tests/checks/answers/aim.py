@@ -6,9 +6,8 @@ import time
 from dataclasses import InitVar, dataclass
 
 import numpy as np
-import pytest
 
-from tutorial.checks.aim import HeldJoint, aim
+from tutorial.checks.aim import HeldJoint
 
 
 class InOneMethodEach:
@@ -53,10 +52,7 @@ class ADataclass:
         self.held.aim(max(-1, min(stick, 1)))
 
 
-@pytest.mark.parametrize("answer", [InOneMethodEach, ByTheJointsVelocity, StopsAtTheEnd, ADataclass])
-def test_right_answers_are_right(answer):
-    verdict = aim.judge(answer)
-    assert verdict.right, str(verdict)
+RIGHT = [InOneMethodEach, ByTheJointsVelocity, StopsAtTheEnd, ADataclass]
 
 
 class SetsPosition(HeldJoint):
@@ -109,23 +105,11 @@ class ReferenceOfTheClass(HeldJoint):
         ReferenceOfTheClass.reference = self.q_ref
 
 
-class Raises(HeldJoint):
-    def aim(self, stick):
-        self.joint.torque = 200 * stick
-
-
-@pytest.mark.parametrize(
-    ("answer", "cause"),
-    [
-        (SetsPosition, "set as joint.position"),
-        (SomethingElse, "Compare with torque"),
-        (TypedRange, "the ends of the range are written down"),
-        (OneSpeedPerMillisecond, "the time step is written down"),
-        (ByTheClock, "the computer's clock is asked"),
-        (ReferenceOfTheClass, "ReferenceOfTheClass.reference is shared by all objects"),
-        (Raises, "A Joint has effort, name, position, range, velocity."),
-    ],
-)
-def test_what_no_edit_tells_has_a_cause_too(answer, cause):
-    verdict = aim.judge(answer)
-    assert [cause in named for named in verdict.causes] == [True], str(verdict)
+WRONG = [
+    (SetsPosition, "set as joint.position"),
+    (SomethingElse, "Compare with torque"),
+    (TypedRange, "the ends of the range are written down"),
+    (OneSpeedPerMillisecond, "the time step is written down"),
+    (ByTheClock, "the computer's clock is asked"),
+    (ReferenceOfTheClass, "ReferenceOfTheClass.reference is shared by all objects"),
+]

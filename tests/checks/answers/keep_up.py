@@ -1,0 +1,52 @@
+"""The exercise `keep_up`: right answers in their styles, and what no edit of the solution tells."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from tutorial.checks.joint_state_subscriber import CalmViewer
+
+
+class WithAnAttribute(CalmViewer):
+    def on_joint_state(self, message):
+        self.message = message
+        self.call_latest("joints", self.draw)
+
+    def draw(self):
+        self.update(self.message)
+
+
+class TakesUnderALock(CalmViewer):
+    def configure(self, config):
+        self.lock, self.newest, self.call_later = threading.Lock(), None, config.call_later
+        super().configure(config)
+
+    def on_joint_state(self, message):
+        with self.lock:
+            first, self.newest = self.newest is None, message
+        if first:
+            self.call_later(self.draw)
+
+    def draw(self):
+        with self.lock:
+            message, self.newest = self.newest, None
+        self.update(message)
+
+
+RIGHT = [WithAnAttribute, TakesUnderALock]
+
+
+class WithoutAKey(CalmViewer):
+    def on_joint_state(self, message):
+        self.call_latest(self.update, message)
+
+
+class AtMostAMillionPerSecond(CalmViewer):
+    def on_joint_state(self, message):
+        if time.perf_counter() - getattr(self, "last", 0.0) > 1e-6:
+            self.last = time.perf_counter()
+            super().on_joint_state(message)
+
+
+WRONG = [(WithoutAKey, "takes a key first"), (AtMostAMillionPerSecond, "dropped by time or by count")]

@@ -1,0 +1,81 @@
+"""The exercise `show`: right answers in their styles, and what no edit of the solution tells."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections import deque
+from functools import partial
+
+from sensor_msgs.msg import JointState
+
+from tutorial.checks.joint_state_subscriber import MyViewer
+from tutorial.controllers.joint_state_subscriber import JointStateSubscriber
+
+
+class OnePerMessage(MyViewer):
+    def on_joint_state(self, message):
+        self.__dict__.setdefault("inbox", deque()).append(message)
+        self.call_later(self.draw)
+
+    def draw(self):
+        self.update(self.inbox.popleft())
+
+
+class ByAPartial(MyViewer):
+    def configure(self, config):
+        self.body, self.node = config.body, config.node
+        post = partial(config.call_later, self.update)
+        self.subscription = self.node.create_subscription(JointState, f"/{self.body.name}/joint_state", post, 1)
+
+
+class ByTheLoop(MyViewer):
+    def configure(self, config):
+        self.loop, self.gone = asyncio.get_running_loop(), False
+        super().configure(config)
+
+    def on_joint_state(self, message):
+        self.loop.call_soon_threadsafe(self.draw, message)
+
+    def draw(self, message):
+        if not self.gone:
+            self.update(message)
+
+    def unconfigure(self):
+        self.gone = True
+        super().unconfigure()
+
+
+RIGHT = [OnePerMessage, ByAPartial, ByTheLoop, JointStateSubscriber]
+
+
+def changed(**methods):
+    return type("Changed", (MyViewer,), methods)
+
+
+def waits(self, message):
+    done = threading.Event()
+    self.call_later(lambda: (self.update(message), done.set()))
+    done.wait()
+
+
+def in_the_wrong_order(self, message):
+    self.body.calc_forward_kinematics()
+    self.body.set_joint_positions(dict(zip(message.name, message.position)))
+    self.body.notify_change()
+
+
+def calls_the_callback(self, config):
+    self.subscription = config.node.create_subscription(JointState, "joint_state", self.on_joint_state(None), 1)
+
+
+WRONG = [
+    (changed(on_joint_state=waits), "Leave out what sleeps or waits"),
+    (changed(update=in_the_wrong_order), "calc_forward_kinematics() is called before set_joint"),
+    (changed(update=lambda message: None), "self is missing"),
+    (changed(on_joint_state=lambda message: None), "self is missing"),
+    (changed(configure=calls_the_callback, on_joint_state=print), "give it without parentheses"),
+    (changed(on_joint_state=lambda self, _: self.call_later(self.update)), "gets too few arguments"),
+    (changed(on_joint_state=lambda self, m: self.call_later(self.on_joint_state, m)), "posts itself"),
+    (changed(unconfigure=lambda self: self.node.destroy_subscription(self)), "not given what configure"),
+]
