@@ -17,7 +17,7 @@ from tutorial.ros.node_thread import NodeThread, TopicMeter
 
 @pytest.fixture
 def meter():
-    return TopicMeter(None, Joy, "/joy", callback=print)
+    return TopicMeter(Joy, "/joy", "received")
 
 
 def test_a_meter_counts_and_keeps_the_newest(meter):

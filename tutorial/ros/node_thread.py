@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import logging
 import math
 import statistics
@@ -10,7 +11,8 @@ import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
+from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import rclpy
@@ -18,9 +20,9 @@ from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 
 from tutorial.errors import where
-from tutorial.ros.tap import Call, Tap, TappedNode
 from tutorial.trace import HandoffTrace
 
 __all__ = ["MeteredNode", "NodeThread", "SpinThread", "TopicMeter"]
@@ -35,31 +37,33 @@ AnyNode = TypeVar("AnyNode", bound=Node)
 _log = logging.getLogger(__name__)
 
 
-class TopicMeter(Tap):
-    """Counts the messages of one topic that a program publishes or receives.
+Call = Callable[[Any, dict[str, int]], object]
+"""Takes a message and what rclpy knows about it, such as ``"source_timestamp"`` [ns]."""
 
-    Attributes:
-        type_name: the topic's type, such as ``sensor_msgs/msg/Joy``.
+
+class TopicMeter:
+    """Counts the messages of one publisher or subscription.
+
+    Args:
+        message_type: the class of the messages.
+        topic: its full name.
         direction: ``"published"`` or ``"received"``.
         raw: whether they are received as bytes, to be passed on or kept.
+
+    Attributes:
+        topic, direction, raw: as given.
+        type_name: the topic's type, such as ``sensor_msgs/msg/Joy``.
         count: how many messages so far.
         last: the newest of them.
     """
 
-    def __init__(self, node: Any, message_type: type, topic: str, callback: Any = None) -> None:
-        super().__init__(node, message_type, topic, callback)
+    def __init__(self, message_type: type, topic: str, direction: str, raw: bool = False) -> None:
         self.type_name = f"{message_type.__module__.split('.')[0]}/msg/{message_type.__name__}"
-        self.direction = "published" if callback is None else "received"
-        self.raw = False
+        self.topic, self.direction, self.raw = topic, direction, raw
         self.count = 0
         self.last: Any = None
         self._first_at = self._last_at = 0.0
         self._latencies_ns: deque[int] = deque(maxlen=LATENCIES_KEPT)
-
-    def made(self, endpoint: Any) -> None:
-        """See what was made."""
-        super().made(endpoint)
-        self.raw = getattr(endpoint, "raw", False)
 
     def add(self, message: Any, latency_ns: int | None = None) -> None:
         """Count one message.
@@ -75,16 +79,6 @@ class TopicMeter(Tap):
         self.last = message
         if latency_ns is not None:
             self._latencies_ns.append(latency_ns)
-
-    def published(self, message: Any) -> None:
-        """Count it."""
-        self.add(message)
-
-    def received(self, call: Call, message: Any, info: dict[str, int]) -> None:
-        """Count it, call back with it, and write down how long that took if there is a trace."""
-        self.add(message, time.time_ns() - info["source_timestamp"])
-        with self.node.trace.receiving(self.topic) if self.node.trace is not None else nullcontext():
-            call(message, info)
 
     @property
     def brings_joint_states(self) -> bool:
@@ -111,20 +105,72 @@ class TopicMeter(Tap):
         return {"median": round(statistics.median(milliseconds), 3), "p99": round(p99, 3)}
 
 
-class MeteredNode(TappedNode):
-    """A node that counts what goes over its topics. In everything else it is rclpy's.
+class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
+    """A node that counts what goes over its topics. In everything that its program sees it is rclpy's.
+
+    A callback that is a coroutine function is not counted: rclpy awaits it.
 
     Attributes:
+        meters: one for each publisher and subscription, in the order in which they were made.
         trace: where to write down when each message's callback begins and ends; None for nowhere.
     """
 
-    publisher_tap = subscription_tap = TopicMeter
     trace: HandoffTrace | None = None
 
-    @property
-    def meters(self) -> list[TopicMeter]:
-        """One for each publisher and subscription, in the order in which they were made."""
-        return self.taps
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        self.meters: list[TopicMeter] = []
+        super().__init__(*args, **kwargs)
+        self.meters.clear()  # rclpy's own topics, such as /parameter_events
+
+    def create_publisher(
+        self, msg_type: type, topic: str, *args: Any, publisher_class: type[Publisher] = Publisher, **kwargs: Any
+    ) -> Any:
+        """Create a publisher, as rclpy does, whose messages are counted."""
+        meter = TopicMeter(msg_type, topic, "published")
+
+        class MeteredPublisher(publisher_class):  # type: ignore[misc, valid-type]
+            def publish(self, msg: Any) -> None:
+                super().publish(msg)
+                meter.add(msg)
+
+        publisher = super().create_publisher(msg_type, topic, *args, publisher_class=MeteredPublisher, **kwargs)
+        return self._metered(meter, publisher)
+
+    def create_subscription(
+        self, msg_type: type, topic: str, callback: Callable[..., Any], *args: Any, **kwargs: Any
+    ) -> Any:
+        """Create a subscription, as rclpy does, whose messages are counted."""
+        meter = TopicMeter(msg_type, topic, "received", kwargs.get("raw", False))
+        call = _called_by_rclpy(callback)
+        heard = callback if call is None else partial(self._received, meter, call)
+        return self._metered(meter, super().create_subscription(msg_type, topic, heard, *args, **kwargs))
+
+    def _metered(self, meter: TopicMeter, endpoint: Any) -> Any:
+        meter.topic = endpoint.topic_name
+        self.meters.append(meter)
+        return endpoint
+
+    def _received(self, meter: TopicMeter, call: Call, message: Any, info: dict[str, int]) -> None:
+        """Count a message, call back with it, and write down how long that took if there is a trace."""
+        meter.add(message, time.time_ns() - info["source_timestamp"])
+        with self.trace.receiving(meter.topic) if self.trace is not None else nullcontext():
+            call(message, info)
+
+
+def _called_by_rclpy(callback: Callable[..., Any]) -> Call | None:
+    """Return what calls a callback as rclpy does: with one argument if it can do with that, else with two.
+
+    Returns:
+        None where rclpy itself has to see it: a coroutine function, or what it refuses.
+    """
+    if not inspect.iscoroutinefunction(callback):
+        with suppress(TypeError, ValueError):
+            inspect.signature(callback).bind(None)
+            return lambda message, _info: callback(message)
+        with suppress(TypeError, ValueError):
+            inspect.signature(callback).bind(None, None)
+            return callback
+    return None
 
 
 class SpinThread(Generic[AnyNode]):

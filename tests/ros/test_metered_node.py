@@ -1,7 +1,4 @@
-"""A node with taps is rclpy's in everything that its program sees: the same tests with a plain one, and with both uses.
-
-The two uses are the program's node, which counts, and the checks' node, which watches the learner's callbacks.
-"""
+"""A node that counts is rclpy's in everything that its program sees: the same tests with a plain one."""
 
 from __future__ import annotations
 
@@ -16,11 +13,9 @@ from rclpy.subscription import Subscription
 from std_msgs.msg import String
 
 from tutorial.ros.node_thread import NodeThread, SpinThread
-from tutorial.ros.tap import TappedNode
 
 THREADS = {
     "plain": lambda: SpinThread(Node, "tank"),
-    "tapped": lambda: SpinThread(TappedNode, "tank"),
     "counting": lambda: NodeThread("tank"),
 }
 
@@ -87,7 +82,7 @@ def test_a_callback_that_takes_something_else_is_refused_and_leaves_nothing(node
     with pytest.raises(RuntimeError, match="callback should be either be callable with one argument"):
         node.create_subscription(String, "words", callback, 1)
     assert list(node.subscriptions) == before
-    assert getattr(node, "taps", []) == []
+    assert getattr(node, "meters", []) == []
 
 
 def test_a_coroutine_function_is_left_to_rclpy(node, backend):
