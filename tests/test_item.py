@@ -17,33 +17,45 @@ from tutorial import item as item_module
 from tutorial.body import Body
 from tutorial.item import Item
 from tutorial.joints import JointMatcher
+from tutorial.ros.node_thread import TopicMeter
 from tutorial.world import Placement
 
 TANK = Placement("Tank", Path(__file__).parent.parent / "project" / "models" / "tank.xml")
+RANGES = {"TURRET_Y": (-6.3, 6.3), "TURRET_P": (-0.2, 0.8)}  # [rad]
 
 
 @pytest.fixture
-def item():
-    return Item(Body.displayed(TANK))
+def nodes():
+    """Who publishes on whatever topic."""
+    return []
 
 
-def show(item, matcher, name, position, nanoseconds):
+@pytest.fixture
+def item(nodes):
+    return Item(Body.displayed(TANK), SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None)
+
+
+@pytest.fixture
+def joints(item):
+    return item.joints
+
+
+def show(joints, matcher, name, position, nanoseconds):
     message = JointState(name=name, position=position)
     message.header.stamp.nanosec = nanoseconds
-    item.body.notify_change(matcher.match(message)[1])
+    joints.take(matcher.match(message)[1])
 
 
-def test_the_reports_of_its_messages_are_summed_up(item, clock):
-    matcher = JointMatcher(item.body.joint_ranges)
-    show(item, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], 50)
-    show(item, matcher, ["TURRET_Y", "X"], [math.nan, 0.2], 60)
-    show(item, matcher, ["TURRET_P", "TURRET_P", "TURRET_Y"], [0.1, 0.2], 70)
-    show(item, matcher, ["TURRET_Y"], [0.1], 40)
-    assert item.applied == 3
+def test_the_reports_of_its_messages_are_summed_up(joints, clock):
+    matcher = JointMatcher(RANGES)
+    show(joints, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], 50)
+    show(joints, matcher, ["TURRET_Y", "X"], [math.nan, 0.2], 60)
+    show(joints, matcher, ["TURRET_P", "TURRET_P", "TURRET_Y"], [0.1, 0.2], 70)
+    show(joints, matcher, ["TURRET_Y"], [0.1], 40)
+    assert joints.applied == 3
     found = {"matched": 3, "unknown": 1, "non_finite": 1, "short": 1, "duplicate": 1, "late": 1}
-    assert {kind: count for kind, count in item.tally.items() if count} == found
-    assert item.tally == item.tally
-    assert item.line().startswith("Tank: a late message was dropped (0.")
+    assert {kind: count for kind, count in joints.tally.items() if count} == found
+    assert joints.line().startswith("Tank: a late message was dropped (0.")
 
 
 @pytest.mark.parametrize("report", [None, "mine", {"TURRET_Y": 0.1}])
@@ -51,18 +63,18 @@ def test_a_change_with_a_report_of_another_kind_is_drawn_and_not_counted(item, r
     assert (item.take_dirty(), item.take_dirty()) == (True, False)
     item.body.notify_change(report)
     assert item.take_dirty()
-    assert (item.applied, item.line()) == (0, "")
+    assert (item.joints.applied, item.joints.line()) == (0, "")
 
 
-def test_of_hostile_messages_nothing_is_kept(item):
-    matcher, random = JointMatcher(item.body.joint_ranges), Random(1)
+def test_of_hostile_messages_nothing_is_kept(joints):
+    matcher, random = JointMatcher(RANGES), Random(1)
 
     def show_hostile(count):
         for _ in range(count):
             names = ["TURRET_Y", *(random.randbytes(8).hex() for _ in range(20))]
             positions = [unpack("d", random.randbytes(8))[0] for _ in range(random.randrange(30))]
-            show(item, matcher, names, positions, random.randrange(1_000_000_000))
-            item.line()
+            show(joints, matcher, names, positions, random.randrange(1_000_000_000))
+            joints.line()
 
     show_hostile(200)
     tracemalloc.start()
@@ -81,47 +93,46 @@ def clock(monkeypatch):
     return clock
 
 
-def test_a_joint_that_nothing_is_heard_of_is_stale_until_it_is_heard_of_again(item, clock):
-    matcher = JointMatcher(item.body.joint_ranges)
-    assert item.stale() == {}, "nothing has ever come"
-    show(item, matcher, ["TURRET_Y"], [0.1], 10)
-    assert item.stale() == {}
+def test_a_joint_that_nothing_is_heard_of_is_stale_until_it_is_heard_of_again(joints, clock):
+    matcher = JointMatcher(RANGES)
+    assert joints.stale() == {}, "nothing has ever come"
+    show(joints, matcher, ["TURRET_Y"], [0.1], 10)
+    assert joints.stale() == {}
     clock.now = 103.4
-    show(item, matcher, ["TURRET_Y"], [0.1], 20)
-    assert item.stale() == {"TURRET_P": 3}
-    assert item.line() == "Tank: 1 joint shown; TURRET_P: nothing for 3 s (0.0 s ago)"
-    show(item, matcher, ["TURRET_P"], [0.1], 30)
-    assert item.stale() == {}
-    show(item, matcher, ["TURRET_P"], [math.nan], 40)
+    show(joints, matcher, ["TURRET_Y"], [0.1], 20)
+    assert joints.stale() == {"TURRET_P": 3}
+    assert joints.line() == "Tank: 1 joint shown; TURRET_P: nothing for 3 s (0.0 s ago)"
+    show(joints, matcher, ["TURRET_P"], [0.1], 30)
+    assert joints.stale() == {}
+    show(joints, matcher, ["TURRET_P"], [math.nan], 40)
     clock.now = 105.0
     said = "0 joints shown; not a finite number: 'TURRET_P'; TURRET_Y, TURRET_P: nothing for 1 s (1.6 s ago)"
-    assert item.line() == f"Tank: {said}"
+    assert joints.line() == f"Tank: {said}"
 
 
-def test_what_is_wrong_with_messages_is_one_throttled_line(item, clock, caplog):
-    matcher = JointMatcher(item.body.joint_ranges)
+def test_what_is_wrong_with_messages_is_one_throttled_line(joints, clock, caplog):
+    matcher = JointMatcher(RANGES)
     for i in range(14):
         clock.now = 100.0 + 0.5 * i
-        show(item, matcher, ["TURET_Y", "TURRET_P"], [0.1, 0.2], i)
-        assert item.tally["matched"] == i + 1, "a report is counted each time, the same one too"
+        show(joints, matcher, ["TURET_Y", "TURRET_P"], [0.1, 0.2], i)
+        assert joints.tally["matched"] == i + 1, "a report is counted each time, the same one too"
     said = "Tank: 1 joint shown; unknown 'TURET_Y'. Did you mean 'TURRET_Y'? Known are 'TURRET_P', 'TURRET_Y'."
     assert caplog.messages == [said, said]
 
 
-def test_another_publisher_is_said_below_the_view_and_once_in_the_log_by_name(item, clock, caplog):
-    matcher = JointMatcher(item.body.joint_ranges, lambda: 2)
+def test_another_publisher_is_said_below_the_view_and_once_in_the_log_by_name(joints, nodes, clock, caplog):
+    matcher = JointMatcher(RANGES, lambda: 2)
     named = (("", "simulation"), ("lab", "\x1b[2Jforged"))
-    nodes = [SimpleNamespace(node_namespace=f"/{space}", node_name=name) for space, name in named]
-    item._node = SimpleNamespace(get_publishers_info_by_topic=lambda topic: nodes)
-    item.joint_topics = ["/Tank/joint_state"]
+    nodes += [SimpleNamespace(node_namespace=f"/{space}", node_name=name) for space, name in named]
+    joints.meters = [TopicMeter(JointState, "/Tank/joint_state", "received")]
     for i in range(20):
-        show(item, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], 20_000_000 * i)
-        show(item, matcher, ["TURRET_Y", "TURRET_P"], [-1.0, 0.2], 20_000_000 * i + 1000)
+        show(joints, matcher, ["TURRET_Y", "TURRET_P"], [0.1, 0.2], 20_000_000 * i)
+        show(joints, matcher, ["TURRET_Y", "TURRET_P"], [-1.0, 0.2], 20_000_000 * i + 1000)
         clock.now += 0.5
         said = "2 publish on /Tank/joint_state, one is followed: /lab/\\x1b[2Jforged, /simulation"
-        assert item.line() == f"Tank: 2 joints shown; {said} (0.5 s ago)"
+        assert joints.line() == f"Tank: 2 joints shown; {said} (0.5 s ago)"
     assert caplog.messages == [f"Tank: {said}"]
-    assert (item.applied, item.tally["another"]) == (20, 20)
-    nodes = nodes[:1]
+    assert (joints.applied, joints.tally["another"]) == (20, 20)
+    del nodes[1:]
     clock.now += 5.0
-    assert "publish" not in item.line()
+    assert "publish" not in joints.line()

@@ -94,13 +94,12 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
     swapped = project.with_robot(HOME / "project" / "models" / "crane.xml")
     assert swapped.tree() == "+ Crane\n  - JointStateSubscriber"
     assert swapped.bodies[0].controllers == (JointStateSubscriber,)
-    for name, said in (("a<b>", "'A<b>' cannot be part of a topic"), ("r" * 70, "has 70 letters. Take a name of 60")):
-        model = tmp_path / f"{name}.xml"
-        model.write_text("<mujoco/>")
-        with pytest.raises(TutorialError, match=f"the body is called after the file, and .*{said}"):
-            project.with_robot(model)
-    with pytest.raises(TutorialError, match="there is no model 'rrr"):
-        project.with_robot(Path("r" * 300))
+    model = tmp_path / "a<b>.xml"
+    model.write_text("<mujoco/>")
+    with pytest.raises(TutorialError, match="the body is called after the file, and 'A<b>' cannot be part of a topic"):
+        project.with_robot(model)
+    with pytest.raises(TutorialError, match=r"the model 'none\.xml' does not load\. MuJoCo says: "):
+        project.with_robot(Path("none.xml"))
 
 
 @pytest.mark.parametrize(
@@ -140,7 +139,6 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
         (body('name: "A\\e[2J"'), r"line 2: 'A\x1b[2J' cannot be part of a topic."),
         (body("name: _T"), "line 2: '_T' cannot be part of a topic."),
         (body("name: Öl"), "line 2: 'Öl' cannot be part of a topic."),
-        (body(f"name: {'n' * 300}"), f"line 2: '{'n' * 300}' has 300 letters. Take a name of 60 at most."),
         (
             body("\n    model: models/tnak.xml"),
             "line 3: there is no model 'models/tnak.xml'. Did you mean 'models/tank.xml'?",

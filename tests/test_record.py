@@ -24,8 +24,8 @@ def meter(topic, direction, count, last=STATE):
 def shown(*topics, messages=0, **positions):
     """An item that has displayed so many messages."""
     joints = [SimpleNamespace(name=name, position=position) for name, position in positions.items()]
-    tally = Counter(matched=messages)
-    return SimpleNamespace(body=SimpleNamespace(joints=joints), applied=messages, tally=tally, joint_topics=topics)
+    watch = SimpleNamespace(applied=messages, tally=Counter(matched=messages), topics=topics)
+    return SimpleNamespace(body=SimpleNamespace(joints=joints), joints=watch)
 
 
 def test_a_process_that_displays_nothing_has_a_record_too():

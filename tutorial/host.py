@@ -76,7 +76,7 @@ class Host:
         self._calls = CallQueue(asyncio.get_running_loop(), trace)
         self._view = view
         self._items: dict[str, Item] = {}
-        self._removed: dict[str, Item] = {}  # the last of each name, for the record
+        self._removed: dict[str, Item] = {}  # the last of each name, which has the counts of all, for the record
         self.simulation: Simulation | None = None
         self._cameras: CameraRenderer | None = None
         self._ros = NodeThread("tank", ros_args)
@@ -85,10 +85,9 @@ class Host:
         self._seconds = self._shown = 0.0
         self._still = 0  # for how many frames there was no step
         self._seen_step = 0
-        self._namesakes_said = 1
         self._looked = 0.0
+        self._said: dict[str, int] = {}  # how many there were when it was looked last, by what is said of them
         self._publishes_clock = project.clock
-        self._clocks_said = 1
         self._closed = False
         try:
             for item in project.bodies:
@@ -237,7 +236,8 @@ class Host:
         finally:
             item = self._items.pop(name)
             item.close()
-            item.count_in(self._removed.get(name))
+            if name in self._removed:
+                item.joints.count_in(self._removed[name].joints)
             self._removed[name] = item
             if self._view is not None:
                 self._view.remove(name)
@@ -263,13 +263,13 @@ class Host:
 
     def _show(self, item: BodyItem) -> None:
         body = Body.displayed(item.placement)
-        self._items[body.name] = Item(body)
+        self._items[body.name] = Item(body, self.node, self._calls)
         if self._view is not None:
             self._view.add(body.name, body.model)
 
     def _attach(self, item: BodyItem, simulates: bool) -> None:
         for controller_class in item.controllers:
-            self._items[item.placement.name].attach(controller_class, self.node, self._calls)
+            self._items[item.placement.name].attach(controller_class)
             if not simulates and controller_class.control is not SimpleController.control:
                 name = controller_class.__name__
                 _log.warning("%s is never asked for control: this project has no 'simulator'", name)
@@ -318,7 +318,7 @@ class Host:
         for name, item in self._items.items():
             if item.take_dirty():
                 self._view.update(name, item.body.data)
-            self._view.show_stale(name, item.stale())
+            self._view.show_stale(name, item.joints.stale())
         lines, readings = self._below(self._view)
         self._view.line("  |  ".join(filter(None, (self._trouble(), *lines))), readings)
         self._view.flush()
@@ -328,14 +328,13 @@ class Host:
 
         Of a fleet it is how many are well, and of a few what is wrong with them.
         """
-        items = [item for item in self._items.values() if item.joint_topics or item.in_order]
-        if len(items) <= FEW:
-            return [item.line() for item in self._items.values()], [
-                row for name in self._items for row in view.readings(name)
-            ]
-        others = [item for item in items if not item.in_order]
-        count = f"{len(items) - len(others)} of {len(items)} bodies follow their messages"
-        return [count, *(item.line() for item in others[:FEW])], []
+        watches = [item.joints for item in self._items.values()]
+        fleet = [watch for watch in watches if watch.meters or watch.in_order]
+        if len(fleet) <= FEW:
+            return [watch.line() for watch in watches], [row for name in self._items for row in view.readings(name)]
+        others = [watch for watch in fleet if not watch.in_order]
+        count = f"{len(fleet) - len(others)} of {len(fleet)} bodies follow their messages"
+        return [count, *(watch.line() for watch in others[:FEW])], []
 
     def _trouble(self) -> str:
         """What stands first below the view when something of the learner's has failed."""
@@ -349,12 +348,12 @@ class Host:
         if time.monotonic() - self._looked < LOOK_EVERY:
             return
         self._looked = time.monotonic()
-        count = self._ros.namesakes()
-        if count > self._namesakes_said:
-            _log.warning(NAMESAKES, count, self.node.get_fully_qualified_name(), self.node.get_name())
-        self._namesakes_said = max(count, 1)
+        self._warn_of(NAMESAKES, self._ros.namesakes(), self.node.get_fully_qualified_name(), self.node.get_name())
         if self._publishes_clock:
-            count = self.node.count_publishers(CLOCK_TOPIC)
-            if count > self._clocks_said:
-                _log.warning(CLOCKS, count)
-            self._clocks_said = max(count, 1)
+            self._warn_of(CLOCKS, self.node.count_publishers(CLOCK_TOPIC))
+
+    def _warn_of(self, text: str, count: int, *names: str) -> None:
+        """Say that there are several where one should be, as often as they become more."""
+        if count > max(self._said.get(text, 1), 1):
+            _log.warning(text, count, *names)
+        self._said[text] = count

@@ -11,9 +11,9 @@ from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.errors import TutorialError, file_of, printable, tell
 from tutorial.handoff import CallQueue, CallScope
 from tutorial.joints import JointReport
-from tutorial.ros.node_thread import MeteredNode
+from tutorial.ros.node_thread import MeteredNode, TopicMeter
 
-__all__ = ["Item"]
+__all__ = ["Item", "JointWatch"]
 
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages
 STALE_AFTER = 1.0  # [s] without a word of a joint, after which it is shown as stale
@@ -25,59 +25,167 @@ LONGEST_NAME = 60  # characters of a node's name
 _log = logging.getLogger(__name__)
 
 
+class JointWatch:
+    """Knows of the joint states that move one body: how many there were, what was wrong, and who else publishes.
+
+    It belongs to the main thread.
+
+    Args:
+        body: the displayed body.
+        node: the node that its controllers listen with.
+
+    Attributes:
+        meters: of the subscriptions that bring it joint states.
+        applied: how many messages it was moved by.
+        tally: the counts of all reports, and of the messages that were dropped, summed up.
+    """
+
+    def __init__(self, body: Body, node: MeteredNode) -> None:
+        self._body = body
+        self._node = node
+        self.meters: list[TopicMeter] = []
+        self.applied = 0
+        self.tally: Counter[str] = Counter()
+        self._report: JointReport | None = None  # the last one of the publisher that is followed
+        self._shown_at = 0.0
+        self._complained_at = -COMPLAIN_EVERY
+        self._heard: dict[str, float] = {}  # when there was a position last, by joint
+        self._others = _OtherPublishers(body.name, node)
+
+    def count_in(self, earlier: JointWatch) -> None:
+        """Add the counts of a body of this name that was there before."""
+        self.applied += earlier.applied
+        self.tally.update(earlier.tally)
+
+    @property
+    def topics(self) -> list[str]:
+        """The topics that joint states come on."""
+        return [meter.topic for meter in self.meters]
+
+    def take(self, report: JointReport) -> None:
+        """Note what was made of one message."""
+        self.tally.update(report.counts())
+        if report.another:
+            self._others.heard(self.topics)
+            return
+        now = time.monotonic()
+        self._report, self._shown_at = report, now
+        self.applied += not report.late
+        self._heard = self._heard or dict.fromkeys(self._body.joint_names, now)
+        self._heard.update(dict.fromkeys(report.joints, now))
+        if not report.clean and now - self._complained_at >= COMPLAIN_EVERY:
+            self._complained_at = now
+            _log.warning("%s: %s", self._body.name, report)
+
+    def stale(self) -> dict[str, int]:
+        """The joints that nothing was heard of for a while: for how long [s]. None before the body's first message."""
+        now = time.monotonic()
+        return {joint: int(now - at) for joint, at in self._heard.items() if now - at >= STALE_AFTER}
+
+    @property
+    def in_order(self) -> bool:
+        """Whether messages of one publisher go on coming, for all joints, and nothing was wrong with the last."""
+        return self._report is not None and self._report.clean and not self._others.said() and not self.stale()
+
+    def line(self) -> str:
+        """What stands below the view: the last report, who else publishes, stale joints, and the age of the data."""
+        if self._report is None:
+            return f"{self._body.name}: {self._nothing_yet()}" if self.meters else ""
+        by_age: defaultdict[int, list[str]] = defaultdict(list)
+        for joint, age in self.stale().items():
+            by_age[age].append(joint)
+        stale = [f"{_some(by_age[age])}: nothing for {age} s" for age in sorted(by_age)[:NAMED]]
+        said = "; ".join(filter(None, (str(self._report), self._others.said(), *stale)))
+        return f"{self._body.name}: {said} ({time.monotonic() - self._shown_at:.1f} s ago)"
+
+    def _nothing_yet(self) -> str:
+        """Say whether nothing has come, or nothing of it was shown: a controller may wait for more."""
+        topic = self.meters[0].topic
+        if any(meter.count for meter in self.meters):
+            return f"nothing of what has come on {topic} could be shown yet"
+        return f"nothing has come on {topic} yet"
+
+
+class _OtherPublishers:
+    """Knows who else publishes what reaches a body: said below the view while it goes on, and logged when it changes.
+
+    Args:
+        body: the body's name.
+        node: the node to ask.
+    """
+
+    def __init__(self, body: str, node: MeteredNode) -> None:
+        self._body = body
+        self._node = node
+        self._heard_at = -CONTESTED_FOR
+        self._asked_at = self._logged_at = -COMPLAIN_EVERY
+        self._said = self._logged = ""
+
+    def said(self) -> str:
+        """Return who publishes; empty when nothing of another has come for a while."""
+        return self._said if time.monotonic() - self._heard_at < CONTESTED_FOR else ""
+
+    def heard(self, topics: list[str]) -> None:
+        """Note a message of another publisher, and ask now and then who publishes on the topics."""
+        now = self._heard_at = time.monotonic()
+        if now - self._asked_at < ASK_EVERY:
+            return
+        self._asked_at = now
+        self._said = "another publisher is not followed"
+        for topic in topics:
+            nodes = self._node.get_publishers_info_by_topic(topic)
+            if len(nodes) > 1:
+                names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})
+                self._said = f"{len(nodes)} publish on {topic}, one is followed: {printable(_some(names))}"
+                if self._said != self._logged and now - self._logged_at >= COMPLAIN_EVERY:
+                    self._logged, self._logged_at = self._said, now
+                    _log.warning("%s: %s", self._body, self._said)
+
+
 class Item:
     """A displayed body with its controllers. It belongs to the main thread.
 
     Args:
         body: the displayed body.
+        node: the node that its controllers talk with.
+        calls: the main thread's queue of posted calls.
 
     Attributes:
         body: as given.
         controllers: those that have joined it.
-        applied: how many messages it was moved by.
-        joint_topics: the topics that its controllers receive joint states on.
+        joints: what is known of its joint states.
     """
 
-    def __init__(self, body: Body) -> None:
+    def __init__(self, body: Body, node: MeteredNode, calls: CallQueue) -> None:
         self.body = body
         self.controllers: list[SimpleController] = []
-        self.applied = 0
-        self._tally: Counter[str] = Counter()
-        self._repeats = 0  # of the last report, which are not in the tally yet
-        self.joint_topics: list[str] = []
+        self.joints = JointWatch(body, node)
+        self._node = node
+        self._calls = calls
         self._scopes: list[CallScope] = []
         self._dirty = True
-        self._last = JointReport()
-        self._report: JointReport | None = None  # the last one of the publisher that is followed
-        self._shown_at = 0.0
-        self._heard: dict[str, float] = {}  # when there was a position last, by joint
-        self._complained_at = self._asked_at = self._named_at = -COMPLAIN_EVERY
-        self._contested_at = -CONTESTED_FOR
-        self._publishers = self._named = ""  # who publishes, now and when it was logged last
-        self._node: MeteredNode | None = None
         body.on_change(self._changed)
 
-    def attach(self, controller_class: type[SimpleController], node: MeteredNode, calls: CallQueue) -> None:
+    def attach(self, controller_class: type[SimpleController]) -> None:
         """Make a controller and have it join the body.
 
         Raises:
             TutorialError: it does not fit the body.
         """
         name = controller_class.__name__
-        topics_before = len(node.meters)
-        scope = calls.scope(f"{name} of {self.body.name}")
+        before = len(self._node.meters)
+        scope = self._calls.scope(f"{name} of {self.body.name}")
         try:
             controller = controller_class()
-            controller.configure(ControllerConfig(self.body, node, scope.call_later, scope.call_latest))
+            controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest))
         except TutorialError:
             raise
         except (Exception, SystemExit) as error:
             text = f"{name} could not join {self.body.name}: {tell(error, file_of(controller_class))}"
             raise TutorialError(text) from error
-        self._node = node
         self.controllers.append(controller)
         self._scopes.append(scope)
-        self.joint_topics += [meter.topic for meter in node.meters[topics_before:] if meter.brings_joint_states]
+        self.joints.meters += [meter for meter in self._node.meters[before:] if meter.brings_joint_states]
 
     @property
     def error(self) -> BaseException | None:
@@ -89,50 +197,13 @@ class Item:
         for scope in self._scopes:
             scope.error = None
 
-    def count_in(self, earlier: Item | None) -> None:
-        """Add the counts of a body of this name that was there before; None adds nothing."""
-        if earlier is not None:
-            self.applied += earlier.applied
-            self.tally.update(earlier.tally)
-
     def take_dirty(self) -> bool:
         """Whether the body has changed since this was last asked."""
         dirty, self._dirty = self._dirty, False
         return dirty
 
-    @property
-    def tally(self) -> Counter[str]:
-        """The counts of all reports, and of the messages that were dropped, summed up."""
-        self._sum_up()
-        return self._tally
-
-    def stale(self) -> dict[str, int]:
-        """The joints that nothing was heard of for a while: for how long [s]. None before the body's first message."""
-        now = time.monotonic()
-        return {joint: int(now - at) for joint, at in self._heard.items() if now - at >= STALE_AFTER}
-
-    @property
-    def in_order(self) -> bool:
-        """Whether messages of one publisher go on coming, for all joints, and nothing was wrong with the last."""
-        contested = time.monotonic() - self._contested_at < CONTESTED_FOR
-        return self._report is not None and self._report.clean and not contested and not self.stale()
-
-    def line(self) -> str:
-        """What stands below the view: the last report, who else publishes, stale joints, and the age of the data."""
-        if self._report is None:
-            return f"{self.body.name}: {self._nothing_yet(self.joint_topics[0])}" if self.joint_topics else ""
-        said = [str(self._report)]
-        if time.monotonic() - self._contested_at < CONTESTED_FOR:
-            said.append(self._publishers)
-        by_age: defaultdict[int, list[str]] = defaultdict(list)
-        for joint, age in self.stale().items():
-            by_age[age].append(joint)
-        said += [f"{_some(by_age[age])}: nothing for {age} s" for age in sorted(by_age)[:NAMED]]
-        return f"{self.body.name}: {'; '.join(said)} ({time.monotonic() - self._shown_at:.1f} s ago)"
-
     def close(self) -> None:
         """Have the controllers leave the body: first what they have posted is dropped, then they unsubscribe."""
-        self._node = None
         for scope in self._scopes:
             scope.close()
         while self.controllers:
@@ -145,55 +216,8 @@ class Item:
     def _changed(self, report: object) -> None:
         """Note that the body is to be drawn, and what its message was like."""
         self._dirty = True
-        if not isinstance(report, JointReport):
-            return
-        self._count(report)
-        now = time.monotonic()
-        if report.another:
-            self._contested_at = now
-            self._name_publishers(now)
-            return
-        self._report, self._shown_at = report, now
-        self.applied += not report.late
-        self._heard = self._heard or dict.fromkeys(self.body.joint_names, now)
-        self._heard.update(dict.fromkeys(report.joints, now))
-        if not report.clean and now - self._complained_at >= COMPLAIN_EVERY:
-            self._complained_at = now
-            _log.warning("%s: %s", self.body.name, report)
-
-    def _nothing_yet(self, topic: str) -> str:
-        """Say whether nothing has come on a topic, or nothing of it was shown: a controller may wait for more."""
-        meters = self._node.meters if self._node is not None else []
-        if any(meter.count for meter in meters if meter.topic == topic and meter.direction == "received"):
-            return f"nothing of what has come on {topic} could be shown yet"
-        return f"nothing has come on {topic} yet"
-
-    def _count(self, report: JointReport) -> None:
-        if report is not self._last:  # the usual one is the same object each time, and counted in the end
-            self._sum_up()
-            self._last = report
-        self._repeats += 1
-
-    def _sum_up(self) -> None:
-        if self._repeats:
-            for kind, count in self._last.counts().items():
-                self._tally[kind] += count * self._repeats
-            self._repeats = 0
-
-    def _name_publishers(self, now: float) -> None:
-        """Ask now and then who publishes what reached this body; log it when it isn't what it was."""
-        if now - self._asked_at < ASK_EVERY:
-            return
-        self._asked_at = now
-        self._publishers = "another publisher is not followed"
-        for topic in self.joint_topics:
-            nodes = self._node.get_publishers_info_by_topic(topic) if self._node is not None else []
-            if len(nodes) > 1:
-                names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})
-                self._publishers = f"{len(nodes)} publish on {topic}, one is followed: {printable(_some(names))}"
-                if self._publishers != self._named and now - self._named_at >= COMPLAIN_EVERY:
-                    self._named, self._named_at = self._publishers, now
-                    _log.warning("%s: %s", self.body.name, self._named)
+        if isinstance(report, JointReport):
+            self.joints.take(report)
 
 
 def _some(names: list[str]) -> str:

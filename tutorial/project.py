@@ -30,10 +30,6 @@ __all__ = ["BodyItem", "Project", "check_model", "controller_names", "find_contr
 Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 
-LONGEST_NAME = 60
-"""Of a body [characters]: it becomes part of the names of topics."""
-MOST_BODIES = 1000
-"""Of a fleet: so many tanks take a processor half a minute to load."""
 MAGNITUDES = ("qpos0", "body_pos", "body_quat", "body_mass", "body_inertia", "geom_pos", "geom_size", "jnt_range")
 """What has to be a number that MuJoCo can compute with, in a model."""
 
@@ -48,7 +44,7 @@ class _Body(msgspec.Struct, forbid_unknown_fields=True):
     model: str
     position: Point = (0.0, 0.0, 0.0)
     controllers: list[str] = []
-    count: Annotated[int, msgspec.Meta(ge=1, le=MOST_BODIES)] | msgspec.UnsetType = msgspec.UNSET
+    count: Annotated[int, msgspec.Meta(ge=1, le=1000)] | msgspec.UnsetType = msgspec.UNSET
     spacing: Annotated[float, msgspec.Meta(gt=0, le=100)] = 1.5  # [m]
 
     @property
@@ -106,8 +102,8 @@ class Project:
         """
         file = YamlFile(Path(path), _ProjectFile, "project")
         _check_names(file)
-        items = tuple(item for i, body in enumerate(file.data.bodies) for item in _body_items(file, i, body))
         _check_models(file)
+        items = tuple(item for i, body in enumerate(file.data.bodies) for item in _body_items(file, i, body))
         simulator = file.data.simulator
         if simulator is msgspec.UNSET:
             return cls(file.path, items)
@@ -282,8 +278,6 @@ def _check_names(file: YamlFile[_ProjectFile]) -> None:
 
 def _unfit(name: str) -> str:
     """Say why a body cannot have a name; empty if it can."""
-    if len(name) > LONGEST_NAME:
-        return f"{name!r} has {len(name)} letters. Take a name of {LONGEST_NAME} at most."
     if not (name.isascii() and name.isidentifier() and name[0] != "_"):
         return f"{name!r} cannot be part of a topic. Use letters, digits and _, a letter first."
     return ""
@@ -291,14 +285,18 @@ def _unfit(name: str) -> str:
 
 def _check_models(file: YamlFile[_ProjectFile]) -> None:
     """Load every model once, so that an error in one has the line that names it."""
-    checked: set[str] = set()
-    for i, body in enumerate(file.data.bodies):
-        if body.model not in checked:
-            checked.add(body.model)
-            try:
-                check_model(file.path.parent / body.model)
-            except TutorialError as error:
-                raise file.error(("bodies", i, "model"), str(error)) from None
+    folder = file.path.parent
+    first = {body.model: i for i, body in reversed(list(enumerate(file.data.bodies)))}
+    for model, i in first.items():
+        where = ("bodies", i, "model")
+        if not is_file(folder / model):
+            near = islice(chain(folder.glob("*.xml"), folder.glob("*/*.xml")), 100)
+            known = [str(path.relative_to(folder)) for path in near]
+            raise file.error(where, f"there is no model {model!r}.{did_you_mean(model, known)}")
+        try:
+            check_model(folder / model)
+        except TutorialError as error:
+            raise file.error(where, str(error)) from None
 
 
 def check_model(path: Path) -> None:
@@ -310,26 +308,14 @@ def check_model(path: Path) -> None:
     Raises:
         TutorialError: it does not load, or has values that are no numbers or far too large.
     """
-    if not is_file(path):
-        raise TutorialError(f"there is no model {str(path)!r}. Give the path of an MJCF file (.xml).")
     model = compose([Placement("Model", path)])
     for name in MAGNITUDES:
         if not (np.abs(getattr(model, name)) < mujoco.mjMAXVAL).all():  # which NaN is not, either
             raise TutorialError(f"the model {path.name!r} has a {name} that is no number, or far too large.")
 
 
-def _models_near(folder: Path) -> list[Path]:
-    """Some models in a folder, and in those in it: enough to find the one that was meant."""
-    return list(islice(chain(folder.glob("*.xml"), folder.glob("*/*.xml")), 100))
-
-
 def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body) -> list[BodyItem]:
-    folder = file.path.parent
-    model = folder / body.model
-    if not is_file(model):
-        others = [str(path.relative_to(folder)) for path in _models_near(folder)]
-        hint = did_you_mean(body.model, others)
-        raise file.error(("bodies", index, "model"), f"there is no model {body.model!r}.{hint}")
+    model = file.path.parent / body.model
     classes = []
     for i, name in enumerate(body.controllers):
         try:

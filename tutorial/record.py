@@ -39,7 +39,7 @@ def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: 
             joints.update(zip(meter.last.name, meter.last.position))
     report = Counter(JointReport().counts())
     for item in items:
-        report.update(item.tally)
+        report.update(item.joints.tally)
     return {
         "node": node,
         "ros": ros_backend(),
@@ -77,7 +77,7 @@ def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, di
         ends[meter.direction, meter.topic].append(meter)
     applied: Counter[str] = Counter()
     for item in items:
-        applied.update(dict.fromkeys(item.joint_topics, item.applied))
+        applied.update(dict.fromkeys(item.joints.topics, item.joints.applied))
     topics: dict[str, dict[str, Any]] = {}
     for (direction, topic), same in sorted(ends.items(), key=lambda end: end[0][0]):  # what is received comes last
         record = topics.setdefault(topic, {"type": same[0].type_name})

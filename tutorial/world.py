@@ -72,8 +72,6 @@ def load(path: Path) -> mujoco.MjSpec:
     Raises:
         TutorialError: there is no such file, or MuJoCo cannot read it; the text is MuJoCo's.
     """
-    if not path.is_file():
-        raise TutorialError(f"there is no model {str(path)!r}. Give the path of an MJCF file (.xml).")
     try:
         return mujoco.MjSpec.from_file(str(path))
     except ValueError as error:
