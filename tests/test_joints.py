@@ -93,8 +93,8 @@ KNOWN = "Known are 'TURRET_P', 'TURRET_Y'."
             f"1 joint shown; unknown 'TURET_Y'. Did you mean 'TURRET_Y'? {KNOWN}",
         ),
         (
-            *(TANK, [*["X" * 50] * 20_000, "TURRET_Y"], [0.1] * 20_001, {}),
-            f"0 joints shown; unknown {', '.join([repr('X' * 40)] * 3)} and 19998 more. {KNOWN}",
+            *(TANK, [*["X" * 50] * 20_000, "TURRET_Y"], [0.1] * 20_001, {"TURRET_Y": 0.1}),
+            f"1 joint shown; unknown {', '.join([repr('X' * 40)] * 3)} and 19997 more. {KNOWN}",
         ),
     ],
 )

@@ -3,6 +3,8 @@
 In a ``sensor_msgs/JointState`` the names identify the joints; position, velocity and effort are each as long as
 ``name``, or empty. A viewer that takes "the i-th entry is my i-th joint" for granted shows nothing, or the wrong
 thing, as soon as a publisher sends its joints in another order, or only some of them.
+
+`match_joints` is the idea. `JointMatcher` adds what only several messages tell: late ones, and other publishers.
 """
 
 from __future__ import annotations
@@ -20,8 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["JointMatcher", "JointReport", "match_joints"]
 
-NAMES_KEPT = 3  # of each finding, so that a report stays small whatever comes in
-MOST_NAMES = 10_000  # that are looked up, of one message
+NAMES_KEPT = 3  # in each part of a report, so that it stays small whatever comes in
 SECOND_NS = 1_000_000_000  # a stamp that steps back further than this is a publisher that was started again
 PAUSE_NS = 10 * SECOND_NS  # that a publisher may make, where there are two
 SHOWABLE = 1e9  # [rad or m] nothing moves further; single precision, with which views draw, still holds its square
@@ -29,6 +30,39 @@ SLACK = 1e-3  # [rad or m] beyond a range that is not worth a word: simulated li
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: how far joints with limits get between two messages, at most
 LOOK_EVERY = 10  # messages from one look at how many publish to the next
 SILENT_AFTER = 25  # messages in a row from each of the others: then the publisher that was followed is silent
+
+Ranges = Mapping[str, tuple[float, float]]
+
+
+def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[dict[str, float], JointReport]:
+    """Find out which joint one message moves where.
+
+    Args:
+        joints: the names of a body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m].
+        message: what came in; nothing is assumed about it but its type.
+
+    Returns:
+        The positions by joint [rad or m], to be applied as they are, and the report. A joint is missing from the
+        positions when the message says nothing usable about it; then it stays where it is.
+    """
+    ranges = _ranges(joints)
+    names, positions = message.name, message.position
+    known = [(name, position) for name, position in zip(names, positions) if name in ranges]
+    received = dict(known)  # of twins, the last wins
+    shown = {joint: position for joint, position in received.items() if abs(position) <= SHOWABLE}  # NaN is not
+    strange = [name for name in names if name not in ranges]
+    named = Counter(name for name, _ in known)
+    return shown, JointReport(
+        joints=tuple(shown),
+        unknown=NameList.of(strange),
+        duplicate=NameList.of([joint for joint, count in named.items() if count > 1]),
+        short=max(len(names) - len(positions), 0) if len(positions) else 0,
+        long=max(len(positions) - len(names), 0),
+        non_finite=NameList.of([joint for joint, position in received.items() if not isfinite(position)]),
+        huge=NameList.of([joint for joint, position in received.items() if SHOWABLE < abs(position) < inf]),
+        outside=NameList.of([joint for joint in shown if not _is_within(ranges[joint], shown[joint])]),
+        known=tuple(islice(ranges, 8)) if strange else (),
+    )
 
 
 class NameList(NamedTuple):
@@ -55,7 +89,7 @@ class JointReport(NamedTuple):
     another: bool = False  #: the message was not of the publisher that is followed, and was dropped
     restarted: bool = False  #: the stamp stepped far back, so the publisher was started again
     switched: bool = False  #: of several, the one that was followed has fallen silent; from now on this one is followed
-    unknown: NameList = NameList()  #: names that are no joints of the body, or come after ten thousand others
+    unknown: NameList = NameList()  #: names that are no joints of the body
     duplicate: NameList = NameList()  #: joints that were named more than once; the last entry won
     short: int = 0  #: how many names came without a position
     long: int = 0  #: how many positions came without a name
@@ -105,27 +139,11 @@ class JointReport(NamedTuple):
         return f"JointReport({str(self)!r})"
 
 
-class _Plan(NamedTuple):
-    """What a list of names means for a body's joints. It is the same for every message with these names."""
-
-    names: list[str]  # in the message
-    length: int  # how many positions it has
-    joints: tuple[str, ...]  # those that get a position
-    lows: tuple[float, ...]  # their limits, in the same order
-    highs: tuple[float, ...]
-    indices: tuple[int, ...]  # where their positions are in the message; empty when they are the first ones, in order
-    usual: JointReport  # where every position is within the limits
-
-
 class JointMatcher:
-    """Finds out which joint each message of one topic moves where.
+    """Finds out which joint each message of one topic moves where. No thread, no clock.
 
-    It remembers the newest stamp, by which a late message is told from a publisher that was started again; and what
-    the last list of names meant, so that the usual message costs no search. No thread, no clock.
-
-    Where several publish, it follows one: what doesn't go on from the last message shown is another's, and is dropped
-    until only such messages have come for a while. A message goes on if its stamp is at most 10 s later, not before,
-    and no joint with limits has gone further than it can. Two alike in both, or that share no joint, are both shown.
+    It puts three things together. The names are `match_joints`'s. By its stamp a late message, which is dropped, is
+    told from a publisher that was started again. Of several publishers one is followed.
 
     Args:
         joints: the names of the body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m]. They
@@ -133,20 +151,11 @@ class JointMatcher:
         publishers: returns how many publish on the topic, such as a subscription's ``get_publisher_count``.
     """
 
-    def __init__(
-        self, joints: Mapping[str, tuple[float, float]] | Iterable[str], publishers: Callable[[], int] = lambda: 1
-    ) -> None:
-        ranges = joints if isinstance(joints, Mapping) else dict.fromkeys(joints, (-inf, inf))
-        self._limits = {  # finite, so that what is not finite is not within them
-            name: (max(low - SLACK, -SHOWABLE), min(high + SLACK, SHOWABLE)) for name, (low, high) in ranges.items()
-        }
-        self._plan = self._make_plan([], 0)
-        self._stamp_ns = -inf  # of the last message that was shown, in its publisher's time
-        self._shown: Mapping[str, float] = {}  # its positions
-        self._publishers = publishers
-        self._others = 0  # publishers besides the one that is followed
-        self._alone_for = 0  # messages until it is looked whether there are any
-        self._dropped = 0  # messages in a row that were another's
+    def __init__(self, joints: Ranges | Iterable[str], publishers: Callable[[], int] = lambda: 1) -> None:
+        self._ranges = dict(_ranges(joints))
+        self._plan = _Plan()
+        self._newest_ns = -inf  # the stamp of the last message that was shown
+        self._followed = _FollowedPublisher(self._ranges, publishers)
 
     def match(self, message: JointState) -> tuple[dict[str, float], JointReport]:
         """Match the next message.
@@ -155,93 +164,144 @@ class JointMatcher:
             message: what came in; nothing is assumed about it but its type.
 
         Returns:
-            The positions by joint [rad or m], to be applied as they are, and the report. A joint is missing from the
-            positions when the message says nothing usable about it; then it stays where it is.
+            As `match_joints`, which is asked only when something is new: the usual message costs no search.
         """
         stamp = message.header.stamp
         stamp_ns = stamp.sec * SECOND_NS + stamp.nanosec
-        position = message.position
-        plan = self._plan
-        if plan.names != message.name or plan.length != len(position):
-            plan = self._plan = self._make_plan(list(message.name), len(position))
-        if plan.indices:
-            position = [position[i] for i in plan.indices]
-        values = {}
-        usual = True
-        for joint, low, high, value in zip(plan.joints, plan.lows, plan.highs, position):
-            values[joint] = value
-            if not low <= value <= high:
-                usual = False
-        alone_for = self._alone_for or self._look()
-        ahead = stamp_ns - self._stamp_ns  # always 0 where nobody sets the stamps
-        if usual and alone_for and (0 < ahead <= SECOND_NS or not (ahead or stamp_ns)):
-            self._alone_for = alone_for - 1
-            self._stamp_ns = stamp_ns
-            self._shown = values
-            return values, plan.usual
-        return self._judge(stamp_ns, values, plan)
+        ahead = stamp_ns - self._newest_ns  # always 0 where nobody sets the stamps
+        if 0 < ahead <= SECOND_NS or not (ahead or stamp_ns):
+            plan = self._plan
+            if plan.names != message.name or plan.length != len(message.position):
+                plan = self._plan = _Plan.of(self._ranges, message)
+            positions = plan.positions(message.position)
+            if positions is not None and self._followed.is_alone():
+                self._newest_ns = stamp_ns
+                self._followed.shown = positions
+                return positions, plan.report
+        return self._judge(message, stamp_ns, ahead)
 
-    def _look(self) -> int:
-        """Ask how many publish. Returns for how many messages one alone is believed to, so 0 if there are more."""
-        self._others = max(self._publishers() - 1, 0)
-        self._alone_for = 0 if self._others else LOOK_EVERY
-        return self._alone_for
-
-    def _judge(self, stamp_ns: int, values: dict[str, float], plan: _Plan) -> tuple[dict[str, float], JointReport]:
-        """Look closely at a message that is not the usual one: whose it is, and which positions can be shown."""
-        shown = {joint: value for joint, value in values.items() if abs(value) <= SHOWABLE}  # NaN is not
-        ahead = stamp_ns - self._stamp_ns
-        goes_on = self._goes_on(ahead, shown)
-        if not goes_on:
-            self._look()
-        another = self._others > 0 and not goes_on
-        dropped = self._dropped + 1
-        switched = not goes_on and dropped > 1 and dropped >= SILENT_AFTER * self._others
-        if another and not switched:
-            self._dropped = dropped
+    def _judge(self, message: JointState, stamp_ns: int, ahead: float) -> tuple[dict[str, float], JointReport]:
+        """Look closely at a message that is not the usual one: whose it is, whether it is late, and what it holds."""
+        positions, report = match_joints(self._ranges, message)
+        another, switched = self._followed.judge(ahead, positions)
+        if another:
             return {}, JointReport(another=True)
         if stamp_ns > 0 > ahead >= -SECOND_NS and not switched:
             return {}, JointReport(late=True)
-        self._stamp_ns, self._shown, self._dropped = stamp_ns, shown, 0
-        limits = zip(plan.joints, plan.lows, plan.highs)
-        return shown, plan.usual._replace(
-            joints=tuple(shown),
-            restarted=ahead < 0 and not switched,
-            switched=switched,
-            non_finite=NameList.of([joint for joint in values if not isfinite(values[joint])]),
-            huge=NameList.of([joint for joint in values if joint not in shown and isfinite(values[joint])]),
-            outside=NameList.of([joint for joint, low, high in limits if not low <= shown.get(joint, low) <= high]),
-        )
+        self._newest_ns = stamp_ns
+        self._followed.follow(positions)
+        return positions, report._replace(restarted=ahead < 0 and not switched, switched=switched)
 
-    def _goes_on(self, ahead: float, positions: dict[str, float]) -> bool:
-        """Whether a message may be the next one of the publisher that is followed, so many nanoseconds later."""
+
+class _FollowedPublisher:
+    """Of the publishers of a topic, the one whose messages are shown.
+
+    A message goes on from the last one shown if its stamp is at most 10 s later, not before, and no joint with limits
+    has gone further than it can. Where several publish, what does not go on is another's, and is dropped until only
+    such messages have come for a while. Two alike in both, or that share no joint, are both shown.
+
+    Args:
+        ranges: of the body's joints.
+        count: returns how many publish.
+
+    Attributes:
+        shown: the positions of the last message.
+    """
+
+    def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
+        self.shown: Mapping[str, float] = {}
+        self._limited = {joint for joint, (_, upper) in ranges.items() if upper < SHOWABLE}
+        self._count = count
+        self._others = 0  # publishers besides this one
+        self._alone_for = 0  # messages until it is looked whether there are any
+        self._dropped = 0  # messages in a row that were another's
+
+    def is_alone(self) -> bool:
+        """Whether nobody else publishes; it is looked at every few messages."""
+        if self._alone_for:
+            self._alone_for -= 1
+            return True
+        return self._look()
+
+    def judge(self, ahead: float, positions: Mapping[str, float]) -> tuple[bool, bool]:
+        """Tell whose a message is that is not the usual one.
+
+        Args:
+            ahead: how much later than the last one shown it is stamped [ns].
+            positions: what it says.
+
+        Returns:
+            Whether it is another's, to be dropped; and whether from now on its publisher is followed instead.
+        """
+        if self._goes_on(ahead, positions):
+            return False, False
+        self._look()
+        dropped = self._dropped + 1
+        if dropped > 1 and dropped >= SILENT_AFTER * self._others:
+            return False, True
+        if self._others:
+            self._dropped = dropped
+        return self._others > 0, False
+
+    def follow(self, positions: Mapping[str, float]) -> None:
+        """Go on from a message that is shown."""
+        self.shown, self._dropped = positions, 0
+
+    def _look(self) -> bool:
+        self._others = max(self._count() - 1, 0)
+        self._alone_for = 0 if self._others else LOOK_EVERY - 1
+        return not self._others
+
+    def _goes_on(self, ahead: float, positions: Mapping[str, float]) -> bool:
         reach = REACH + SPEED * ahead / SECOND_NS
-        moved = (
-            abs(q - self._shown.get(joint, q)) for joint, q in positions.items() if self._limits[joint][1] < SHOWABLE
-        )
+        moved = (abs(q - self.shown.get(joint, q)) for joint, q in positions.items() if joint in self._limited)
         return ahead == inf or (0 <= ahead <= PAUSE_NS and max(moved, default=0.0) <= reach)
 
-    def _make_plan(self, names: list[str], length: int) -> _Plan:
-        """Look every name up, once for every list of names."""
-        known = [(name, i) for i, name in enumerate(names[: min(length, MOST_NAMES)]) if name in self._limits]
-        places = dict(known)  # of twins, the last wins
-        twins = [name for name, count in Counter(name for name, _ in known).items() if count > 1]
-        strange = [name for name in names[:MOST_NAMES] if name not in self._limits] + names[MOST_NAMES:]
-        usual = JointReport(
-            joints=tuple(places),
-            unknown=NameList.of(strange),
-            duplicate=NameList.of(twins),
-            short=max(len(names) - length, 0) if length else 0,
-            long=max(length - len(names), 0),
-            known=tuple(islice(self._limits, 8)) if strange else (),
-        )
-        lows, highs = (tuple(self._limits[name][end] for name in places) for end in (0, 1))
+
+class _Plan(NamedTuple):
+    """What a list of names means for a body's joints. It is the same for every message with these names."""
+
+    names: Sequence[str] = ()  # in the message
+    length: int = 0  # how many positions it has
+    joints: tuple[str, ...] = ()  # those that get a position
+    indices: tuple[int, ...] = ()  # where their positions are; empty when they are the first ones, in order
+    lows: tuple[float, ...] = ()  # what they may be, with slack, and finite
+    highs: tuple[float, ...] = ()
+    report: JointReport = JointReport()  # where every position is within its range
+
+    @classmethod
+    def of(cls, ranges: Ranges, message: JointState) -> _Plan:
+        """Look every name of a message up."""
+        names, length = list(message.name), len(message.position)
+        places = {name: i for i, name in enumerate(names[:length]) if name in ranges}
+        limits = [_slack(ranges[joint]) for joint in places]
+        lows, highs = zip(*limits) if limits else ((), ())
+        _, report = match_joints(ranges, message)
+        usual = report._replace(joints=tuple(places), non_finite=NameList(), huge=NameList(), outside=NameList())
         indices = () if list(places.values()) == list(range(len(places))) else tuple(places.values())
-        return _Plan(names, length, usual.joints, lows, highs, indices, usual)
+        return cls(names, length, usual.joints, indices, lows, highs, usual)
+
+    def positions(self, received: Sequence[float]) -> dict[str, float] | None:
+        """Return the position of each joint, or None where one is not within its range."""
+        if self.indices:
+            received = [received[i] for i in self.indices]
+        found = {}
+        for joint, low, high, position in zip(self.joints, self.lows, self.highs, received):
+            if not low <= position <= high:
+                return None
+            found[joint] = position
+        return found
 
 
-def match_joints(
-    joints: Mapping[str, tuple[float, float]] | Iterable[str], message: JointState
-) -> tuple[dict[str, float], JointReport]:
-    """Find out which joint one message moves where, as `JointMatcher` does, but knowing of no message before."""
-    return JointMatcher(joints).match(message)
+def _ranges(joints: Ranges | Iterable[str]) -> Ranges:
+    return joints if isinstance(joints, Mapping) else dict.fromkeys(joints, (-inf, inf))
+
+
+def _slack(limits: tuple[float, float]) -> tuple[float, float]:
+    """Widen a range by what is not worth a word, and bound it by what can be shown."""
+    return max(limits[0] - SLACK, -SHOWABLE), min(limits[1] + SLACK, SHOWABLE)
+
+
+def _is_within(limits: tuple[float, float], position: float) -> bool:
+    low, high = _slack(limits)
+    return low <= position <= high
