@@ -73,11 +73,11 @@ class _Kept:
         if view not in self._programs:
             self._pictures[self._count] = view
             return
-        from tutorial.view.replay import Recorder  # noqa: PLC0415
+        from tutorial.view.replay import ReplayRecorder  # noqa: PLC0415
 
         self.stop(view)
         host = self._programs[view].host
-        recorder = Recorder(view.scene, host.shown_at, host.joint_positions, LONGEST_PAUSE)
+        recorder = ReplayRecorder(view.scene, host.shown_at, host.joint_positions, LONGEST_PAUSE)
         self._running[view] = self._count, recorder, end
 
     def show_images(self, view: Any) -> None:
