@@ -103,6 +103,19 @@ def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(v
     assert viewer.node.topics == []
 
 
+def test_messages_may_come_as_soon_as_it_listens(monkeypatch):
+    early = {JointState: joint_state(20), TFMessage: TFMessage(transforms=[transform(20)])}
+    listen = Node.create_subscription
+
+    def listen_and_hear(node, kind, topic, callback, depth):
+        subscription = listen(node, kind, topic, callback, depth)
+        callback(early[kind])
+        return subscription
+
+    monkeypatch.setattr(Node, "create_subscription", listen_and_hear)
+    assert Viewer().posted == 2
+
+
 def test_what_is_fixed_to_the_ground_is_moved_too():
     viewer = Viewer("crane")
     viewer.hear(transform(20, 5.0, LEFT), joint_state(20, 0.5, "SLEW"))

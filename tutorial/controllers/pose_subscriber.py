@@ -28,10 +28,10 @@ class PoseSubscriber(SimpleController):
         """Subscribe to the body's joint states, and to everybody's transforms."""
         self.node, self.call_later = config.node, config.call_later
         self.frame = f"{config.body.name}/base_link"
+        self.display = PoseDisplay(config, lambda: self.joint_states.get_publisher_count())  # before messages come
         topic = f"{config.body.name}/joint_state"
         self.joint_states = self.node.create_subscription(JointState, topic, self.on_joint_state, 10)
         self.transforms = self.node.create_subscription(TFMessage, "/tf", self.on_tf, 100)
-        self.display = PoseDisplay(config, self.joint_states.get_publisher_count)
 
     def on_joint_state(self, message: JointState) -> None:  # executor's thread: post and return
         """Hand the message to the main thread."""
