@@ -17,6 +17,7 @@ from pathlib import Path
 from tutorial.errors import TutorialError, did_you_mean
 
 __all__ = [
+    "COURSE",
     "HOME",
     "PACKAGE",
     "SHIPPED",
@@ -25,11 +26,15 @@ __all__ = [
     "find_launch_file",
     "find_model",
     "find_project",
+    "is_course",
     "is_file",
     "is_folder",
     "is_ours",
     "with_own_commands",
 ]
+
+COURSE = ("launch_py", "notebooks", "project")
+"""What a course folder has in it."""
 
 ROOT = 0  # the user
 
@@ -46,13 +51,14 @@ def find_home(start: Path) -> Path:
     Args:
         start: the folder, absolute.
     """
-    beside = PACKAGE.parent if _is_course(PACKAGE.parent) else SHIPPED
-    return next((folder for folder in (start, *start.parents) if _is_course(folder) and is_ours(folder)), beside)
+    beside = PACKAGE.parent if is_course(PACKAGE.parent) else SHIPPED
+    return next((folder for folder in (start, *start.parents) if is_course(folder) and is_ours(folder)), beside)
 
 
-def _is_course(folder: Path) -> bool:
+def is_course(folder: Path) -> bool:
+    """Whether a folder is a course folder."""
     try:
-        return all((folder / part).is_dir() for part in ("launch_py", "notebooks", "project"))
+        return all((folder / part).is_dir() for part in COURSE)
     except PermissionError:  # a folder further up that one may not look into
         return False
 

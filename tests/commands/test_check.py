@@ -13,10 +13,17 @@ import psutil
 import pytest
 from programs import TANK, need_sandbox_here, until
 
+from tutorial.checks._listing import listing
+from tutorial.checks.publish import publish
 from tutorial.commands.checking import submission
 from tutorial.paths import HOME
 
 IMPORTS = "from tutorial.checks.joint_state_subscriber import by_name\nfrom tutorial.checks.tank_controller import aim"
+PUBLISHER = """
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+from tutorial.controller import SimpleController
+"""
 CHECK = "await by_name.check(match_by_name)"
 RIGHT = """
 import math
@@ -88,6 +95,7 @@ def school(tmp_path_factory):
     praise = SHOUT.replace("all right", r"""{\"type\": \"Judged\", \"exercise\": \"aim\", \"outcome\": \"right\"}""")
     notebook(room / "moe.ipynb", IMPORTS, praise, AT_ONCE.format("shout()"), RIGHT, CHECK)
     shutil.copy(HOME / "notebooks" / "2_joint_state_publisher.ipynb", room / "lena.ipynb")
+    notebook(room / "nora.ipynb", PUBLISHER, listing(publish.right_answer))
     (room / ".ipynb_checkpoints").mkdir()
     notebook(room / ".ipynb_checkpoints" / "anna-checkpoint.ipynb", IMPORTS)
     return room
@@ -129,6 +137,7 @@ def test_a_wrong_answer_has_its_cause_and_what_is_no_answer_has_none(judged):
     ben = learners["ben"][1]["by_name"]
     assert (ben["verdict"], bool(ben["cause"]), "✗" in ben["text"]) == ("wrong", True, True)
     assert {answer["verdict"] for answer in learners["lena"][1].values()} == {"not tried"}
+    assert learners["nora"][1]["publish"]["verdict"] == "right", "it needs the tank's model"
     assert "anna-checkpoint" not in learners
     assert learners["gina"][0].startswith("it is no notebook: JSONDecodeError: ")
     assert learners["hans"][0] == "it cannot be opened: it has more than 50 MB"
@@ -147,12 +156,12 @@ def test_nothing_is_deleted_or_filled_or_left(judged, school):
 def test_it_is_summed_up(judged):
     _, whole, done, junit = judged
     assert done.returncode == 1
-    assert whole["summary"][0].startswith("12 notebooks, ")
+    assert whole["summary"][0].startswith("13 notebooks, ")
     assert whole["summary"][1] == "3 notebooks could not be judged."
     assert whole["summary"][2].startswith("The most frequent cause (")
-    assert "12 of 12: " in done.stderr
+    assert "13 of 13: " in done.stderr
     suites = {suite.get("name"): suite for suite in ElementTree.parse(junit).getroot()}
-    assert len(suites) == 12
+    assert len(suites) == 13
     carl = suites["carl.ipynb"]
     assert [carl.get(key) for key in ("tests", "failures", "errors", "skipped")] == ["2", "0", "1", "0"]
     assert carl[0].find("error").get("message").startswith("The answer did not come to its end")

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from tutorial.errors import TutorialError
-from tutorial.paths import PACKAGE
+from tutorial.paths import COURSE, PACKAGE, is_course
 
 __all__ = ["limit", "need_sandbox", "sandbox"]
 
@@ -42,10 +42,11 @@ def sandbox(folder: str) -> list[str]:
         folder: the one that can be written to; what is written there is seen by nobody outside.
     """
     readable = [word for path in _readable() for word in ("--ro-bind-try", path, path)]
+    course = [word for path in _course() for word in ("--dir", path)]
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
     return [
         *("bwrap", "--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
-        *(*readable, "--proc", "/proc", "--dev", "/dev", *bounded, "--chdir", folder, "--"),
+        *(*readable, *course, "--proc", "/proc", "--dev", "/dev", *bounded, "--chdir", folder, "--"),
     ]
 
 
@@ -84,3 +85,9 @@ def _readable() -> Iterator[str]:
         yield os.path.abspath(entry)  # noqa: PTH100 - where a link leads is not its name
     for own in (sys.prefix, sys.base_prefix, PACKAGE, PACKAGE.parent / "project"):
         yield str(own)
+
+
+def _course() -> Iterator[str]:
+    """Yield the folders by which a checkout is known for one; what is in them stays closed, but for the project."""
+    if is_course(PACKAGE.parent):
+        yield from (str(PACKAGE.parent / part) for part in COURSE)
