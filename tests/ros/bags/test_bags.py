@@ -437,7 +437,11 @@ def test_quality_of_service_survives_a_bag():
 
 
 DEFAULT = (10, ReliabilityPolicy.RELIABLE, DurabilityPolicy.VOLATILE)
-OLDER = "- {history: 1, depth: 5, reliability: 2, durability: 1, deadline: {sec: 9223372036, nsec: 854775807}}"
+FOREVER = "{sec: 9223372036, nsec: 854775807}"
+OLDER = (
+    f"- {{history: 1, depth: 5, reliability: 2, durability: 1, deadline: {FOREVER}, lifespan: {FOREVER}, liveliness: 1,"
+    f" liveliness_lease_duration: {FOREVER}, avoid_ros_namespace_conventions: false}}"
+)
 
 
 @pytest.mark.parametrize(

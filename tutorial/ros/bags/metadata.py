@@ -9,7 +9,9 @@ from typing import Any
 
 import yaml
 from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rosbags.interfaces import Qos, QosTime
+from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 
 from tutorial.ros.bags.storage import Channel, Damaged
 
@@ -21,7 +23,6 @@ LARGEST = 2**20  # [bytes]
 DEFAULT_DEPTH = 10
 FOREVER = 2**63 - 1  # [ns]
 POLICIES: dict[str, Any] = {
-    "history": HistoryPolicy,
     "reliability": ReliabilityPolicy,
     "durability": DurabilityPolicy,
     "liveliness": LivelinessPolicy,
@@ -120,7 +121,7 @@ def read_metadata(path: Path) -> dict[str, Any]:
 
 def qos_text(profiles: Iterable[QoSProfile]) -> str:
     """Write what publishers offer as a bag keeps it, in YAML."""
-    return _dumped([_as_mapping(profile) for profile in profiles])
+    return _dumped(dump_qos_v9([_told(profile) for profile in profiles]))
 
 
 def offered(text: str) -> QoSProfile:
@@ -131,10 +132,11 @@ def offered(text: str) -> QoSProfile:
     Args:
         text: of `qos_text`, or of an older ``ros2 bag``, which has numbers for words.
     """
-    profiles = _loaded(text.encode("utf-8", "replace")[:LARGEST])
-    kinds = [_profile(profile) for profile in profiles[:100]] if isinstance(profiles, list) else []
-    default = QoSProfile(depth=DEFAULT_DEPTH)
-    return kinds[0] if kinds and all(kind == kinds[0] for kind in kinds) else default
+    try:
+        kinds = [_profile(told) for told in parse_qos(text)]
+    except Exception:  # noqa: BLE001 - what a stranger has written may be anything
+        kinds = []
+    return kinds[0] if kinds and all(kind == kinds[0] for kind in kinds) else QoSProfile(depth=DEFAULT_DEPTH)
 
 
 def _dumped(content: Any) -> str:
@@ -149,51 +151,21 @@ def _loaded(data: bytes) -> Any:
         return None
 
 
-def _as_mapping(profile: QoSProfile) -> dict[str, Any]:
-    words: dict[str, Any] = {name: getattr(profile, name).name.lower() for name in POLICIES}
-    spans = {name: _span(getattr(profile, name).nanoseconds) for name in SPANS}
-    return {
-        "history": words["history"],
-        "depth": profile.depth,
-        "reliability": words["reliability"],
-        "durability": words["durability"],
-        "deadline": spans["deadline"],
-        "lifespan": spans["lifespan"],
-        "liveliness": words["liveliness"],
-        "liveliness_lease_duration": spans["liveliness_lease_duration"],
-        "avoid_ros_namespace_conventions": bool(profile.avoid_ros_namespace_conventions),
-    }
+def _told(profile: Any) -> Qos:
+    deadline, lifespan, lease = (QosTime(*divmod(getattr(profile, name).nanoseconds, 10**9)) for name in SPANS)
+    policies = profile.reliability, profile.durability, deadline, lifespan, profile.liveliness, lease
+    return Qos(profile.history, profile.depth, *policies, bool(profile.avoid_ros_namespace_conventions))
 
 
-def _span(nanoseconds: int) -> dict[str, int]:
-    seconds, rest = divmod(nanoseconds, 10**9)
-    return {"sec": seconds, "nsec": rest}
-
-
-def _profile(words: Any) -> QoSProfile:
-    """Return a profile; of what is not understood, the default."""
+def _profile(told: Qos) -> QoSProfile:
+    """Return a profile; what no publisher can offer is the default."""
     profile = QoSProfile(depth=DEFAULT_DEPTH)
-    if not isinstance(words, dict):
-        return profile
     for name, kind in POLICIES.items():
-        if name != "history":
-            setattr(profile, name, _policy(kind, words.get(name), getattr(profile, name)))
+        word = getattr(told, name).name
+        if word in kind.__members__ and word not in ("UNKNOWN", "SYSTEM_DEFAULT", "BEST_AVAILABLE"):
+            setattr(profile, name, kind[word])
     for name in SPANS:
-        setattr(profile, name, _duration(words.get(name)))
+        seconds, nanoseconds = getattr(told, name)
+        span = seconds * 10**9 + nanoseconds
+        setattr(profile, name, Duration(nanoseconds=span if 0 < span < FOREVER else 0))
     return profile
-
-
-def _policy(kind: Any, word: Any, default: Any) -> Any:
-    """Return a policy by its name, or by its number; one that a publisher cannot offer is the default."""
-    names = {member.name.lower(): member for member in kind} | {int(member): member for member in kind}
-    found = names.get(word) if isinstance(word, (str, int)) else None
-    return default if found is None or found.name in ("UNKNOWN", "SYSTEM_DEFAULT", "BEST_AVAILABLE") else found
-
-
-def _duration(span: Any) -> Duration:
-    """Return a span of time; what is no such is none, which 0 stands for."""
-    try:
-        nanoseconds = int(span["sec"]) * 10**9 + int(span["nsec"])
-    except (KeyError, TypeError, ValueError, OverflowError):
-        nanoseconds = 0
-    return Duration(nanoseconds=nanoseconds if 0 < nanoseconds < FOREVER else 0)
