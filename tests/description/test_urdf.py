@@ -167,7 +167,7 @@ def test_a_limit_says_what_the_actuators_can_do(described):
     many = "1000000000"
     assert limits == {
         "A": {"lower": "-1", "upper": "2", "effort": "30", "velocity": many},
-        "B": {"effort": "45", "velocity": "1.5"},
+        "B": {"effort": "45", "velocity": many},
         "C": {"lower": "0", "upper": "1", "effort": "7", "velocity": many},
         "D": {"lower": f"-{many}", "upper": many, "effort": many, "velocity": many},
     }

@@ -22,7 +22,6 @@ RED_BLOCK = """
       <geom type="sphere" size="0.05" pos="0 0 -0.2"/>
       <camera name="CAMERA" xyaxes="0 -1 0 0 0 1" fovy="60"/>
       <camera name="SMALL" xyaxes="0 -1 0 0 0 1" fovy="60" resolution="64 48"/>
-      <camera name="HUGE" xyaxes="0 -1 0 0 0 1" resolution="5000 48"/>
     </body>
   </worldbody>
 </mujoco>

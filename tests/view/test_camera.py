@@ -97,31 +97,10 @@ def test_the_world_goes_on_while_a_picture_is_delivered_and_the_newest_replaces_
         stage.move(aside)
         elsewhere(eye.capture, slow.taken.append)
     stage.move(0.9)  # after the copies were made
-    assert eye.missed == 2
     slow.may_leave.set()
     stage.body.camera("CAMERA").capture(lambda _: None)  # comes after them
     assert len(slow.taken) == 2
     assert is_red(middle(slow.taken[1]))
-
-
-def test_that_many_pictures_are_missed_is_said_once(stage, eye, caplog):
-    slow = Slow(eye)
-    for _ in range(40):
-        elsewhere(eye.capture, lambda _: None)
-    slow.may_leave.set()
-    assert [record.getMessage() for record in caplog.records] == [
-        "the camera 'CAMERA' has missed 10 pictures: rendering takes too long here"
-    ]
-
-
-def test_that_the_first_picture_takes_long_is_not_said(stage, eye, monkeypatch, caplog):
-    begin, make = threading.Event(), offscreen._gl_context
-    monkeypatch.setattr(offscreen, "_gl_context", lambda *size: begin.wait(PATIENCE) and make(*size))
-    for _ in range(20):
-        elsewhere(eye.capture, lambda _: None)
-    begin.set()
-    eye.capture(lambda _: None)
-    assert (eye.missed, caplog.text) == (0, "")
 
 
 def test_in_lockstep_a_receivers_error_is_the_controllers(tmp_path, caplog):
@@ -194,22 +173,11 @@ def test_where_nothing_renders_it_is_said_once_and_all_else_goes_on(stage, monke
     ]
 
 
-def test_rendering_that_is_switched_off_is_told_so(stage, monkeypatch, caplog):
-    monkeypatch.setenv("MUJOCO_GL", "off")
-    stage.body.camera("CAMERA").capture(lambda _: None)
-    assert [record.getMessage() for record in caplog.records] == [
-        "cameras take no pictures, all else goes on: nothing renders here "
-        "(ImportError: MUJOCO_GL=off switches it off). Unset MUJOCO_GL."
-    ]
-
-
 def test_cameras_have_names_and_sizes(stage):
-    assert repr(stage.body.camera("CAMERA")) == "Camera('CAMERA', 320 x 240)"  # the model does not say it
-    assert repr(stage.body.camera("SMALL")) == "Camera('SMALL', 64 x 48)"
+    sizes = [(each.name, each.width, each.height) for each in map(stage.body.camera, ("CAMERA", "SMALL"))]
+    assert sizes == [("CAMERA", 320, 240), ("SMALL", 64, 48)]  # of the first the model does not say it
     with pytest.raises(TutorialError, match=r"the body 'Eye' has no camera 'SMAL'. Did you mean 'SMALL'?"):
         stage.body.camera("SMAL")
-    with pytest.raises(TutorialError, match=r"the camera 'HUGE' has 5000 x 48 pixels. Give it at most 1920 x 1080."):
-        stage.body.camera("HUGE")
 
 
 def test_a_displayed_body_takes_no_pictures(stage):

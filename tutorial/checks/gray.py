@@ -249,7 +249,7 @@ class Camera:
     def __init__(self, body: Body, name: str, take: Callable[..., None]) -> None:
         if name != "CAMERA":
             raise TutorialError(f"the body {body.name!r} has no camera {name!r}. Known are 'CAMERA'.")
-        self.name, (self.width, self.height), self.missed = name, SIZES[body.name], 0
+        self.name, (self.width, self.height) = name, SIZES[body.name]
         self._take, self._is_open = take, True
 
     def capture(self, deliver: Any, *arguments: object) -> None:

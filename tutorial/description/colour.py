@@ -1,4 +1,4 @@
-"""The colour in which MuJoCo's own viewer shows a geom."""
+"""Which geoms MuJoCo's own viewer shows, and in which colour."""
 
 from __future__ import annotations
 
@@ -6,13 +6,20 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["colour_of", "takes_material"]
+from tutorial.body import SHOWN_GROUPS
+
+__all__ = ["colour_of", "is_seen", "takes_material"]
 
 Array = NDArray[np.float64]
 
 _UNTOUCHED = (0.5, 0.5, 0.5, 1.0)
 """The colour of a geom that was given none. MuJoCo then takes the material's (``setMaterial`` in
 ``engine_vis_visualize.c``)."""
+
+
+def is_seen(model: mujoco.MjModel, geom: int) -> bool:
+    """Say whether a geom is in a group that is shown, and not fully transparent."""
+    return bool(model.geom_group[geom] < SHOWN_GROUPS and colour_of(model, geom)[3] > 0)
 
 
 def takes_material(model: mujoco.MjModel, geom: int) -> bool:
@@ -35,7 +42,4 @@ def _texture_tint(model: mujoco.MjModel, material: int) -> Array:
     texture = model.mat_texid[material, int(mujoco.mjtTextureRole.mjTEXROLE_RGB)]
     if texture < 0 or model.tex_nchannel[texture] < 3:
         return np.ones(3)
-    channels = model.tex_nchannel[texture]
-    size = model.tex_height[texture] * model.tex_width[texture] * channels
-    pixels = model.tex_data[model.tex_adr[texture] : model.tex_adr[texture] + size].reshape(-1, channels)
-    return np.asarray(pixels[:, :3].mean(axis=0) / 255)
+    return np.asarray(model.texture(texture).data[..., :3].mean(axis=(0, 1)) / 255)

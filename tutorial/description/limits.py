@@ -1,4 +1,4 @@
-"""What a joint can do, as URDF says it: how far, how strong, how fast, and what slows it down."""
+"""What a joint can do, as URDF says it: how far, how strong, and what slows it down."""
 
 from __future__ import annotations
 
@@ -12,21 +12,18 @@ from tutorial.description.poses import numbers
 __all__ = ["add_dynamics", "add_limit"]
 
 UNLIMITED = 1e9
-"""Stands for what the model does not limit [rad, m, N.m, N, rad/s or m/s]: URDF wants a number."""
+"""Stands for what the model does not limit [rad, m, N.m, N, rad/s or m/s], as any speed: URDF wants a number."""
 
 
 def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:
     """Add a ``<limit>``: the range, where the joint has one or slides, and what its actuators can do."""
     limit = SubElement(element, "limit")
-    slides = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE
-    if model.jnt_limited[joint] or slides:
-        lower, upper = model.jnt_range[joint].tolist() if model.jnt_limited[joint] else (-UNLIMITED, UNLIMITED)
+    if model.jnt_limited[joint] or model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:
+        lower, upper = model.jnt_range[joint] if model.jnt_limited[joint] else (-UNLIMITED, UNLIMITED)
         limit.set("lower", numbers([lower]))
         limit.set("upper", numbers([upper]))
-    moves_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
-    actuators = np.flatnonzero(moves_joint & (model.actuator_trnid[:, 0] == joint)).tolist()
-    limit.set("effort", numbers([_effort(model, joint, actuators)]))
-    limit.set("velocity", numbers([min((_velocity(model, each) for each in actuators), default=UNLIMITED)]))
+    limit.set("effort", numbers([_effort(model, joint)]))
+    limit.set("velocity", numbers([UNLIMITED]))
 
 
 def add_dynamics(element: Element, model: mujoco.MjModel, joint: int) -> None:
@@ -37,10 +34,12 @@ def add_dynamics(element: Element, model: mujoco.MjModel, joint: int) -> None:
         SubElement(element, "dynamics", damping=numbers([damping]), friction=numbers([friction]))
 
 
-def _effort(model: mujoco.MjModel, joint: int, actuators: list[int]) -> float:
+def _effort(model: mujoco.MjModel, joint: int) -> float:
     """The largest torque or force [N.m or N] on a joint: its own limit, or what its actuators can do together."""
     if model.jnt_actfrclimited[joint]:
         return float(np.abs(model.jnt_actfrcrange[joint]).max())
+    moves_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
+    actuators = np.flatnonzero(moves_joint & (model.actuator_trnid[:, 0] == joint)).tolist()
     together = sum(_strength(model, actuator) for actuator in actuators)
     return min(together, UNLIMITED) if actuators else UNLIMITED
 
@@ -56,14 +55,4 @@ def _strength(model: mujoco.MjModel, actuator: int) -> float:
     if is_motor and model.actuator_ctrllimited[actuator]:
         largest = float(np.abs(model.actuator_ctrlrange[actuator]).max())
         return gear * abs(float(model.actuator_gainprm[actuator, 0])) * largest
-    return UNLIMITED
-
-
-def _velocity(model: mujoco.MjModel, actuator: int) -> float:
-    """The largest speed [rad/s or m/s] that can be asked of a velocity servo: one that holds ``ctrl`` = velocity."""
-    gain, gear = float(model.actuator_gainprm[actuator, 0]), abs(float(model.actuator_gear[actuator, 0]))
-    _, of_position, of_velocity = model.actuator_biasprm[actuator, :3].tolist()
-    is_servo = gain > 0 and of_position == 0 and of_velocity == -gain and gear > 0
-    if is_servo and model.actuator_ctrllimited[actuator]:
-        return float(np.abs(model.actuator_ctrlrange[actuator]).max()) / gear
     return UNLIMITED

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from math import atan2, hypot
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["add_origin", "inverse", "numbers", "pose", "shift", "turn"]
+__all__ = ["Matrix", "add_origin", "numbers", "pose", "shift", "turn"]
 
-Matrix = NDArray[np.float64]
+Matrix = NDArray[np.floating[Any]]
 
 NOTHING = 1e-12
 """What is smaller [m] or [rad] comes from rounding, and is written as 0."""
@@ -42,15 +43,6 @@ def turn(axis: ArrayLike, angle: float) -> Matrix:
     quaternion = np.empty(4)
     mujoco.mju_axisAngle2Quat(quaternion, np.asarray(axis, dtype=float), angle)
     return pose((0.0, 0.0, 0.0), quaternion)
-
-
-def inverse(matrix: Matrix) -> Matrix:
-    """Return the pose that undoes one."""
-    rotation = matrix[:3, :3].T
-    undone = np.eye(4)
-    undone[:3, :3] = rotation
-    undone[:3, 3] = -rotation @ matrix[:3, 3]
-    return undone
 
 
 def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-from tutorial.body import SHOWN_GROUPS
-from tutorial.description.colour import colour_of, takes_material
-from tutorial.description.poses import add_origin, inverse, numbers, pose, shift
+from tutorial.description.colour import colour_of, is_seen, takes_material
+from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift
 
 __all__ = ["add_shapes"]
 
-Matrix = NDArray[np.float64]
 Shape = tuple[str, dict[str, str], Matrix]
 """A tag of URDF, its attributes, and where it is within the geom."""
 
 MESH_FILES = {".dae", ".obj", ".stl"}
 """What rviz2 reads."""
 
-_IN_THE_MIDDLE = np.eye(4)
+Geom = mujoco.mjtGeom
 
 
 def add_shapes(link: Element, model: mujoco.MjModel, geom: int) -> str:
@@ -32,13 +28,13 @@ def add_shapes(link: Element, model: mujoco.MjModel, geom: int) -> str:
     Returns:
         What is missing then, such as ``"ellipsoid shapes"``; empty if nothing is.
     """
-    is_seen = model.geom_group[geom] < SHOWN_GROUPS and colour_of(model, geom)[3] > 0
+    seen = is_seen(model, geom)
     touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
-    if not (is_seen or touches):
+    if not (seen or touches):
         return ""
-    kind = mujoco.mjtGeom(model.geom_type[geom])
-    shapes = _SHAPES.get(int(kind), _none)(model, geom)
-    for shape in shapes if is_seen else ():
+    kind = Geom(model.geom_type[geom])
+    shapes = _shapes(model, geom, kind)
+    for shape in shapes if seen else ():
         material = SubElement(_add(link, "visual", model, geom, shape), "material", name=_material_name(model, geom))
         SubElement(material, "color", rgba=numbers(colour_of(model, geom).round(4)))
     for shape in shapes if touches else ():
@@ -62,24 +58,23 @@ def _material_name(model: mujoco.MjModel, geom: int) -> str:
     return "rgba_" + "".join(f"{round(255 * part):02x}" for part in colour_of(model, geom).clip(0, 1).tolist())
 
 
-def _box(model: mujoco.MjModel, geom: int) -> list[Shape]:
-    return [("box", {"size": numbers(2 * model.geom_size[geom])}, _IN_THE_MIDDLE)]
-
-
-def _sphere(model: mujoco.MjModel, geom: int) -> list[Shape]:
-    return [("sphere", {"radius": numbers(model.geom_size[geom, :1])}, _IN_THE_MIDDLE)]
-
-
-def _cylinder(model: mujoco.MjModel, geom: int) -> list[Shape]:
-    size = model.geom_size[geom]
-    return [("cylinder", {"radius": numbers(size[:1]), "length": numbers(2 * size[1:2])}, _IN_THE_MIDDLE)]
-
-
-def _capsule(model: mujoco.MjModel, geom: int) -> list[Shape]:
-    """URDF has no capsules: a cylinder, and a sphere at each end."""
-    ((_, ball, _),) = _sphere(model, geom)
-    half = model.geom_size[geom, 1]
-    return [*_cylinder(model, geom), *(("sphere", ball, shift((0.0, 0.0, end))) for end in (half, -half))]
+def _shapes(model: mujoco.MjModel, geom: int, kind: mujoco.mjtGeom) -> list[Shape]:
+    """What a geom is in URDF: of a capsule, a cylinder and two spheres; nothing where URDF has no such shape."""
+    size, middle = model.geom_size[geom], np.eye(4)
+    ball = {"radius": numbers(size[:1])}
+    cylinder = ("cylinder", {**ball, "length": numbers(2 * size[1:2])}, middle)
+    match kind:
+        case Geom.mjGEOM_BOX:
+            return [("box", {"size": numbers(2 * size)}, middle)]
+        case Geom.mjGEOM_SPHERE:
+            return [("sphere", ball, middle)]
+        case Geom.mjGEOM_CYLINDER:
+            return [cylinder]
+        case Geom.mjGEOM_CAPSULE:
+            return [cylinder, *(("sphere", ball, shift((0.0, 0.0, end))) for end in (size[1], -size[1]))]
+        case Geom.mjGEOM_MESH:
+            return _mesh(model, geom)
+    return []
 
 
 def _mesh(model: mujoco.MjModel, geom: int) -> list[Shape]:
@@ -96,18 +91,4 @@ def _mesh(model: mujoco.MjModel, geom: int) -> list[Shape]:
     if path.suffix.lower() not in MESH_FILES:
         return []
     attributes = {"filename": path.as_uri(), "scale": numbers(model.mesh_scale[mesh])}
-    return [("mesh", attributes, inverse(pose(model.mesh_pos[mesh], model.mesh_quat[mesh])))]
-
-
-def _none(_model: mujoco.MjModel, _geom: int) -> list[Shape]:
-    """URDF has no such shape."""
-    return []
-
-
-_SHAPES: dict[int, Callable[[mujoco.MjModel, int], list[Shape]]] = {
-    int(mujoco.mjtGeom.mjGEOM_BOX): _box,
-    int(mujoco.mjtGeom.mjGEOM_SPHERE): _sphere,
-    int(mujoco.mjtGeom.mjGEOM_CYLINDER): _cylinder,
-    int(mujoco.mjtGeom.mjGEOM_CAPSULE): _capsule,
-    int(mujoco.mjtGeom.mjGEOM_MESH): _mesh,
-}
+    return [("mesh", attributes, np.linalg.inv(pose(model.mesh_pos[mesh], model.mesh_quat[mesh])))]

@@ -13,11 +13,10 @@ from xml.etree.ElementTree import Comment, Element, SubElement
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from tutorial.body import Body
 from tutorial.description.limits import add_dynamics, add_limit
-from tutorial.description.poses import add_origin, inverse, numbers, pose, shift, turn
+from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift, turn
 from tutorial.description.shapes import add_shapes
 
 __all__ = ["robot_description"]
@@ -29,8 +28,6 @@ WORLD, FIRST = 0, 1
 """MuJoCo's numbers of the world, which the bodies stand in, and of the root."""
 
 FREE, BALL, SLIDE = (int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("FREE", "BALL", "SLIDE"))
-
-Matrix = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
@@ -105,7 +102,7 @@ class _Writer:
             return place
         if number != FIRST and (self._is_free(number) or self._is_free(FIRST)):
             return None
-        return inverse(pose(model.body_pos[FIRST], model.body_quat[FIRST])) @ place
+        return np.linalg.inv(pose(model.body_pos[FIRST], model.body_quat[FIRST])) @ place
 
     def _lead(self, parent: Element, joints: list[int], place: Matrix, name: str) -> Element:
         """Add a link, and the joints that lead to it.
@@ -115,7 +112,7 @@ class _Writer:
         """
         for joint in joints:
             anchor = self._anchor(joint)
-            here, place = place @ anchor @ self._at_zero(joint), inverse(anchor)
+            here, place = place @ anchor @ self._at_zero(joint), np.linalg.inv(anchor)
             ends = joint == joints[-1] and not place[:3, 3].any()
             joint_name = self._plain(self.model.joint(joint).name)
             link = self._add_link(name if ends else self._unused("link", f"{joint_name}_axis"))

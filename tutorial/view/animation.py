@@ -11,7 +11,6 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
@@ -54,8 +53,8 @@ class _Film:
 
     def __init__(self) -> None:
         self._scene = Scene()
-        self._tracks: dict[str, _Track] = {}
-        self._sights: dict[str, _Sight] = {}
+        self._poses: dict[str, _Track] = {}
+        self._sights: dict[str, _Track] = {}
         self._before = self._now = 0.0
         self._has_camera = False
 
@@ -70,98 +69,83 @@ class _Film:
                 self._scene.look_at(tuple(numbers[:3]), tuple(numbers[3:]))
 
     def finish(self) -> bytes:
-        moving = [track.lower(path) for path, track in self._tracks.items() if len(track.times) > 1]
-        moving += [sight.lower(path) for path, sight in self._sights.items() if len(sight.times) > 1]
-        animation = {"type": "set_animation", "path": "", "animations": moving, "options": {"play": False}}
-        self._scene.send_message(animation)
+        clips = [_clip(path, "run", _motion(track)) for path, track in self._poses.items() if len(track.times) > 1]
+        clips += [_clip(path, "sight", _sight(track)) for path, track in self._sights.items() if len(track.times) > 1]
+        self._scene.send_message({"type": "set_animation", "path": "", "animations": clips, "options": {"play": False}})
         return self._scene.snapshot()
 
     def _take(self, command: dict[str, Any]) -> None:
+        path = command["path"]
         match command["type"]:
             case "delete":
-                self._hide(command["path"])
+                for drawn in self._sights:
+                    if f"{drawn}/".startswith(f"{path}/"):
+                        self._see(drawn, False)
             case "set_transform":
                 self._move(command)
             case "set_object":
-                self._sights.setdefault(command["path"], _Sight(self._now)).change(self._now, True)
+                self._see(path, True)
                 self._scene.send_message(command)
-            case "set_property" if command["property"] == "color" and command["path"].startswith("/Bodies/"):
+            case "set_property" if command["property"] == "color" and path.startswith("/Bodies/"):
                 pass  # what was stale at the end has not been so all along; the line below says when it was
             case _:
                 self._scene.send_message(command)
 
-    def _hide(self, path: str) -> None:
-        for drawn, sight in self._sights.items():
-            if f"{drawn}/".startswith(f"{path}/"):
-                sight.change(self._now, False)
+    def _see(self, path: str, there: bool) -> None:
+        """Note whether something is there to be seen: a body may come and go during a run."""
+        track = self._sights.setdefault(path, _Track([0.0], [self._now == 0.0]))
+        if track.values[-1] != there:
+            track.add(self._now, there)
 
     def _move(self, command: dict[str, Any]) -> None:
+        """Note where something is now. Between two poses it moves evenly; so where it stood still it has two."""
         matrix = np.array(command["matrix"], dtype=np.float64)
         if not np.isfinite(matrix).all():
             return
-        if track := self._tracks.get(command["path"]):
-            track.add(self._now, self._before, matrix)
+        if track := self._poses.get(command["path"]):
+            if track.times[-1] < self._before:
+                track.add(self._before, track.values[-1])
+            track.add(self._now, matrix)
         else:
-            self._tracks[command["path"]] = _Track(self._now, matrix)
+            self._poses[command["path"]] = _Track([self._now], [matrix])
             self._scene.send_message(command)
 
 
+@dataclass
 class _Track:
-    """The poses of one object. In between two of them it moves evenly; where it stands still it has no poses."""
+    """What became of one object: times [s], and what is so at each."""
 
-    def __init__(self, time: float, matrix: NDArray[np.float64]) -> None:
-        self.times = [time]
-        self.matrices = [matrix]
+    times: list[float]
+    values: list[Any]
 
-    def add(self, time: float, before: float, matrix: NDArray[np.float64]) -> None:
-        """Note where it is in a frame; until the frame before it stood where it was noted last."""
-        if self.times[-1] < before:
-            self.times.append(before)
-            self.matrices.append(self.matrices[-1])
+    def add(self, time: float, value: object) -> None:
         self.times.append(time)
-        self.matrices.append(matrix)
-
-    def lower(self, path: str) -> dict[str, Any]:
-        """Say it as meshcat does, the numbers in one row."""
-        times = np.array(self.times)
-        positions = np.array([matrix[12:15] for matrix in self.matrices])
-        scales = np.array([_scale(matrix) for matrix in self.matrices])
-        quaternions = np.array([_quaternion(matrix) for matrix in self.matrices])
-        tracks = [
-            {"name": ".position", "type": "vector3", "times": times, "values": positions},
-            {"name": ".quaternion", "type": "quaternion", "times": times, "values": quaternions},
-        ]
-        if np.ptp(scales, axis=0).max() > 1e-6:  # float32: what is rigid has not exactly 1
-            tracks.append({"name": ".scale", "type": "vector3", "times": times, "values": scales})
-        return {"path": path, "clip": {"fps": 1, "name": "run", "tracks": tracks}}
+        self.values.append(value)
 
 
-class _Sight:
-    """When something is there to be seen: a body may come and go during a run."""
-
-    def __init__(self, time: float) -> None:
-        self.times, self.values = [0.0], [time == 0.0]
-
-    def change(self, time: float, there: bool) -> None:
-        if self.values[-1] != there:
-            self.times.append(time)
-            self.values.append(there)
-
-    def lower(self, path: str) -> dict[str, Any]:
-        """Say it as meshcat does."""
-        track = {"name": ".visible", "type": "bool", "times": np.array(self.times), "values": self.values}
-        return {"path": path, "clip": {"fps": 1, "name": "sight", "tracks": [track]}}
-
-
-def _quaternion(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The turn of a matrix, whose 16 numbers are column by column, as three.js has it: (4,), xyzw."""
-    quaternion = np.empty(4)
-    axes = matrix.reshape(4, 4)[:3, :3] / _scale(matrix)[:, np.newaxis]
-    mujoco.mju_mat2Quat(quaternion, axes.T.reshape(9))
-    return np.roll(quaternion, -1)
+def _motion(track: _Track) -> list[dict[str, Any]]:
+    """Poses as meshcat has them. A matrix's 16 numbers are column by column, and a quaternion is xyzw in three.js."""
+    columns = np.array(track.values).reshape(-1, 4, 4)
+    scales = np.linalg.norm(columns[:, :3, :3], axis=2)
+    quaternions = np.empty((len(columns), 4))
+    for quaternion, axes in zip(quaternions, columns[:, :3, :3] / scales[:, :, np.newaxis]):
+        mujoco.mju_mat2Quat(quaternion, axes.T.ravel())
+    motion = [
+        _keys(".position", "vector3", track, columns[:, 3, :3]),
+        _keys(".quaternion", "quaternion", track, np.roll(quaternions, -1, axis=1)),
+    ]
+    if np.ptp(scales, axis=0).max() > 1e-6:  # float32: what is rigid has not exactly 1
+        motion.append(_keys(".scale", "vector3", track, scales))
+    return motion
 
 
-def _scale(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How long the axes of a matrix are: (3,)."""
-    lengths: NDArray[np.float64] = np.linalg.norm(matrix.reshape(4, 4)[:3, :3], axis=1)
-    return lengths
+def _sight(track: _Track) -> list[dict[str, Any]]:
+    return [_keys(".visible", "bool", track, track.values)]
+
+
+def _keys(name: str, kind: str, track: _Track, values: object) -> dict[str, Any]:
+    return {"name": name, "type": kind, "times": np.array(track.times), "values": values}
+
+
+def _clip(path: str, name: str, tracks: list[dict[str, Any]]) -> dict[str, Any]:
+    return {"path": path, "clip": {"fps": 1, "name": name, "tracks": tracks}}

@@ -14,40 +14,30 @@ from numpy.typing import NDArray
 
 from tutorial.body import Body
 from tutorial.errors import TutorialError, did_you_mean, printable
-from tutorial.view.offscreen import LARGEST, USUAL, Offscreen, mend
+from tutorial.view.offscreen import USUAL, Offscreen, mend
 
 __all__ = ["Camera", "CameraRenderer"]
 
 PATIENCE = 30.0  # [s] that a picture may take in lockstep, the first one's OpenGL included
-MISSED = 10  # pictures of a camera that have to be missed before it is said
+UNSAID = (1, 1)  # [px] of a camera whose model does not say it
 NO_PICTURES = "cameras take no pictures, all else goes on: nothing renders here (%s). %s."
 _log = logging.getLogger(__name__)
 
 
+@dataclass(eq=False)
 class Camera:
     """A camera of a simulated body, made by `CameraRenderer`.
 
-    Args:
-        renderer: takes its pictures.
-        name: without the body's prefix.
-        number: MuJoCo's, in the whole model.
-        size: of its pictures (width, height) [px].
-
     Attributes:
-        name: as given.
+        name: without the body's prefix.
         width, height: of its pictures [px].
-        missed: how many pictures a newer one has replaced before they were rendered, once OpenGL has begun.
     """
 
-    def __init__(self, renderer: CameraRenderer, name: str, number: int, size: tuple[int, int]) -> None:
-        self.name = name
-        self.number = number
-        self.width, self.height = size
-        self.missed = 0
-        self._renderer = renderer
-
-    def __repr__(self) -> str:
-        return f"Camera({self.name!r}, {self.width} x {self.height})"
+    name: str
+    width: int
+    height: int
+    number: int = field(repr=False)  # MuJoCo's, in the whole model
+    renderer: CameraRenderer = field(repr=False)
 
     def capture(self, deliver: Callable[..., object], *args: object) -> None:
         """Have a picture taken of the world as it is now. ``deliver(pixels, *args)`` is called with it, elsewhere.
@@ -62,17 +52,18 @@ class Camera:
         Raises:
             TutorialError: in lockstep, a picture does not come.
         """
-        self._renderer.request(self, deliver, args)
+        self.renderer.request(self, deliver, args)
 
     def close(self) -> None:
         """Deliver nothing any more; what is being delivered comes to its end first. Idempotent. Any thread."""
-        self._renderer.forget(self)
+        self.renderer.forget(self)
 
 
 @dataclass(eq=False)
 class _Request:
     """A picture that is to be taken."""
 
+    camera: Camera
     qpos: NDArray[np.float64]
     deliver: Callable[..., object]
     args: tuple[object, ...]
@@ -93,49 +84,42 @@ class CameraRenderer:
 
     Attributes:
         error: what a receiver of pictures raised last; None when none did.
-        problem: why nothing renders here; empty as long as that is not known.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         self.error: BaseException | None = None
-        self.problem = ""
         self._model = model
         self._data = data
         self._owner = threading.current_thread()
         self._changed = threading.Condition()
         self._requests: dict[Camera, _Request] = {}  # the newest of each camera
-        self._at_work: tuple[Camera, _Request] | None = None
+        self._at_work: _Request | None = None
         self._thread: threading.Thread | None = None
-        self._has_begun = False  # OpenGL, which may take a second or two
         self._closed = False
 
     def camera(self, body: Body, name: str) -> Camera:
         """Find a camera of a body by name.
 
         Raises:
-            TutorialError: the body has no such camera, the text names the nearest; or its pictures are too large.
+            TutorialError: the body has no such camera; the text names the nearest.
         """
-        model, prefix = self._model, f"{body.name}/"
-        every = (model.camera(i).name for i in range(model.ncam))
-        own = {each.removeprefix(prefix): i for i, each in enumerate(every) if each.startswith(prefix)}
+        prefix = f"{body.name}/"
+        every = (self._model.camera(number).name for number in range(self._model.ncam))
+        own = {each.removeprefix(prefix): number for number, each in enumerate(every) if each.startswith(prefix)}
         if name not in own:
             raise TutorialError(f"the body {body.name!r} has no camera {name!r}.{did_you_mean(name, own)}")
-        width, height = model.cam_resolution[own[name]].tolist()
-        size = USUAL if (width, height) == (1, 1) else (width, height)  # 1 x 1 is MuJoCo's for what is not said
-        if width > LARGEST[0] or height > LARGEST[1]:
-            most = " x ".join(map(str, LARGEST))
-            raise TutorialError(f"the camera {name!r} has {width} x {height} pixels. Give it at most {most}.")
-        return Camera(self, name, own[name], size)
+        width, height = self._model.cam_resolution[own[name]].tolist()
+        if (width, height) == UNSAID:
+            width, height = USUAL
+        return Camera(name, width, height, own[name], self)
 
     def request(self, camera: Camera, deliver: Callable[..., object], args: tuple[object, ...]) -> None:
         """Have a picture taken; see `Camera.capture`."""
         is_awaited = threading.current_thread() is self._owner
-        request = _Request(self._data.qpos.copy(), deliver, args, is_awaited)
+        request = _Request(camera, self._data.qpos.copy(), deliver, args, is_awaited)
         with self._changed:
-            if self._closed or self.problem:
+            if self._closed:
                 return
-            if camera in self._requests and self._has_begun:
-                self._miss(camera)
             self._requests[camera] = request
             if self._thread is None:
                 self._thread = threading.Thread(target=self._main, name="camera", daemon=True)
@@ -154,7 +138,7 @@ class CameraRenderer:
             if dropped is not None:
                 dropped.done.set()
             if threading.current_thread() is not self._thread:
-                self._changed.wait_for(lambda: not (self._at_work and self._at_work[0] is camera), PATIENCE)
+                self._changed.wait_for(lambda: self._at_work is None or self._at_work.camera is not camera, PATIENCE)
 
     def close(self) -> None:
         """End the thread. Idempotent."""
@@ -166,67 +150,48 @@ class CameraRenderer:
             if self._thread.is_alive():
                 _log.error("a receiver of pictures does not return, so its thread ends with the process")
 
-    def _miss(self, camera: Camera) -> None:
-        camera.missed += 1
-        if camera.missed == MISSED:
-            _log.warning("the camera %r has missed %d pictures: rendering takes too long here", camera.name, MISSED)
-
     def _main(self) -> None:
         """The renderer's thread, the only one that knows of OpenGL."""
         try:
             with Offscreen(self._model) as offscreen:
-                self._has_begun = True
                 atexit.register(self.close)  # before OpenGL's own end, which comes after what was registered earlier
-                try:
-                    while self._take(offscreen):
-                        pass
-                finally:
-                    atexit.unregister(self.close)
+                while request := self._next():
+                    camera = request.camera
+                    self._deliver(request, offscreen.render(request.qpos, camera.number, camera.width, camera.height))
         except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and the driver raise what they like
-            self._give_up(error)
+            _log.warning(NO_PICTURES, printable(f"{type(error).__name__}: {error}")[:200], mend())
         finally:
-            self._drop_all()
+            atexit.unregister(self.close)
+            self._end()
 
-    def _take(self, offscreen: Offscreen) -> bool:
-        """Wait for a request, and fulfil it; False when there will be none any more."""
+    def _next(self) -> _Request | None:
+        """Wait for a request; None when there will be none any more."""
         with self._changed:
+            self._at_work = None
+            self._changed.notify_all()
             self._changed.wait_for(lambda: self._requests or self._closed)
-            if self._closed:
-                return False
-            camera = next(iter(self._requests))
-            request = self._requests.pop(camera)
-            self._at_work = camera, request
+            if not self._closed:
+                self._at_work = self._requests.pop(next(iter(self._requests)))
+            return self._at_work
+
+    def _deliver(self, request: _Request, pixels: NDArray[np.uint8]) -> None:
+        """Hand a picture to its receiver. What that raises is raised in lockstep; else it is logged, the first time."""
         try:
-            pixels = offscreen.render(request.qpos, camera.number, camera.width, camera.height)
-            try:
-                request.deliver(pixels, *request.args)
-            except BaseException as error:  # noqa: BLE001 - whatever it is, the other cameras go on
-                self._failed(request, error)
-        finally:
-            with self._changed:
-                self._at_work = None
-                self._changed.notify_all()
-            request.done.set()
-        return True
+            request.deliver(pixels, *request.args)
+        except BaseException as error:  # noqa: BLE001 - whatever it is, the other cameras go on
+            request.error = error
+            if not request.is_awaited:
+                if self.error is None:
+                    _log.error("a receiver of pictures failed; the others go on", exc_info=error)
+                self.error = error
+        request.done.set()
 
-    def _failed(self, request: _Request, error: BaseException) -> None:
-        """Keep what a receiver has raised. In lockstep it is raised there; else it is logged, the first time."""
-        request.error = error
-        if request.is_awaited:
-            return
-        if self.error is None:
-            _log.error("a receiver of pictures failed; the others go on", exc_info=error)
-        self.error = error
-
-    def _give_up(self, error: Exception) -> None:
-        text = printable(f"{type(error).__name__}: {error}")[:200]
+    def _end(self) -> None:
+        """Nobody has to wait any more, and no pictures are asked for."""
         with self._changed:
-            self.problem = text
-        _log.warning(NO_PICTURES, text, mend())
-
-    def _drop_all(self) -> None:
-        """Nobody has to wait any more."""
-        with self._changed:
-            for request in self._requests.values():
+            self._closed = True
+            for request in filter(None, (self._at_work, *self._requests.values())):
                 request.done.set()
             self._requests.clear()
+            self._at_work = None
+            self._changed.notify_all()

@@ -7,20 +7,18 @@ import ctypes
 import importlib
 import os
 import platform
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from typing import Any, Self
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LARGEST", "USUAL", "Offscreen", "mend"]
+__all__ = ["USUAL", "Offscreen", "mend"]
 
 USUAL = (320, 240)  # [px] of a camera whose model does not say its resolution
-LARGEST = (1920, 1080)  # [px]; a picture of this size is 6 MB
 ON_LINUX = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
 """What renders without a screen, by MuJoCo's name for it; the first that there is is taken."""
-SWITCHED_OFF = ("disable", "disabled", "off", "false", "0")  # MuJoCo's words
 ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it, or libosmesa6"
 ELSEWHERE = "MuJoCo's documentation of rendering in Python says what this system needs"
 
@@ -39,7 +37,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
 
     def __init__(self, model: mujoco.MjModel) -> None:
         self._model = copy.copy(model)
-        width, height = np.clip(np.max([USUAL, *model.cam_resolution.tolist()], axis=0), 1, LARGEST).tolist()
+        width, height = np.max([USUAL, *model.cam_resolution.tolist()], axis=0).tolist()
         self._model.vis.global_.offwidth, self._model.vis.global_.offheight = width, height
         self._model.vis.quality.offsamples = self._model.vis.quality.shadowsize = 0
         self._data = mujoco.MjData(self._model)
@@ -73,9 +71,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         """
         model, data = self._model, self._data
         data.qpos[:] = qpos
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_camlight(model, data)
+        mujoco.mj_fwdPosition(model, data)
         self._view.fixedcamid = camera
         every = mujoco.mjtCatBit.mjCAT_ALL
         mujoco.mjv_updateScene(model, data, self._option, None, self._view, every, self._scene)
@@ -87,32 +83,21 @@ class Offscreen(AbstractContextManager["Offscreen"]):
 
 def mend() -> str:
     """Say how this machine is brought to render, as a sentence without its full stop."""
-    if _wanted() in SWITCHED_OFF:
-        return "Unset MUJOCO_GL"
     return ON_DEBIAN if platform.system() == "Linux" else ELSEWHERE
-
-
-def _wanted() -> str:
-    return os.environ.get("MUJOCO_GL", "").lower().strip()
 
 
 def _gl_context(width: int, height: int) -> Any:
     """Make an OpenGL context. On Linux it is one that needs no screen, of two the one that MUJOCO_GL names."""
-    wanted = _wanted()
-    if wanted in SWITCHED_OFF:
-        raise ImportError(f"MUJOCO_GL={wanted} switches it off")
     if platform.system() != "Linux":
-        return importlib.import_module("mujoco.gl_context").GLContext(width, height)
-    if wanted not in ON_LINUX:
-        wanted = next((name for name, library in ON_LINUX.items() if _is_there(library)), "")
-    if not wanted:
+        return mujoco.GLContext(width, height)
+    wanted = os.environ.get("MUJOCO_GL", "").lower()
+    names = [wanted] if wanted in ON_LINUX else [name for name, library in ON_LINUX.items() if _is_there(library)]
+    if not names:
         raise ImportError(f"there is neither {' nor '.join(ON_LINUX.values())}")
-    return importlib.import_module(f"mujoco.{wanted}").GLContext(width, height)
+    return importlib.import_module(f"mujoco.{names[0]}").GLContext(width, height)
 
 
 def _is_there(library: str) -> bool:
-    try:
-        ctypes.CDLL(library)
-    except OSError:
-        return False
-    return True
+    with suppress(OSError):
+        return bool(ctypes.CDLL(library))
+    return False

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 import mujoco
 
-from tutorial.view import shapes
+from tutorial.description.colour import colour_of
 
 __all__ = ["Paint"]
 
@@ -23,22 +23,18 @@ class Paint:
     Args:
         name: of the body that is drawn: its joints are called ``name/joint`` in the model.
         model: what is drawn.
-        drawings: by the geom's number, where it is drawn, and as what.
+        geoms: by a geom's number, where it is drawn.
     """
 
-    def __init__(self, name: str, model: mujoco.MjModel, drawings: dict[int, tuple[str, shapes.Json]]) -> None:
+    def __init__(self, name: str, model: mujoco.MjModel, geoms: dict[int, str]) -> None:
         self._geoms: list[tuple[frozenset[str], str, list[float]]] = []  # the joints, the path, the own colour
         self._stale: frozenset[str] = frozenset()
-        for geom, (path, drawing) in drawings.items():
-            (material,) = drawing["materials"]
-            colour = [(material["color"] >> shift & 0xFF) / 255 for shift in (16, 8, 0)]
+        for geom, path in geoms.items():
             joints = frozenset(joint.removeprefix(f"{name}/") for joint in _moved_by(model, geom))
-            self._geoms.append((joints, f"{path}/<object>", [*colour, material["opacity"]]))
+            self._geoms.append((joints, f"{path}/<object>", colour_of(model, geom).tolist()))
 
     def stale(self, joints: Collection[str]) -> Iterator[tuple[str, list[float]]]:
         """Yield what changes when these joints are stale, and no others: (path, [red, green, blue, opacity])."""
-        if not joints and not self._stale:
-            return
         before, self._stale = self._stale, frozenset(joints)
         if before == self._stale:
             return
@@ -55,4 +51,4 @@ def _moved_by(model: mujoco.MjModel, geom: int) -> list[str]:
         body = int(model.body_parentid[body])
     first = int(model.body_jntadr[body])
     numbers = range(first, first + int(model.body_jntnum[body]))
-    return [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, number) or "" for number in numbers]
+    return [model.joint(number).name for number in numbers]

@@ -29,8 +29,6 @@ __all__ = ["Replay", "ReplayRecorder", "recorded"]
 _log = logging.getLogger(__name__)
 
 FRAME = 1 / 30  # [s] between two frames of what moves
-LONGEST = 600.0
-"""How much of a run is kept [s]: its first ten minutes."""
 
 SCRIPTS = ("make.js", "scene.js", "viewer.js", "replay.js")
 STYLES = ("scene_view.css", "readings.css", "replay.css")
@@ -137,11 +135,6 @@ class ReplayRecorder:
         now = self._seconds()
         self._time += min(max(now - self._last_at, 0.0), self._longest_pause)
         self._last_at = now
-        if self._time > LONGEST:
-            if self._frames[-1].message:  # said once: the last of the frames is empty then
-                _log.warning("the first %.0f minutes of the run are kept, not more", LONGEST / 60)
-                self._frames.append(Frame(LONGEST, b"", self._frames[-1].joints))
-            return
         if self._time - self._frames[-1].time > 2 * FRAME:  # until just now, nothing has moved
             self._frames.append(Frame(self._time - FRAME, b"", self._frames[-1].joints))
         self._frames.append(Frame(self._time, message, dict(self._joints())))
@@ -170,8 +163,6 @@ def recorded(
         TutorialError: the file cannot be written; this is found out before the run.
     """
     path = Path(path)
-    if not path.parent.is_dir():
-        raise TutorialError(f"there is no folder {path.parent} to write {path.name} to. Make it first.")
     with _told(path), path.open("a"):  # what is there already stays until the run is over
         pass
     recorder = ReplayRecorder(scene, seconds, joints, longest_pause)

@@ -6,22 +6,22 @@ import brings ZMQ, IPython and Pillow along (0.3 s and a deprecation warning).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial.description.colour import colour_of
+from tutorial.description.colour import colour_of, is_seen
+from tutorial.description.poses import Matrix, pose, shift
 
 __all__ = ["draw_arrow", "draw_geom", "is_drawn", "light"]
 
 Json = dict[str, Any]
 Array = NDArray[np.float64]
 
-DRAWN_GROUPS = 3
-"""Geoms of groups 0 to 2 are drawn. As in MuJoCo's own viewer, 3 to 5 hold what only touches."""
+Geom = mujoco.mjtGeom
+NOT_DRAWN = (Geom.mjGEOM_HFIELD, Geom.mjGEOM_SDF)
 
 ENDLESS = 20.0
 """A plane of size 0 is endless in MuJoCo; here it is this long and wide [m]."""
@@ -31,15 +31,13 @@ FRONT, BOTH = 0, 2
 
 _BALL = {"type": "SphereGeometry", "widthSegments": 32, "heightSegments": 16}
 
-_AS_IT_IS = np.eye(3)
-_Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+_Y_TO_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """Three.js stands its cylinders along y, MuJoCo along z."""
 
 
 def is_drawn(model: mujoco.MjModel, geom: int) -> bool:
     """Say whether a geom is in a visible group, not fully transparent and of a shape that can be drawn."""
-    visible = model.geom_group[geom] < DRAWN_GROUPS and colour_of(model, geom)[3] > 0
-    return bool(visible and int(model.geom_type[geom]) in _SHAPES)
+    return is_seen(model, geom) and Geom(model.geom_type[geom]) not in NOT_DRAWN
 
 
 def draw_geom(model: mujoco.MjModel, geom: int, uuid: str) -> Json:
@@ -53,11 +51,9 @@ def draw_geom(model: mujoco.MjModel, geom: int, uuid: str) -> Json:
     Returns:
         The object, placed as the geom is in its MuJoCo body [m].
     """
-    geometry, basis = _SHAPES[int(model.geom_type[geom])](model, geom)
-    rotation = np.empty(9)
-    mujoco.mju_quat2Mat(rotation, model.geom_quat[geom])
-    matrix = _matrix(rotation.reshape(3, 3) @ basis, model.geom_pos[geom])
-    return _mesh_object(uuid, geometry, _material(model, geom), matrix)
+    geometry, basis = _geometry(model, geom)
+    place = pose(model.geom_pos[geom], model.geom_quat[geom]) @ basis
+    return _mesh_object(uuid, geometry, _material(model, geom), place)
 
 
 def draw_arrow(uuid: str, colour: int) -> Json:
@@ -68,10 +64,8 @@ def draw_arrow(uuid: str, colour: int) -> Json:
         colour: as 0xRRGGBB.
     """
     outline = ((0.0, 0.0), (0.012, 0.0), (0.012, 0.75), (0.035, 0.75), (0.0, 1.0))  # from the axis, and along it [m]
-    points = [{"x": x, "y": y} for x, y in outline]
-    geometry = {"type": "LatheGeometry", "points": points, "segments": 24, "phiStart": 0.0, "phiLength": 2 * np.pi}
     material = {"type": "MeshPhongMaterial", "color": colour, "emissive": colour // 2 & 0x7F7F7F, "side": BOTH}
-    return _mesh_object(uuid, geometry, material, _matrix(_Y_TO_Z, np.zeros(3)))
+    return _mesh_object(uuid, _lathe(np.array(outline)), material, _Y_TO_Z)
 
 
 def light(kind: str, position: tuple[float, float, float] = (0.0, 0.0, 0.0), **settings: Any) -> Json:
@@ -84,11 +78,11 @@ def light(kind: str, position: tuple[float, float, float] = (0.0, 0.0, 0.0), **s
     """
     return {
         "metadata": {"version": 4.5, "type": "Object"},
-        "object": {"uuid": kind, "type": kind, "matrix": _matrix(_AS_IT_IS, position), **settings},
+        "object": {"uuid": kind, "type": kind, "matrix": _column_by_column(shift(position)), **settings},
     }
 
 
-def _mesh_object(uuid: str, geometry: Json, material: Json, matrix: list[float]) -> Json:
+def _mesh_object(uuid: str, geometry: Json, material: Json, place: Matrix) -> Json:
     return {
         "metadata": {"version": 4.5, "type": "Object"},
         "geometries": [{"uuid": f"{uuid} geometry", **geometry}],
@@ -98,55 +92,55 @@ def _mesh_object(uuid: str, geometry: Json, material: Json, matrix: list[float])
             "type": "Mesh",
             "geometry": f"{uuid} geometry",
             "material": f"{uuid} material",
-            "matrix": matrix,
+            "matrix": _column_by_column(place),
         },
     }
 
 
-def _matrix(rotation: Array, position: Any) -> list[float]:
-    """A 4 x 4 matrix as three.js stores it: column by column."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation
-    matrix[:3, 3] = position
-    return [float(number) for number in matrix.T.flat]
+def _column_by_column(matrix: Matrix) -> list[float]:
+    """A 4 x 4 matrix as three.js stores it."""
+    return list(matrix.T.ravel().tolist())
 
 
-def _plane(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
-    width, height = (float(2 * half) or ENDLESS for half in model.geom_size[geom, :2])
-    return {"type": "PlaneGeometry", "width": width, "height": height}, _AS_IT_IS
+def _geometry(model: mujoco.MjModel, geom: int) -> tuple[Json, Matrix]:
+    """The geometry's JSON, and the 4 x 4 matrix that takes it into the geom's own frame."""
+    x, y, z = model.geom_size[geom].tolist()
+    basis = np.eye(4)
+    geometry: Json
+    match Geom(model.geom_type[geom]):
+        case Geom.mjGEOM_PLANE:
+            geometry = {"type": "PlaneGeometry", "width": 2 * x or ENDLESS, "height": 2 * y or ENDLESS}
+        case Geom.mjGEOM_BOX:
+            geometry = {"type": "BoxGeometry", "width": 2 * x, "height": 2 * y, "depth": 2 * z}
+        case Geom.mjGEOM_SPHERE:
+            geometry = {**_BALL, "radius": x}
+        case Geom.mjGEOM_ELLIPSOID:
+            geometry, basis = {**_BALL, "radius": 1.0}, np.diag([x, y, z, 1.0])
+        case Geom.mjGEOM_CYLINDER:
+            ends = {"radiusTop": x, "radiusBottom": x}
+            geometry, basis = {"type": "CylinderGeometry", **ends, "height": 2 * y, "radialSegments": 32}, _Y_TO_Z
+        case Geom.mjGEOM_CAPSULE:
+            geometry, basis = _capsule(x, y), _Y_TO_Z
+        case _:
+            geometry = _mesh(model, geom)
+    return geometry, basis
 
 
-def _box(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
-    width, height, depth = (float(2 * half) for half in model.geom_size[geom])
-    return {"type": "BoxGeometry", "width": width, "height": height, "depth": depth}, _AS_IT_IS
-
-
-def _sphere(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
-    return {**_BALL, "radius": float(model.geom_size[geom, 0])}, _AS_IT_IS
-
-
-def _ellipsoid(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
-    return {**_BALL, "radius": 1.0}, np.diag(model.geom_size[geom])
-
-
-def _cylinder(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
-    radius, half = (float(number) for number in model.geom_size[geom, :2])
-    ends = {"radiusTop": radius, "radiusBottom": radius}
-    return {"type": "CylinderGeometry", **ends, "height": 2 * half, "radialSegments": 32}, _Y_TO_Z
-
-
-def _capsule(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
+def _capsule(radius: float, half: float) -> Json:
     """Turn a capsule's outline about its axis: meshcat's three.js is older than CapsuleGeometry."""
-    radius, half = (float(number) for number in model.geom_size[geom, :2])
     angles = np.linspace(-np.pi / 2, np.pi / 2, 18)  # an even number: half of them for each end
     across = np.abs(radius * np.cos(angles))
     along = radius * np.sin(angles) + np.where(angles > 0, half, -half)
-    outline = [{"x": float(x), "y": float(y)} for x, y in zip(across, along)]
-    turn = {"segments": 24, "phiStart": 0.0, "phiLength": 2 * np.pi}
-    return {"type": "LatheGeometry", "points": outline, **turn}, _Y_TO_Z
+    return _lathe(np.column_stack([across, along]))
 
 
-def _mesh(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
+def _lathe(outline: Array) -> Json:
+    """What an outline, (n, 2), makes when it is turned about the second axis."""
+    points = [{"x": x, "y": y} for x, y in outline.tolist()]
+    return {"type": "LatheGeometry", "points": points, "segments": 24, "phiStart": 0.0, "phiLength": 2 * np.pi}
+
+
+def _mesh(model: mujoco.MjModel, geom: int) -> Json:
     """Take a mesh with MuJoCo's own normals, which keep sharp edges sharp.
 
     The geom's pose has the mesh's baked in.
@@ -156,33 +150,20 @@ def _mesh(model: mujoco.MjModel, geom: int) -> tuple[Json, Array]:
     corners = model.mesh_vert[model.mesh_vertadr[mesh] + model.mesh_face[faces]]
     normals = model.mesh_normal[model.mesh_normaladr[mesh] + model.mesh_facenormal[faces]]
     attributes = {"position": _floats(corners), "normal": _floats(normals)}
-    return {"type": "BufferGeometry", "data": {"attributes": attributes}}, _AS_IT_IS
+    return {"type": "BufferGeometry", "data": {"attributes": attributes}}
 
 
 def _floats(rows: NDArray[np.float32]) -> Json:
     return {"itemSize": 3, "type": "Float32Array", "array": rows, "normalized": False}
 
 
-_SHAPES: dict[int, Callable[[mujoco.MjModel, int], tuple[Json, Array]]] = {
-    int(mujoco.mjtGeom.mjGEOM_PLANE): _plane,
-    int(mujoco.mjtGeom.mjGEOM_BOX): _box,
-    int(mujoco.mjtGeom.mjGEOM_SPHERE): _sphere,
-    int(mujoco.mjtGeom.mjGEOM_ELLIPSOID): _ellipsoid,
-    int(mujoco.mjtGeom.mjGEOM_CYLINDER): _cylinder,
-    int(mujoco.mjtGeom.mjGEOM_CAPSULE): _capsule,
-    int(mujoco.mjtGeom.mjGEOM_MESH): _mesh,
-}
-"""Each writes the geometry's JSON and the 3 x 3 matrix that takes it into the geom's own frame."""
-
-
 def _material(model: mujoco.MjModel, geom: int) -> Json:
     """Paint as MuJoCo does, roughly: its colour, transparency, gloss and glow."""
     colour, material = colour_of(model, geom), model.geom_matid[geom]
-    specular, shininess, emission = (
-        (model.mat_specular[material], model.mat_shininess[material], model.mat_emission[material])
-        if material >= 0
-        else (0.5, 0.5, 0.0)
-    )
+    specular, shininess, emission = 0.5, 0.5, 0.0
+    if material >= 0:
+        look = model.material(material)
+        specular, shininess, emission = look.specular[0], look.shininess[0], look.emission[0]
     return {
         "type": "MeshPhongMaterial",
         "color": _hexadecimal(colour[:3]),
@@ -196,5 +177,5 @@ def _material(model: mujoco.MjModel, geom: int) -> Json:
 
 
 def _hexadecimal(colour: Array) -> int:
-    red, green, blue = (round(255 * min(max(float(part), 0.0), 1.0)) for part in colour)
-    return red << 16 | green << 8 | blue
+    red, green, blue = (255 * colour.clip(0, 1)).round().astype(int).tolist()
+    return int(red << 16 | green << 8 | blue)

@@ -10,24 +10,24 @@ import asyncio
 import errno
 import os
 import socket
-from contextlib import AbstractAsyncContextManager, AbstractContextManager
-from typing import Any
+from collections.abc import Sequence
+from contextlib import AbstractAsyncContextManager
+from typing import Any, Self
 
 from tornado.httpserver import HTTPServer
 from tornado.routing import HostMatches
 from tornado.web import Application, RequestHandler, StaticFileHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-from tutorial.errors import TutorialError, running_loop
-from tutorial.handoff import ThreadGuard
+from tutorial.errors import TutorialError
 from tutorial.view.assets import STATIC, meshcats_viewer
 from tutorial.view.scene import Scene
 
 __all__ = ["SceneServer"]
 
 ADDRESS = "127.0.0.1"
-FIRST_PORT = 7000
-PORTS_TRIED = 100
+PORTS = range(7000, 7100)
+"""Of these the first that is free is taken."""
 
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
@@ -45,108 +45,70 @@ OWN_HOSTS = r"127\.0\.0\.1|localhost"
 LIMITS = {"max_header_size": 16 * 1024, "max_body_size": 1024, "idle_connection_timeout": 30.0, "body_timeout": 30.0}
 """Of a request, which has no body [bytes], and how long a connection may take to ask [s]."""
 
-NO_LOOP = "the 3D view is served by an event loop, and none runs here. Make it within asyncio.run(main())."
 
+class SceneServer(AbstractAsyncContextManager["SceneServer"]):
+    """A page that shows a scene, on this machine only, as long as an ``async with`` block runs.
 
-class SceneServer(AbstractContextManager["SceneServer"], AbstractAsyncContextManager["SceneServer"]):
-    """A page that shows a scene, on this machine only.
-
-    Make it on the main thread while its event loop runs. Leaving ``with`` or ``async with`` closes it.
+    It belongs to the scene's thread. Leaving the block says goodbye to the browsers and frees the port.
 
     Args:
         scene: what to show.
         port: where to serve; 0 for any that is free, None for the first free one from 7000 on.
         title: of the page.
 
+    Attributes:
+        url: where the page is, for instance ``http://127.0.0.1:7000/``.
+
     Raises:
-        TutorialError: the port is in use or not allowed, or no event loop runs.
+        TutorialError: the port is in use or not allowed.
     """
 
     def __init__(self, scene: Scene, port: int | None = None, title: str = "Tank") -> None:
-        self._guard = ThreadGuard("the server of the 3D view")
-        self._loop = running_loop(NO_LOOP)
         self._browsers: set[_Browser] = set()
-        self._listener = _listen(port)
+        self._application = _application(scene, title, self._browsers)
+        self._listener = _listen(PORTS if port is None else [port])
+        self.url = f"http://{ADDRESS}:{self._listener.getsockname()[1]}/"
+
+    async def __aenter__(self) -> Self:
+        self._http = HTTPServer(self._application, **LIMITS)
         self._listener.setblocking(False)
-        self._port = int(self._listener.getsockname()[1])
-        self._http = HTTPServer(_application(scene, title, self._browsers), **LIMITS)
         self._http.add_socket(self._listener)
-        self._closing: asyncio.Task[None] | None = None
+        return self
 
-    @property
-    def url(self) -> str:
-        """Where the page is, for instance ``http://127.0.0.1:7000/``."""
-        return f"http://{ADDRESS}:{self._port}/"
-
-    @property
-    def browsers(self) -> int:
-        """How many pages are connected."""
-        return len(self._browsers)
-
-    def close(self) -> None:
-        """Say goodbye to the browsers and free the port, at once. A second time does nothing.
-
-        Raises:
-            WrongThreadError: called on another thread than the server's.
-        """
-        self._guard.check("SceneServer.close")
-        if self._loop.is_closed():
-            self._listener.close()
-        if self._closing is not None or self._loop.is_closed():
-            return
+    async def __aexit__(self, *_: object) -> None:
         self._http.stop()
         for browser in tuple(self._browsers):
             browser.leave()
-        self._closing = self._loop.create_task(self._http.close_all_connections())
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    async def __aexit__(self, *_: object) -> None:
-        self.close()
-        if self._closing is not None:
-            await self._closing
+        await self._http.close_all_connections()
 
 
-def _listen(port: int | None) -> socket.socket:
-    """Take a port of this machine's own address.
+def _listen(ports: Sequence[int]) -> socket.socket:
+    """Take the first of these ports, of this machine's own address, that can be had.
 
     Raises:
-        TutorialError: it cannot be had.
+        TutorialError: there is none.
     """
-    if port is not None:
-        return _listen_on(port)
-    for candidate in range(FIRST_PORT, FIRST_PORT + PORTS_TRIED):
+    reason = ""
+    for port in ports:
         try:
-            return socket.create_server((ADDRESS, candidate))
+            return socket.create_server((ADDRESS, port))
         except OSError as error:
-            if error.errno != errno.EADDRINUSE:
-                raise
-    last = FIRST_PORT + PORTS_TRIED - 1
-    raise TutorialError(f"the ports {FIRST_PORT} to {last} are all in use. Give port=0 for any other.")
-
-
-def _listen_on(port: int) -> socket.socket:
-    mend = "Give another one, or none to take the first that is free."
-    if not 0 <= port <= 65535:
-        raise TutorialError(f"the 3D view cannot have port {port}: ports are 0 to 65535. {mend}")
-    try:
-        return socket.create_server((ADDRESS, port))
-    except OSError as error:
-        in_use = error.errno == errno.EADDRINUSE
-        reason = "another program uses it already" if in_use else os.strerror(error.errno or 0).lower()
-        raise TutorialError(f"the 3D view cannot have port {port}: {reason}. {mend}") from error
+            in_use = error.errno == errno.EADDRINUSE
+            reason = "another program uses it already" if in_use else os.strerror(error.errno or 0).lower()
+    which = f"port {ports[0]}" if len(ports) == 1 else f"any of the ports {ports[0]} to {ports[-1]}"
+    raise TutorialError(f"the 3D view cannot have {which}: {reason}. Give another one, or none for the first free one.")
 
 
 def _application(scene: Scene, title: str, browsers: set[_Browser]) -> Application:
     pages = [
-        (r"/", _Page, {"title": title}),
+        (r"/", _Page),
         (r"/socket", _Browser, {"scene": scene, "browsers": browsers}),
         (r"/static/([\w.-]+)", _Files, {"path": str(STATIC)}),
         (r"/meshcat/([\w.-]+)", _Files, {"path": str(meshcats_viewer())}),
     ]
     return Application(
         [(HostMatches(OWN_HOSTS), pages)],
+        title=title,
         template_path=str(STATIC),
         log_function=lambda _handler: None,
         websocket_max_message_size=1024,
@@ -161,11 +123,8 @@ class _Protected(RequestHandler):
 
 
 class _Page(_Protected):
-    def initialize(self, title: str) -> None:
-        self.title = title
-
     def get(self) -> None:
-        self.render("page.html", title=self.title)
+        self.render("page.html", title=self.settings["title"])
 
 
 class _Files(_Protected, StaticFileHandler):
