@@ -131,8 +131,8 @@ def test_a_wrong_answer_has_its_cause_and_what_is_no_answer_has_none(judged):
     assert {answer["verdict"] for answer in learners["lena"][1].values()} == {"not tried"}
     assert "anna-checkpoint" not in learners
     assert learners["gina"][0].startswith("it is no notebook: JSONDecodeError: ")
-    assert learners["hans"][0] == "it cannot be opened: it has more than 50 MB"
-    assert learners["ida"][0] == "it cannot be opened: it is no file"
+    assert learners["hans"][0] == "it has more than 50 MB"
+    assert learners["ida"][0] == "it is no file"
     assert "\x1b" not in done.stdout
 
 
