@@ -62,7 +62,7 @@ class ChaosStream:
         self.chaos = chaos
         self._node: Any = node
         self._number = 0
-        self._began = time.monotonic() if good is not None else None
+        self._began = time.monotonic()
         self._sending = threading.Lock()
         self._closed = False
         self._stranger: NodeThread | None = None
@@ -80,8 +80,8 @@ class ChaosStream:
 
     @property
     def seconds(self) -> float:
-        """How long the stream has run [s]; of the steady swing, by its stamps."""
-        return self._number / RATE if self._began is None else time.monotonic() - self._began
+        """How long the stream has run [s]."""
+        return time.monotonic() - self._began
 
     def close(self) -> None:
         """Publish no more, and end what does not end with the node. Idempotent, any thread but the node's."""
