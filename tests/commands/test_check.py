@@ -154,7 +154,6 @@ def test_it_is_summed_up(judged):
     suites = {suite.get("name"): suite for suite in ElementTree.parse(junit).getroot()}
     assert len(suites) == 12
     carl = suites["carl.ipynb"]
-    assert [carl.get(key) for key in ("tests", "failures", "errors", "skipped")] == ["2", "0", "1", "0"]
     assert carl[0].find("error").get("message").startswith("The answer did not come to its end")
     assert suites["ben.ipynb"].find("testcase/failure") is not None
     assert suites["gina.ipynb"].find("testcase/error") is not None

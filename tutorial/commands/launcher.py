@@ -108,7 +108,10 @@ class Launcher:
             The exit status: that of the process that failed first, 0 when none did.
         """
         loop = asyncio.get_running_loop()
-        handle_signals(lambda: loop.call_soon_threadsafe(self._interrupt), lambda: self._signal_groups(signal.SIGKILL))
+        handle_signals(
+            lambda: loop.call_soon_threadsafe(self._interrupt),
+            at_once=lambda: self._signal_groups(signal.SIGKILL),
+        )
         try:
             for name, process in self._processes.items():
                 self._running[name] = await self._start(name, process)
