@@ -141,9 +141,7 @@ class Launcher:
                 env=environment,
                 cwd=process.cwd,
             )
-        except OSError as error:
-            raise TutorialError(f"{name} could not be started: {error.strerror}: {error.filename!r}") from error
-        except (TypeError, ValueError) as error:  # what no program can be given, such as a zero byte
+        except (OSError, TypeError, ValueError) as error:  # the last two: what no program can be given, as a zero byte
             raise TutorialError(f"{name} could not be started: {error}") from error
 
     async def _follow_all(self) -> None:
