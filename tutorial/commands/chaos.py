@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Sequence
 from contextlib import closing
 
@@ -70,10 +71,10 @@ def chaos(
         stream = ChaosStream(thread.node, faulty, where, source)
         shares = ", ".join(f"{name} {100 * share:g} %" for name, share in faults.items())
         say(f"{shares or 'no fault'}\n")
+        began = time.monotonic()
         with closing(stream), progress_bar(duration) as progress:
-            while not stop.wait(LOOK) and (duration is None or stream.seconds < duration):
-                progress(stream.seconds)
-            progress(stream.seconds)
+            while not stop.wait(LOOK) and (duration is None or time.monotonic() - began < duration):
+                progress(time.monotonic() - began)
     hits = ", ".join(f"{name} {count}" for name, count in faulty.made.items() if count)
     say(f"messages hit: {hits or 'none'}\n")
     return INTERRUPTED if stop.is_set() and duration is not None else 0

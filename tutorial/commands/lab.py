@@ -47,14 +47,12 @@ def own_course() -> Path:
         raise TutorialError(f"{course} belongs to another user. {elsewhere}")
     if (course / "tutorial" / "__init__.py").exists():  # a checkout, which has all it needs
         return course
-    new = not course.exists()
     try:
         added = _add_missing(course)
     except OSError as error:
         raise TutorialError(f"the course cannot be copied to {course}: {error.strerror}. {elsewhere}") from error
     if added:
-        what = "the course is" if new else f"what was missing of the course, {added} of its files, is"
-        _log.info("%s now in %s; all that you change there stays", what, course)
+        _log.info("what was missing of the course is now in %s; all that you change there stays", course)
     return course
 
 

@@ -16,6 +16,9 @@ from tutorial.errors import TutorialError, did_you_mean, printable
 
 __all__ = ["FAULTS", "Action", "Chaos", "parse_fault"]
 
+Change = Callable[[Random, Any], None]
+"""What a fault does to a message; its random numbers are its own."""
+
 BURST = 20  # messages in a burst
 SECOND_NS = 1_000_000_000
 LATE_NS = (SECOND_NS // 1000, 3 * SECOND_NS // 10)  # how late a message comes
@@ -109,7 +112,8 @@ class Chaos:
         hits = [name for name, share in self.faults.items() if self._random[name].random() < share]
         faulty = deepcopy(message)
         for name, change in CHANGES.items():
-            if name in hits and change(self._random[name], faulty):
+            if name in hits and 0 < len(message.name) == len(message.position):
+                change(self._random[name], faulty)
                 self.made[name] += 1
         for name in ("restart", "ahead", "drop", "second", "type"):
             self.made[name] += name in hits
@@ -189,7 +193,7 @@ def _at_zero(message: Any) -> Any:
     return still
 
 
-# What changes a message's content. Each returns whether it could: a message of one joint has no other order.
+# What changes the content of a message, which has as many positions as names, and one at least.
 
 
 def _reorder(message: Any, order: list[int]) -> None:
@@ -201,82 +205,71 @@ def _reorder(message: Any, order: list[int]) -> None:
             setattr(message, field, [values[i] for i in order])
 
 
-def _shuffle(random: Random, message: Any) -> bool:
+def _some(random: Random, count: int) -> int:
+    """Draw how many of some are left: one at least, and not all, where there are more."""
+    return random.randrange(1, max(count, 2))
+
+
+def _shuffle(random: Random, message: Any) -> None:
     count = len(message.name)
     order = random.sample(range(count), count)
     _reorder(message, order if order != sorted(order) else order[::-1])
-    return count > 1
 
 
-def _subset(random: Random, message: Any) -> bool:
+def _subset(random: Random, message: Any) -> None:
     count = len(message.name)
-    if count > 1:
-        _reorder(message, sorted(random.sample(range(count), random.randrange(1, count))))
-    return count > 1
+    _reorder(message, sorted(random.sample(range(count), _some(random, count))))
 
 
-def _rename(random: Random, message: Any) -> bool:
-    if not message.name:
-        return False
+def _rename(random: Random, message: Any) -> None:
     i = random.randrange(len(message.name))
     k = random.randrange(len(message.name[i]) + 1)
     mistyped = message.name[i][:k] + message.name[i][k + 1 :]  # a character is missing
     while mistyped in message.name:
         mistyped += "_"
     message.name = [*message.name[:i], mistyped, *message.name[i + 1 :]]
-    return True
 
 
-def _duplicate(random: Random, message: Any) -> bool:
-    if not 0 < len(message.name) == len(message.position):
-        return False
+def _duplicate(random: Random, message: Any) -> None:
     i = random.randrange(len(message.name))
     _reorder(message, [i, *range(len(message.name))])
     message.position[0] += random.uniform(0.1, 0.5)
-    return True
 
 
-def _put(value: Callable[[Random], float]) -> Callable[[Random, Any], bool]:
+def _put(value: Callable[[Random], float]) -> Change:
     """Make a change that replaces one position."""
 
-    def change(random: Random, message: Any) -> bool:
-        if len(message.position):
-            message.position[random.randrange(len(message.position))] = value(random)
-        return len(message.position) > 0
+    def change(random: Random, message: Any) -> None:
+        message.position[random.randrange(len(message.position))] = value(random)
 
     return change
 
 
-def _add(names: tuple[str, ...]) -> Callable[[Random, Any], bool]:
+def _add(names: tuple[str, ...]) -> Change:
     """Make a change that adds an entry of one of these names."""
 
-    def change(random: Random, message: Any) -> bool:
+    def change(random: Random, message: Any) -> None:
         count = len(message.name)
         for field in ("position", "velocity", "effort"):
             values = list(getattr(message, field))
             if len(values) == count:
                 setattr(message, field, [*values, 0.1])
         message.name = [*message.name, random.choice(names)]
-        return True
 
     return change
 
 
-def _short(random: Random, message: Any) -> bool:
-    count = len(message.position)
-    if count > 1:
-        kept = random.randrange(1, count)
-        for field in ("position", "velocity", "effort"):
-            setattr(message, field, getattr(message, field)[:kept])
-    return count > 1
+def _short(random: Random, message: Any) -> None:
+    kept = _some(random, len(message.position))
+    for field in ("position", "velocity", "effort"):
+        setattr(message, field, getattr(message, field)[:kept])
 
 
-def _long(random: Random, message: Any) -> bool:
+def _long(random: Random, message: Any) -> None:
     message.position = [*message.position, *(random.uniform(-1, 1) for _ in range(random.randint(1, 3)))]
-    return True
 
 
-CHANGES: dict[str, Callable[[Random, Any], bool]] = {
+CHANGES: dict[str, Change] = {
     "shuffle": _shuffle,
     "subset": _subset,
     "rename": _rename,
