@@ -6,11 +6,6 @@ import signal
 import socket
 
 import pytest
-from click.testing import CliRunner
-
-from tutorial.commands.check import check
-from tutorial.commands.progress import progress
-from tutorial.errors import TutorialError
 
 CONTROLLER = """from tutorial.controller import SimpleController
 class TankController(SimpleController):
@@ -63,12 +58,6 @@ def test_a_mistake_is_a_clear_error(tank, tmp_path, monkeypatch, command, status
     run = tank(command)
     assert (run.status, said in run.stderr) == (status, True), run.said
     assert "is kept" not in run.output
-
-
-def test_what_is_no_path_is_no_notebook_and_no_folder():
-    for command, said in ((check, "there is no file or folder 'xxx"), (progress, "there is no folder 'xxx")):
-        with pytest.raises(TutorialError, match=said):
-            CliRunner().invoke(command, ["x" * 300], catch_exceptions=False)
 
 
 def test_a_port_that_is_in_use_is_said(tank):

@@ -12,7 +12,7 @@ import pytest
 from programs import until
 
 from tutorial.commands import terminal
-from tutorial.commands.terminal import prepare_output, progress_bar, say, status_line
+from tutorial.commands.terminal import prepare_output, progress_bar, say
 
 INT, TERM = signal.SIGINT, signal.SIGTERM
 IN_C = (
@@ -40,16 +40,6 @@ def test_a_log_line_is_printed_as_everything_else(capsys, monkeypatch):
     logging.getLogger("x").info("as well")
     logging.getLogger("OpenGL").info("what it does without, which nobody asked for")
     assert capsys.readouterr().err == "[WARNING] a\\x1b[2J\\u202e\n[INFO] as well\n"
-
-
-@pytest.mark.parametrize("at_a_terminal", [True, False])
-def test_how_far_it_is_stands_on_a_terminal_only(capsys, monkeypatch, at_a_terminal):
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: at_a_terminal, raising=False)
-    with status_line() as status, status_line(shown=False) as other:
-        status("12 messages")
-        other("of another")
-    said = capsys.readouterr().err
-    assert ("12 messages" in said, "of another" in said) == (at_a_terminal, False)
 
 
 @pytest.mark.parametrize(("duration", "at_a_terminal"), [(4.0, True), (4.0, False), (None, True)])
