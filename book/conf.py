@@ -9,7 +9,7 @@ from typing import Any
 
 BOOK = Path(__file__).parent
 sys.path[:0] = [str(BOOK.parent), str(BOOK)]
-sys.modules["rfc3987_syntax"] = None  # as in tutorial/commands/lab_server.py: not imported, for a second
+sys.modules["rfc3987_syntax"] = None  # not imported: it takes a second, and no page needs it
 
 # ruff: noqa: E402
 from docutils.nodes import SkipNode

@@ -52,6 +52,7 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
     shown = {joint: position for joint, position in received.items() if abs(position) <= SHOWABLE}  # NaN is not
     strange = [name for name in names if name not in ranges]
     named = Counter(name for name, _ in known)
+    limits = {joint: _slack(ranges[joint]) for joint in shown}
     return shown, JointReport(
         joints=tuple(shown),
         unknown=NameList.of(strange),
@@ -60,7 +61,7 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
         long=max(len(positions) - len(names), 0),
         non_finite=NameList.of([joint for joint, position in received.items() if not isfinite(position)]),
         huge=NameList.of([joint for joint, position in received.items() if SHOWABLE < abs(position) < inf]),
-        outside=NameList.of([joint for joint in shown if not _is_within(ranges[joint], shown[joint])]),
+        outside=NameList.of([joint for joint, (low, high) in limits.items() if not low <= shown[joint] <= high]),
         known=tuple(islice(ranges, 8)) if strange else (),
     )
 
@@ -300,8 +301,3 @@ def _ranges(joints: Ranges | Iterable[str]) -> Ranges:
 def _slack(limits: tuple[float, float]) -> tuple[float, float]:
     """Widen a range by what is not worth a word, and bound it by what can be shown."""
     return max(limits[0] - SLACK, -SHOWABLE), min(limits[1] + SLACK, SHOWABLE)
-
-
-def _is_within(limits: tuple[float, float], position: float) -> bool:
-    low, high = _slack(limits)
-    return low <= position <= high

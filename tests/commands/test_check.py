@@ -140,8 +140,8 @@ def test_a_wrong_answer_has_its_cause_and_what_is_no_answer_has_none(judged):
     assert learners["nora"][1]["publish"]["verdict"] == "right", "it needs the tank's model"
     assert "anna-checkpoint" not in learners
     assert learners["gina"][0].startswith("it is no notebook: JSONDecodeError: ")
-    assert learners["hans"][0] == "it cannot be opened: it has more than 50 MB"
-    assert learners["ida"][0] == "it cannot be opened: it is no file"
+    assert learners["hans"][0] == "it has more than 50 MB"
+    assert learners["ida"][0] == "it is no file"
     assert "\x1b" not in done.stdout
 
 
@@ -163,7 +163,6 @@ def test_it_is_summed_up(judged):
     suites = {suite.get("name"): suite for suite in ElementTree.parse(junit).getroot()}
     assert len(suites) == 13
     carl = suites["carl.ipynb"]
-    assert [carl.get(key) for key in ("tests", "failures", "errors", "skipped")] == ["2", "0", "1", "0"]
     assert carl[0].find("error").get("message").startswith("The answer did not come to its end")
     assert suites["ben.ipynb"].find("testcase/failure") is not None
     assert suites["gina.ipynb"].find("testcase/error") is not None

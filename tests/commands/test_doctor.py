@@ -5,23 +5,20 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-import tomllib
 from contextlib import closing
 
 import pytest
-from packaging.specifiers import SpecifierSet
 from programs import TANK, until
 
 from tutorial.commands import doctor
-from tutorial.commands.doctor import RANGE, Diagnosis, ask, layout
+from tutorial.commands.doctor import RANGE, ask
 from tutorial.errors import TutorialError
-from tutorial.paths import HOME
-from tutorial.ros import domains
 from tutorial.ros.node_thread import NodeThread
 
 JAZZY, RCLPY = {"ROS_DISTRO": "jazzy"}, ["7.1.3", "/opt/ros/jazzy/lib/rclpy/__init__.py", "rmw_fastrtps_cpp"]
 ZENOH = [*RCLPY[:2], "rmw_zenoh_cpp"]
 LIBCRYPTO, VULKAN = TutorialError("ImportError: libcrypto.so.3"), TutorialError("MUJOCO_GL is odd")
+NO_RCLPY = TutorialError("ModuleNotFoundError: No module named 'rclpy'")
 OTHERS = "all machines of this network"
 
 
@@ -40,7 +37,6 @@ def machine(monkeypatch):
         for name, value in environment.items():
             monkeypatch.setenv(name, value)
         monkeypatch.setattr(doctor, "ask", answered)
-        monkeypatch.setattr(doctor, "real_rclpy_exists", lambda: is_real)
         wanted = environment.get("TUTORIAL_ROS", "rclpy" if is_real else "underlay")
         monkeypatch.setattr(doctor, "install_backend", lambda: wanted)
 
@@ -70,21 +66,18 @@ def machine(monkeypatch):
         ("backend", True, RCLPY, {"ROS_DISTRO": "humble"}, "note", "made for jazzy", ". /opt/ros/jazzy/setup.bash"),
         ("backend", True, ZENOH, JAZZY, "note", "does not speak DDS", "export RMW_IMPLEMENTATION="),
         ("backend", True, LIBCRYPTO, JAZZY, "problem", "broken: ImportError: libcrypto", "TUTORIAL_ROS=underlay"),
-        ("backend", False, RCLPY, {"TUTORIAL_ROS": "rclpy"}, "problem", "finds no rclpy", "setup.bash"),
-        ("discovery", False, 0, {}, "ok", "nodes on this machine only (LOCALHOST, the default)", ""),
-        ("discovery", True, 0, {}, "note", f"{OTHERS} (SUBNET, the default)", "=LOCALHOST"),
-        ("discovery", True, 0, {RANGE: "LOCALHOST"}, "ok", f"this machine only ({RANGE} is LOCALHOST)", ""),
-        ("discovery", False, 0, {RANGE: "SUBNET"}, "note", OTHERS, f": unset {RANGE}"),
+        ("backend", False, NO_RCLPY, {"TUTORIAL_ROS": "rclpy"}, "problem", "No module named", "setup.bash"),
+        ("discovery", False, 0, {}, "ok", "LOCALHOST: nodes on this machine only", ""),
+        ("discovery", True, 0, {}, "note", f"SUBNET: nodes on {OTHERS}", "=LOCALHOST"),
+        ("discovery", False, 0, {RANGE: "SUBNET"}, "note", OTHERS, f": export {RANGE}="),
         ("discovery", False, 0, {RANGE: "LOCAL"}, "problem", "Did you mean 'LOCALHOST'?", f"unset {RANGE}"),
-        ("discovery", False, 0, {"CYCLONEDDS_URI": "x"}, "note", "CYCLONEDDS_URI is 'x': it", "unset CYCLONEDDS_URI"),
+        ("discovery", False, 0, {"CYCLONEDDS_URI": "x"}, "note", "CYCLONEDDS_URI is 'x'", "unset CYCLONEDDS_URI"),
         ("domain", False, [True, []], {"ROS_DOMAIN_ID": ""}, "ok", "in domain 0: nobody else", ""),
         ("domain", False, [True, ["/viewer", "/joy"]], {}, "ok", "in domain 0: /joy, /viewer", ""),
         ("domain", False, [True, ["/t", "/j", "/t"]], {}, "note", "/j, 2 x /t. Nodes of one name", "__node:=viewer"),
         ("domain", False, [False, ["/j"]], {}, "note", "/j. Some still come or go", "again"),
         ("domain", False, [True, [f"/{i}" for i in range(2000)]], {}, "ok", "and 1,950 more", ""),
-        ("domain", False, LIBCRYPTO, {}, "problem", "a node cannot be made: ImportError", "ROS 2"),
-        ("domain", False, 0, {"ROS_DOMAIN_ID": "233"}, "problem", "is '233', and must be a number from 0 to 232", ""),
-        ("domain", False, 0, {"ROS_DOMAIN_ID": "one"}, "problem", "'one'", "unset ROS_DOMAIN_ID"),
+        ("domain", False, LIBCRYPTO, {}, "problem", "a node cannot be made in domain 0: ImportError", "ROS 2"),
     ],
 )
 def test_what_there_is_is_found(machine, probe, is_real, answer, environment, level, said, mend):
@@ -96,25 +89,16 @@ def test_what_there_is_is_found(machine, probe, is_real, answer, environment, le
     assert bool(found.mend) == (level != "ok")
 
 
-def test_a_domain_is_safe_up_to_the_last_one(machine):
-    for number, level in ((domains.LAST, "ok"), (domains.LAST + 1, "note")):
-        machine(False, [True, []], ROS_DOMAIN_ID=str(number))
-        assert next(doctor.domain()).level == level
-
-
-def test_the_pythons_that_the_project_is_for_are_well():
-    required = SpecifierSet(tomllib.loads((HOME / "pyproject.toml").read_text())["project"]["requires-python"])
-    levels = [next(doctor.python((3, minor, 0), True)).level for minor in range(30)]
-    assert levels == ["ok" if f"3.{minor}.0" in required else "problem" for minor in range(30)]
-    assert next(doctor.python((3, 12, 0), False)).level == "note"
-
-
-def test_it_stands_in_columns():
-    first, second, mend = layout("ROS 2", Diagnosis("note", "word " * 30, "export ROS_DOMAIN_ID=42")).splitlines()
+def test_it_stands_in_columns_and_no_word_is_broken(monkeypatch, capsys):
+    found = doctor.Diagnosis("note", f"{'word ' * 30}{'/long' * 30}", "export ROS_DOMAIN_ID=42")
+    monkeypatch.setattr(doctor, "PROBES", {"ROS 2": lambda: [found]})
+    doctor.doctor()
+    first, second, third, mend, *_ = capsys.readouterr().out.splitlines()
     assert first.startswith("ROS 2      note     word")
     assert second.startswith(" " * 20 + "word")
-    assert mend == " " * 20 + "-> export ROS_DOMAIN_ID=42"
     assert max(map(len, (first, second))) <= 100
+    assert third == " " * 20 + "/long" * 30
+    assert mend == " " * 17 + "-> export ROS_DOMAIN_ID=42"
 
 
 def test_a_probe_that_fails_is_told_and_the_others_go_on(monkeypatch, capsys):
@@ -123,7 +107,7 @@ def test_a_probe_that_fails_is_told_and_the_others_go_on(monkeypatch, capsys):
     said = capsys.readouterr().out
     assert "broken     note     it could not be looked at: ZeroDivisionError" in said
     assert "\nPython     ok " in said
-    assert said.endswith("\nno problems, 1 note.\n")
+    assert said.endswith("\nproblems: 0, notes: 1\n")
 
 
 @pytest.mark.process
@@ -158,7 +142,7 @@ def test_the_whole_command(domain):
         until(lambda: runs.append(examined()) or "2 x /twin" in runs[-1][1], "the twins")
     status, said = runs[-1]
     assert re.search(rf"^domain +note +in domain {domain}: .*2 x /twin", said, re.MULTILINE), said
-    assert re.search(r"^packages +ok +jupyterlab 4\.", said, re.MULTILINE), said
+    assert re.search(r"^packages +ok ", said, re.MULTILINE), said
     assert (status, "_doctor" in said) == (" problem " in said, False)
 
 
@@ -167,6 +151,6 @@ def test_the_whole_command_where_nothing_is_well(tmp_path):
     (tmp_path / "rclpy").mkdir()
     (tmp_path / "rclpy" / "__init__.py").write_text("raise ImportError('no librcl_action.so')\n")
     status, said = examined(PYTHONPATH=f"{tmp_path}", TUTORIAL_ROS="", ROS_DOMAIN_ID="many", MUJOCO_GL="vulkan")
-    for words in ("broken: ImportError: no librcl_action.so", "ROS_DOMAIN_ID is 'many'", "unset MUJOCO_GL"):
+    for words in ("broken: ImportError: no librcl_action.so", "in domain many", "unset MUJOCO_GL"):
         assert words in " ".join(said.split())
     assert (status, "Traceback" in said) == (1, False)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from types import SimpleNamespace
 
 import pytest
 
-from tutorial.commands.joystick import Gamepad, ScriptedDrive
+from tutorial.commands.joystick import ScriptedDrive
 from tutorial.errors import TutorialError
 from tutorial.paths import find_drive
 
@@ -54,10 +53,6 @@ def test_the_tour_loads_and_moves_every_stick():
 def test_a_bad_drive_is_named_with_its_line_and_the_mend(drive, tmp_path, text, said):
     with pytest.raises(TutorialError, match=re.escape(f"{tmp_path / 'drive.yaml'}, {said}")):
         drive(text)
-
-
-def test_a_gamepads_name_is_fit_for_a_terminal():
-    assert Gamepad(SimpleNamespace(name="Pad\x1b[2J\u202e")).name == r"Pad\x1b[2J\u202e"
 
 
 VIRTUAL_GAMEPAD = """

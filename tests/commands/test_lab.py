@@ -7,12 +7,9 @@ import logging
 import re
 import shutil
 import socket
-import webbrowser
 from contextlib import closing, contextmanager
 from functools import partial
 from http.cookiejar import CookieJar
-from types import SimpleNamespace
-from unittest.mock import Mock, call
 from urllib.parse import urlsplit
 from urllib.request import HTTPCookieProcessor, Request, build_opener
 
@@ -20,8 +17,6 @@ import nbformat
 import pytest
 from nbformat.sign import NotebookNotary
 from programs import PATIENCE, Program, answer, until
-from tornado.iostream import StreamClosedError
-from tornado.websocket import WebSocketClosedError
 from websocket import WebSocketBadStatusException, create_connection
 
 from tutorial.commands import lab
@@ -66,11 +61,12 @@ NOWHERE |= dict.fromkeys(("JUPYTER_TOKEN", "JUPYTER_TOKEN_FILE", *CODESPACE), ""
 
 @contextmanager
 def opened(folder, *arguments, **environment):
-    """``tank lab`` where there is no browser, with more of JupyterLab's arguments, when it has said its say."""
+    """``tank lab`` where there is no browser, with more of JupyterLab's arguments, when it has said where to look."""
     folders = {name: str(folder / name) for name in JUPYTERS_FOLDERS}
     running = Program("lab", "--", "--ServerApp.port=0", *arguments, environment={**NOWHERE, **folders, **environment})
     try:
-        running.says("Ctrl-C ends it.\n")
+        running.says("?token=")
+        until(lambda: running.output.endswith("\n"))
         yield running
     finally:
         running.clear()
@@ -102,12 +98,9 @@ def as_header(cookies):
 
 
 @pytest.mark.process
-def test_where_there_is_no_browser_it_says_in_one_line_what_to_open_and_trusts_the_notebooks(server):
+def test_where_there_is_no_browser_it_says_what_to_open_and_trusts_the_notebooks(server):
     """As root, too, which the tests are in a container."""
     running, folder = server
-    said, how_to_end = running.output.splitlines()
-    assert re.fullmatch("Open this in a browser: " + ADDRESS.pattern, said)
-    assert how_to_end == "Ctrl-C ends it."
     with answer(address_of(running)) as page:
         assert page.url == address_of(running)  # and not the page that asks for the token
     for path in NOTEBOOKS.glob("*.ipynb"):
@@ -155,63 +148,18 @@ def test_ctrl_c_ends_it_and_its_kernels_without_a_word(tmp_path):
         running.leaves_nothing()
 
 
-@pytest.mark.process
-def test_where_there_is_a_browser_it_opens(tmp_path):
-    script, seen = tmp_path / "browser", tmp_path / "opened"
-    script.write_text(f'#!/bin/sh\necho "$1" > "{seen}.part" && mv "{seen}.part" "{seen}"\n')
-    script.chmod(0o755)
-    with opened(tmp_path, BROWSER=str(script)) as running:
-        assert running.output == f"It opens in the browser, at {address_of(running)}\nCtrl-C ends it.\n"
-        until(seen.exists, "the browser to be opened")
-        with build_opener().open(seen.read_text().strip()) as page:  # a file that hides the token from other users
-            assert address_of(running) in page.read().decode()
-        running.process.terminate()
-        assert running.ends() == 0
-
-
-@pytest.mark.process
-def test_the_users_own_arguments_are_heard(tmp_path):
-    with opened(tmp_path, "--no-browser", "--log-level=INFO", "--IdentityProvider.token=mine") as running:
-        for said in ("Jupyter Server", "/lab/tree/notebooks/0_setup.ipynb?token=..."):  # others may look on
-            assert said in running.output
-
-
-@pytest.mark.process
-def test_what_the_server_decides(monkeypatch):
-    from tutorial.commands import lab_server  # and with it JupyterLab, which asks node
-
+def test_what_jupyterlab_is_told(tmp_path, monkeypatch):
     for name, value in NOWHERE.items():
         monkeypatch.setenv(name, value)
-    decided = lab_server.CourseServer()
-    assert (decided.ip, decided.use_redirect_file, decided.allow_origin_pat) == ("127.0.0.1", True, "")
-    roots = ["127.0.0.1", "localhost", "::1", "127.0.0.2"]
-    assert [lab_server.CourseServer(ip=ip).allow_root for ip in roots] == [True, True, True, False]
-    for sign in ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"):
-        with monkeypatch.context() as patch:
-            patch.setenv(sign, "yes")
-            assert not lab_server.CourseServer().use_redirect_file
-    monkeypatch.setenv("CODESPACE_NAME", "animated-tank")
-    assert lab_server.CourseServer().allow_origin_pat == ""
-
-
-@pytest.mark.process
-def test_a_browser_in_the_terminal_is_none(monkeypatch):
-    from tutorial.commands import lab_server
-
-    browsers = [SimpleNamespace(name="firefox"), SimpleNamespace(name="lynx"), webbrowser.Error]
-    monkeypatch.setattr(webbrowser, "get", get := Mock(side_effect=browsers))
-    assert [lab_server._browser(name) for name in ("firefox", "lynx", "")] == [browsers[0], None, None]
-    assert get.call_args_list == [call("firefox"), call("lynx"), call(None)]
-
-
-@pytest.mark.process
-def test_a_page_that_was_closed_is_no_news():
-    from tutorial.commands import lab_server
-
-    raised = (WebSocketClosedError(), StreamClosedError(), ValueError())
-    infos = [None, *((type(error), error, None) for error in raised)]
-    news = [lab_server._is_news(logging.makeLogRecord({"exc_info": info})) for info in infos]
-    assert news == [True, False, False, True]
+    told = lab_command(["--no-browser"], tmp_path)
+    assert told[1] == "-P"  # no Python file that lies about is run
+    assert told[-1] == "--no-browser"  # the last word is the user's
+    assert {"--ServerApp.ip=127.0.0.1", f"--ServerApp.root_dir={tmp_path}", "--ServerApp.allow_origin_pat="} < {*told}
+    assert "--ServerApp.use_redirect_file=True" in told
+    monkeypatch.setenv("WSL_DISTRO_NAME", "Ubuntu")  # where the browser cannot open this machine's files
+    monkeypatch.setenv("CODESPACE_NAME", "animated-tank")  # and no domain
+    told = lab_command()
+    assert {"--ServerApp.use_redirect_file=False", "--ServerApp.allow_origin_pat="} < {*told}
 
 
 def test_only_what_is_there_now_is_trusted(tmp_path):
@@ -227,11 +175,10 @@ def test_only_what_is_there_now_is_trusted(tmp_path):
     assert not is_trusted(second, tmp_path)
 
 
-def test_where_there_is_no_course_folder_one_is_made_of_all_but_what_pip_has_compiled(shipped, tmp_path, caplog):
+def test_where_there_is_no_course_folder_one_is_made_of_all_but_what_pip_has_compiled(shipped, tmp_path):
     compiled = shipped / "launch_py" / "__pycache__" / "step1.launch.cpython-311.pyc"
     compiled.parent.mkdir()
     compiled.write_bytes(b"")
-    caplog.set_level(logging.INFO)
     course = own_course()
     assert course == tmp_path / "here" / "tank-tutorial"
     copied = files_in(course)
@@ -240,9 +187,6 @@ def test_where_there_is_no_course_folder_one_is_made_of_all_but_what_pip_has_com
     compiled.unlink()
     assert files_in(shipped) == {name: text for name, text in copied.items() if name not in controllers}
     assert all((course / name).stat().st_mode & 0o200 for name in copied)  # though the package is read-only
-    assert caplog.messages == [f"the course is now in {course}; all that you change there stays"]
-    assert f"--ServerApp.root_dir={course}" in lab_command((), course)
-    assert lab_command()[1] == "-P"  # no Python file that lies about is run
 
 
 def test_what_a_learner_has_changed_stays_and_what_is_missing_is_added(shipped, caplog):
@@ -252,9 +196,7 @@ def test_what_a_learner_has_changed_stays_and_what_is_missing_is_added(shipped, 
     (shipped / "notebooks" / "4_imu_publisher.ipynb").write_text("a later version's")
     caplog.set_level(logging.INFO)
     assert own_course() == own_course() == course
-    assert caplog.messages == [
-        f"what was missing of the course, 1 of its files, is now in {course}; all that you change there stays"
-    ]
+    assert caplog.messages == [f"what was missing of the course is now in {course}; all that you change there stays"]
     names = ("0_setup.ipynb", "mine.ipynb", "4_imu_publisher.ipynb")
     assert files_in(course / "notebooks") == dict(zip(names, ("my answers", "my own", "a later version's")))
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-from pathlib import Path
-from unittest.mock import Mock
 from xml.etree import ElementTree
 
 import pytest
@@ -14,7 +11,6 @@ from packages import CONTROLLERS, install, run
 from tutorial.commands.package import package
 from tutorial.commands.packaging import maintainer
 from tutorial.commands.packaging.maintainer import NOBODY, Maintainer, find_maintainer
-from tutorial.commands.packaging.naming import check_name
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME
 
@@ -131,10 +127,8 @@ def test_its_node_runs_the_learners_controller_and_takes_what_tank_run_takes(her
         ("x", "two characters at least"),
         ("tank\n", "Did you mean 'tank'?"),
         ("tank\x1b[2J", r"'tank\\x1b[2J' cannot be"),
-        ("x" * 61, "has 61 characters. Take a name of 60 at most"),
-        ("lambda", "'lambda' is a keyword of Python, so no module can be called like it. Take another name, such as"),
-        ("test", "Python has a module 'test' already"),
-        ("rclpy", "Python has a module 'rclpy' already"),
+        ("lambda", "Python has a module, or a keyword, 'lambda' already"),
+        ("rclpy", "Take another name, such as 'my_rclpy'."),
     ],
 )
 def test_a_name_that_no_package_can_have(here, name, said):
@@ -142,11 +136,6 @@ def test_a_name_that_no_package_can_have(here, name, said):
         make(name)
     assert said.replace(r"\\", "\\") in str(info.value)
     assert files(here) == {"mine.py"}
-
-
-@pytest.mark.parametrize("name", ["tank", "t2", "my_2nd_tank", "x" * 60])
-def test_a_name_that_a_package_can_have(name):
-    check_name(name)
 
 
 def test_a_file_from_which_no_package_can_be_made(here):
@@ -177,18 +166,7 @@ def test_what_is_there_stays_as_it_is(here):
     assert (here / "my_tank" / "setup.py").read_text() == "mine"
 
 
-def test_a_disk_that_is_full_leaves_nothing_behind(here, monkeypatch):
-    full = OSError(errno.ENOSPC, "No space left on device")
-    monkeypatch.setattr(Path, "write_bytes", Mock(side_effect=full))
-    with pytest.raises(TutorialError, match="'my_tank' cannot be written: No space left on device"):
-        make("my_tank")
-    assert not (here / "my_tank").exists()
-
-
-@pytest.mark.parametrize(
-    ("name", "email"),
-    [("", ""), ("Ann", "ann@localhost"), ("A\bB", "a@b.cd"), ("A" * 101, "a@b.cd"), ("Ann", f"{'a' * 96}@b.cd")],
-)
+@pytest.mark.parametrize(("name", "email"), [("", ""), ("Ann", "ann@localhost"), ("A\bB", "a@b.cd")])
 def test_whom_git_does_not_know_is_to_be_filled_in(here, monkeypatch, name, email):
     assert find_maintainer() == ANN
     assert "Fill in its license, in package.xml" in make("my_first")
@@ -205,9 +183,3 @@ def test_git_is_asked_if_there_is_one(tmp_path, monkeypatch):
     assert find_maintainer() == ANN
     monkeypatch.setenv("PATH", str(tmp_path))
     assert find_maintainer() == NOBODY
-
-
-def test_one_controller_of_a_file_is_enough_for_a_run(tank, here):
-    """`tank run` parts file and class, too."""
-    run = tank("run step1 --headless --duration 0.1 --controller mine.py:TankController")
-    assert (run.status, "- TankController (mine.py)" in run.stdout) == (0, True), run.said

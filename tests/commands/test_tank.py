@@ -6,11 +6,6 @@ import signal
 import socket
 
 import pytest
-from click.testing import CliRunner
-
-from tutorial.commands.check import check
-from tutorial.commands.progress import progress
-from tutorial.errors import TutorialError
 
 CONTROLLER = """from tutorial.controller import SimpleController
 class TankController(SimpleController):
@@ -26,7 +21,7 @@ class TankController(SimpleController):
         ("run", 2, "Missing argument 'PROJECT'"),
         ("run stp3", 1, "Error: there is no project 'stp3'. Did you mean 'step3'?"),
         ("run step3 --duration -1", 2, "-1.0 is not in the range 0<x<=1000000"),
-        ("run step3 --duration nan", 2, "'nan' is not a number of seconds"),
+        ("run step3 --duration nan", 2, "'nan' is not a number."),
         ("run step3 --headless --duration 0.1 --report /dev/null/x", 1, "the report '/dev/null/x/tank.json' cannot be"),
         ("run step3 --durration 1", 2, "No such option '--durration'. Did you mean '--duration'?"),
         ("joy --drive tuor", 1, "there is no drive 'tuor'. Did you mean 'tour'?"),
@@ -51,10 +46,9 @@ class TankController(SimpleController):
         ("chaos a-b", 1, "topic name"),
         ("chaos -f shufle", 2, "there is no fault 'shufle'. Did you mean 'shuffle'?"),
         (
-            "run step1 --headless --controller mine.py --report /dev/null/x",
+            "run step1 --headless --controller mine.py",
             1,
-            "Not a directory. Give another DIR.\nError: TankController failed at 0.000 s of simulated time: "
-            "mine.py, line 4, in control: ZeroDivisionError: division by zero\n",
+            "TankController failed at 0.000 s of simulated time: mine.py, line 4, in control: ZeroDivisionError: ",
         ),
     ],
 )
@@ -64,12 +58,6 @@ def test_a_mistake_is_a_clear_error(tank, tmp_path, monkeypatch, command, status
     run = tank(command)
     assert (run.status, said in run.stderr) == (status, True), run.said
     assert "is kept" not in run.output
-
-
-def test_what_is_no_path_is_no_notebook_and_no_folder():
-    for command, said in ((check, "there is no file or folder 'xxx"), (progress, "there is no folder 'xxx")):
-        with pytest.raises(TutorialError, match=said):
-            CliRunner().invoke(command, ["x" * 300], catch_exceptions=False)
 
 
 def test_a_port_that_is_in_use_is_said(tank):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import io
 import logging
 import os
@@ -13,9 +12,9 @@ import pytest
 from programs import until
 
 from tutorial.commands import terminal
-from tutorial.commands.terminal import prepare_output, progress_bar, say, status_line, with_bar
+from tutorial.commands.terminal import prepare_output, progress_bar, say
 
-INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
+INT, TERM = signal.SIGINT, signal.SIGTERM
 IN_C = (
     "    def configure(self, config):\n"
     "        import mujoco\n"
@@ -43,33 +42,17 @@ def test_a_log_line_is_printed_as_everything_else(capsys, monkeypatch):
     assert capsys.readouterr().err == "[WARNING] a\\x1b[2J\\u202e\n[INFO] as well\n"
 
 
-@pytest.mark.parametrize("at_a_terminal", [True, False])
-def test_how_far_it_is_stands_on_a_terminal_only(capsys, monkeypatch, at_a_terminal):
+@pytest.mark.parametrize(("duration", "at_a_terminal"), [(4.0, True), (4.0, False), (None, True)])
+def test_a_bar_is_full_at_the_end_and_stands_on_a_terminal_only(capsys, monkeypatch, duration, at_a_terminal):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: at_a_terminal, raising=False)
-    with status_line() as status, status_line(shown=False) as other:
-        status("12 messages")
-        other("of another")
-    said = capsys.readouterr().err
-    assert ("12 messages" in said, "of another" in said) == (at_a_terminal, False)
+    with progress_bar(duration) as progress:
+        for seconds in (3.0, 5.0):
+            progress(seconds)
+    bar = f"100% |{'=' * 40}| 4 of 4 s"
+    assert (bar in capsys.readouterr().err) == (duration is not None and at_a_terminal)
 
 
-def test_where_nobody_can_watch_it_grow_a_bar_is_lines_if_it_is_shown_at_all(capsys):
-    for duration, shown in ((4.0, True), (4.0, False), (None, True)):
-        with progress_bar(duration, shown) as progress:
-            for seconds in (3.0, 5.0):
-                progress(seconds)
-        said = capsys.readouterr().err.splitlines()
-        assert said[-1:] == [f"100% |{'=' * 40}| 4 of 4 s"] * (duration is not None and shown)
-
-    async def job():
-        await asyncio.sleep(0.6)
-        return 3
-
-    assert asyncio.run(with_bar(job, 60.0)) == 3
-    assert capsys.readouterr().err.startswith(f"0% |{' ' * 40}| 0 of 60 s\n")
-
-
-@pytest.mark.parametrize(("heard", "status"), [([9, INT, TERM], 143), ([HUP, HUP, 9, INT], 130), ([TERM, TERM], 143)])
+@pytest.mark.parametrize(("heard", "status"), [([9, INT, TERM], 143), ([TERM, 9, INT], 130)])
 def test_the_first_signal_asks_and_the_second_ends_it_at_once(monkeypatch, heard, status):
     happened = []
 

@@ -38,7 +38,7 @@ def run(kind: str, seconds: float) -> tuple[str, Result, Result]:
         SystemExit: one of them has failed, or does not end.
     """
     console.print(f"{kind}, {seconds} s:")
-    with progress_bar(seconds, shown=True) as progress, ExitStack() as stack:
+    with progress_bar(seconds) as progress, ExitStack() as stack:
         ends = [stack.enter_context(python(TRAFFIC, role, kind, seconds)) for role in ("publish", OTHER_ENDS[kind])]
         stack.callback(lambda: [end.stdin.close() for end in ends])  # both are asked before either is waited for
         began = time.monotonic()

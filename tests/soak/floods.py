@@ -52,7 +52,7 @@ def flood(kind: str, seconds: float) -> tuple[str, int, list[float]]:
     lines: list[str] = []
     with (
         python(HERE / "victim.py", "run", "step3", grace=0, **options) as victim,
-        progress_bar(seconds, shown=True) as progress,
+        progress_bar(seconds) as progress,
     ):
         os.close(writing)
         keep(victim.stdout, lines.append)

@@ -20,8 +20,6 @@ from browser import PATIENCE, until
 from playwright.async_api import Page
 
 TOKEN = "a-token-for-the-tests"
-START = "import sys; sys.modules['rfc3987_syntax'] = None; from jupyterlab.labapp import main; sys.exit(main())"
-"""As ``python -m jupyterlab``, without what takes a second to import: see tutorial/commands/lab_server.py."""
 DARK = "JupyterLab Dark"
 NOTEBOOK = "window.jupyterapp.shell.currentWidget"
 BUSY = "content.widgets.some((cell) => cell.model.executionState === 'running')"
@@ -269,7 +267,13 @@ def _command(notebooks: Path, base_url: str) -> list[str]:
         "LabApp.news_url": "None",
         "LanguageServerManager.autodetect": "False",  # it asks npm where they might be
     }
-    return [sys.executable, "-c", START, "--no-browser", *(f"--{name}={value}" for name, value in options.items())]
+    return [
+        sys.executable,
+        "-m",
+        "jupyterlab",
+        "--no-browser",
+        *(f"--{name}={value}" for name, value in options.items()),
+    ]
 
 
 async def _address(folder: Path, server: psutil.Popen) -> str:

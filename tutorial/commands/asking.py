@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import sys
@@ -50,24 +51,20 @@ def ask(ros_args: Sequence[str], question: Callable[[MeteredNode], Awaitable[Non
     Returns:
         The exit status, which is that of ``ros2``: 1 after an error, whose text is on stderr then; 2 after Ctrl-C.
     """
-    status: int = signal.SIGINT
 
     async def program(node: MeteredNode) -> None:
-        nonlocal status
         with clear_ros_errors():
             await question(node)
-            status = 0
 
     try:
         with named_node(f"_tank_{os.getpid()}", ros_args) as thread:
-            until_asked(program(thread.node), None)
+            return signal.SIGINT if until_asked(program(thread.node), math.inf) else 0
     except TutorialError as error:
         say(f"{error}\n", err=True)
         return 1
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
         return BROKEN_PIPE
-    return int(status)
 
 
 async def say_all(texts: AsyncGenerator[str, None], count: int | None = None) -> None:

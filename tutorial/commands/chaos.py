@@ -5,9 +5,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+import time
+from collections.abc import Sequence
 from contextlib import closing
-from typing import Any
 
 import click
 
@@ -15,7 +15,7 @@ from tutorial.commands.asking import named_node
 from tutorial.commands.options import duration_option
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, say
 from tutorial.errors import TutorialError
-from tutorial.ros.chaos import FAULTS, Chaos, parse_fault, share_of
+from tutorial.ros.chaos import FAULTS, Chaos, parse_fault
 
 __all__ = ["chaos"]
 
@@ -23,19 +23,11 @@ LOOK = 0.1  # [s] between two looks at how far the stream has come
 EPILOG = "\b\nThe faults:\n" + "\n".join(f"  {name:10} {what}" for name, what in FAULTS.items())
 
 
-class FaultType(click.ParamType):  # type: ignore[type-arg]
-    """A fault, and which share of the messages it hits."""
-
-    name = "fault"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, float]:
-        """Read it, or say what is wrong."""
-        if isinstance(value, tuple):
-            return value
-        try:
-            return parse_fault(value)
-        except TutorialError as error:
-            self.fail(str(error), param, ctx)
+def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[str]) -> dict[str, float]:
+    try:
+        return dict(map(parse_fault, given))
+    except TutorialError as error:
+        raise click.BadParameter(str(error)) from None
 
 
 @click.command(short_help="Publish joint states with faults in them, and see who can bear it.", epilog=EPILOG)
@@ -45,7 +37,7 @@ class FaultType(click.ParamType):  # type: ignore[type-arg]
     "--fault",
     "faults",
     multiple=True,
-    type=FaultType(),
+    callback=_parse_faults,
     metavar="FAULT[:SHARE]",
     help="Put this fault into that share of the messages, 0 to 1; without a share, into all. May be repeated.",
 )
@@ -59,7 +51,7 @@ def chaos(
     ros_args: list[str],
     /,
     topic_name: str,
-    faults: tuple[tuple[str, float], ...],
+    faults: dict[str, float],
     good: str | None,
     seed: int,
     duration: float | None,
@@ -68,28 +60,21 @@ def chaos(
 
     Without any fault it is a good stream.
     """
-    from tutorial.commands.asking import clear_ros_errors
     from tutorial.ros.chaos.stream import ChaosStream
+    from tutorial.ros.topics.names import full_topic
 
-    faulty = Chaos(dict(faults), seed)
+    faulty = Chaos(faults, seed)
     stop = threading.Event()
     handle_signals(stop.set)
     with named_node("chaos", ros_args) as thread:
-        with clear_ros_errors():
-            stream = ChaosStream(thread.node, faulty, topic_name, good)
-        say(f"{_words(faulty.faults)}\n")
+        where, source = full_topic(thread.node, topic_name), full_topic(thread.node, good) if good else None
+        stream = ChaosStream(thread.node, faulty, where, source)
+        shares = ", ".join(f"{name} {100 * share:g} %" for name, share in faults.items())
+        say(f"{shares or 'no fault'}\n")
+        began = time.monotonic()
         with closing(stream), progress_bar(duration) as progress:
-            while not stop.wait(LOOK) and (duration is None or stream.seconds < duration):
-                progress(stream.seconds)
-            progress(stream.seconds)
-    say(f"{_summary(faulty.made)}\n")
+            while not stop.wait(LOOK) and (duration is None or time.monotonic() - began < duration):
+                progress(time.monotonic() - began)
+    hits = ", ".join(f"{name} {count}" for name, count in faulty.made.items() if count)
+    say(f"messages hit: {hits or 'none'}\n")
     return INTERRUPTED if stop.is_set() and duration is not None else 0
-
-
-def _words(faults: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} {share_of(share)}" for name, share in faults.items()) or "no fault"
-
-
-def _summary(made: Mapping[str, int]) -> str:
-    """How many messages each fault has hit."""
-    return "messages hit: " + (", ".join(f"{name} {count}" for name, count in made.items() if count) or "none")

@@ -8,10 +8,9 @@ import asyncio
 import json
 import math
 import os
-import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -44,11 +43,9 @@ LIMIT = 60.0  # [s] that an answer may take
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, with all that a check says, instead of the table.")
 @click.option("--no-sandbox", is_flag=True, help="Run the answers as you run any program. Trust them, then.")
-@click.option(
-    "--junit", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE", help="Write JUnit's XML to FILE, too."
-)
+@click.option("--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Write JUnit's XML to FILE, too.")
 def check(
-    notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, no_sandbox: bool, junit: Path | None
+    notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, no_sandbox: bool, junit: Any
 ) -> int:
     """Check the answers in NOTEBOOKS: files, or folders of them.
 
@@ -56,9 +53,12 @@ def check(
     The exit status is 1 if an answer is not right, or could not be judged; one that was not tried does not count.
     """
     from tutorial.commands.checking.messages import Outcome
+    from tutorial.commands.checking.report import as_junit
     from tutorial.commands.checking.sandbox import need_sandbox
 
-    paths = list(_found(notebooks))
+    if junit is not None:
+        junit.open()  # click.utils.LazyFile; before all is judged in vain
+    paths = _found(notebooks)
     if not paths:
         raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")
     if not no_sandbox:
@@ -68,30 +68,28 @@ def check(
     interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done), duration=math.inf)
     submissions = [done[path] for path in paths if path in done]
     if junit is not None:
-        _write(junit, submissions, names)
+        junit.write(as_junit(submissions, names))
     _show(submissions, names, as_json)
     if interrupted:
         say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.\n", err=True)
         return INTERRUPTED
     fine = (Outcome.RIGHT, Outcome.NOT_TRIED)
-    return int(any(each.problem or any(a.outcome not in fine for a in each.judged.values()) for each in submissions))
+    return int(any(judged.outcome not in fine for each in submissions for judged in each.verdicts))
 
 
-def _found(given: Sequence[Path]) -> Iterator[Path]:
-    """Yield the notebooks, each once; of a folder, those beneath it, without the copies that Jupyter keeps.
+def _found(given: Sequence[Path]) -> list[Path]:
+    """Find the notebooks, each once; of a folder, those beneath it, without the copies that Jupyter keeps.
 
     Raises:
         TutorialError: there is nothing of such a name.
     """
-    seen: set[Path] = set()
+    found: dict[Path, None] = {}
     for path in given:
         if not (is_file(path) or is_folder(path)):
             raise TutorialError(f"there is no file or folder {str(path)!r}")
         inner = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
-        for each in inner:
-            if ".ipynb_checkpoints" not in each.parts and each not in seen:
-                seen.add(each)
-                yield each
+        found |= dict.fromkeys(each for each in inner if ".ipynb_checkpoints" not in each.parts)
+    return list(found)
 
 
 def _names(paths: Sequence[Path]) -> dict[Path, str]:
@@ -116,15 +114,14 @@ async def _judge_all(
 
     from tutorial.commands.checking.submission import judge
 
-    terminal = sys.stderr.isatty()
     turn = asyncio.Semaphore(jobs)
-    with tqdm(total=len(paths), unit="notebook", disable=not terminal, ascii=" =") as bar:
+    with tqdm(total=len(paths), unit="notebook", disable=None, ascii=" =") as bar:
 
         async def judge_one(path: Path) -> None:
             async with turn:
                 done[path] = await judge(path, limit, is_sandboxed)
             bar.update()
-            if not terminal:
+            if bar.disable:
                 say(f"{len(done)} of {len(paths)}: {names[path]}\n", err=True)
 
         async with asyncio.TaskGroup() as group:
@@ -144,12 +141,3 @@ def _show(submissions: Sequence[Submission], names: dict[Path, str], as_json: bo
     console.print(report.table(submissions, names))
     for line in report.summary(submissions):
         console.print(line, markup=False)
-
-
-def _write(path: Path, submissions: Sequence[Submission], names: dict[Path, str]) -> None:
-    from tutorial.commands.checking.report import as_junit
-
-    try:
-        path.write_bytes(as_junit(submissions, names))
-    except OSError as error:
-        raise TutorialError(f"{str(path)!r} cannot be written: {error.strerror}") from error

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,37 +23,24 @@ def read_records(directory: Path) -> list[dict[str, Any]]:
 
 
 def summary(records: Sequence[Mapping[str, Any]]) -> RenderableType:
-    """Lay out topics, what each node made of them, and the joints as each node has them; 80 columns are enough."""
-    return Group(_topics(records), _nodes(records), _joints(records))
-
-
-def _topics(records: Sequence[Mapping[str, Any]]) -> Table:
-    """Each topic with its type and rate; the rate as it was received, where somebody listened."""
-    table = _table("topic", "type", "rate [Hz]")
-    counts = {topic: c for key in ("published", "received") for topic, c in _with(records, key)}
-    for topic, count in sorted(counts.items()):
-        table.add_row(topic, count["type"], f"{count['rate_hz']:.1f}")
-    return table
+    """Lay out what each node made of the topics, and the joints as each node has them; 80 columns are enough."""
+    return Group(_nodes(records), _joints(records))
 
 
 def _nodes(records: Sequence[Mapping[str, Any]]) -> Table:
     """Each node with the messages that it sent and got, and how long these took from publication to callback."""
-    table = _table("node", "topic", *COUNTS, "median", "p99 [ms]")
+    table = _table("node", "topic", "sent", "received", "shown", "[Hz]", "median", "p99 [ms]")
     table.caption = (
-        "median and p99: of the time from publication to callback. Received can be fewer than published: "
-        "the programs start one after the other, and a queue of depth 1 keeps the newest. Applied: shown."
+        "median and p99: of the time from publication to callback. Received can be fewer than sent: "
+        "the programs start one after the other, and a queue of depth 1 keeps the newest."
     )
     table.caption_justify = "left"
     for record in records:
         for topic, counts in record["topics"].items():
             messages = (str(counts.get(key, "")) for key in COUNTS)
             latency = (_number(counts["latency_ms"][key], ".2f") for key in ("median", "p99"))
-            table.add_row(f"/{record['node']}", topic, *messages, *latency)
+            table.add_row(f"/{record['node']}", topic, *messages, f"{counts['rate_hz']:.1f}", *latency)
     return table
-
-
-def _with(records: Sequence[Mapping[str, Any]], key: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    return ((topic, c) for record in records for topic, c in record["topics"].items() if key in c)
 
 
 def _table(*headings: str) -> Table:

@@ -10,6 +10,7 @@ import asyncio
 import importlib
 import json
 import os
+import platform
 import signal
 import subprocess
 import sys
@@ -23,20 +24,17 @@ from typing import Any, Literal, NamedTuple
 from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.paths import PACKAGE
-from tutorial.ros.backend import install_backend, real_rclpy_exists
+from tutorial.ros.backend import install_backend
 from tutorial.ros.domains import LAST
 
 __all__ = ["doctor"]
 
-WIDTH = 100  # columns
-SUBJECT, LEVEL = 11, 9  # columns
+WIDTH = 100  # columns, of which the first 20 are for subject and level
 PATIENCE = 45  # [s] that an answer may take: a loaded machine is slow to import
 FIRST_LOOK = 4.0  # [s] before the graph may count as known: nodes on Fast DDS show up after 1 to 4 s
 MOST_NAMES = 50
 
-OLDEST, NEWEST = (3, 11), (3, 13)
 PIP = "python -m pip install"
-JUPYTER = ("jupyterlab", "ipykernel", "ipywidgets", "anywidget")
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 RANGES = {
     "LOCALHOST": "nodes on this machine only",
@@ -44,12 +42,8 @@ RANGES = {
     "OFF": "no other node, not even on this machine",
     "SYSTEM_DEFAULT": "what the middleware is configured for",
 }
-BY_HAND = {
-    "ROS_STATIC_PEERS": "nodes on these machines are looked for as well",
-    "ROS_LOCALHOST_ONLY": "ROS 2's former way, which a real one may put above the range",
-    "CYCLONEDDS_URI": "it comes on top of what the tutorial and ROS 2 configure",
-}
-LAST_DOMAIN = 232
+BY_HAND = ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "CYCLONEDDS_URI")
+"""Other variables that decide whom nodes find."""
 
 
 class Diagnosis(NamedTuple):
@@ -72,14 +66,13 @@ def doctor() -> int:
     Returns:
         The exit status: 0 where there is no problem, else 1.
     """
-    levels: Counter[str] = Counter()
+    levels = Counter[str]()
     with ThreadPoolExecutor(len(PROBES)) as pool:
         for subject, found in zip(PROBES, pool.map(_looked, PROBES.values())):
-            for each in found:
-                say(f"{layout(subject, each)}\n")
-                levels[each.level] += 1
-    counts = (f"{levels[each] or 'no'} {each}{'s' * (levels[each] != 1)}" for each in ("problem", "note"))
-    say(f"\n{', '.join(counts)}.\n")
+            for level, text, mend in found:
+                say(_columns(f"{subject:11}{level:9}", text) + _columns(f"{'':17}-> ", mend) * bool(mend))
+                levels[level] += 1
+    say(f"\nproblems: {levels['problem']}, notes: {levels['note']}\n")
     return int(levels["problem"] > 0)
 
 
@@ -90,57 +83,46 @@ def _looked(probe: Callable[[], Iterator[Diagnosis]]) -> list[Diagnosis]:
         return [Diagnosis("note", f"it could not be looked at: {type(error).__name__}: {error}", "look at it by hand")]
 
 
-def layout(subject: str, found: Diagnosis) -> str:
-    """Put a diagnosis into columns: subject, level, text; the mend stands below, behind an arrow.
-
-    A word is never broken, so that paths and commands can be copied.
-    """
-    indent = " " * (SUBJECT + LEVEL)
-    wrapper = textwrap.TextWrapper(WIDTH, break_long_words=False, break_on_hyphens=False, subsequent_indent=indent)
-    lines = wrapper.wrap(f"{subject:<{SUBJECT}}{found.level:<{LEVEL}}{found.text}")
-    wrapper.initial_indent, wrapper.subsequent_indent = f"{indent}-> ", f"{indent}   "
-    return "\n".join([*lines, *wrapper.wrap(found.mend)])
+def _columns(label: str, text: str) -> str:
+    """Put a text beside its label; no word is broken, so that paths and commands can be copied."""
+    indent = " " * 20
+    wrapper = textwrap.TextWrapper(WIDTH, label, indent, break_long_words=False, break_on_hyphens=False)
+    return wrapper.fill(text) + "\n"
 
 
-def ask(question: str, patience: float = PATIENCE, **environment: str) -> Any:
+def ask(question: str, patience: float = PATIENCE) -> Any:
     """Have one of `QUESTIONS` answered in a process of its own.
 
     Args:
         question: which one.
         patience: how long it may take [s].
-        environment: variables that are others there.
 
     Raises:
         TutorialError: it crashed, failed or took too long; the text says so.
     """
     path = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
-    given = {**os.environ, **environment, "PYTHONPATH": path, "PYTHONUTF8": "1"}
-    command = [sys.executable, "-P", "-m", __name__, question]
     try:
         done = subprocess.run(
-            command, env=given, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=patience, check=False
+            [sys.executable, "-P", "-m", __name__, question],
+            env={**os.environ, "PYTHONPATH": path, "PYTHONUTF8": "1"},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=patience,
+            check=False,
         )
     except subprocess.TimeoutExpired:
         raise TutorialError(f"no answer within {patience:g} s") from None
     if done.returncode < 0:
         raise TutorialError(f"crashed with {signal.Signals(-done.returncode).name}")
     if done.returncode > 0:
-        raise TutorialError((done.stderr.split("\n")[-2:-1] or [f"exit status {done.returncode}"])[0])
+        raise TutorialError((done.stderr.splitlines() or [f"exit status {done.returncode}"])[-1])
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def python(version: tuple[int, ...] = sys.version_info[:3], is_apart: bool = sys.prefix != sys.base_prefix) -> Any:
-    """Say which Python this is."""
-    is_apart = is_apart or os.path.isdir(os.path.join(sys.prefix, "conda-meta"))  # noqa: PTH112, PTH118
-    text = f"{'.'.join(map(str, version))}, {sys.executable}{'' if is_apart else ', not in a virtual environment'}"
-    if not OLDEST <= version[:2] <= NEWEST:
-        text = f"{text}; the tutorial is made for 3.11 to 3.13"
-        yield Diagnosis("problem", text, "python3.12 -m venv .venv, or 3.11, or 3.13")
-    elif is_apart:
-        yield Diagnosis("ok", text)
-    else:
-        mend = "to keep the tutorial's packages apart from the system's: make install, and . .venv/bin/activate"
-        yield Diagnosis("note", text, mend)
+def python() -> Iterator[Diagnosis]:
+    """Say which Python this is; pip has seen to it that it is one that will do."""
+    yield Diagnosis("ok", f"{platform.python_version()}, {sys.executable}")
 
 
 def mujoco() -> Iterator[Diagnosis]:
@@ -158,51 +140,42 @@ def mujoco() -> Iterator[Diagnosis]:
 
 
 def packages() -> Iterator[Diagnosis]:
-    """Say what ``pip check`` says of the installed packages, and which JupyterLab there is."""
+    """Say what ``pip check`` says of the installed packages."""
     command = [sys.executable, "-m", "pip", "check", "--disable-pip-version-check"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    text = done.stdout.strip() or done.stderr.strip()
     if done.returncode == 0:
-        yield Diagnosis("ok", done.stdout.strip())
+        yield Diagnosis("ok", text)
     else:
-        text = done.stdout.strip() or done.stderr.strip()
-        yield Diagnosis("problem", text.replace("\n", " "), f"in the tutorial's folder: {PIP} -c constraints.txt -e .")
-    yield Diagnosis("ok", ", ".join(f"{each} {metadata.version(each)}" for each in JUPYTER))
+        yield Diagnosis("problem", text, f"in the tutorial's folder: {PIP} -c constraints.txt -e .")
 
 
 def backend() -> Iterator[Diagnosis]:
     """Say which ROS 2 is in use, and why."""
     wanted, distro = os.environ.get("TUTORIAL_ROS"), os.environ.get("ROS_DISTRO")
     try:
-        chosen = install_backend()
+        is_real = install_backend() == "rclpy"
     except TutorialError as error:
         yield Diagnosis("problem", str(error), "unset TUTORIAL_ROS")
         return
-    is_there = real_rclpy_exists()
-    because = (
-        f"because TUTORIAL_ROS={wanted}" if wanted else f"because this Python finds {'it' if is_there else 'no rclpy'}"
-    )
-    name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if chosen == "rclpy" else "the tutorial's own, on Cyclone DDS"
-    if chosen == "rclpy" and not is_there:
-        text = "TUTORIAL_ROS=rclpy asks for a real ROS 2, and this Python finds no rclpy"
-        yield Diagnosis("problem", text, ". /opt/ros/jazzy/setup.bash, or unset TUTORIAL_ROS")
-        return
+    name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if is_real else "the tutorial's own, on Cyclone DDS"
+    finds = "it" if is_real else "no rclpy"
+    text = f"{name}, because {f'TUTORIAL_ROS={wanted}' if wanted else f'this Python finds {finds}'}"
     try:
         version, file, rmw = ask("rclpy")
     except TutorialError as error:
         mend = f"{PIP} cyclonedds rosbags; where there is no cyclonedds, a real ROS 2"
-        if chosen == "rclpy":
-            mend = f"Jazzy's is made for Python 3.12 (this is {sys.version_info.major}.{sys.version_info.minor}); "
-            mend += "the tutorial's own: export TUTORIAL_ROS=underlay"
-        yield Diagnosis("problem", f"{name}, {because}; but it is broken: {error}", mend)
+        if is_real:
+            mend = ". /opt/ros/jazzy/setup.bash, with Python 3.12; the tutorial's own: export TUTORIAL_ROS=underlay"
+        yield Diagnosis("problem", f"{text}; but it is broken: {error}", mend)
         return
-    how = "RMW_IMPLEMENTATION" if os.environ.get("RMW_IMPLEMENTATION") else "the default"
-    text = f"{name}, {because}{f': rclpy {version}, {file}, on {rmw} ({how})' * (chosen == 'rclpy')}"
-    if chosen == "rclpy" and "dds" not in rmw and "fastrtps" not in rmw:
+    text += f": rclpy {version}, {file}, on {rmw}" * is_real
+    if is_real and "dds" not in rmw and "fastrtps" not in rmw:
         mend = "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
         yield Diagnosis("note", f"{text}, which does not speak DDS: it hears none of the others", mend)
-    elif chosen == "rclpy" and distro != "jazzy":
+    elif is_real and distro != "jazzy":
         yield Diagnosis("note", f"{text}. The tutorial is made for jazzy", ". /opt/ros/jazzy/setup.bash")
-    elif chosen != "rclpy" and distro and not wanted:
+    elif not is_real and distro and not wanted:
         mend = "with the Python that ROS 2 is made for: python3.12 -m venv --system-site-packages ~/tank-ros"
         yield Diagnosis("note", f"{text}, although ROS 2 {distro} is set up in this shell", mend)
     else:
@@ -211,40 +184,26 @@ def backend() -> Iterator[Diagnosis]:
 
 def discovery() -> Iterator[Diagnosis]:
     """Say in plain words how far the nodes here look for others, and what was set by hand."""
-    is_real = real_rclpy_exists() and os.environ.get("TUTORIAL_ROS") != "underlay"
-    given = os.environ.get(RANGE, "")
-    reach = given or ("SUBNET" if is_real else "LOCALHOST")
-    origin = f"{RANGE} is {given}" if given else f"{reach}, the default"
-    mend = f"export {RANGE}=LOCALHOST" if is_real else f"unset {RANGE}"
+    reach = os.environ.get(RANGE) or ("SUBNET" if install_backend() == "rclpy" else "LOCALHOST")
     if reach not in RANGES:
-        yield Diagnosis("problem", f"{RANGE} is {given!r}.{did_you_mean(given, RANGES)}", mend)
+        yield Diagnosis("problem", f"{RANGE} is {reach!r}.{did_you_mean(reach, RANGES)}", f"unset {RANGE}")
     elif reach == "LOCALHOST":
-        yield Diagnosis("ok", f"{RANGES[reach]} ({origin})")
+        yield Diagnosis("ok", f"{reach}: {RANGES[reach]}")
     else:
-        yield Diagnosis("note", f"{RANGES[reach]} ({origin})", f"for this machine only: {mend}")
-    for name, meaning in BY_HAND.items():
+        yield Diagnosis("note", f"{reach}: {RANGES[reach]}", f"for this machine only: export {RANGE}=LOCALHOST")
+    for name in BY_HAND:
         if value := os.environ.get(name):
-            yield Diagnosis("note", f"{name} is {value!r}: {meaning}", f"if it is not meant: unset {name}")
+            yield Diagnosis("note", f"{name} is {value!r}, and has a say in it", f"if it is not meant: unset {name}")
 
 
 def domain() -> Iterator[Diagnosis]:
     """Say which domain nodes meet in, who is there, and which names are there more than once."""
-    given = os.environ.get("ROS_DOMAIN_ID", "").strip()
-    number = int(given or 0) if (given or "0").isdecimal() else LAST_DOMAIN + 1
-    if number > LAST_DOMAIN:
-        text = f"ROS_DOMAIN_ID is {given!r}, and must be a number from 0 to {LAST_DOMAIN}"
-        yield Diagnosis("problem", text, f"unset ROS_DOMAIN_ID, or a number up to {LAST}")
-        return
-    if number > LAST:  # Linux gives its ports to outgoing connections, too
-        text = f"{number}: its ports, from {7400 + 250 * number} on, may be taken by other programs' connections"
-        yield Diagnosis("note", text, f"export ROS_DOMAIN_ID=42, or another up to {LAST}")
-    else:
-        origin = "ROS_DOMAIN_ID" if given else "the default; a notebook takes one of its own"
-        yield Diagnosis("ok", f"{number} ({origin}): only nodes of one domain hear each other")
+    number = os.environ.get("ROS_DOMAIN_ID") or "0"
     try:
         is_known, names = ask("nodes")
     except TutorialError as error:
-        yield Diagnosis("problem", f"a node cannot be made: {error}", "mend what is said of ROS 2 first")
+        mend = f"mend what is said of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to {LAST}"
+        yield Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", mend)
         return
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]

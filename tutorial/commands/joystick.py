@@ -15,7 +15,6 @@ import msgspec
 from rclpy.node import Node
 from sensor_msgs.msg import Joy
 
-from tutorial.errors import printable
 from tutorial.ros.node_thread import MeteredNode
 from tutorial.yamlfile import YamlFile
 
@@ -105,8 +104,8 @@ class Gamepad:
 
     @property
     def name(self) -> str:
-        """What the gamepad calls itself, fit for a terminal."""
-        return printable(str(self._controller.name))
+        """What the gamepad calls itself."""
+        return str(self._controller.name)
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad lives in the present
         """Return what the hands do now. SDL has right and backward positive; ROS 2 has left and forward."""

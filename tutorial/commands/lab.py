@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import logging
+import os
+import re
 import shutil
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-sys.modules["rfc3987_syntax"] = None  # type: ignore[assignment]  # as in lab_server: not imported, for a second
-
-# ruff: noqa: E402
 import nbformat
 from nbformat.sign import NotebookNotary
 
@@ -24,6 +23,9 @@ _log = logging.getLogger(__name__)
 NOTEBOOKS = HOME / "notebooks"
 OWN = "tank-tutorial"
 """What a learner's own course folder is called."""
+
+BROWSER_IS_ELSEWHERE = ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI")
+"""Variables of WSL, and of VS Code's terminals in containers and on other machines."""
 
 
 def own_course() -> Path:
@@ -45,26 +47,41 @@ def own_course() -> Path:
         raise TutorialError(f"{course} belongs to another user. {elsewhere}")
     if (course / "tutorial" / "__init__.py").exists():  # a checkout, which has all it needs
         return course
-    new = not course.exists()
     try:
         added = _add_missing(course)
     except OSError as error:
         raise TutorialError(f"the course cannot be copied to {course}: {error.strerror}. {elsewhere}") from error
     if added:
-        what = "the course is" if new else f"what was missing of the course, {added} of its files, is"
-        _log.info("%s now in %s; all that you change there stays", what, course)
+        _log.info("what was missing of the course is now in %s; all that you change there stays", course)
     return course
 
 
 def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]:
-    """Return the command that opens JupyterLab on the first notebook.
+    """Return the command that opens JupyterLab on the first notebook: for this machine alone, and quiet.
 
     Args:
-        arguments: more of JupyterLab's own.
+        arguments: more of JupyterLab's own, which come before what is set here.
         course: the course folder, which is all that JupyterLab shows.
     """
-    options = [f"--ServerApp.root_dir={course}", "--LabApp.default_url=/lab/tree/notebooks/0_setup.ipynb"]
-    return [sys.executable, "-P", "-m", "tutorial.commands.lab_server", *options, *arguments]
+    settings = {
+        "ServerApp.root_dir": course,
+        "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",
+        "ServerApp.ip": "127.0.0.1",
+        "ServerApp.allow_root": True,  # for in a container there is nobody else
+        "ServerApp.allow_origin_pat": _forwarded_origin(),
+        "ServerApp.max_body_size": 64_000_000,  # bytes, read before it is asked who sent them; notebooks are smaller
+        "ServerApp.use_redirect_file": not any(os.environ.get(name) for name in BROWSER_IS_ELSEWHERE),
+        "ServerApp.answer_yes": True,  # one Ctrl-C ends it
+        "Application.log_level": "ERROR",
+    }
+    options = (f"--{name}={value}" for name, value in settings.items())
+    return [sys.executable, "-P", "-m", "jupyterlab", *options, *arguments]
+
+
+def _forwarded_origin() -> str:
+    """The addresses by which a browser reaches a GitHub codespace, a regular expression; empty elsewhere."""
+    name, domain = map(os.environ.get, ("CODESPACE_NAME", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN"))
+    return rf"https://{re.escape(name)}-\d+\.{re.escape(domain)}" if name and domain else ""
 
 
 def trust(folder: Path = NOTEBOOKS, **settings: str) -> None:

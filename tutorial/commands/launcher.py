@@ -21,7 +21,7 @@ import click
 
 from tutorial import parent_watch
 from tutorial.commands.terminal import handle_signals
-from tutorial.errors import TutorialError, printable_lines, tell
+from tutorial.errors import TutorialError, printable, printable_lines, tell
 from tutorial.paths import with_own_commands
 from tutorial.ros.backend import UNDERLAY
 
@@ -65,21 +65,17 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
     for entity in entities:
         if not isinstance(entity, launch.actions.ExecuteProcess):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
-        if unfit := _unfit(entity):
-            raise TutorialError(f"{path} has a process that cannot be started: {unfit}")
+        if not _is_fit(entity.cmd):
+            mend = "Give a list of words, such as cmd=['tank', 'joy']."
+            raise TutorialError(f"{path} has a process that cannot be started: its cmd is {entity.cmd!r:.100}. {mend}")
     return entities
 
 
-def _unfit(process: ExecuteProcess) -> str:
-    """Say why a process cannot be started, and the mend; empty if it can."""
-    command, name = process.cmd, process.name
-    if not isinstance(command, list | tuple) or not all(isinstance(word, str | Path) for word in command):
-        return f"its cmd is {command!r:.100}. Give a list of words, such as cmd=['tank', 'joy']."
-    if not command or not str(command[0]):
-        return "its cmd is empty. Give the program and its arguments, such as cmd=['tank', 'joy']."
-    if name is not None and not (isinstance(name, str) and name.isprintable() and name):
-        return f"its name is {name!r:.100}. Give a text, or none."
-    return ""
+def _is_fit(command: object) -> bool:
+    """Whether something is the words of a command."""
+    if not isinstance(command, list | tuple) or not command:
+        return False
+    return all(isinstance(word, str | Path) for word in command) and str(command[0]) != ""
 
 
 class Launcher:
@@ -115,15 +111,16 @@ class Launcher:
         handle_signals(
             lambda: loop.call_soon_threadsafe(self._interrupt),
             at_once=lambda: self._signal_groups(signal.SIGKILL),
-            hangup=True,
         )
         try:
             for name, process in self._processes.items():
                 self._running[name] = await self._start(name, process)
-            await self._see_through()
-            return self._status
+            ended = asyncio.create_task(self._follow_all())
+            await self._stop.wait()
         finally:
             await self._stop_all()
+        await ended
+        return self._status
 
     def _interrupt(self) -> None:
         self.interrupted = True
@@ -144,18 +141,14 @@ class Launcher:
                 env=environment,
                 cwd=process.cwd,
             )
-        except OSError as error:
-            raise TutorialError(f"{name} could not be started: {error.strerror}: {error.filename!r}") from error
-        except (TypeError, ValueError) as error:  # what no program can be given, such as a zero byte
+        except (OSError, TypeError, ValueError) as error:  # the last two: what no program can be given, as a zero byte
             raise TutorialError(f"{name} could not be started: {error}") from error
 
-    async def _see_through(self) -> None:
-        """Print and wait; when asked to, or after the first failure, stop all."""
-        stopper = asyncio.create_task(self._stop_when_asked())
-        await asyncio.gather(*(self._follow(name, process) for name, process in self._running.items()))
-        if self._stop.is_set():
-            await stopper
-        stopper.cancel()
+    async def _follow_all(self) -> None:
+        try:
+            await asyncio.gather(*(self._follow(name, process) for name, process in self._running.items()))
+        finally:
+            self._stop.set()
 
     async def _follow(self, name: str, process: asyncio.subprocess.Process) -> None:
         """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
@@ -165,18 +158,10 @@ class Launcher:
         status = await process.wait()
         if status >= 0:  # else there may be something left of its group, which is going to be stopped
             self._running.pop(name, None)
-        if status:
-            self._fail(name, status if status > 0 else 128 - status)
-
-    def _fail(self, name: str, status: int) -> None:
-        if not self._stop.is_set():
-            self._status = status
-            self._say(name, f"failed with exit status {status}; the others are stopped")
+        if status and not self._stop.is_set():
+            self._status = status if status > 0 else 128 - status
+            self._say(name, f"failed with exit status {self._status}; the others are stopped")
             self._stop.set()
-
-    async def _stop_when_asked(self) -> None:
-        await self._stop.wait()
-        await self._stop_all()
 
     async def _stop_all(self) -> None:
         """Ask every process group that is left to stop, and kill what hasn't in time."""
@@ -219,7 +204,7 @@ def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
     """Call each process by its name, or else its program's; a second one of the same name gets a number."""
     named: dict[str, ExecuteProcess] = {}
     for process in processes:
-        name = process.name or Path(str(process.cmd[0])).name
+        name = printable(str(process.name or Path(str(process.cmd[0])).name))
         unique = next(each for each in chain([name], (f"{name}-{n}" for n in count(2))) if each not in named)
         named[unique] = process
     return named

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,19 +20,11 @@ class Finite(click.FloatRange):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """Read it, or say what is wrong."""
         number: float = super().convert(value, param, ctx)
-        if not math.isfinite(number):
-            self.fail(f"{value!r} is not a {self.name}.", param, ctx)
-        return number
+        return number if math.isfinite(number) else self.fail(f"{value!r} is not a number.", param, ctx)
 
 
-class Seconds(Finite):
-    """A number of seconds, eleven days at most."""
-
-    name = "number of seconds"
-
-    def __init__(self, **bounds: Any) -> None:
-        super().__init__(**{"max": 1_000_000, **bounds})
-
+Seconds = partial(Finite, max=1_000_000)
+"""A number of seconds, eleven days at most."""
 
 duration_option = click.option(
     "--duration",

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -56,25 +55,18 @@ def package(name: str, own: str | None, destination: Path) -> None:
 
 
 def _write(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write a package's files into a folder that there is not yet; it is there as a whole, or not at all.
+    """Write a package's files into a folder that there is not yet.
 
     Raises:
         TutorialError: something of this name is there already, or cannot be written.
     """
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        folder.mkdir()
+        folder.mkdir(parents=True)
+        for path, content in files.items():
+            (folder / path).parent.mkdir(exist_ok=True)
+            (folder / path).write_bytes(content)
     except FileExistsError as error:
         text = f"there is {str(error.filename)!r} already, and it stays as it is. Give another name, or destination."
         raise TutorialError(text) from None
     except OSError as error:
-        raise TutorialError(f"{str(folder)!r} cannot be made: {error.strerror}") from error
-    try:
-        for path, content in files.items():
-            (folder / path).parent.mkdir(exist_ok=True)
-            (folder / path).write_bytes(content)
-    except BaseException as error:
-        shutil.rmtree(folder, ignore_errors=True)
-        if isinstance(error, OSError):
-            raise TutorialError(f"{str(folder)!r} cannot be written: {error.strerror}") from error
-        raise
+        raise TutorialError(f"{str(folder)!r} cannot be written: {error.strerror}") from error

@@ -8,8 +8,8 @@ import os
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Sequence
-from contextlib import AsyncExitStack, contextmanager
+from collections.abc import Sequence
+from contextlib import AsyncExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,7 +39,6 @@ from tutorial.errors import TutorialError, printable
 
 if TYPE_CHECKING:
     from tutorial.commands.joystick import JoySource
-    from tutorial.host import Host
     from tutorial.project import Project
 
 __all__ = ["main"]
@@ -236,6 +235,7 @@ async def _host(
     """Run a project on the event loop that is running."""
     from tutorial.commands.run_bag import bag_of
     from tutorial.host import Host
+    from tutorial.record import write_record
     from tutorial.view.bodies import View
     from tutorial.view.replay import recorded
     from tutorial.view.scene import Scene
@@ -257,29 +257,11 @@ async def _host(
         if html is not None:
             stack.enter_context(recorded(scene, html, host.node.get_name(), host.shown_at, host.joint_positions))
         progress = stack.enter_context(progress_bar(duration))
-        with _reported(host, report):
-            await host.run(duration, linger, progress)
-
-
-@contextmanager
-def _reported(host: Host, directory: Path | None) -> Iterator[None]:
-    """Write the record in the end; when that fails, too, the error of the run stays the one that ends the command."""
-    from tutorial.record import write_record
-
-    failed = False
-    try:
-        yield
-    except TutorialError:
-        failed = True
-        raise
-    finally:
         try:
-            if directory is not None:
-                write_record(host.record(), directory)
-        except TutorialError as error:
-            if not failed:
-                raise
-            say(f"Error: {error}\n", err=True)
+            await host.run(duration, linger, progress)
+        finally:
+            if report is not None:
+                write_record(host.record(), report)
 
 
 def _joy_source(drive: str | None) -> JoySource:

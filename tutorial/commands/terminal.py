@@ -12,7 +12,6 @@ import time
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
-from typing import Any
 
 import click
 from tqdm import tqdm
@@ -64,9 +63,7 @@ def prepare_output() -> None:
     logging.getLogger("OpenGL").setLevel(logging.WARNING)  # at its import it says what it does without
 
 
-def handle_signals(
-    ask: Callable[[], object], at_once: Callable[[], object] = lambda: None, hangup: bool = False
-) -> None:
+def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None) -> None:
     """From now on the first Ctrl-C or SIGTERM asks this process to end, and the second ends it at once. Main thread.
 
     A thread of its own waits for them, for the main thread may be in a loop, or in a call that does not return. It
@@ -75,12 +72,11 @@ def handle_signals(
     Args:
         ask: called on that thread at the first signal; it may fail when there is nothing left to ask.
         at_once: called there at the second one, before the process ends with the status that shells give to it.
-        hangup: whether SIGHUP asks, too, however often it comes.
     """
     read_end, write_end = os.pipe()
     os.set_blocking(write_end, False)
     signal.set_wakeup_fd(write_end, warn_on_full_buffer=False)  # Python writes the number of each signal there
-    for number in (*ENDINGS, *[signal.SIGHUP] * hangup):
+    for number in ENDINGS:
         signal.signal(number, lambda *_: None)
     heard = (lambda: os.read(read_end, 1)[0], ask, at_once)
     threading.Thread(target=_end, args=heard, name="endings", daemon=True).start()
@@ -88,7 +84,7 @@ def handle_signals(
 
 def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[], object]) -> None:
     """Wait for a signal that asks, and then for one that ends."""
-    while hear() not in (*ENDINGS, signal.SIGHUP):
+    while hear() not in ENDINGS:
         pass
     with suppress(Exception):
         ask()
@@ -126,7 +122,7 @@ def until_asked(program: Awaitable[None], duration: float | None) -> int:
 async def with_bar(job: Callable[[], Awaitable[int]], duration: float | None) -> int:
     """Show a progress bar while a job runs."""
     began = time.monotonic()
-    with progress_bar(duration, shown=True) as progress:
+    with progress_bar(duration) as progress:
         task = asyncio.ensure_future(job())
         while not task.done():
             progress(time.monotonic() - began)
@@ -135,27 +131,17 @@ async def with_bar(job: Callable[[], Awaitable[int]], duration: float | None) ->
 
 
 @contextmanager
-def progress_bar(duration: float | None, shown: bool = False) -> Iterator[Callable[[float], object]]:
-    """Make a progress bar over some seconds, on stderr; what is logged meanwhile stands above it.
+def progress_bar(duration: float | None) -> Iterator[Callable[[float], object]]:
+    """Make a progress bar over some seconds, on stderr if it is a terminal; what is logged meanwhile stands above it.
 
     Args:
         duration: its length [s]; None for no bar.
-        shown: whether to show it on what is no terminal, too.
     """
-    terminal = sys.stderr.isatty()
-    disable = duration is None or not (shown or terminal)
     total = duration or 0.0
     form = "{percentage:3.0f}% |{bar:40}| {n:.0f} of {total:.0f} s"
-    out: Any = sys.stderr if terminal else _Lines()
-    bar = tqdm(
-        total=total, bar_format=form, mininterval=0.1 if terminal else 2.0, disable=disable, ascii=" =", file=out
-    )
+    bar = tqdm(total=total, bar_format=form, disable=True if duration is None else None, ascii=" =")
     with bar, logging_redirect_tqdm():
-
-        def progress(seconds: float) -> None:
-            bar.update(min(seconds, total) - bar.n)
-
-        yield progress
+        yield lambda seconds: bar.update(min(seconds, total) - bar.n)
 
 
 @contextmanager
@@ -165,17 +151,6 @@ def status_line(shown: bool = True) -> Iterator[Callable[[str], object]]:
     Args:
         shown: whether to show it at all.
     """
-    line = tqdm(bar_format="{desc}", disable=not (shown and sys.stderr.isatty()), leave=False)
+    line = tqdm(bar_format="{desc}", disable=None if shown else True, leave=False)
     with line, logging_redirect_tqdm():
         yield line.set_description_str
-
-
-class _Lines:
-    """Where a progress bar goes that nobody can watch growing: one line each time, into the log."""
-
-    def write(self, text: str) -> None:
-        if text.strip():
-            sys.stderr.write(text.strip() + "\n")
-
-    def flush(self) -> None:
-        sys.stderr.flush()

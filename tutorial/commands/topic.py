@@ -56,10 +56,8 @@ async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
 async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None, no_arr: bool) -> None:
     """Print the messages of a topic as they come, until Ctrl-C."""
     from tutorial.ros.topics import topic_echo
-    from tutorial.ros.topics.qos import compromises
 
     name = await _met(node, topic_name)
-    say(compromises(node, name))
     await say_all(topic_echo(node, name, count=1 if once else None, field=field, no_arr=no_arr))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from copy import deepcopy
 from itertools import pairwise
 
@@ -15,7 +14,6 @@ from rclpy.utilities import get_rmw_implementation_identifier
 from sensor_msgs.msg import JointState
 
 from tutorial.errors import TutorialError
-from tutorial.joints import JointMatcher
 from tutorial.ros.chaos import FAULTS, Action, Chaos, parse_fault
 from tutorial.ros.chaos.faults import AHEAD_NS, BURST, CHANGES, LATE_NS, stamp_ns
 from tutorial.ros.chaos.stream import JOINTS, swing
@@ -82,11 +80,6 @@ def test_the_good_message_stays_as_it_is(faults, joints):
     before = deepcopy(good)
     Chaos(faults).apply(good)
     assert good == before
-
-
-def test_two_joints_are_always_swapped():
-    messages = [action.message.name for action in stream(Chaos({"shuffle": 1}), 20)]
-    assert messages == [["TURRET_P", "TURRET_Y"]] * 20
 
 
 HIT = {
@@ -164,32 +157,19 @@ def test_what_comes_is_nothing_a_burst_a_second_publishers_or_another_type():
     assert [action.kind for action in Chaos({"drop": 1, "type": 1}).apply(swing(0))] == ["type"]
 
 
-@pytest.mark.parametrize("message", [JointState(), JointState(name=["A"]), JointState(position=[1.0])])
-def test_a_message_with_next_to_nothing_in_it_has_no_fault_that_it_cannot_have(message):
+@pytest.mark.parametrize(
+    ("message", "count"),
+    [
+        (JointState(), 0),
+        (JointState(name=["A"]), 0),
+        (JointState(position=[1.0]), 0),
+        (JointState(name=["A"], position=[1.0]), 1),
+    ],
+)
+def test_what_has_no_position_for_each_name_stays_as_it_is(message, count):
     chaos = Chaos(dict.fromkeys(CHANGES, 1.0))
     chaos.apply(message)
-    assert chaos.made["shuffle"] == chaos.made["subset"] == chaos.made["duplicate"] == 0
-    assert chaos.made["markup"] == chaos.made["long"] == 1
-
-
-REPORTED = dict.fromkeys(("rename", "markup", "control"), "unknown") | dict.fromkeys(("nan", "infinite"), "non_finite")
-REPORTED |= {"duplicate": "duplicate", "late": "late"}
-"""Under what a matcher counts what a fault does to a message."""
-
-
-@pytest.mark.parametrize("name", [name for name in FAULTS if name != "second"])
-def test_a_matcher_counts_what_was_made(name):
-    chaos, matcher = Chaos({name: 0.3}, seed=2), JointMatcher(FIVE)
-    counts: Counter[str] = Counter()
-    for action in stream(chaos, 400, FIVE):
-        if action.message is not None:
-            positions, report = matcher.match(action.message)
-            assert all(map(math.isfinite, positions.values()))
-            counts.update(report.counts())
-    assert chaos.made[name] > 30
-    for key in set(REPORTED.values()):
-        assert counts[key] == (chaos.made[name] if REPORTED.get(name) == key else 0), key
-    assert (counts["short"] > 0) == (name == "short")
+    assert {chaos.made[name] for name in CHANGES} == {count}
 
 
 @pytest.mark.parametrize(("text", "fault"), [("nan", ("nan", 1.0)), ("nan:0.1", ("nan", 0.1)), ("drop:1", ("drop", 1))])
@@ -201,24 +181,18 @@ def test_a_fault_is_written_with_its_share(text, fault):
     ("text", "said"),
     [
         ("shufle", "there is no fault 'shufle'. Did you mean 'shuffle'?"),
-        ("", "there is no fault ''."),
         ("\x1b[2J:1", r"there is no fault '\\x1b[2J'."),
-        ("x" * 100_000, "there is no fault 'xxx"),
-        ("nan:2", "'2' is no share of the messages for 'nan': give a number from 0 to 1."),
-        ("nan:", "'' is no share"),
-        ("nan:nan", "'nan' is no share"),
-        ("nan:-0.1", "'-0.1' is no share"),
+        ("nan:2", "of the messages 'nan' cannot hit a share of 2: give a number from 0 to 1."),
+        ("nan:", "a share of nan"),
+        ("nan:-0.1", "a share of -0.1"),
     ],
 )
 def test_what_is_no_fault_is_said(text, said):
     with pytest.raises(TutorialError) as error:
         parse_fault(text)
     assert said in str(error.value)
-    assert len(str(error.value)) < 500
 
 
-def test_faults_may_be_replaced_but_not_by_what_there_is_not():
-    chaos = Chaos({"nan": 1})
-    with pytest.raises(Exception, match=r"there is no fault 'nann'\. Did you mean 'nan'\?"):
-        chaos.faults = {"nann": 1}
-    assert chaos.faults == {"nan": 1}
+def test_a_chaos_of_what_is_no_fault_is_none():
+    with pytest.raises(TutorialError, match=r"there is no fault 'nann'\. Did you mean 'nan'\?"):
+        Chaos({"nann": 1})

@@ -39,8 +39,8 @@ def ends(domain):
 
 
 def test_it_swings_steadily_by_itself(ends):
-    stream = ends.start({})
-    until(lambda: len(ends.received) > 10 and stream.seconds > 0.2, "messages")
+    ends.start({})
+    until(lambda: len(ends.received) > 10, "messages")
     first = ends.received[0].header.stamp
     number = round(50 * (first.sec + first.nanosec / 1e9))
     positions = [list(message.position) for message in ends.received[:10]]

@@ -1,8 +1,8 @@
 """The process in which a notebook is read and its answers are judged: ``python -m tutorial.commands.checking._child``.
 
-It is given the descriptors of a pipe for its messages and of the notebook, the processor time [s] that a process may
-take, whether it is in a sandbox, and the names of exercises that are done already. It does not end by itself, but is
-killed by whoever has started it, or when that is gone.
+It is given the descriptor of the notebook, the processor time [s] that a process may take, whether it is in a sandbox,
+and the names of exercises that are done already. Its messages go to stdout. It does not end by itself, but is killed by
+whoever has started it, or when that is gone.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from tutorial.checks._verdict import Verdict
 from tutorial.checks.catalogue import exercises
 from tutorial.checks.exercise import NOT_YET, Exercise
 from tutorial.commands.checking.answers import Answer, cells_of, find_answers
-from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable, clean
+from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable
 from tutorial.commands.checking.sandbox import limit
 
 UNDEFINED = "Most likely the answer needs something of a cell that only works in a running notebook."
@@ -29,16 +29,17 @@ UNDEFINED = "Most likely the answer needs something of a cell that only works in
 
 def main() -> NoReturn:
     """Judge a notebook, and wait to be killed."""
-    report, notebook, seconds, is_sandboxed, *done = sys.argv[1:]
-    for fd in map(int, (report, notebook)):
-        os.set_inheritable(fd, False)
+    notebook, seconds, is_sandboxed, *done = sys.argv[1:]
+    os.set_inheritable(int(notebook), False)
+    report = os.dup(1)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # where what an answer prints goes
     limit(int(seconds), is_sandboxed == "True")
     threading.Thread(target=_end_with_the_teacher, name="parent watch", daemon=True).start()
 
     def tell(message: Message) -> None:
         line = msgspec.json.encode(message) + b"\n"
         while line:
-            line = line[os.write(int(report), line) :]
+            line = line[os.write(report, line) :]
 
     _judge_all(int(notebook), done, tell)
     tell(Done())
@@ -59,7 +60,7 @@ def _judge_all(notebook: int, done: Collection[str], tell: Callable[[Message], N
             cells = cells_of(file.read())
         answers = find_answers(cells, {name: each.right_answer.__name__ for name, each in known.items()})
     except Exception as error:  # noqa: BLE001 - the file may be anything
-        tell(Unreadable(clean(f"it is no notebook: {error}")[:200]))
+        tell(Unreadable(f"it is no notebook: {type(error).__name__}: {error}"))
         return
     tell(Opened(tuple(answer.exercise for answer in answers)))
     for answer in answers:
@@ -72,21 +73,18 @@ def _judge(exercise: Exercise, answer: Answer) -> Judged:
     name = exercise.name
     if answer.given is None:
         outcome = Outcome.WRONG if answer.unreadable else Outcome.NOT_TRIED
-        return Judged(name, outcome, clean(answer.unreadable), clean(answer.unreadable))
+        return Judged(name, outcome, answer.unreadable, answer.unreadable)
     try:
         given = answer.define()
     except BaseException as error:  # noqa: BLE001 - it is a learner's code, which may call sys.exit
-        text = clean(f"The answer cannot be defined: {type(error).__name__}: {error}".removesuffix(": "))
+        text = f"The answer cannot be defined: {type(error).__name__}: {error}".removesuffix(": ")
         return Judged(name, Outcome.WRONG, UNDEFINED, f"{text}\n  {UNDEFINED}")
     seen = asyncio.run(exercise.examine(given))
-    text = clean(str(seen))
     if isinstance(seen, Verdict):
-        return Judged(name, Outcome.RIGHT if seen.right else Outcome.WRONG, clean(" ".join(seen.causes[:1])), text)
-    return (
-        Judged(name, Outcome.NOT_TRIED, "", text)
-        if text.startswith(NOT_YET)
-        else Judged(name, Outcome.WRONG, text, text)
-    )
+        return Judged(name, Outcome.RIGHT if seen.right else Outcome.WRONG, " ".join(seen.causes[:1]), str(seen))
+    if str(seen).startswith(NOT_YET):
+        return Judged(name, Outcome.NOT_TRIED, "", str(seen))
+    return Judged(name, Outcome.WRONG, str(seen), str(seen))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,8 @@ from typing import Any
 __all__ = ["Answer", "cells_of", "find_answers"]
 
 CHECKS = "tutorial.checks."
-PASSING = ("%%time", "%%timeit", "%%capture", "%%prun")  # cell magics whose cell is Python all the same
+MAGIC = re.compile(r"^(\s*)(?:[%!?].*|.*\?)$", re.MULTILINE)
+"""A line that is IPython's own."""
 _BINDING = (
     *(ast.Import, ast.ImportFrom, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Assign, ast.AnnAssign),
     *(ast.AugAssign, ast.If, ast.Try),
@@ -93,7 +94,7 @@ class _Check:
 
 
 def cells_of(text: str) -> list[str]:
-    """Return the code cells of a notebook, of format 4 or 3.
+    """Return the code cells of a notebook.
 
     The library nbformat would take as long to be imported as an answer to be judged.
 
@@ -101,15 +102,9 @@ def cells_of(text: str) -> list[str]:
         text: the file's.
 
     Raises:
-        ValueError: it is no notebook.
+        Exception: it is no notebook.
     """
-    try:
-        notebook = json.loads(text)
-        cells = [cell for sheet in notebook.get("worksheets", [notebook]) for cell in sheet["cells"]]
-        sources = [cell["input" if "input" in cell else "source"] for cell in cells if cell["cell_type"] == "code"]
-        return ["".join(source) for source in sources]
-    except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
-        raise ValueError(f"{type(error).__name__}: {error}") from error
+    return ["".join(cell["source"]) for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
 
 
 def find_answers(cells: Sequence[str], exercises: Mapping[str, str]) -> list[Answer]:
@@ -184,26 +179,12 @@ def _parsed(cell: str, name: str) -> list[ast.stmt]:
         Exception: it is no Python.
     """
     try:
-        source, body = cell, ast.parse(cell).body
+        body = ast.parse(cell).body
     except SyntaxError:
-        source = _without_magics(cell)
-        body = ast.parse(source).body
-    linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
+        cell = MAGIC.sub(r"\1pass", cell)  # so that the other lines keep their numbers
+        body = ast.parse(cell).body
+    linecache.cache[name] = (len(cell), None, cell.splitlines(keepends=True), name)
     return body
-
-
-def _without_magics(cell: str) -> str:
-    """Put ``pass`` in the place of IPython's own lines, so that the others keep their numbers."""
-    lines = cell.splitlines()
-    if lines and lines[0].startswith("%%") and lines[0].split()[0] not in PASSING:
-        return ""
-    return "\n".join(_plain(line) for line in lines)
-
-
-def _plain(line: str) -> str:
-    text = line.lstrip()
-    is_magic = text.startswith(("%", "!", "?")) or text.rstrip().endswith("?")
-    return line[: len(line) - len(text)] + "pass" if is_magic else line
 
 
 def _aliases(nodes: Iterable[ast.stmt]) -> dict[str, str]:
@@ -224,14 +205,23 @@ def _checks(node: ast.stmt, position: int, known: Mapping[str, str]) -> Iterator
 
 
 def _statement(node: ast.stmt, file: str) -> _Statement:
-    if not isinstance(node, _BINDING) or _waits(node):
+    if not isinstance(node, _BINDING) or not _compiles(node):
         return _Statement(node, file, frozenset(), frozenset())
     table = symtable.symtable(ast.unparse(node), file, "exec")
     symbols = table.get_symbols()
     binds = {symbol.get_name() for symbol in symbols if symbol.is_assigned() or symbol.is_imported()}
     uses = {symbol.get_name() for symbol in symbols if symbol.is_referenced()}
-    changed = {root.id for root in map(_root, _targets(node)) if root is not None}
+    changed = {name for target in getattr(node, "targets", ()) for name in _names(target)}  # HeldJoint.aim = ...
     return _Statement(node, file, frozenset(binds | changed), frozenset(uses | _globals(table)))
+
+
+def _compiles(node: ast.stmt) -> bool:
+    """Whether a statement can be run here; one that awaits something only can in a running notebook."""
+    try:
+        compile(ast.Module([node], []), "cell", "exec", dont_inherit=True)
+    except SyntaxError:
+        return False
+    return True
 
 
 def _globals(table: symtable.SymbolTable) -> set[str]:
@@ -239,32 +229,6 @@ def _globals(table: symtable.SymbolTable) -> set[str]:
     inner = table.get_children()
     own = {symbol.get_name() for each in inner for symbol in each.get_symbols() if symbol.is_global()}
     return own.union(*(_globals(each) for each in inner))
-
-
-def _at_once(node: ast.AST) -> Iterator[ast.AST]:
-    """Walk through what runs when the statement does, and not into functions and classes."""
-    yield node
-    if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)):
-        for child in ast.iter_child_nodes(node):
-            yield from _at_once(child)
-
-
-def _waits(node: ast.stmt) -> bool:
-    """Whether a statement awaits something: only a running notebook can."""
-    return any(isinstance(each, ast.Await) for each in _at_once(node))
-
-
-def _targets(node: ast.stmt) -> Iterator[ast.expr]:
-    """Yield what is assigned to that is no name, such as ``HeldJoint.aim``."""
-    for each in _at_once(node):
-        if isinstance(each, (ast.Attribute, ast.Subscript)) and isinstance(each.ctx, ast.Store):
-            yield each
-
-
-def _root(target: ast.expr) -> ast.Name | None:
-    while isinstance(target, (ast.Attribute, ast.Subscript)):
-        target = target.value
-    return target if isinstance(target, ast.Name) else None
 
 
 def _names(expression: ast.expr) -> set[str]:

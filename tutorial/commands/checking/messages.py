@@ -26,10 +26,14 @@ class Opened(msgspec.Struct, frozen=True, tag=True):
     exercises: tuple[str, ...]
 
 
-class Unreadable(msgspec.Struct, frozen=True, tag=True):
+class Unreadable(msgspec.Struct, tag=True):
     """It is none that can be read, and why."""
 
     why: str
+
+    def __post_init__(self) -> None:
+        """Bring in nothing that a terminal would obey, made here or read."""
+        self.why = clean(self.why)[:200]
 
 
 class Trying(msgspec.Struct, frozen=True, tag=True):
@@ -38,7 +42,7 @@ class Trying(msgspec.Struct, frozen=True, tag=True):
     exercise: str
 
 
-class Judged(msgspec.Struct, frozen=True, tag=True):
+class Judged(msgspec.Struct, tag=True):
     """An answer was judged.
 
     Attributes:
@@ -52,6 +56,10 @@ class Judged(msgspec.Struct, frozen=True, tag=True):
     outcome: Outcome
     cause: str = ""
     text: str = ""
+
+    def __post_init__(self) -> None:
+        """Bring in nothing that a terminal would obey, made here or read."""
+        self.cause, self.text = clean(self.cause), clean(self.text)
 
 
 class Done(msgspec.Struct, frozen=True, tag=True):

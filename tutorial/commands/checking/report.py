@@ -12,14 +12,12 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
-from tutorial.commands.checking.messages import Judged, Outcome
+from tutorial.commands.checking.messages import Outcome
 from tutorial.commands.checking.submission import Submission
 
 __all__ = ["as_json", "as_junit", "count", "summary", "table"]
 
 STYLES = {Outcome.RIGHT: "green", Outcome.WRONG: "red", Outcome.NOT_TRIED: "dim", Outcome.NOT_JUDGED: "yellow"}
-
-NO_EXERCISE = "no exercise"
 
 
 def table(submissions: Iterable[Submission], names: dict[Path, str]) -> Table:
@@ -36,22 +34,18 @@ def table(submissions: Iterable[Submission], names: dict[Path, str]) -> Table:
     columns.add_column("cause", overflow="fold")
     for submission in submissions:
         name = names[submission.path]
-        if submission.problem:
-            columns.add_row(Text(name), "", Text(Outcome.NOT_JUDGED, "yellow"), Text(submission.problem))
-            name = ""
-        elif not submission.judged:
-            columns.add_row(Text(name), "", Text(NO_EXERCISE, "dim"), "")
-        for judged in submission.judged.values():
-            columns.add_row(
-                Text(name), Text(judged.exercise), Text(judged.outcome, STYLES[judged.outcome]), Text(judged.cause)
-            )
+        if not submission.verdicts:
+            columns.add_row(Text(name), "", Text("no exercise", "dim"), "")
+        for judged in submission.verdicts:
+            verdict = Text(judged.outcome, STYLES[judged.outcome])
+            columns.add_row(Text(name), Text(judged.exercise), verdict, Text(judged.cause))
             name = ""
     return columns
 
 
 def summary(submissions: Sequence[Submission]) -> list[str]:
     """Sum it up: how many of which outcome, and the cause that is the most frequent."""
-    answers = _answers(submissions)
+    answers = [judged for submission in submissions for judged in submission.judged.values()]
     counts = Counter(each.outcome for each in answers)
     parts = [f"{counts[outcome]} {outcome}" for outcome in Outcome if counts[outcome]]
     lines = [f"{count(len(submissions), 'notebook')}, {count(len(answers), 'answer')}: {', '.join(parts)}."]
@@ -92,31 +86,14 @@ def as_json(submissions: Sequence[Submission], names: dict[Path, str]) -> dict[s
 
 def as_junit(submissions: Iterable[Submission], names: dict[Path, str]) -> bytes:
     """Return it as the XML of JUnit, which CI systems read: a suite for each notebook, a case for each answer."""
+    kinds = {Outcome.WRONG: "failure", Outcome.NOT_JUDGED: "error", Outcome.NOT_TRIED: "skipped"}
     suites = ElementTree.Element("testsuites", name="tank check")
     for submission in submissions:
         name = names[submission.path]
-        cases = list(submission.judged.values())
-        outcomes = Counter(case.outcome for case in cases)
-        suite = ElementTree.SubElement(
-            suites,
-            "testsuite",
-            name=name,
-            tests=str(len(cases) + bool(submission.problem)),
-            failures=str(outcomes[Outcome.WRONG]),
-            errors=str(outcomes[Outcome.NOT_JUDGED] + bool(submission.problem)),
-            skipped=str(outcomes[Outcome.NOT_TRIED]),
-        )
-        if submission.problem:
-            case = ElementTree.SubElement(suite, "testcase", classname=name, name="notebook")
-            ElementTree.SubElement(case, "error", message=submission.problem)
-        for judged in cases:
-            case = ElementTree.SubElement(suite, "testcase", classname=name, name=judged.exercise)
-            kind = {Outcome.WRONG: "failure", Outcome.NOT_JUDGED: "error", Outcome.NOT_TRIED: "skipped"}
-            if judged.outcome in kind:
-                ElementTree.SubElement(case, kind[judged.outcome], message=judged.cause).text = judged.text
+        suite = ElementTree.SubElement(suites, "testsuite", name=name)
+        for judged in submission.verdicts:
+            case = ElementTree.SubElement(suite, "testcase", classname=name, name=judged.exercise or "notebook")
+            if judged.outcome in kinds:
+                ElementTree.SubElement(case, kinds[judged.outcome], message=judged.cause).text = judged.text
     ElementTree.indent(suites)
     return bytes(ElementTree.tostring(suites, encoding="utf-8", xml_declaration=True))
-
-
-def _answers(submissions: Iterable[Submission]) -> list[Judged]:
-    return [judged for submission in submissions for judged in submission.judged.values()]

@@ -7,21 +7,19 @@ import math
 import os
 import signal
 import site
-import stat
-import subprocess
 import sys
 import tempfile
-from collections.abc import AsyncGenerator, Iterator, Sequence
-from contextlib import aclosing, contextmanager, suppress
+from collections.abc import AsyncGenerator, Sequence
+from contextlib import aclosing
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
 
-from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable, clean
+from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable
 from tutorial.commands.checking.sandbox import sandbox
+from tutorial.parent_watch import signal_group
 from tutorial.paths import PACKAGE
-from tutorial.ros.domains import shared_folder
 
 __all__ = ["Submission", "judge"]
 
@@ -52,6 +50,12 @@ class Submission:
     judged: dict[str, Judged] = field(default_factory=dict)
     problem: str = ""
 
+    @property
+    def verdicts(self) -> list[Judged]:
+        """What became of the answers; first of the whole, if that could not be judged, without an exercise's name."""
+        whole = [Judged("", Outcome.NOT_JUDGED, self.problem, self.problem)] if self.problem else []
+        return [*whole, *self.judged.values()]
+
 
 async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> Submission:
     """Have a notebook's answers judged.
@@ -64,97 +68,51 @@ async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> Submissi
         is_sandboxed: whether a sandbox holds it.
     """
     submission = Submission(path)
-    try:
-        notebook = _opened(path)
-    except OSError as error:
-        submission.problem = f"it cannot be opened: {error.strerror}"
-        return submission
-    try:
-        while await _goes_on(submission, notebook, limit, is_sandboxed):
-            os.lseek(notebook, 0, os.SEEK_SET)
-    except OSError as error:
-        submission.problem = f"it could not be judged: {error}"
-    finally:
-        os.close(notebook)
+    if not path.is_file():
+        submission.problem = "it is no file"
+    elif path.stat().st_size > LARGEST:
+        submission.problem = f"it has more than {LARGEST >> 20} MB"
+    else:
+        try:
+            with path.open("rb", buffering=0) as notebook:
+                while await _judge_on(submission, notebook.fileno(), limit, is_sandboxed):
+                    notebook.seek(0)
+        except OSError as error:
+            submission.problem = f"it cannot be judged: {error.strerror}"
     return submission
 
 
-def _opened(path: Path) -> int:
-    """Open a file, and nothing else that may be there, such as a pipe that never ends.
-
-    Raises:
-        OSError: it is none, or too large.
-    """
-    fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-    status = os.fstat(fd)
-    if not stat.S_ISREG(status.st_mode) or status.st_size > LARGEST:
-        os.close(fd)
-        raise OSError(0, f"it has more than {LARGEST >> 20} MB" if stat.S_ISREG(status.st_mode) else "it is no file")
-    return fd
-
-
-async def _goes_on(submission: Submission, notebook: int, limit: float, is_sandboxed: bool) -> bool:
+async def _judge_on(submission: Submission, notebook: int, limit: float, is_sandboxed: bool) -> bool:
     """Judge what is not judged yet, in one process; return whether something is left that another one can do."""
-    state = _State(submission)
-    why = BROKEN
+    left: set[str] | None = None  # the exercises that are not judged yet, when the notebook is read
+    tried, why = "", BROKEN
     try:
         async with aclosing(_messages(notebook, tuple(submission.judged), limit, is_sandboxed)) as messages:
             async for message in messages:
-                state.take(message)
+                match message:
+                    case Unreadable() if left is None:
+                        submission.problem = message.why
+                        return False
+                    case Opened() if left is None:
+                        left = set(message.exercises) - submission.judged.keys()
+                    case Trying(exercise=name) if left and name in left and tried not in left:
+                        tried = name
+                    case Judged(exercise=name) if left and name in left and name == tried:
+                        submission.judged[name] = message
+                        left.remove(name)
+                    case Done() if left == set():
+                        return False
+                    case _:  # it is not its turn, so it is the answer's and not the process's
+                        raise ValueError(message)
     except TimeoutError:
         why = ENDLESS.format(limit=limit)
     except (ValueError, msgspec.MsgspecError):
         why = DISTURBED
-        state.trying = state.trying or state.last
-    if state.trying:
-        submission.judged[state.trying] = Judged(state.trying, Outcome.NOT_JUDGED, why, why)
-        return bool(state.left - {state.trying})
-    if state.left or not state.opened:
+    if left is None or not tried:
         submission.problem = "it could not be read: the process that reads it has ended, or taken too long"
-    return False
-
-
-class _State:
-    """How far a process has come with a notebook, and what comes next.
-
-    Args:
-        submission: is told what becomes of its answers.
-
-    Attributes:
-        opened: whether the notebook is read.
-        left: the exercises that are not judged yet.
-        trying: the one whose answer is being run; empty for none.
-        last: the one whose answer was run before.
-    """
-
-    def __init__(self, submission: Submission) -> None:
-        self._submission = submission
-        self.opened = False
-        self.left: set[str] = set()
-        self.trying = self.last = ""
-
-    def take(self, message: Message) -> None:
-        """Take in a message.
-
-        Raises:
-            ValueError: it is not its turn, so it is the answer's and not the process's.
-        """
-        submission = self._submission
-        match message:
-            case Unreadable() if not self.opened:
-                submission.problem = message.why
-            case Opened() if not self.opened:
-                self.left = set(message.exercises) - submission.judged.keys()
-            case Trying(exercise=name) if name in self.left and not self.trying:
-                self.trying = name
-            case Judged(exercise=name) if name == self.trying != "":
-                cause, text = clean(message.cause), clean(message.text)
-                submission.judged[name] = Judged(name, message.outcome, cause, text)
-                self.left.discard(name)
-                self.trying, self.last = "", name
-            case _:
-                raise ValueError(message)
-        self.opened = True
+        return False
+    submission.judged[tried] = Judged(tried, Outcome.NOT_JUDGED, why, why)
+    return bool(left - {tried})
 
 
 async def _messages(notebook: int, done: Sequence[str], limit: float, is_sandboxed: bool) -> AsyncGenerator[Message]:
@@ -164,47 +122,31 @@ async def _messages(notebook: int, done: Sequence[str], limit: float, is_sandbox
         TimeoutError: it has not told anything for too long.
         ValueError, msgspec.MsgspecError: what it has told is no message.
     """
-    loop = asyncio.get_running_loop()
-    read_end, write_end = os.pipe()
-    with _running(notebook, write_end, done, limit, is_sandboxed):
-        os.close(write_end)
-        reader = asyncio.StreamReader(LINE)
-        transport, _ = await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(read_end))
-        try:
-            while True:
-                async with asyncio.timeout(limit):
-                    line = await reader.readline()
-                message = msgspec.json.decode(line, type=Message) if line else Done()
-                if isinstance(message, Done):
-                    return
-                yield message
-        finally:
-            transport.close()
-
-
-@contextmanager
-def _running(notebook: int, report: int, done: Sequence[str], limit: float, is_sandboxed: bool) -> Iterator[None]:
     with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder:
-        if not is_sandboxed:  # then its ROS domain has to be another one than everybody else's
-            (Path(folder) / shared_folder().name).symlink_to(shared_folder())
-        words = [report, notebook, math.ceil(OUTLAST * limit), is_sandboxed, *done]
-        command = [sys.executable, "-P", "-m", "tutorial.commands.checking._child", *map(str, words)]
-        process = subprocess.Popen(
-            [*(sandbox(folder) if is_sandboxed else ()), *command],
-            stdin=subprocess.PIPE,  # its end tells the process that this one is gone
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            pass_fds=[report, notebook],
+        words = map(str, (notebook, math.ceil(OUTLAST * limit), is_sandboxed, *done))
+        process = await asyncio.create_subprocess_exec(
+            *(sandbox(folder) if is_sandboxed else ()),
+            *(sys.executable, "-P", "-m", "tutorial.commands.checking._child", *words),
+            stdin=asyncio.subprocess.PIPE,  # its end tells the process that this one is gone
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.DEVNULL,
+            limit=LINE,
+            pass_fds=[notebook],
             start_new_session=True,
             cwd=folder,
             env=_environment(folder),
         )
-        with process:
-            try:
-                yield
-            finally:
-                with suppress(ProcessLookupError, PermissionError):  # PermissionError: what macOS says of a zombie
-                    os.killpg(process.pid, signal.SIGKILL)
+        assert process.stdout is not None
+        try:
+            while True:
+                async with asyncio.timeout(limit):
+                    line = await process.stdout.readline()
+                if not line:
+                    return
+                yield msgspec.json.decode(line, type=Message)
+        finally:
+            signal_group(process.pid, signal.SIGKILL)
+            await process.wait()
 
 
 def _environment(folder: str) -> dict[str, str]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 from string import Template
+from typing import NamedTuple
 from xml.sax.saxutils import escape
 
 from tutorial.commands.packaging.maintainer import Maintainer
@@ -21,8 +21,7 @@ ROS_MODULES = ("_msgs", "_interfaces", "_srvs")
 """How the Python modules of ROS 2 packages end that a node sends messages of."""
 
 
-@dataclass(frozen=True)
-class Node:
+class Node(NamedTuple):
     """What the package is made around: the node, and the code in which the learner goes on.
 
     Attributes:
@@ -30,7 +29,6 @@ class Node:
         module: the module that holds the code; the executable is called like it.
         code: what stands in it.
         main: the module whose ``main()`` is the executable.
-        name: how the launch file calls the node.
         words: what else stands in its templates.
     """
 
@@ -38,15 +36,14 @@ class Node:
     module: str
     code: bytes
     main: str
-    name: str
     words: Mapping[str, str]
 
 
 def example_node() -> Node:
     """A node without the course, the last of step 3's notebook."""
     code = (find_home(PACKAGE) / "notebooks" / "listener.py").read_bytes()
-    words = {"description": "A node that listens to the tank's joints, and says once a second where they are."}
-    return Node("listener", "listener", code, "listener", "listener", words)
+    description = "A node that listens to the tank's joints, and says once a second where they are."
+    return Node("listener", "listener", code, "listener", {"node": "listener", "description": description})
 
 
 def controller_node(file: Path, only: str | None) -> Node:
@@ -69,10 +66,13 @@ def controller_node(file: Path, only: str | None) -> Node:
     (name,) = names
     project = _project_for(name)
     module = controller_names()[name].rpartition(".")[2]
-    node = "viewer" if project.time_step is None else "simulation"
-    description = "A controller for the tank of the tank tutorial."
-    words = {"controller": name, "project": project.path.stem, "description": description}
-    return Node("controller", module, file.read_bytes(), "node", node, words)
+    words = {
+        "node": "viewer" if project.time_step is None else "simulation",
+        "controller": name,
+        "project": project.path.stem,
+        "description": "A controller for the tank of the tank tutorial.",
+    }
+    return Node("controller", module, file.read_bytes(), "node", words)
 
 
 def package_files(name: str, node: Node, maintainer: Maintainer) -> dict[str, bytes]:
@@ -91,7 +91,6 @@ def package_files(name: str, node: Node, maintainer: Maintainer) -> dict[str, by
         "package": name,
         "module": node.module,
         "main": node.main,
-        "node": node.name,
         "depends": "\n".join(f"  <exec_depend>{each}</exec_depend>" for each in _needs(node.code)),
         "maintainer": escape(maintainer.name),
         "quoted_maintainer": repr(maintainer.name),
@@ -136,14 +135,10 @@ def _project_for(name: str) -> Project:
 
 def _needs(code: bytes) -> list[str]:
     """The ROS 2 packages that some code needs, and those that start it."""
-    imported = {module.partition(".")[0] for module in _imports(code)}
-    return sorted({"rclpy", "ros2launch"} | {module for module in imported if module.endswith(ROS_MODULES)})
-
-
-def _imports(code: bytes) -> Iterator[str]:
-    """Yield the modules that some code imports."""
+    imported = set()
     for statement in ast.walk(ast.parse(code)):
         if isinstance(statement, ast.Import):
-            yield from (alias.name for alias in statement.names)
-        elif isinstance(statement, ast.ImportFrom) and statement.module and not statement.level:
-            yield statement.module
+            imported |= {alias.name.partition(".")[0] for alias in statement.names}
+        elif isinstance(statement, ast.ImportFrom):
+            imported.add((statement.module or "").partition(".")[0])
+    return sorted({"rclpy", "ros2launch"} | {module for module in imported if module.endswith(ROS_MODULES)})

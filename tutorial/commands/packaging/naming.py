@@ -10,7 +10,6 @@ from tutorial.errors import TutorialError
 
 __all__ = ["check_name"]
 
-LONGEST_NAME = 60  # characters
 VALID = re.compile(r"[a-z](_?[a-z0-9])+")
 
 
@@ -20,19 +19,12 @@ def check_name(name: str) -> None:
     Raises:
         TutorialError: it cannot; the text says a name that is near.
     """
-    if len(name) > LONGEST_NAME:
-        raise TutorialError(
-            f"{name[:LONGEST_NAME]!r}... has {len(name):,} characters. Take a name of {LONGEST_NAME} at most."
-        )
     if not VALID.fullmatch(name):
         rule = "Use lowercase letters, digits and single _, a letter first, and two characters at least."
         raise TutorialError(f"{name!r} cannot be a package's name.{_nearest(name)} {rule}")
-    another = f"Take another name, such as {f'my_{name}'!r}."
-    if iskeyword(name):
-        raise TutorialError(f"{name!r} is a keyword of Python, so no module can be called like it. {another}")
-    if (spec := find_spec(name)) is not None:
-        where = spec.origin or "a folder"
-        raise TutorialError(f"Python has a module {name!r} already, {where}: one would hide the other. {another}")
+    if iskeyword(name) or find_spec(name) is not None:
+        mend = f"Take another name, such as {f'my_{name}'!r}."
+        raise TutorialError(f"Python has a module, or a keyword, {name!r} already: one would hide the other. {mend}")
 
 
 def _nearest(name: str) -> str:

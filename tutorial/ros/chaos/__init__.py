@@ -3,6 +3,6 @@
 `faults` knows which faults there are, and no ROS 2; `stream` publishes them.
 """
 
-from tutorial.ros.chaos.faults import FAULTS, Action, Chaos, parse_fault, share_of
+from tutorial.ros.chaos.faults import FAULTS, Action, Chaos, parse_fault
 
-__all__ = ["FAULTS", "Action", "Chaos", "parse_fault", "share_of"]
+__all__ = ["FAULTS", "Action", "Chaos", "parse_fault"]

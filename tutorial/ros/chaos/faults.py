@@ -7,20 +7,22 @@ fault hits do not depend on whether another is on.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from math import inf, nan
 from random import Random
 from typing import Any, Literal, NamedTuple
 
 from tutorial.errors import TutorialError, did_you_mean, printable
 
-__all__ = ["FAULTS", "Action", "Chaos", "parse_fault", "share_of"]
+__all__ = ["FAULTS", "Action", "Chaos", "parse_fault"]
+
+Change = Callable[[Random, Any], None]
+"""What a fault does to a message; its random numbers are its own."""
 
 BURST = 20  # messages in a burst
 SECOND_NS = 1_000_000_000
 LATE_NS = (SECOND_NS // 1000, 3 * SECOND_NS // 10)  # how late a message comes
 AHEAD_NS = (2 * SECOND_NS, 3600 * SECOND_NS)  # how far a clock that is wrong may be ahead
-
-LONGEST = 60  # of what is repeated in an error [characters]
 
 MARKUP = (
     "<b>TURRET_Y</b>",
@@ -81,6 +83,7 @@ class Chaos:
         seed: the same one gives the same faults again.
 
     Attributes:
+        faults: as given; they may be replaced while the stream runs.
         made: how many messages each fault has hit so far, by name.
 
     Raises:
@@ -88,23 +91,14 @@ class Chaos:
     """
 
     def __init__(self, faults: Mapping[str, float] | None = None, seed: int = 0) -> None:
-        self.faults = faults or {}
+        self.faults = dict(faults or {})
+        for name, share in self.faults.items():
+            _check(name, share)
         self.made = dict.fromkeys(FAULTS, 0)  # complete from the start: another thread may be reading
         self._random = {name: Random(f"{seed} {name}") for name in FAULTS}
         self._newest_ns = 0  # the stamp of the last message that was in time
         self._held: tuple[Any, int] | None = None  # the message that comes late, and by how much [ns]
         self._began_ns = 0  # which stamp of the good stream is 0 since the last restart
-
-    @property
-    def faults(self) -> Mapping[str, float]:
-        """By name, which share of the messages each fault hits. It may be replaced while the stream runs."""
-        return self._faults
-
-    @faults.setter
-    def faults(self, faults: Mapping[str, float]) -> None:
-        for name, share in faults.items():
-            _check(name, share)
-        self._faults = dict(faults)
 
     def apply(self, message: Any) -> list[Action]:
         """Put faults into the next message.
@@ -115,10 +109,11 @@ class Chaos:
         Returns:
             What is to be done, in order; nothing for a message that is lost or held back.
         """
-        hits = [name for name, share in self._faults.items() if self._random[name].random() < share]
-        faulty = _copy(message)
+        hits = [name for name, share in self.faults.items() if self._random[name].random() < share]
+        faulty = deepcopy(message)
         for name, change in CHANGES.items():
-            if name in hits and change(self._random[name], faulty):
+            if name in hits and 0 < len(message.name) == len(message.position):
+                change(self._random[name], faulty)
                 self.made[name] += 1
         for name in ("restart", "ahead", "drop", "second", "type"):
             self.made[name] += name in hits
@@ -162,13 +157,13 @@ def parse_fault(text: str) -> tuple[str, float]:
     Raises:
         TutorialError: there is no such fault, or no such share; the text names the nearest.
     """
-    name, colon, share = text.partition(":")
-    return name, _check(name, share if colon else 1.0)
-
-
-def share_of(share: float) -> str:
-    """Say which share of the messages is hit, such as ``"10 %"``."""
-    return f"{100 * share:g} %"
+    name, colon, given = text.partition(":")
+    try:
+        share = float(given) if colon else 1.0
+    except ValueError:
+        share = nan
+    _check(name, share)
+    return name, share
 
 
 def stamp_ns(message: Any) -> int:
@@ -182,39 +177,23 @@ def set_stamp_ns(message: Any, ns: int) -> None:
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(ns, SECOND_NS)
 
 
-def _check(name: str, share: float | str) -> float:
-    """Return a fault's share as a number between 0 and 1."""
+def _check(name: str, share: float) -> None:
+    """See to it that there is such a fault, and that a share is one."""
     if name not in FAULTS:
-        raise TutorialError(f"there is no fault {printable(name[:LONGEST])!r}.{did_you_mean(name, FAULTS)}")
-    try:
-        number = float(share)
-    except ValueError:
-        number = nan
-    if not 0 <= number <= 1:
-        given = printable(str(share)[:LONGEST])
-        raise TutorialError(f"{given!r} is no share of the messages for {name!r}: give a number from 0 to 1.")
-    return number
-
-
-def _copy(message: Any) -> Any:
-    """Copy a joint state, so that what was given stays as it is."""
-    copy = type(message)()
-    copy.header.frame_id = message.header.frame_id
-    set_stamp_ns(copy, stamp_ns(message))
-    for field in ("name", "position", "velocity", "effort"):
-        setattr(copy, field, list(getattr(message, field)))
-    return copy
+        raise TutorialError(f"there is no fault {printable(name)!r}.{did_you_mean(name, FAULTS)}")
+    if not 0 <= share <= 1:
+        raise TutorialError(f"of the messages {name!r} cannot hit a share of {share:g}: give a number from 0 to 1.")
 
 
 def _at_zero(message: Any) -> Any:
     """Make what a publisher sends whose robot has never moved."""
-    still = _copy(message)
+    still = deepcopy(message)
     still.position = [0.0] * len(message.name)
     still.velocity, still.effort = [], []
     return still
 
 
-# What changes a message's content. Each returns whether it could: a message of one joint has no other order.
+# What changes the content of a message, which has as many positions as names, and one at least.
 
 
 def _reorder(message: Any, order: list[int]) -> None:
@@ -226,82 +205,71 @@ def _reorder(message: Any, order: list[int]) -> None:
             setattr(message, field, [values[i] for i in order])
 
 
-def _shuffle(random: Random, message: Any) -> bool:
+def _some(random: Random, count: int) -> int:
+    """Draw how many of some are left: one at least, and not all, where there are more."""
+    return random.randrange(1, max(count, 2))
+
+
+def _shuffle(random: Random, message: Any) -> None:
     count = len(message.name)
     order = random.sample(range(count), count)
     _reorder(message, order if order != sorted(order) else order[::-1])
-    return count > 1
 
 
-def _subset(random: Random, message: Any) -> bool:
+def _subset(random: Random, message: Any) -> None:
     count = len(message.name)
-    if count > 1:
-        _reorder(message, sorted(random.sample(range(count), random.randrange(1, count))))
-    return count > 1
+    _reorder(message, sorted(random.sample(range(count), _some(random, count))))
 
 
-def _rename(random: Random, message: Any) -> bool:
-    if not message.name:
-        return False
+def _rename(random: Random, message: Any) -> None:
     i = random.randrange(len(message.name))
     k = random.randrange(len(message.name[i]) + 1)
     mistyped = message.name[i][:k] + message.name[i][k + 1 :]  # a character is missing
     while mistyped in message.name:
         mistyped += "_"
     message.name = [*message.name[:i], mistyped, *message.name[i + 1 :]]
-    return True
 
 
-def _duplicate(random: Random, message: Any) -> bool:
-    if not 0 < len(message.name) == len(message.position):
-        return False
+def _duplicate(random: Random, message: Any) -> None:
     i = random.randrange(len(message.name))
     _reorder(message, [i, *range(len(message.name))])
     message.position[0] += random.uniform(0.1, 0.5)
-    return True
 
 
-def _put(value: Callable[[Random], float]) -> Callable[[Random, Any], bool]:
+def _put(value: Callable[[Random], float]) -> Change:
     """Make a change that replaces one position."""
 
-    def change(random: Random, message: Any) -> bool:
-        if len(message.position):
-            message.position[random.randrange(len(message.position))] = value(random)
-        return len(message.position) > 0
+    def change(random: Random, message: Any) -> None:
+        message.position[random.randrange(len(message.position))] = value(random)
 
     return change
 
 
-def _add(names: tuple[str, ...]) -> Callable[[Random, Any], bool]:
+def _add(names: tuple[str, ...]) -> Change:
     """Make a change that adds an entry of one of these names."""
 
-    def change(random: Random, message: Any) -> bool:
+    def change(random: Random, message: Any) -> None:
         count = len(message.name)
         for field in ("position", "velocity", "effort"):
             values = list(getattr(message, field))
             if len(values) == count:
                 setattr(message, field, [*values, 0.1])
         message.name = [*message.name, random.choice(names)]
-        return True
 
     return change
 
 
-def _short(random: Random, message: Any) -> bool:
-    count = len(message.position)
-    if count > 1:
-        kept = random.randrange(1, count)
-        for field in ("position", "velocity", "effort"):
-            setattr(message, field, getattr(message, field)[:kept])
-    return count > 1
+def _short(random: Random, message: Any) -> None:
+    kept = _some(random, len(message.position))
+    for field in ("position", "velocity", "effort"):
+        setattr(message, field, getattr(message, field)[:kept])
 
 
-def _long(random: Random, message: Any) -> bool:
+def _long(random: Random, message: Any) -> None:
     message.position = [*message.position, *(random.uniform(-1, 1) for _ in range(random.randint(1, 3)))]
-    return True
 
 
-CHANGES: dict[str, Callable[[Random, Any], bool]] = {
+CHANGES: dict[str, Change] = {
     "shuffle": _shuffle,
     "subset": _subset,
     "rename": _rename,

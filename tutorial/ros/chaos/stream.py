@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from collections.abc import Sequence
 from typing import Any
 
@@ -62,7 +61,6 @@ class ChaosStream:
         self.chaos = chaos
         self._node: Any = node
         self._number = 0
-        self._began = time.monotonic() if good is not None else None
         self._sending = threading.Lock()
         self._closed = False
         self._stranger: NodeThread | None = None
@@ -77,11 +75,6 @@ class ChaosStream:
                 f"the good stream and the faults are both on {self._topic!r}. Have the good stream's publisher publish "
                 f"elsewhere, --ros-args -r {self._topic}:=/good, and take it from there: --from /good."
             )
-
-    @property
-    def seconds(self) -> float:
-        """How long the stream has run [s]; of the steady swing, by its stamps."""
-        return self._number / RATE if self._began is None else time.monotonic() - self._began
 
     def close(self) -> None:
         """Publish no more, and end what does not end with the node. Idempotent, any thread but the node's."""

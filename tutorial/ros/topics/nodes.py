@@ -53,20 +53,26 @@ def node_info(node: Node, name: str) -> str:
 
 
 def _sections(node: Node, who: tuple[str, str]) -> dict[str, NamesAndTypes]:
-    """What a node has, by the title that it stands below.
+    """What a node has, by the title that it stands below; an rclpy without services or actions has none to tell of.
 
     Args:
         node: that asks.
         who: the node in question: its name, and its namespace.
     """
-    actions = _actions()
+    actions: Any = None
+    with suppress(ImportError):
+        actions = import_module("rclpy.action")
+
+    def asked(api: Any, question: str, *about: Any) -> NamesAndTypes:
+        return getattr(api, question)(*about) if hasattr(api, question) else ()
+
     return {
         "Subscribers": node.get_subscriber_names_and_types_by_node(*who),
         "Publishers": node.get_publisher_names_and_types_by_node(*who),
-        "Service Servers": _asked(node, "get_service_names_and_types_by_node", *who),
-        "Service Clients": _asked(node, "get_client_names_and_types_by_node", *who),
-        "Action Servers": _asked(actions, "get_action_server_names_and_types_by_node", node, *who),
-        "Action Clients": _asked(actions, "get_action_client_names_and_types_by_node", node, *who),
+        "Service Servers": asked(node, "get_service_names_and_types_by_node", *who),
+        "Service Clients": asked(node, "get_client_names_and_types_by_node", *who),
+        "Action Servers": asked(actions, "get_action_server_names_and_types_by_node", node, *who),
+        "Action Clients": asked(actions, "get_action_client_names_and_types_by_node", node, *who),
     }
 
 
@@ -75,16 +81,3 @@ def _section(title: str, names_and_types: NamesAndTypes) -> str:
     told = (item for item in names_and_types if not is_hidden(item[0]))
     lines = [f"    {escape_name(name)}: {', '.join(map(escape_name, types))}" for name, types in told]
     return "\n".join((f"  {title}:", *(lines or [""]))) + "\n"
-
-
-def _actions() -> Any:
-    """The functions about actions, of the rclpy in use; None if it has none."""
-    with suppress(ImportError):
-        return import_module("rclpy.action")
-    return None
-
-
-def _asked(api: Any, question: str, *who: Any) -> NamesAndTypes:
-    """Ask the rclpy in use about services or actions; one without them has none to tell of."""
-    ask: Any = getattr(api, question, None)
-    return ask(*who) if ask is not None else ()

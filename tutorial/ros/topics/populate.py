@@ -47,59 +47,43 @@ def populated(kind: Any, text: str) -> Any:
         raise TutorialError(f"The passed value needs to be in YAML string or a dictionary\n{error}") from error
     if not isinstance(values, dict):
         raise TutorialError("The passed value needs to be a dictionary in YAML format")
-    message = _empty(kind)
     try:
-        _fill(message, values)
+        message = _filled(kind, values)
         serialize_message(message)
     except (ArithmeticError, AssertionError, AttributeError, RuntimeError, TypeError, ValueError) as error:
         raise TutorialError(f"Failed to populate field: {error}") from error
     return message
 
 
-def _fill(target: Any, values: Any) -> None:
-    """Assign each value to its field."""
+def _filled(kind: Any, values: Any) -> Any:
+    """Make a message, which checks what is assigned, of a dictionary."""
     if not isinstance(values, dict):
-        raise TypeError(f"Value '{values}' is expected to be a dictionary but is a {type(values).__name__}")
-    kinds = target.get_fields_and_field_types() if is_message(target) else {}
+        raise _no_dictionary(values)
+    message = kind(check_fields=True)
+    kinds = message.get_fields_and_field_types()
     for name, value in values.items():
         if name not in kinds:
-            raise AttributeError(f"'{type(target).__name__}' object has no attribute '{name}'")
-        old = getattr(target, name)
-        if (element := _element(kinds[name])) is not None:
-            setattr(target, name, [_filled(element, item) for item in value])
-        else:
-            setattr(target, name, _converted(old, value))
+            raise AttributeError(f"'{kind.__name__}' object has no attribute '{name}'")
+        setattr(message, name, _converted(getattr(message, name), kinds[name], value))
+    return message
 
 
-def _converted(old: Any, value: Any) -> Any:
+def _converted(old: Any, field_type: str, value: Any) -> Any:
     """Turn a value into what a field's old value is."""
-    kind = type(old)
+    if found := re.fullmatch(r"(?:sequence<)?(\w+)/(\w+)(?:(?:, \d+)?>|\[\d+\])", field_type):  # of messages
+        element = message_class(f"{found[1]}/msg/{found[2]}")
+        return [_filled(element, item) for item in value]
     if isinstance(old, array):
         return array(old.typecode, value)
     if isinstance(old, np.ndarray):
         return np.array(value, dtype=old.dtype)
-    if type(value) is kind:
-        return value
-    if is_message(kind):
-        return _filled(kind, value)
+    if is_message(old):
+        return _filled(type(old), value)
     try:
-        return kind(value)
+        return value if type(value) is type(old) else type(old)(value)
     except TypeError:
-        return _filled(kind, value)
+        raise _no_dictionary(value) from None
 
 
-def _filled(kind: Any, values: Any) -> Any:
-    made = _empty(kind)
-    _fill(made, values)
-    return made
-
-
-def _empty(kind: Any) -> Any:
-    """Make a message that checks what is assigned, or the empty value of a type."""
-    return kind(check_fields=True) if is_message(kind) else kind()
-
-
-def _element(field_type: str) -> Any:
-    """Return the class of the messages that an array holds; None for any other field."""
-    found = re.fullmatch(r"(?:sequence<)?(\w+)/(\w+)(?:(?:, \d+)?>|\[\d+\])", field_type)
-    return message_class(f"{found[1]}/msg/{found[2]}") if found else None
+def _no_dictionary(value: Any) -> TypeError:
+    return TypeError(f"Value '{value}' is expected to be a dictionary but is a {type(value).__name__}")

@@ -7,7 +7,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from tutorial.ros.topics.endpoints import publishers_on
 
-__all__ = ["compromises", "reader_qos"]
+__all__ = ["reader_qos"]
 
 SENSOR_DEPTH = 5  # of rclpy's qos_profile_sensor_data, which ros2 begins with
 
@@ -26,24 +26,4 @@ def reader_qos(node: Node, topic: str) -> QoSProfile:
         depth=SENSOR_DEPTH,
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if lasting else DurabilityPolicy.VOLATILE,
-    )
-
-
-def compromises(node: Node, topic: str) -> str:
-    """Say where `reader_qos` asks for less than some publishers offer, in the lines of ``ros2 topic echo``."""
-    offered = [info.qos_profile for info in publishers_on(node, topic)]
-    reliable = sum(qos.reliability == ReliabilityPolicy.RELIABLE for qos in offered)
-    lasting = sum(qos.durability == DurabilityPolicy.TRANSIENT_LOCAL for qos in offered)
-    text = ""
-    if 0 < reliable < len(offered):
-        text += _compromise("QoSReliabilityPolicy", "RELIABLE", "BEST_EFFORT")
-    if 0 < lasting < len(offered):
-        text += _compromise("QoSDurabilityPolicy", "TRANSIENT_LOCAL", "VOLATILE")
-    return text
-
-
-def _compromise(policy: str, wish: str, instead: str) -> str:
-    return (
-        f"Some, but not all, publishers are offering {policy}.{wish}. "
-        f"Falling back to {policy}.{instead} as it will connect to all publishers\n"
     )
