@@ -7,8 +7,8 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import AsyncGenerator, Awaitable, Callable, Iterator, Sequence
-from contextlib import aclosing, contextmanager
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial, wraps
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ import click
 
 from tutorial.commands.terminal import say, until_asked
 from tutorial.errors import TutorialError
+from tutorial.printing import say_all
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode, NodeThread
@@ -68,16 +69,6 @@ def ask(ros_args: Sequence[str], question: Callable[[MeteredNode], Awaitable[Non
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
         return BROKEN_PIPE
     return int(status)
-
-
-async def say_all(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
-    """Print texts as they come: so many of them, or to the end."""
-    async with aclosing(texts):
-        async for text in texts:
-            say(text)
-            count = None if count is None else count - 1
-            if count == 0:
-                return
 
 
 @contextmanager

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from tutorial.commands.asking import say_all
-from tutorial.commands.terminal import say
 from tutorial.notebook.desk import keep_once
+from tutorial.printing import say, say_all
 from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics.listing import topics_with_types

@@ -215,7 +215,7 @@ shown
 BUSY = """
 import time
 for i in range(201):
-    while shown._audience.frame > min(tuple(shown._audience._seen.values()), default=shown._audience.frame) + 30:
+    while shown.frame > min(tuple(shown._seen.values()), default=shown.frame) + 30:
         time.sleep(0.001)  # the page is slow, and what it shows is not to depend on that
     move(i / 200, 0)
     time.sleep(0.015)
