@@ -128,7 +128,8 @@ async def test_a_flood_is_drawn_now_and_then_and_not_after_the_end(domain):
     assert shown == []
     await until(lambda: shown)
     assert "A +199.0000 rad" in plot.alt
+    plot.end()
     plot._on_message(joint_state(5.0, A=0.0))
+    plot._draw()
+    assert "A +199.0000 rad" in plot.alt
     plot.close()
-    await asyncio.sleep(0)  # whatever was posted runs now
-    assert plot._drawing is None

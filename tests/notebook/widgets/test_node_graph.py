@@ -103,13 +103,6 @@ def test_what_is_not_shown_is_counted():
     assert words.endswith("And 1,999 more.")
 
 
-def test_arrows_lead_to_the_right():
-    layout = laid_out("a>b b>c a>d d>c")
-    x = {vertex[0]: place[0] for vertex, place in layout.places.items()}
-    assert x["a"] < x["b"] == x["d"] < x["c"]
-    assert not layout.backward
-
-
 def test_a_source_is_beside_what_it_leads_to():
     layout = laid_out("a>b b>c z>c")
     assert layout.places["z",][0] == layout.places["b",][0]

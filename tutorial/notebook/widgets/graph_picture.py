@@ -18,7 +18,7 @@ MARGIN = 8.0  # [px]
 HEIGHT = 42.0  # [px] of a node and of a topic
 LONGEST_NAME = 30  # characters
 CHARACTER = 7.3  # [px] about, of the code font
-TWIN = 8.0  # [px] between an arrow's line and the middle, where another one runs the other way
+TWIN = 8.0  # [px] below the middle, where arrows leave and arrive that run the other way
 HEAD = 8.0  # [px] of an arrow
 
 
@@ -34,7 +34,7 @@ def picture(topology: Topology) -> tuple[str, str]:
     root = svg.new_picture(width + 2 * MARGIN, height + 2 * MARGIN + (20 if topology.more else 0))
     canvas = svg.draw(root, "g", transform=f"translate({MARGIN} {MARGIN})")
     for edge in edges:
-        _draw_arrow(canvas, edge, shapes, layout, edge[::-1] in edges)
+        _draw_arrow(canvas, edge, shapes, layout)
     for vertex, shape in shapes.items():
         shape.draw(canvas, layout.places[vertex])
     if topology.more:
@@ -86,11 +86,9 @@ class _Shape:
 def _shapes(topology: Topology) -> dict[Vertex, _Shape]:
     shapes: dict[Vertex, _Shape] = {}
     for name, count in topology.nodes.items():
-        hint = f"{count} nodes of one name" if count > 1 else ""
-        shapes["node", name] = _Shape(name, f"node {name}", hint, is_node=True)
+        shapes["node", name] = _Shape(name, f"node {name}", f"{count} nodes of one name" if count > 1 else "", True)
     for name, news in topology.topics.items():
-        title = f"topic {name} of type {news.type_name}"
-        shapes["topic", name] = _Shape(name, title, _rate_text(news.rate), is_node=False)
+        shapes["topic", name] = _Shape(name, f"topic {name} of type {news.type_name}", _rate_text(news.rate), False)
     return shapes
 
 
@@ -102,11 +100,11 @@ def _edges(topology: Topology) -> list[Edge]:
     return edges
 
 
-def _draw_arrow(canvas: Element, edge: Edge, shapes: dict[Vertex, _Shape], layout: Layout, has_twin: bool) -> None:
+def _draw_arrow(canvas: Element, edge: Edge, shapes: dict[Vertex, _Shape], layout: Layout) -> None:
     """Draw a line from shape to shape, through the edge's lanes, that leaves and arrives horizontally."""
     (x1, y1), (x2, y2) = (layout.places[end] for end in edge)
     sign = -1 if edge in layout.backward else 1
-    dy = sign * -TWIN if has_twin or sign < 0 else 0.0
+    dy = TWIN if sign < 0 else 0.0
     start = (x1 + sign * shapes[edge[0]].edge(dy), y1 + dy)
     tip = (x2 - sign * shapes[edge[1]].edge(dy), y2 + dy)
     back = (tip[0] - sign * HEAD, tip[1])

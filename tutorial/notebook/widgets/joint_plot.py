@@ -52,16 +52,10 @@ class JointPlot(LivePicture):
         super().__init__(topic)
         self._topic = topic
         self._samples: deque[_Sample] = deque(maxlen=SAMPLES_KEPT)
-        self._drawing: asyncio.TimerHandle | None = None
+        self._is_due = False
         self._draw()
         qos = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)  # fits every publisher
         self.open_node("joint_plot", lambda node: node.create_subscription(JointState, topic, self._on_message, qos))
-
-    def end(self) -> None:
-        """Take the node away; the plot stays as it is. Idempotent, main thread."""
-        if self._drawing is not None:
-            self._drawing.cancel()
-        super().end()
 
     def _on_message(self, message: JointState) -> None:
         """Keep what is to be drawn, post, and return. The executor's thread."""
@@ -70,13 +64,15 @@ class JointPlot(LivePicture):
 
     def _draw_soon(self) -> None:
         """See to it that what has come is drawn, but not too often. Main thread."""
-        if self._drawing is None and not self.ended:
-            self._drawing = asyncio.get_running_loop().call_later(DRAW_EVERY, self._draw)
+        if not self._is_due:
+            self._is_due = True
+            asyncio.get_running_loop().call_later(DRAW_EVERY, self._draw)
 
     def _draw(self) -> None:
         """Draw what is there. Main thread."""
-        self._drawing = None
-        self.show(*_picture(self._topic, self._samples.copy()))  # in one go: the other thread may go on adding
+        self._is_due = False
+        if not self.ended:
+            self.show(*_picture(self._topic, self._samples.copy()))  # in one go: the other thread may go on adding
 
 
 def _add(samples: deque[_Sample], message: JointState) -> None:

@@ -19,7 +19,6 @@ LEFT, RIGHT = 118, WIDTH - 24  # [px] where the time axis begins and ends
 FIRST_LANE, LANE = 62, 92  # [px] the first lane's line, and from one to the next
 LABEL = 54  # [px] that the label of a waiting time takes
 RADIUS = 4  # [px] of a dot
-CROSS = "l8,8 m0,-8 l-8,8"  # a path, from its left upper corner on
 SMALL = f"fill:{svg.MUTED};font-size:11px"
 
 
@@ -57,24 +56,25 @@ class _Drawing:
         self._lanes = [*(name for name in threads if name not in applying), *applying]
         self._foot = FIRST_LANE + LANE * (len(self._lanes) - 1) + 26
         self._counts = Counter(handoff.outcome for handoff in handoffs)
-        waits = [h.waited for h in handoffs if h.applied is not None and h.waited is not None]
-        self._waits = " to ".join(dict.fromkeys(_ms(wait) for wait in (min(waits), max(waits)))) if waits else ""
+        self._waits = [(h.applied, h.applied.time - h.posted.time) for h in handoffs if h.posted and h.applied]
+        waits = [wait for _, wait in self._waits]
+        self._waited = " to ".join(dict.fromkeys(_ms(wait) for wait in (min(waits), max(waits)))) if waits else ""
 
     def svg(self) -> str:
         root = svg.new_picture(WIDTH, self._foot + 40)
         self._draw_axis(root)
         self._draw_lanes(root)
-        label_from = 0.0  # where there is room for the next label
         for handoff in self._handoffs:
             self._draw_callback(root, handoff)
-            label_from = self._draw_call(root, handoff, label_from)
+            self._draw_call(root, handoff)
+        self._draw_waits(root)
         self._draw_legend(root)
         return svg.to_text(root)
 
     def alt(self) -> str:
         """The picture in words."""
         counts = ", ".join(f"{number} {outcome}" for outcome, number in sorted(self._counts.items()))
-        waited = f" They waited {self._waits}." if self._waits else ""
+        waited = f" They waited {self._waited}." if self._waited else ""
         span = _ms(self._end - self._start)
         return f"{len(self._handoffs)} messages over {span}, on {' and '.join(self._lanes)}: {counts}.{waited}"
 
@@ -109,38 +109,36 @@ class _Drawing:
         svg.draw(root, "rect", f"fill:{svg.INK}", x=x, y=y - 3, width=end - x, height=6)
         svg.draw(root, "circle", f"fill:{svg.PAPER};stroke:{svg.INK};stroke-width:1.4", cx=x, cy=y, r=RADIUS)
 
-    def _draw_call(self, root: Element, handoff: Handoff, label_from: float) -> float:
-        """The way of a posted call to where it ran, with the time that it has waited; or half of the way.
-
-        A call that was superseded ends at a cross.
-        """
+    def _draw_call(self, root: Element, handoff: Handoff) -> None:
+        """The way of a posted call to where it ran; or half of it, to a cross where a newer one took its place."""
         if handoff.posted is None:
-            return label_from
+            return
         start = self._place(handoff.posted)
+        x, y = self._x(self._end), start[1] + LANE * 0.42
+        style = f"stroke:{svg.WARN};stroke-width:1.2;stroke-dasharray:1 3"
         if handoff.applied is not None:
             x, y = self._place(handoff.applied)
-            _draw_way(root, start, (x, y), f"stroke:{svg.ACCENT};stroke-width:1.6;opacity:0.9")
+            style = f"stroke:{svg.ACCENT};stroke-width:1.6"
             svg.draw(root, "circle", f"fill:{svg.ACCENT}", cx=x, cy=y, r=RADIUS)
-            if x >= label_from:
-                wait = handoff.applied.time - handoff.posted.time
-                svg.write(root, x, y + 18, _ms(wait), f"fill:{svg.ACCENT};font-size:11px", "middle")
-                return x + LABEL
-            return label_from
-        y = start[1] + LANE * 0.42
-        if handoff.superseded is not None:
+        elif handoff.superseded is not None:
             x = self._x(handoff.superseded.time)
-            _draw_way(root, start, (x, y), f"stroke:{svg.WARN};stroke-width:1.2;stroke-dasharray:3 2")
-            svg.draw(
-                root, "path", f"fill:none;stroke:{svg.WARN};stroke-width:1.5", d=f"M{x - 4:.1f},{y - 4:.1f} {CROSS}"
-            )
-        else:
-            _draw_way(root, start, (self._x(self._end), y), f"stroke:{svg.WARN};stroke-width:1.2;stroke-dasharray:1 3")
-        return label_from
+            style = f"stroke:{svg.WARN};stroke-width:1.2;stroke-dasharray:3 2"
+            svg.write(root, x, y + 4, "✕", f"fill:{svg.WARN};font-weight:bold", "middle")
+        svg.draw(root, "polyline", f"fill:none;{style}", points=svg.points_text([start, (x, y)]))
+
+    def _draw_waits(self, root: Element) -> None:
+        """Below the lane, how long each call has waited, where there is room."""
+        free_from = 0.0
+        for applied, wait in self._waits:
+            x, y = self._place(applied)
+            if x >= free_from:
+                svg.write(root, x, y + 18, _ms(wait), f"fill:{svg.ACCENT};font-size:11px", "middle")
+                free_from = x + LABEL
 
     def _draw_legend(self, root: Element) -> None:
         """What the signs mean, and how many there are of each."""
         received = sum(handoff.received is not None for handoff in self._handoffs)
-        after = f" after {self._waits}" if self._waits else ""
+        after = f" after {self._waited}" if self._waited else ""
         entries = [("○", svg.INK, f"received ({received})")]
         entries += [("●", svg.ACCENT, f"applied ({self._counts['applied']}){after}")]
         if count := self._counts["superseded"]:
@@ -152,10 +150,6 @@ class _Drawing:
             svg.draw(legend, "tspan", f"fill:{colour};font-weight:bold").text = sign
             svg.draw(legend, "tspan", dx=6.0).text = text
             svg.draw(legend, "tspan", dx=20.0).text = " "
-
-
-def _draw_way(root: Element, start: tuple[float, float], end: tuple[float, float], style: str) -> None:
-    svg.draw(root, "polyline", f"fill:none;{style}", points=svg.points_text([start, end]))
 
 
 def _ms(seconds: float) -> str:
