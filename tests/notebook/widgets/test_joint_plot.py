@@ -125,9 +125,8 @@ async def test_a_flood_is_drawn_now_and_then_and_not_after_the_end(domain):
     for i in range(200):
         plot._on_message(joint_state(i * 0.02, A=float(i)))
         await asyncio.sleep(0)
-    assert shown == []
-    await until(lambda: shown)
-    assert "A +199.0000 rad" in plot.alt
+    await until(lambda: "A +199.0000 rad" in plot.alt)
+    assert len(shown) < 5
     plot.end()
     plot._on_message(joint_state(5.0, A=0.0))
     plot._draw()

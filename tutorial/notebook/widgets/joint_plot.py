@@ -21,7 +21,8 @@ from tutorial.ros.topics.names import escape_name
 __all__ = ["JointPlot"]
 
 SECONDS = 10.0  # [s] that are shown
-DRAW_EVERY = 0.2  # [s]
+DRAW_EVERY = 0.1  # [s] at the most often
+SHARE = 0.1  # of the main thread's time that drawing takes at most
 SAMPLES_KEPT = 10_000
 NAMES_KEPT = 200  # of one message
 TOO_LARGE = 1e6  # [rad], infinity included
@@ -39,7 +40,7 @@ class _Sample(NamedTuple):
 class JointPlot(LivePicture):
     """Draws the position of each joint over the messages' stamps. Make it on the main thread, while its loop runs.
 
-    It has a node of its own, ``joint_plot``. What is drawn, five times a second at most, is the newest messages.
+    It has a node of its own, ``joint_plot``. What is drawn, ten times a second at most, is the newest messages.
 
     Args:
         topic: of type ``sensor_msgs/msg/JointState``.
@@ -53,6 +54,7 @@ class JointPlot(LivePicture):
         self._topic = topic
         self._samples: deque[_Sample] = deque(maxlen=SAMPLES_KEPT)
         self._is_due = False
+        self._draw_from = 0.0
         self._draw()
         qos = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)  # fits every publisher
         self.open_node("joint_plot", lambda node: node.create_subscription(JointState, topic, self._on_message, qos))
@@ -66,13 +68,16 @@ class JointPlot(LivePicture):
         """See to it that what has come is drawn, but not too often. Main thread."""
         if not self._is_due:
             self._is_due = True
-            asyncio.get_running_loop().call_later(DRAW_EVERY, self._draw)
+            asyncio.get_running_loop().call_at(self._draw_from, self._draw)
 
     def _draw(self) -> None:
         """Draw what is there. Main thread."""
+        loop = asyncio.get_running_loop()
+        began = loop.time()
         self._is_due = False
         if not self.ended:
             self.show(*_picture(self._topic, self._samples.copy()))  # in one go: the other thread may go on adding
+        self._draw_from = began + max(DRAW_EVERY, (loop.time() - began) / SHARE)
 
 
 def _add(samples: deque[_Sample], message: JointState) -> None:
