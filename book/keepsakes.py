@@ -98,7 +98,7 @@ class _Kept:
                 self._drawn[number] = len(picture.svg)
                 self._write(number, PICTURE.format(alt=html.escape(picture.alt), svg=picture.svg))
         for number, view in self._image_views.items():
-            if view.newest is not None:
+            if view.newest.pixels:
                 image = base64.b64encode(png(view.newest)).decode()
                 self._write(number, IMAGE.format(alt=html.escape(f"what came on {view.title}"), image=image))
 

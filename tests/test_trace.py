@@ -37,7 +37,6 @@ def test_a_replaced_call_is_superseded_when_the_newer_one_is_posted():
     first, second, third = handoffs = run(scenario)
     assert [handoff.outcome for handoff in handoffs] == ["superseded", "superseded", "applied"]
     assert (first.superseded, second.superseded) == (second.posted, third.posted)
-    assert first.waited == second.posted.time - first.posted.time
 
 
 def test_every_call_that_a_callback_posts_is_followed():
@@ -50,11 +49,10 @@ def test_every_call_that_a_callback_posts_is_followed():
         scope.call_later(list)
 
     handled, first, second, third = run(scenario)
-    assert (handled.outcome, handled.waited) == ("handled", None)
+    assert handled.outcome == "handled"
     assert [handoff.outcome for handoff in (first, second, third)] == ["applied"] * 3
     assert first.received == second.received
     assert (second.topic, third.topic, third.received) == ("/joy", None, None)
-    assert third.began == third.posted.time
 
 
 def test_a_call_that_is_dropped_goes_on_waiting():
@@ -63,7 +61,7 @@ def test_a_call_that_is_dropped_goes_on_waiting():
         scope.close()
 
     (handoff,) = run(scenario)
-    assert (handoff.outcome, handoff.waited) == ("waiting", None)
+    assert handoff.outcome == "waiting"
 
 
 def test_a_callback_that_fails_is_over_all_the_same():
@@ -81,9 +79,7 @@ def test_memory_is_bounded():
         with trace.receiving(f"/topic{i}"):
             pass
     assert [handoff.topic for handoff in trace.handoffs()] == [f"/topic{i}" for i in range(90, 100)]
-    assert len(trace) == 10
-    trace.clear()
-    assert (len(trace), repr(trace)) == (0, "HandoffTrace(10)")
+    assert repr(trace) == "HandoffTrace(10)"
 
 
 def test_what_is_returned_does_not_change_any_more():
@@ -107,7 +103,7 @@ def test_threads_do_not_take_one_anothers_messages():
         thread.start()
     for thread in threads:
         thread.join()
-    assert len(trace) == 2000
+    assert len(trace.handoffs()) == 2000
     assert all(h.topic == h.received.thread == h.posted.thread for h in trace.handoffs())
 
 
@@ -128,5 +124,3 @@ async def test_a_nodes_messages_are_followed_from_thread_to_thread(domain):
     assert [moment.thread for moment in (*moments, handoff.applied)] == ["executor"] * 3 + ["MainThread"]
     assert sorted(moments, key=lambda moment: moment.time) == list(moments)
     assert handoff.applied.time >= handoff.posted.time
-    assert handoff.waited == handoff.applied.time - handoff.posted.time
-    assert handoff.began == handoff.received.time

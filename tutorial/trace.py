@@ -69,18 +69,6 @@ class Handoff:
             return "superseded"
         return "handled" if self.posted is None else "waiting"
 
-    @property
-    def began(self) -> float:
-        """The first that is known of it, of `time.perf_counter` [s]."""
-        first = self.received or self.posted
-        return first.time if first is not None else 0.0
-
-    @property
-    def waited(self) -> float | None:
-        """From posting until the call ran, or was superseded [s]; None while it waits."""
-        end = self.applied or self.superseded
-        return end.time - self.posted.time if self.posted is not None and end is not None else None
-
     def apply(self) -> None:
         """The posted call runs now, on this thread."""
         self.applied = Moment.now()
@@ -110,10 +98,6 @@ class HandoffTrace:
 
     def __repr__(self) -> str:
         return f"HandoffTrace({self._kept.maxlen})"
-
-    def __len__(self) -> int:
-        """How many handoffs are kept."""
-        return len(self._kept)
 
     @contextmanager
     def receiving(self, topic: str) -> Iterator[None]:
@@ -150,11 +134,6 @@ class HandoffTrace:
         """Return a copy of those that are kept, in the order in which they began."""
         with self._lock:
             return [copy.copy(handoff) for handoff in self._kept]
-
-    def clear(self) -> None:
-        """Forget all of them."""
-        with self._lock:
-            self._kept.clear()
 
     def _keep(self, handoff: Handoff) -> None:
         with self._lock:

@@ -114,7 +114,7 @@ def frame(address: str) -> tuple[Timed, Timed]:
     body = Body.displayed(TANK)
     view.add("Tank", body.model)
     shown = SceneView(scene)
-    shown._audience.join("page")
+    shown._welcome("page")
     visualizer = meshcat.Visualizer(zmq_url=address)
     parts = [visualizer[str(i)] for i in range(body.model.nbody)]
     angles = itertools.count()
@@ -126,9 +126,8 @@ def frame(address: str) -> tuple[Timed, Timed]:
     def ours() -> None:
         move()
         view.update("Tank", body.data)
-        shown._next_at = 0.0
         view.flush()
-        shown._audience.note("page", shown._audience.frame)
+        shown._note("page", shown.frame)
 
     def meshcats() -> None:
         move()

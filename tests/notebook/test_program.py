@@ -127,7 +127,7 @@ from tutorial.notebook import *
 program = open_program("step2", node="simulation")
 program.simulation.start()
 node = open_node("hand")
-widgets = joystick(), joint_plot(), node_graph(), chaos_panel("/faulty")
+widgets = joystick(), joint_plot(), node_graph(), chaos_panel()
 command = start_command("tank run step3 --headless --ros-args -r __node:=viewer")
 await command.says("+ Tank")
 await topic_echo("/Tank/joint_state", once=True, field="name")

@@ -20,7 +20,6 @@ from browser import PATIENCE, until
 from playwright.async_api import Page
 
 TOKEN = "a-token-for-the-tests"
-DARK = "JupyterLab Dark"
 NOTEBOOK = "window.jupyterapp.shell.currentWidget"
 BUSY = "content.widgets.some((cell) => cell.model.executionState === 'running')"
 
@@ -56,10 +55,6 @@ class Lab:
         notebook = Notebook(page)
         await notebook.is_ready()
         return notebook
-
-    async def wear(self, page: Page, theme: str) -> None:
-        """Change the theme of a page that shows the lab, such as to `DARK`."""
-        await _execute(page, "apputils:change-theme", theme=theme)
 
 
 @dataclass
@@ -188,10 +183,6 @@ class Notebook:
         await self._do("sessionContext.shutdown()")
         await self.save()
         await self.page.evaluate("void window.jupyterapp.shell.currentWidget.close()")
-
-    async def scroll_to(self, cell: int) -> None:
-        """Bring a cell into sight."""
-        await self._do(f"content.scrollToItem({cell}, 'start')")
 
     def cell(self, cell: int) -> Any:
         """Where a cell is on the page."""

@@ -8,8 +8,8 @@ import math
 import os
 import signal
 import sys
-from collections.abc import AsyncGenerator, Awaitable, Callable, Iterator, Sequence
-from contextlib import aclosing, contextmanager
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial, wraps
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ import click
 
 from tutorial.commands.terminal import say, until_asked
 from tutorial.errors import TutorialError
+from tutorial.printing import say_all
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode, NodeThread
@@ -65,16 +66,6 @@ def ask(ros_args: Sequence[str], question: Callable[[MeteredNode], Awaitable[Non
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
         return BROKEN_PIPE
-
-
-async def say_all(texts: AsyncGenerator[str, None], count: int | None = None) -> None:
-    """Print texts as they come: so many of them, or to the end."""
-    async with aclosing(texts):
-        async for text in texts:
-            say(text)
-            count = None if count is None else count - 1
-            if count == 0:
-                return
 
 
 @contextmanager

@@ -6,22 +6,19 @@ import os
 import threading
 import time
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Protocol
 
 import msgspec
-from rclpy.node import Node
 from sensor_msgs.msg import Joy
 
+from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.ros.node_thread import MeteredNode
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["NEUTRAL", "RATE", "Gamepad", "JoyPublisher", "JoySource", "ScriptedDrive", "joy_message"]
-
-RATE = 50  # [Hz]
-NEUTRAL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+__all__ = ["Gamepad", "JoyPublisher", "JoySource", "ScriptedDrive"]
 
 
 class _Moment(msgspec.Struct, forbid_unknown_fields=True):
@@ -165,17 +162,3 @@ class JoyPublisher:
             tick = max(tick + 1, int(elapsed * RATE))
         self._publisher.publish(joy_message(self._node, NEUTRAL, []))
         return time.monotonic() - began
-
-
-def joy_message(node: Node, axes: Sequence[float], buttons: Sequence[int]) -> Joy:
-    """Make a message as the ROS 2 joy package's, with the time of now.
-
-    Args:
-        node: whose clock tells the time.
-        axes: of the joystick, -1 to 1.
-        buttons: of the joystick, 0 or 1.
-    """
-    message = Joy(axes=list(axes), buttons=list(buttons))
-    message.header.stamp = node.get_clock().now().to_msg()
-    message.header.frame_id = "joy"
-    return message

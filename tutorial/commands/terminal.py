@@ -13,11 +13,11 @@ from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
 
-import click
 from tqdm import tqdm
 from tqdm.contrib.logging import logging_redirect_tqdm
 
 from tutorial.errors import printable_lines
+from tutorial.printing import say
 
 __all__ = [
     "INTERRUPTED",
@@ -32,18 +32,6 @@ __all__ = [
 
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
 INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
-
-
-def say(text: str, err: bool = False) -> None:
-    """Print a text that has its line breaks, at once, also into a pipe. All that the commands print goes through here.
-
-    Some of it comes from outside, and a terminal obeys what it is sent: control characters are shown as escapes.
-
-    Args:
-        text: what to print.
-        err: on stderr.
-    """
-    click.echo(printable_lines(text), nl=False, err=err)
 
 
 class _LogFormatter(logging.Formatter):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from collections.abc import Collection
 from pathlib import Path
 
 from tutorial.notebook.desk import keep
@@ -16,9 +15,7 @@ from tutorial.ros.topics import wait_for_graph
 __all__ = ["bag_play"]
 
 
-async def bag_play(
-    bag: Bag | Path | str, rate: float = 1.0, start_offset: float = 0.0, topics: Collection[str] | None = None
-) -> None:
+async def bag_play(bag: Bag | Path | str, rate: float = 1.0, start_offset: float = 0.0) -> None:
     """Publish a bag's messages again, at the times at which they were received; to interrupt the kernel ends it.
 
     The kernel stays free meanwhile. The node that publishes is called as that of ``ros2 bag play``; it goes at the end.
@@ -27,16 +24,15 @@ async def bag_play(
         bag: the bag, or where it is.
         rate: how fast, 2 for twice as fast.
         start_offset: how much to leave out at the beginning [s].
-        topics: only those; None for all.
 
     Raises:
-        TutorialError: there is no such bag or topic, nothing to play, or a number makes no sense.
+        TutorialError: there is no such bag, nothing to play, or a number makes no sense.
     """
     opened = bag if isinstance(bag, Bag) else Bag(bag)
     thread = keep("bag player", lambda: NodeThread("rosbag2_player"), NodeThread.close)
     stop = threading.Event()
     try:
-        player = Player(thread.node, opened, rate=rate, start_offset=start_offset, topics=topics)
+        player = Player(thread.node, opened, rate=rate, start_offset=start_offset)
         await wait_for_graph(thread.node, lambda: has_met_the_others(thread.node))
         playing = asyncio.ensure_future(asyncio.to_thread(player.run, stop))
         try:

@@ -9,7 +9,6 @@ import signal
 import subprocess
 import threading
 from collections import deque
-from contextlib import suppress
 
 from tutorial import parent_watch
 from tutorial.errors import TutorialError
@@ -19,6 +18,7 @@ from tutorial.paths import HOME, with_own_commands
 __all__ = ["Command"]
 
 PATIENCE = 5.0  # [s] from asking a command to stop to killing it
+LONGEST = 120.0  # [s] that a command may take to end by itself
 LINES_KEPT = 1000
 
 
@@ -50,7 +50,7 @@ class Command:
     @property
     def status(self) -> int | None:
         """Its exit status; None while it runs."""
-        return self._process.poll()
+        return self._process.returncode
 
     async def says(self, text: str) -> None:
         """Wait until it has printed a text.
@@ -60,30 +60,22 @@ class Command:
         """
         await until(lambda: text in self.output or not self._reader.is_alive(), f"{self._line!r} to say {text!r}")
         if text not in self.output:
-            with suppress(subprocess.TimeoutExpired):  # its output has ended, so it is about to
-                self._process.wait(PATIENCE)
             raise TutorialError(f"{self._line!r} has ended with status {self.status}. It said:\n{self.output}")
 
-    async def ends(self, patience: float = 120.0) -> int:
-        """Wait until it has ended by itself; return its exit status.
-
-        Args:
-            patience: how long at most [s].
-        """
-        await until(lambda: not self._reader.is_alive(), f"the end of {self._line!r}", patience)
-        return self._process.wait()
+    async def ends(self) -> int:
+        """Wait until it has ended by itself; return its exit status."""
+        await until(lambda: not self._reader.is_alive(), f"the end of {self._line!r}", LONGEST)
+        return self._process.returncode
 
     def close(self) -> None:
         """Ask it to stop, as Ctrl-C does, and kill it if it doesn't. Idempotent."""
         for number in (signal.SIGINT, signal.SIGKILL):
-            if not self._reader.is_alive() and self.status is not None:
-                break
-            parent_watch.signal_group(self._process.pid, number)
-            with suppress(subprocess.TimeoutExpired):
-                self._process.wait(PATIENCE)
+            if self._reader.is_alive():
+                parent_watch.signal_group(self._process.pid, number)
                 self._reader.join(PATIENCE)
 
     def _read(self) -> None:
+        """Keep what it prints, until it has ended."""
         with self._process:  # to leave it closes its streams, and waits for it
             self._kept.extend(self._process.stdout or ())
 

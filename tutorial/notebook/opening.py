@@ -82,18 +82,9 @@ def joint_plot(topic: str = "/Tank/joint_state") -> JointPlot:
     return keep(f"plot of {topic}", lambda: JointPlot(topic), JointPlot.end)
 
 
-def chaos_panel(topic: str = "/Tank/joint_state", good: str | None = None, seed: int = 0) -> ChaosPanel:
-    """Show a slider for each fault in a stream of joint states, which it publishes; ``tank chaos`` at a terminal.
-
-    Args:
-        topic: where to publish.
-        good: the topic of the good stream; None for a steady swing.
-        seed: the same one, with the same sliders, gives the same faults again.
-
-    Raises:
-        TutorialError: the good stream would come from where the faults go.
-    """
-    return keep("chaos panel", lambda: ChaosPanel(topic, good, seed), ChaosPanel.end)
+def chaos_panel() -> ChaosPanel:
+    """Show a slider for each fault in a stream of joint states, which it publishes; ``tank chaos`` at a terminal."""
+    return keep("chaos panel", ChaosPanel, ChaosPanel.end)
 
 
 def image_view(topic: str = "/Tank/camera/image") -> ImageView:

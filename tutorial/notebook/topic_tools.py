@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from tutorial.commands.asking import say_all
-from tutorial.commands.terminal import say
 from tutorial.notebook.desk import keep_once
+from tutorial.printing import say, say_all
 from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics.listing import topics_with_types
@@ -13,6 +12,7 @@ from tutorial.ros.topics.names import full_name
 __all__ = ["has_met_the_others", "topic_echo", "topic_hz", "topic_info", "topic_list"]
 
 PATIENCE = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
+REPORTS = 2  # of `topic_hz`
 
 
 async def topic_list(show_types: bool = False) -> None:
@@ -54,18 +54,17 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None, n
     await say_all(echo)
 
 
-async def topic_hz(topic: str, window: int = 10_000, reports: int = 2) -> None:
-    """Print at what rate messages come, about once a second, as ``ros2 topic hz`` does.
+async def topic_hz(topic: str, window: int = 10_000) -> None:
+    """Print at what rate messages come, twice, a second apart, as ``ros2 topic hz`` does.
 
     Args:
         topic: its full name.
         window: how many messages the average is taken over.
-        reports: how often to print before it ends.
 
     Raises:
         TutorialError: nobody publishes on it for 10 s.
     """
-    await say_all(topics.topic_hz(await _asker(topic), topic, window=window, timeout=PATIENCE), reports)
+    await say_all(topics.topic_hz(await _asker(topic), topic, window=window, timeout=PATIENCE), REPORTS)
 
 
 async def _asker(topic: str | None = None) -> MeteredNode:

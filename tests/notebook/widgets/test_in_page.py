@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from collections import deque
 from html import escape
 
 import mujoco
@@ -18,7 +19,7 @@ from tutorial.notebook.desk import keep
 from tutorial.notebook.widgets.graph_picture import picture as draw_graph
 from tutorial.notebook.widgets.graph_watch import TopicNews, Topology
 from tutorial.notebook.widgets.image_view import ImageView
-from tutorial.notebook.widgets.joint_plot import _History, _picture
+from tutorial.notebook.widgets.joint_plot import _add, _picture
 from tutorial.notebook.widgets.picture import Picture
 from tutorial.notebook.widgets.scene_view import SceneView
 from tutorial.notebook.widgets.svg import INK, draw, new_picture, to_text
@@ -48,7 +49,7 @@ SHOW = """async ({script, traits, scene, library, frame, pixels}) => {
     send: ({type, view}) => {
       (window.said ??= []).push(type);
       if (type === "library") answer({type}, [bytes(library)]);
-      if (type === "hello") answer(frame ?? {type: "scene", view}, [bytes(scene ?? pixels)]);
+      if (type === "hello") answer({...frame, type: "whole", frame: 0, view}, [bytes(scene ?? pixels)]);
     },
   };
   const el = document.body.appendChild(document.createElement("div"));
@@ -118,14 +119,14 @@ async def test_the_picture_of_a_camera_is_drawn_and_its_end_is_said(domain, sent
     await say(view, "hello")
     [(frame, [pixels_sent])] = sent
     async with open_browser(chromium()) as page:
-        traits = {"title": view.title, "line": view.line, "ended": False}
+        traits = {"title": view.title, "ended": False}
         await page.evaluate(
             SHOW, {"script": ImageView._esm, "traits": traits, "frame": frame, "pixels": text_of(pixels_sent)}
         )
         await page.get_by_text(frame["line"]).wait_for()
         picture = await pixels(page, "canvas")
         x, y = red_spot(picture)
-        await page.wait_for_function("said.includes('drawn')")
+        await page.wait_for_function("said.includes('seen')")
         assert (x / picture.shape[1], y / picture.shape[0]) == pytest.approx((45 / 60, 15 / 40), abs=0.03)
         await page.evaluate("model.set('ended', true)")
         await page.get_by_text("closed: this is its last picture").wait_for()
@@ -146,14 +147,14 @@ def scene_of(name: str) -> Scene:
 def pictures_of(name: str) -> list[tuple[str, str]]:
     """Each picture that a cell may show, with its description."""
     graph = draw_graph(Topology({name: 1}, {name: TopicNews(name, 1.0, (name,), (name,))}))
-    history = _History(10.0)
-    history.add(JointState(name=[name], position=[0.0]))
+    samples = deque()
+    _add(samples, JointState(name=[name], position=[0.0]))
     moment = Moment(0.0, name)
     trace = HandoffTrace()
     trace._keep(Handoff(name, received=moment, posted=moment, handled=moment, applied=moment))
     lanes = swimlane(trace)
     lanes.close()
-    return [graph, (lanes.svg, lanes.alt), _picture(name, history.recent(), 10.0)]
+    return [graph, (lanes.svg, lanes.alt), _picture(name, samples)]
 
 
 async def test_a_name_runs_no_script():
@@ -175,7 +176,7 @@ async def test_a_name_runs_no_script():
         for name in NAMES:
             for picture in pictures_of(name):
                 await show_picture(page, *picture)
-            traits = {"title": name, "height": 90, "ended": False}
+            traits = {"title": name, "ended": False}
             parts = {"scene": text_of(scene_of(name).snapshot()), "library": text_of(zipped_viewer())}
             await page.evaluate(SHOW, {"script": SceneView._esm, "traits": traits, **parts})
         await until(lambda: shown(page, ".tank-view-line", len(NAMES)), "the lines below the views")

@@ -11,8 +11,6 @@ from tutorial.ros.node_thread import NodeThread
 
 from .pages import on_a_subshell
 
-pytestmark = pytest.mark.usefixtures("domain")
-
 NEUTRAL = (0.0,) * 6
 HELD = [0.5, 1.0, -0.25, 0.0, 0.0, 0.125]
 BUTTONS = [1] + [0] * 14
@@ -41,8 +39,8 @@ def heard(domain):
         yield messages
 
 
-def say(widget, axes=HELD, buttons=BUTTONS, kind="sticks"):
-    on_a_subshell(widget._handle_custom_msg, {"type": kind, "axes": axes, "buttons": buttons}, [])
+def say(widget, axes=HELD, kind="sticks"):
+    on_a_subshell(widget._handle_custom_msg, {"type": kind, "axes": axes, "buttons": BUTTONS}, [])
 
 
 def is_heard(heard, axes):
@@ -53,7 +51,7 @@ def is_heard(heard, axes):
 def test_it_publishes_the_sticks_while_nobody_gives_it_a_turn(joystick, heard):
     assert repr(joystick) == "Joystick()"
     assert list(is_heard(heard, NEUTRAL).buttons) == [0] * 15
-    assert [timer.timer_period_ns for timer in joystick._ros.node.timers] == [20_000_000]
+    assert [timer.timer_period_ns for timer in joystick._node.timers] == [20_000_000]
     say(joystick)
     message = is_heard(heard, HELD)
     assert list(message.buttons) == BUTTONS
@@ -74,22 +72,9 @@ def test_when_the_page_falls_silent_the_sticks_are_let_go(joystick, clock):
 
 def test_messages_that_make_no_sense_change_nothing(joystick):
     say(joystick, kind="hello")
+    say(joystick, "all")
     joystick._handle_custom_msg("sticks", [])
     assert joystick.axes == NEUTRAL
-    say(joystick, [0.25] * 6)
-    for axis in (float("nan"), float("inf"), 10**400, "1", True, None):
-        say(joystick, [0.5] * 5 + [axis])
-    for axes in ([0.5] * 5, [0.5] * 7, "123456", None):
-        say(joystick, axes)
-    for buttons in ([0] * 14, [0] * 16, [0.5] * 15, "0" * 15, None):
-        say(joystick, HELD, buttons)
-    assert joystick.axes == (0.25,) * 6
-
-
-def test_values_beyond_the_stick_are_brought_to_its_end(joystick):
-    say(joystick, [2, -3.5, 1, -1, 0, 1.0001], [2] * 15)
-    assert joystick.axes == (1.0, -1.0, 1.0, -1.0, 0.0, 1.0)
-    assert joystick._now().buttons == (1,) * 15
 
 
 @pytest.mark.parametrize("leave", [Joystick.close, Joystick.end])
@@ -107,17 +92,3 @@ def test_closed_or_ended_it_lets_go_and_leaves_no_thread(clock, sent, heard, lea
     assert threading.active_count() <= threads
     assert (joystick.comm is None) == (leave is Joystick.close)
     joystick.close()
-
-
-def test_its_node_and_topic_can_be_remapped(clock, sent):
-    widget = Joystick(["--ros-args", "-r", "__node:=stick", "-r", "joy:=other"])
-    assert widget._ros.node.get_name() == "stick"
-    assert widget._publisher.topic_name == "/other"
-    widget.close()
-
-
-def test_a_node_that_cannot_be_leaves_nothing(sent):
-    threads = threading.active_count()
-    with pytest.raises(Exception, match="parse remap rule"):
-        Joystick(["--ros-args", "-r", "__node:=no name"])
-    assert threading.active_count() <= threads

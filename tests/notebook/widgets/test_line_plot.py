@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from tutorial.errors import TutorialError
-from tutorial.notebook.widgets.line_plot import POINTS_DRAWN, line_plot
+from tutorial.notebook.widgets.chart import POINTS_DRAWN
+from tutorial.notebook.widgets.line_plot import line_plot
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 import anywidget
 import msgspec
 import traitlets
 
-__all__ = ["CellWidget", "parse_message"]
+from tutorial.ros.node_thread import MeteredNode, NodeThread
+
+__all__ = ["CellWidget", "NodeWidget", "parse_message"]
 
 T = TypeVar("T")
 
@@ -43,11 +46,13 @@ class CellWidget(anywidget.AnyWidget):
         self.ended = True
 
     def close(self) -> None:
-        """Take the widget off every page. Idempotent, main thread."""
-        layout = self.layout if self.comm is not None else None
+        """End it, and take it off every page. Idempotent, main thread."""
+        if self.comm is None:  # it is closed, or could not be made: Python closes that, too
+            return
+        self.end()
+        layout = self.layout
         super().close()
-        if layout is not None:
-            layout.close()
+        layout.close()
 
     def say(self, kind: str, buffers: list[bytes] | None = None, **fields: Any) -> None:
         """Send a message to every page that shows the widget. Main thread.
@@ -59,3 +64,29 @@ class CellWidget(anywidget.AnyWidget):
         """
         if self.comm is not None:
             self.send({"type": kind, **fields}, buffers)
+
+
+class NodeWidget(CellWidget):
+    """A widget with a node of its own, whose callbacks run on a thread of their own."""
+
+    _ros: NodeThread | None = None
+
+    def open_node(self, name: str, set_up: Callable[[MeteredNode], object]) -> None:
+        """Make the node, and what it publishes and subscribes to. If that fails, the widget is closed.
+
+        Args:
+            name: of the node.
+            set_up: makes publishers, subscriptions and timers.
+        """
+        try:
+            self._ros = NodeThread(name)
+            set_up(self._ros.node)
+        except BaseException:
+            self.close()
+            raise
+
+    def end(self) -> None:
+        """Take the node away; what was shown last stays. Idempotent, main thread."""
+        if self._ros is not None:
+            self._ros.close()
+        super().end()

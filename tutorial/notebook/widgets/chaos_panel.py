@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from ipywidgets import HTML, Button, FloatSlider, GridBox, Layout, VBox
 
 from tutorial.errors import running_loop
 from tutorial.ros.chaos import FAULTS, Chaos
-from tutorial.ros.chaos.stream import TOPIC, ChaosStream
+from tutorial.ros.chaos.stream import ChaosStream
 from tutorial.ros.node_thread import NodeThread
 
 __all__ = ["ChaosPanel"]
@@ -24,31 +23,19 @@ class ChaosPanel(VBox):  # type: ignore[misc]
 
     Its node, ``chaos``, publishes from a thread of its own, so it goes on while a cell is busy.
 
-    Args:
-        topic: where to publish.
-        good: the topic of the good stream; None for a steady swing.
-        seed: the same one, with the same sliders, gives the same faults again.
-        ros_args: command line arguments, of which ROS 2 takes those after ``--ros-args``.
-
     Attributes:
         sliders: by the name of the fault.
         ended: whether it has been ended.
 
     Raises:
-        TutorialError: no event loop runs, or the good stream would come from where the faults go.
+        TutorialError: no event loop runs.
     """
 
-    def __init__(
-        self, topic: str = TOPIC, good: str | None = None, seed: int = 0, ros_args: Sequence[str] | None = None
-    ) -> None:
-        loop = running_loop(NO_LOOP)
+    def __init__(self) -> None:
+        self._loop = running_loop(NO_LOOP)
         self.ended = False
-        self._ros = NodeThread("chaos", ros_args)
-        try:
-            self._stream = ChaosStream(self._ros.node, Chaos(seed=seed), topic, good)
-        except BaseException:
-            self._ros.close()
-            raise
+        self._ros = NodeThread("chaos")
+        self._stream = ChaosStream(self._ros.node, Chaos())
         self.sliders = {name: _slider(name, what) for name, what in FAULTS.items()}
         for slider in self.sliders.values():
             slider.observe(self._on_share, "value")
@@ -58,8 +45,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
         columns = f"repeat(auto-fill, {WIDTH})"
         grid = GridBox([*self.sliders.values()], layout=Layout(grid_template_columns=columns))
         super().__init__([grid, self._reset, self._hits])
-        self._loop = loop
-        self._next = loop.call_soon(self._tell)
+        self._next = self._loop.call_soon(self._tell)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}()"
@@ -85,8 +71,6 @@ class ChaosPanel(VBox):  # type: ignore[misc]
         """End it, and take it off every page. Idempotent, main thread."""
         if self.comm is not None:
             self.end()
-            for child in (*self.sliders.values(), *self.children):
-                child.close()
         super().close()
 
     def _on_share(self, _change: object) -> None:
@@ -104,9 +88,8 @@ class ChaosPanel(VBox):  # type: ignore[misc]
 
 
 def _slider(name: str, what: str) -> Any:
-    return FloatSlider(
-        max=1.0, step=0.05, description=name, tooltip=what, readout_format=".0%", layout=Layout(width=WIDTH)
-    )
+    layout = Layout(width=WIDTH)
+    return FloatSlider(max=1.0, step=0.05, description=name, tooltip=what, readout_format=".0%", layout=layout)
 
 
 def _words(made: dict[str, int]) -> str:

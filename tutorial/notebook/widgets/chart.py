@@ -1,96 +1,116 @@
-"""The frame of a plot: two axes with round numbers, curves within them, and the curves' names beside them."""
+"""A plot: two axes with round numbers, curves within them, and the curves' names beside them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from itertools import groupby
 from operator import itemgetter
+from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
 from tutorial.notebook.widgets import svg
 
-__all__ = ["Axes", "Point", "nice_ticks", "thin", "tick_text"]
+__all__ = ["MOST_CURVES", "Curve", "Point", "draw_plot", "nice_ticks", "thin", "tick_text"]
 
 Point = tuple[float, float]
 
+WIDTH, HEIGHT = 640, 240  # [px]
+LEFT, TOP, RIGHT, BOTTOM = 62, 30, 462, HEIGHT - 38  # [px] of the rectangle that the curves are in
+MARGIN = 0.08  # of the curves' height, above and below
+MOST_CURVES = len(svg.SERIES)
+MOST_PIECES = 100  # of one curve
+POINTS_DRAWN = 1200  # of one curve
 LONGEST_NAME = 18  # characters in the legend
 ROW = 18  # [px] of the legend
+SMALL = f"fill:{svg.MUTED};font-size:11px"
 
 
-@dataclass(frozen=True)
-class Axes:
-    """A rectangle of the picture [px], and what part of the plane it shows.
+class Curve(NamedTuple):
+    """A curve, and what is said of it.
 
     Attributes:
-        left: edge of the rectangle [px].
-        top: edge [px].
-        right: edge [px].
-        bottom: edge [px].
-        x_range: least and greatest x.
-        y_range: least and greatest y.
+        points: x and y, in the order of their x. It is broken where y is no finite number.
+        value: in words.
     """
 
-    left: float
-    top: float
-    right: float
-    bottom: float
+    points: Sequence[Point]
+    value: str
+
+
+def draw_plot(
+    curves: Mapping[str, Curve], x_range: Point, labels: tuple[str, str], least: float = 0.0, more: int = 0
+) -> str:
+    """Draw curves, at most `MOST_CURVES`; each has a finite y.
+
+    Args:
+        curves: by name.
+        x_range: the first and the last x that is shown.
+        labels: of the axes.
+        least: how much of y is shown at the least.
+        more: how many curves there are that are not drawn.
+    """
+    heights = [y for curve in curves.values() for _, y in curve.points if math.isfinite(y)]
+    low, high = min(heights), max(heights)
+    air = max(MARGIN * (high - low), (least - (high - low)) / 2) or 0.5
+    axes = _Axes(x_range, (low - air, high + air))
+    root = svg.new_picture(WIDTH, HEIGHT)
+    axes.draw(root, labels)
+    for curve, colour in zip(curves.values(), svg.SERIES):
+        axes.draw_curve(root, curve.points, colour)
+    _draw_legend(root, curves, more)
+    return svg.to_text(root)
+
+
+class _Axes(NamedTuple):
+    """What part of the plane is shown."""
+
     x_range: Point
     y_range: Point
 
-    def x(self, value: float) -> float:
-        """Where a value lies from left to right [px]."""
-        low, high = self.x_range
-        return self.left + (self.right - self.left) * (value - low) / (high - low)
-
-    def y(self, value: float) -> float:
-        """Where a value lies from top to bottom [px]."""
-        low, high = self.y_range
-        return self.bottom - (self.bottom - self.top) * (value - low) / (high - low)
-
-    def grid(self, root: Element, x_unit: str, y_unit: str) -> None:
+    def draw(self, root: Element, labels: tuple[str, str]) -> None:
         """Draw lines at round numbers, with the numbers."""
-        small = f"fill:{svg.MUTED};font-size:11px"
         step, ticks = nice_ticks(*self.y_range, most=6)
         for tick in ticks:
-            y = self.y(tick)
-            svg.draw(root, "line", f"stroke:{svg.RULE}", x1=self.left, y1=y, x2=self.right, y2=y)
-            svg.write(root, self.left - 6, y + 4, tick_text(tick, step), small, "end")
+            _, y = self._place((0.0, tick))
+            svg.draw(root, "line", f"stroke:{svg.RULE}", x1=LEFT, y1=y, x2=RIGHT, y2=y)
+            svg.write(root, LEFT - 6, y + 4, tick_text(tick, step), SMALL, "end")
         step, ticks = nice_ticks(*self.x_range, most=8 if self.x_range[1] < 1e5 else 4)
         for tick in ticks:
-            x = self.x(tick)
-            svg.draw(root, "line", f"stroke:{svg.RULE}", x1=x, y1=self.top, x2=x, y2=self.bottom)
-            svg.write(root, x, self.bottom + 15, tick_text(tick, step), small, "middle")
-        svg.write(root, self.left - 6, self.top - 14, y_unit, small, "end")
-        svg.write(root, self.right, self.bottom + 30, x_unit, small, "end")
+            x, _ = self._place((tick, 0.0))
+            svg.draw(root, "line", f"stroke:{svg.RULE}", x1=x, y1=TOP, x2=x, y2=BOTTOM)
+            svg.write(root, x, BOTTOM + 15, tick_text(tick, step), SMALL, "middle")
+        svg.write(root, LEFT - 6, TOP - 14, labels[1], SMALL, "end")
+        svg.write(root, RIGHT, BOTTOM + 30, labels[0], SMALL, "end")
 
-    def curve(self, root: Element, points: Sequence[Point], number: int) -> None:
-        """Draw one curve; a lone point as a dot."""
-        places = [(self.x(x), self.y(y)) for x, y in points]
-        if len(places) == 1:
-            svg.draw(root, "circle", f"fill:{_colour(number)}", cx=places[0][0], cy=places[0][1], r=2)
-            return
-        style = f"fill:none;stroke:{_colour(number)};stroke-width:1.6;stroke-linejoin:round"
-        svg.draw(root, "polyline", style, points=svg.points_text(places))
+    def draw_curve(self, root: Element, points: Sequence[Point], colour: str) -> None:
+        """Draw a curve's pieces; a lone point as a dot."""
+        pieces = [[*piece] for is_finite, piece in groupby(points, lambda point: math.isfinite(point[1])) if is_finite]
+        for piece in pieces[-MOST_PIECES:]:
+            places = [self._place(point) for point in thin(piece, max(2, POINTS_DRAWN // len(pieces)))]
+            if len(places) == 1:
+                svg.draw(root, "circle", f"fill:{colour}", cx=places[0][0], cy=places[0][1], r=2)
+            else:
+                style = f"fill:none;stroke:{colour};stroke-width:1.6;stroke-linejoin:round"
+                svg.draw(root, "polyline", style, points=svg.points_text(places))
 
-    def legend(self, root: Element, names: Sequence[str], values: Sequence[str], more: int = 0) -> None:
-        """Name the curves, each with a value, to the right of them.
+    def _place(self, point: Point) -> Point:
+        """Where a point lies [px]."""
+        (left, right), (low, high) = self
+        x, y = (point[0] - left) / (right - left), (point[1] - low) / (high - low)
+        return LEFT + (RIGHT - LEFT) * x, BOTTOM - (BOTTOM - TOP) * y
 
-        Args:
-            root: where to draw.
-            names: one for each curve.
-            values: one for each curve, below its name.
-            more: how many there are that are not drawn.
-        """
-        x = self.right + 16
-        for i, (name, value) in enumerate(zip(names, values)):
-            y = self.top + 6 + i * ROW
-            svg.draw(root, "line", f"stroke:{_colour(i)};stroke-width:3", x1=x, y1=y, x2=x + 14, y2=y)
-            text = svg.write(root, x + 20, y + 4, svg.shorten(name, LONGEST_NAME), f"fill:{svg.INK}")
-            svg.draw(text, "title").text = f"{name}: {value}"
-        if more:
-            y = self.top + 6 + len(names) * ROW
-            svg.write(root, x + 20, y + 4, f"and {more} more", f"fill:{svg.MUTED}")
+
+def _draw_legend(root: Element, curves: Mapping[str, Curve], more: int) -> None:
+    """Name the curves, to the right of them, and each one's value for those who point at it."""
+    x = RIGHT + 16
+    for i, (name, curve) in enumerate(curves.items()):
+        y = TOP + 6 + i * ROW
+        svg.draw(root, "line", f"stroke:{svg.SERIES[i]};stroke-width:3", x1=x, y1=y, x2=x + 14, y2=y)
+        text = svg.write(root, x + 20, y + 4, svg.shorten(name, LONGEST_NAME))
+        svg.draw(text, "title").text = f"{name}: {curve.value}"
+    if more:
+        svg.write(root, x + 20, TOP + 10 + len(curves) * ROW, f"and {more} more", f"fill:{svg.MUTED}")
 
 
 def nice_ticks(low: float, high: float, most: int) -> tuple[float, list[float]]:
@@ -134,7 +154,3 @@ def thin(points: Sequence[Point], most: int) -> Sequence[Point]:
         stretch = points[start : start + size]
         thinned += sorted({min(stretch, key=itemgetter(1)), max(stretch, key=itemgetter(1))})
     return thinned
-
-
-def _colour(number: int) -> str:
-    return svg.SERIES[number % len(svg.SERIES)]

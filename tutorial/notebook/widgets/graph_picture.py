@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import islice, pairwise
+from dataclasses import dataclass
+from itertools import pairwise
 from xml.etree.ElementTree import Element
 
 from tutorial.notebook.widgets import svg
-from tutorial.notebook.widgets.graph_watch import TopicNews, Topology
+from tutorial.notebook.widgets.graph_watch import Topology
 from tutorial.notebook.widgets.layers import Edge, Layout, Place, Vertex, lay_out
 
 __all__ = ["picture"]
 
-MARGIN = 14.0  # [px]
+MARGIN = 8.0  # [px]
 HEIGHT = 42.0  # [px] of a node and of a topic
 LONGEST_NAME = 30  # characters
 CHARACTER = 7.3  # [px] about, of the code font
-MOST = 80  # nodes and topics that are drawn
-TWIN = 8.0  # [px] between an arrow's line and the middle, where another one runs the other way
+TWIN = 8.0  # [px] below the middle, where arrows leave and arrive that run the other way
 HEAD = 8.0  # [px] of an arrow
-SMALL = "font-size:11px"
 
 
 def picture(topology: Topology) -> tuple[str, str]:
@@ -30,78 +29,67 @@ def picture(topology: Topology) -> tuple[str, str]:
         text = "there are no nodes yet"
         return svg.notice(480, 80, text), text
     edges = _edges(topology)
-    joined = dict.fromkeys(key for edge in edges for key in edge if key in shapes)  # before what stands alone
-    shown = {key: shapes[key] for key in list({**joined, **shapes})[:MOST]}
-    edges = [(a, b) for a, b in edges if a in shown and b in shown]
-    layout = lay_out({key: shape.size for key, shape in shown.items()}, edges)
+    layout = lay_out({vertex: shape.width for vertex, shape in shapes.items()}, edges)
     width, height = layout.size
-    more = len(shapes) - len(shown) + topology.more
-    root = svg.new_picture(width + 2 * MARGIN, height + 2 * MARGIN + (20 if more else 0))
+    root = svg.new_picture(width + 2 * MARGIN, height + 2 * MARGIN + (20 if topology.more else 0))
     canvas = svg.draw(root, "g", transform=f"translate({MARGIN} {MARGIN})")
     for edge in edges:
-        _draw_arrow(canvas, edge, shown, layout, (edge[1], edge[0]) in edges)
-    for key, shape in shown.items():
-        shape.draw(canvas, layout.places[key])
-    if more:
-        svg.write(canvas, 0, height + 20, f"and {more:,} more, not shown", f"fill:{svg.MUTED}")
+        _draw_arrow(canvas, edge, shapes, layout)
+    for vertex, shape in shapes.items():
+        shape.draw(canvas, layout.places[vertex])
+    if topology.more:
+        svg.write(canvas, 0, height + 20, f"and {topology.more:,} more, not shown", f"fill:{svg.MUTED}")
     return svg.to_text(root), _words(topology)
 
 
-class _Node:
-    """An ellipse with a node's name; several nodes of one name share it, and it says so."""
+@dataclass(frozen=True)
+class _Shape:
+    """An ellipse with a node's name, or a box with a topic's, and a small line below it.
 
-    def __init__(self, name: str, count: int) -> None:
-        self._name = name
-        self._count = count
-        self._label = svg.shorten(name, LONGEST_NAME)
-        self._hint = f"{count} nodes of one name" if count > 1 else ""
-        self.size = (max(CHARACTER * len(self._label) + 36, 6.2 * len(self._hint) + 44), HEIGHT)
+    Several nodes of one name share an ellipse, and it says so.
+    """
+
+    name: str
+    title: str
+    hint: str
+    is_node: bool
+
+    @property
+    def label(self) -> str:
+        return svg.shorten(self.name, LONGEST_NAME)
+
+    @property
+    def width(self) -> float:
+        return max(CHARACTER * len(self.label) + (36 if self.is_node else 22), 6.2 * len(self.hint) + 44)
 
     def draw(self, canvas: Element, place: Place) -> None:
-        x, y = place
-        colour = svg.WARN if self._hint else svg.ACCENT
+        (x, y), width = place, self.width
         group = svg.draw(canvas, "g")
-        svg.draw(group, "title").text = f"node {self._name}"
-        style = f"fill:{svg.PAPER};stroke:{colour};stroke-width:1.8"
-        svg.draw(group, "ellipse", style, cx=x, cy=y, rx=self.size[0] / 2, ry=HEIGHT / 2)
-        _two_lines(group, place, self._label, self._hint, svg.WARN)
+        svg.draw(group, "title").text = self.title
+        if self.is_node:
+            style = f"fill:{svg.PAPER};stroke:{svg.WARN if self.hint else svg.ACCENT};stroke-width:1.8"
+            svg.draw(group, "ellipse", style, cx=x, cy=y, rx=width / 2, ry=HEIGHT / 2)
+        else:
+            style = f"fill:{svg.PAPER};stroke:{svg.LINE};stroke-width:1.4"
+            svg.draw(group, "rect", style, x=x - width / 2, y=y - HEIGHT / 2, width=width, height=HEIGHT, rx=3)
+        name_style = f"fill:{svg.INK};font-family:{svg.CODE_FONT}"
+        svg.write(group, x, y + (-2 if self.hint else 4), self.label, name_style, "middle")
+        if self.hint:
+            colour = svg.WARN if self.is_node else svg.MUTED
+            svg.write(group, x, y + 12, self.hint, f"fill:{colour};font-size:11px", "middle")
 
     def edge(self, dy: float) -> float:
         """How far the border is from the middle, at a height [px]."""
-        return self.size[0] / 2 * math.sqrt(1 - (2 * dy / HEIGHT) ** 2)
+        return self.width / 2 * (math.sqrt(1 - (2 * dy / HEIGHT) ** 2) if self.is_node else 1)
 
 
-class _Topic:
-    """A box with a topic's name and its rate."""
-
-    def __init__(self, name: str, news: TopicNews) -> None:
-        self._name = name
-        self._news = news
-        self._label = svg.shorten(name, LONGEST_NAME)
-        self.size = (max(CHARACTER * len(self._label) + 22, 64.0), HEIGHT - 4)
-
-    def draw(self, canvas: Element, place: Place) -> None:
-        (x, y), (width, height) = place, self.size
-        group = svg.draw(canvas, "g")
-        svg.draw(group, "title").text = f"topic {self._name} of type {self._news.type_name}"
-        style = f"fill:{svg.PAPER};stroke:{svg.LINE};stroke-width:1.4"
-        svg.draw(group, "rect", style, x=x - width / 2, y=y - height / 2, width=width, height=height, rx=3)
-        _two_lines(group, place, self._label, _rate_text(self._news.rate), svg.MUTED)
-
-    def edge(self, _dy: float) -> float:
-        """How far the border is from the middle [px]."""
-        return self.size[0] / 2
-
-
-_Shapes = dict[Vertex, _Node | _Topic]
-
-
-def _shapes(topology: Topology) -> _Shapes:
-    """What is to be drawn; a node that publishes or subscribes counts, also if it has not told its name yet."""
-    seen = {name for news in topology.topics.values() for name in (*news.publishers, *news.subscribers)}
-    names = sorted({*topology.nodes, *seen})
-    shapes: _Shapes = {("node", name): _Node(name, topology.nodes.get(name, 1)) for name in names}
-    return shapes | {("topic", name): _Topic(name, news) for name, news in topology.topics.items()}
+def _shapes(topology: Topology) -> dict[Vertex, _Shape]:
+    shapes: dict[Vertex, _Shape] = {}
+    for name, count in topology.nodes.items():
+        shapes["node", name] = _Shape(name, f"node {name}", f"{count} nodes of one name" if count > 1 else "", True)
+    for name, news in topology.topics.items():
+        shapes["topic", name] = _Shape(name, f"topic {name} of type {news.type_name}", _rate_text(news.rate), False)
+    return shapes
 
 
 def _edges(topology: Topology) -> list[Edge]:
@@ -112,24 +100,17 @@ def _edges(topology: Topology) -> list[Edge]:
     return edges
 
 
-def _two_lines(group: Element, place: Place, label: str, hint: str, colour: str) -> None:
-    x, y = place
-    svg.write(group, x, y + (-2 if hint else 4), label, f"fill:{svg.INK};font-family:{svg.CODE_FONT}", "middle")
-    if hint:
-        svg.write(group, x, y + 12, hint, f"fill:{colour};{SMALL}", "middle")
-
-
-def _draw_arrow(canvas: Element, edge: Edge, shapes: _Shapes, layout: Layout, has_twin: bool) -> None:
+def _draw_arrow(canvas: Element, edge: Edge, shapes: dict[Vertex, _Shape], layout: Layout) -> None:
     """Draw a line from shape to shape, through the edge's lanes, that leaves and arrives horizontally."""
     (x1, y1), (x2, y2) = (layout.places[end] for end in edge)
     sign = -1 if edge in layout.backward else 1
-    dy = sign * -TWIN if has_twin or sign < 0 else 0.0
+    dy = TWIN if sign < 0 else 0.0
     start = (x1 + sign * shapes[edge[0]].edge(dy), y1 + dy)
     tip = (x2 - sign * shapes[edge[1]].edge(dy), y2 + dy)
-    back = tip[0] - sign * HEAD
-    line = _curve([start, *layout.lanes.get(edge, []), (back, tip[1])])
+    back = (tip[0] - sign * HEAD, tip[1])
+    line = _curve([start, *layout.lanes[edge], back])
     svg.draw(canvas, "path", f"fill:none;stroke:{svg.LINE};stroke-width:1.4", d=line)
-    corners = svg.points_text([tip, (back, tip[1] - HEAD / 2), (back, tip[1] + HEAD / 2)])
+    corners = svg.points_text([tip, (back[0], tip[1] - HEAD / 2), (back[0], tip[1] + HEAD / 2)])
     svg.draw(canvas, "polygon", f"fill:{svg.LINE}", points=corners)
 
 
@@ -152,16 +133,13 @@ def _words(topology: Topology) -> str:
     """The graph in words: its nodes, then each topic with those who publish and subscribe."""
     nodes = [name if count == 1 else f"{name} ({count} nodes of one name)" for name, count in topology.nodes.items()]
     said = [f"Nodes: {_listed(nodes)}."]
-    for topic, news in islice(topology.topics.items(), MOST):
-        rate = _rate_text(news.rate)
-        label = f"{topic} ({rate})" if rate else topic
-        said.append(f"{label}: from {_listed(news.publishers)} to {_listed(news.subscribers)}.")
-    more = max(0, len(topology.topics) - MOST) + topology.more
-    if more:
-        said.append(f"And {more:,} more topics.")
+    for topic, news in topology.topics.items():
+        rate = f" ({_rate_text(news.rate)})" if news.rate is not None else ""
+        said.append(f"{topic}{rate}: from {_listed(news.publishers)} to {_listed(news.subscribers)}.")
+    if topology.more:
+        said.append(f"And {topology.more:,} more.")
     return " ".join(said)
 
 
 def _listed(names: Sequence[str]) -> str:
-    shown = [*names[:MOST], *([f"{len(names) - MOST:,} more"] if len(names) > MOST else [])]
-    return ", ".join(shown) or "nobody"
+    return ", ".join(names) or "nobody"

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import time
 from collections import Counter, deque
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 
+from rclpy.exceptions import NameValidationException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
@@ -14,12 +15,12 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.listing import topics_with_types
-from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name, full_name, is_hidden, is_valid_topic, message_class
+from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name, full_name, is_hidden, message_class
 
 __all__ = ["GraphWatch", "TopicNews", "Topology"]
 
-MOST_TOPICS = 40  # that are looked into
-LOOKS_KEPT = 4  # of a topic's count, for its rate
+MOST = 40  # nodes, and topics, that are looked into
+LOOKS_KEPT = 7  # of a topic's count, for its rate
 DEPTH = 100  # messages that may wait for the executor without being lost to the count
 
 
@@ -39,15 +40,20 @@ class TopicNews:
     publishers: tuple[str, ...]
     subscribers: tuple[str, ...]
 
+    def among(self, nodes: Collection[str]) -> TopicNews:
+        """The same with these nodes only."""
+        publishers, subscribers = (tuple(filter(nodes.__contains__, n)) for n in (self.publishers, self.subscribers))
+        return replace(self, publishers=publishers, subscribers=subscribers)
+
 
 @dataclass(frozen=True)
 class Topology:
     """The node graph at one moment, without what is hidden; all names are as `escape_name`.
 
     Attributes:
-        nodes: how many nodes have each full name.
+        nodes: how many nodes have each full name; those that publish or subscribe are among them.
         topics: by name.
-        more: how many topics there are beside these, which were not looked into.
+        more: how many nodes and topics there are beside these.
     """
 
     nodes: dict[str, int] = field(default_factory=dict)
@@ -60,13 +66,11 @@ class GraphWatch:
 
     Args:
         node: that asks and subscribes.
-        rates: count messages, too.
     """
 
-    def __init__(self, node: Node, rates: bool = True) -> None:
+    def __init__(self, node: Node) -> None:
         self._node = node
-        self._rates = rates
-        self._meters: dict[str, _RateMeter] = {}
+        self._meters: dict[str, _RateMeter | None] = {}
         self._known: set[str] = set()
 
     def look(self) -> Topology:
@@ -74,60 +78,64 @@ class GraphWatch:
 
         Of very many topics, those that it has looked into before come first, whoever brings others.
         """
-        names = (full_name(name, space) for name, space in self._node.get_node_names_and_namespaces())
-        nodes = Counter(sorted(escape_name(name) for name in names if not is_hidden(name)))
         found = {topic: types for topic, types in topics_with_types(self._node).items() if topic not in EVERY_NODE_HAS}
-        chosen = sorted(sorted(found, key=lambda topic: topic not in self._known)[:MOST_TOPICS])
+        chosen = sorted(sorted(found, key=lambda topic: topic not in self._known)[:MOST])
         news = {topic: self._news(topic, found[topic]) for topic in chosen}
-        self._known = {topic for topic, each in news.items() if each.publishers or each.subscribers}
-        for topic in tuple(self._meters):
-            if topic not in news or not news[topic].publishers:
-                self._meters.pop(topic).close()
-        topics = {escape_name(topic): each for topic, each in news.items() if topic in self._known}
-        return Topology(dict(nodes), topics, len(found) - len(chosen))
+        news = {topic: each for topic, each in news.items() if each.publishers or each.subscribers}
+        self._known = set(news)
+        for topic in self._meters.keys() - {topic for topic, each in news.items() if each.publishers}:
+            if meter := self._meters.pop(topic):
+                meter.close()
+        nodes, more = self._nodes({name for each in news.values() for name in (*each.publishers, *each.subscribers)})
+        topics = {escape_name(topic): each.among(nodes) for topic, each in news.items()}
+        return Topology(nodes, topics, more + len(found) - len(chosen))
+
+    def _nodes(self, on_topics: set[str]) -> tuple[dict[str, int], int]:
+        """Count the nodes of each name, those on topics first, and how many more names there are.
+
+        A node that publishes or subscribes counts, also if it has not told its name yet.
+        """
+        names = (full_name(*each) for each in self._node.get_node_names_and_namespaces())
+        counts = Counter(escape_name(name) for name in names if not is_hidden(name))
+        every = sorted(on_topics | counts.keys(), key=lambda name: (name not in on_topics, name))
+        return {name: counts[name] or 1 for name in sorted(every[:MOST])}, len(every[MOST:])
 
     def _news(self, topic: str, types: list[str]) -> TopicNews:
         publishers = _visible(publishers_on(self._node, topic))
         subscribers = _visible(subscriptions_on(self._node, topic))
-        rate = self._rate(topic, types) if publishers and self._rates else None
+        rate = self._rate(topic, types) if publishers else None
         return TopicNews(", ".join(map(escape_name, types)), rate, publishers, subscribers)
 
     def _rate(self, topic: str, types: list[str]) -> float | None:
         """How often a topic's messages come; from the first time on that this is asked."""
         if topic not in self._meters:
-            self._meters[topic] = _RateMeter(self._node, topic, types)
-        return self._meters[topic].rate()
+            try:
+                (type_name,) = types
+                self._meters[topic] = _RateMeter(self._node, topic, message_class(type_name))
+            except (ValueError, TutorialError, NameValidationException):  # several types, none that is installed here,
+                self._meters[topic] = None  # or a name that breaks the rules
+        meter = self._meters[topic]
+        return meter.rate() if meter is not None else None
 
 
 class _RateMeter:
     """Counts the messages of one topic, which it does not even decode."""
 
-    def __init__(self, node: Node, topic: str, types: list[str]) -> None:
+    def __init__(self, node: Node, topic: str, kind: type) -> None:
         self._count = 0
         self._looks: deque[tuple[float, int]] = deque(maxlen=LOOKS_KEPT)
         self._node = node
-        self._subscription: Any = None
-        try:
-            (type_name,) = types
-            kind = message_class(type_name)
-        except (ValueError, TutorialError):  # several types, or one that is not installed here
-            return
-        if not is_valid_topic(topic):  # no node can subscribe to it
-            return
         qos = QoSProfile(depth=DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
         self._subscription = node.create_subscription(kind, topic, self._on_message, qos, raw=True)
 
     def rate(self) -> float | None:
         """Messages per second since the last few looks [Hz]; None until there are two looks."""
-        if self._subscription is None:
-            return None
         self._looks.append((time.monotonic(), self._count))
         (began, before), (now, count) = self._looks[0], self._looks[-1]
         return (count - before) / (now - began) if now > began else None
 
     def close(self) -> None:
-        if self._subscription is not None:
-            self._node.destroy_subscription(self._subscription)
+        self._node.destroy_subscription(self._subscription)
 
     def _on_message(self, _message: bytes) -> None:
         self._count += 1

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import traitlets
 
-from tutorial.handoff import ThreadGuard
 from tutorial.notebook.widgets.cell_widget import CellWidget
 from tutorial.view.assets import read_static
 
@@ -12,7 +11,7 @@ __all__ = ["Picture"]
 
 
 class Picture(CellWidget):
-    """Shows an SVG in a cell, and every later one in its place. It belongs to the thread that made it.
+    """Shows an SVG in a cell, and every later one in its place.
 
     What comes into the page is shapes and text: scripts, links and everything else are left out on the way.
 
@@ -32,7 +31,6 @@ class Picture(CellWidget):
     alt = traitlets.Unicode().tag(sync=True)
 
     def __init__(self, svg: str = "", alt: str = "", name: str = "") -> None:
-        self._guard = ThreadGuard("the picture")
         self._name = name
         super().__init__(svg=svg, alt=alt)
 
@@ -40,11 +38,6 @@ class Picture(CellWidget):
         return f"{type(self).__name__}({self._name!r})"
 
     def show(self, svg: str, alt: str) -> None:
-        """Show another picture, with its description.
-
-        Raises:
-            WrongThreadError: called on another thread than the one that made it.
-        """
-        self._guard.check("Picture.show")
+        """Show another picture, with its description. Main thread."""
         with self.hold_sync():  # one message for both
             self.svg, self.alt = svg, alt

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
 
@@ -102,6 +101,4 @@ def to_text(root: Element) -> str:
 
 
 def _number(value: float) -> str:
-    if not math.isfinite(value):
-        raise ValueError(f"{value} is no place in a picture")
     return f"{value:.2f}".rstrip("0").rstrip(".")

@@ -19,59 +19,35 @@ function imageData(bytes, width, height, encoding) {
   return image;
 }
 
-function render({model, el}) {
-  const view = `${Date.now().toString(36)}-${Math.random().toString(36).slice(2)}`;
-  const box = make("div", "tank-image");
-  const canvas = make("canvas", "", {role: "img", "aria-label": `the pictures on ${model.get("title")}`});
-  const line = make("div", "tank-image-line", {}, model.get("line"));
-  [canvas.width, canvas.height] = [320, 240];
-  box.append(canvas, line);
-  el.append(box);
+class PictureView extends FrameView {
+  constructor(model, el) {
+    super(model);
+    this.canvas = make("canvas", "", {role: "img", "aria-label": `the pictures on ${model.get("title")}`});
+    [this.canvas.width, this.canvas.height] = [320, 240];
+    this.line = make("div", "tank-image-line");
+    this.text = "";
+    const box = make("div", "tank-image");
+    box.append(this.canvas, this.line);
+    el.append(box);
+    this.onEnded();
+    this.connect();
+  }
 
-  let isGone = false;
-  const say = (message) => {
-    if (!isGone) send(model, {...message, view});
-  };
-  const suffix = () => (isGone || model.get("ended") ? " – closed: this is its last picture" : "");
-  let text = model.get("line");
-  const label = () => { line.textContent = text + suffix(); };
-  const onMessage = (message, buffers) => {
-    if (message.type !== "frame") return;
-    const {width, height, encoding, frame} = message;
-    const {buffer, byteOffset, byteLength} = buffers[0];
-    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-    const bytes = new Uint8Array(buffer, byteOffset, byteLength);
-    canvas.getContext("2d").putImageData(imageData(bytes, width, height, encoding), 0, 0);
-    text = message.line;
-    label();
-    // Not before the browser has come to draw it: a page that is slow, or not looked at, asks for less.
-    requestAnimationFrame(() => say({type: "drawn", frame}));
-  };
-  const onLine = () => {
-    text = model.get("line");
-    label();
-  };
-  const leave = () => say({type: "bye"});
-  const hello = () => say({type: "hello"});
-  const unwatch = watchKernel(
-    model,
-    () => { isGone = true; label(); },
-    (isThere) => { if (isThere) hello(); },
-  );
-  model.on("msg:custom", onMessage);
-  model.on("change:line", onLine);
-  model.on("change:ended", label);
-  window.addEventListener("pagehide", leave);
-  label();
-  hello();
-  return () => {
-    leave();
-    unwatch();
-    model.off("msg:custom", onMessage);
-    model.off("change:line", onLine);
-    model.off("change:ended", label);
-    window.removeEventListener("pagehide", leave);
-  };
+  show({line, width, height, encoding}, {buffer, byteOffset, byteLength}) {
+    const {canvas} = this;
+    if (width) {
+      if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+      const bytes = new Uint8Array(buffer, byteOffset, byteLength);
+      canvas.getContext("2d").putImageData(imageData(bytes, width, height, encoding), 0, 0);
+    }
+    this.text = line;
+    this.onEnded();
+  }
+
+  onEnded() {
+    const isOver = this.isGone || this.model.get("ended");
+    this.line.textContent = this.text + (isOver ? " – closed: this is its last picture" : "");
+  }
 }
 
-export default {render};
+export default showing(PictureView);

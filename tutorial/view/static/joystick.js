@@ -242,9 +242,4 @@ class CellView {
   }
 }
 
-export default {
-  render({model, el}) {
-    const view = new CellView(model, el);
-    return () => view.dispose();
-  },
-};
+export default showing(CellView);

@@ -1,0 +1,84 @@
+"""The protocol of frames: what is sent to which view, and when it stops."""
+
+import pytest
+
+from tutorial.errors import TutorialError
+from tutorial.notebook.widgets.frame_widget import FrameWidget
+
+from .pages import say
+
+
+class Numbers(FrameWidget):
+    """Shows a number."""
+
+    AHEAD = 3
+    _esm = "export default {}"
+    newest = 0
+
+    def whole(self):
+        return bytes([self.newest]), {"text": str(self.newest)}
+
+    def show(self, *numbers):
+        for self.newest in numbers:
+            content, fields = self.whole()
+            self.send_frame(content, **fields)
+
+
+def taken(sent):
+    """What was sent since this was last asked: (type, number of the frame, what it shows)."""
+    messages = [(content["type"], content["frame"], buffers[0][0]) for content, buffers in sent]
+    sent.clear()
+    return messages
+
+
+async def test_a_view_is_sent_the_whole_and_then_each_frame_until_it_says_goodbye(sent):
+    widget = Numbers("numbers")
+    assert repr(widget) == "Numbers('numbers')"
+    widget.show(1)
+    assert sent == []
+    await say(widget, "hello")
+    assert sent == [({"type": "whole", "view": "page", "frame": 0, "text": "1"}, [b"\1"])]
+    sent.clear()
+    widget.show(2)
+    assert sent == [({"type": "frame", "frame": 1, "text": "2"}, [b"\2"])]
+    await say(widget, "bye")
+    widget.show(3)
+    assert len(sent) == 1
+
+
+async def test_nothing_is_sent_to_a_view_that_does_not_answer_and_it_catches_up_with_the_whole(sent):
+    widget = Numbers("numbers")
+    await say(widget, "hello")
+    widget.show(*range(1, 10))
+    assert taken(sent) == [("whole", 0, 0), ("frame", 1, 1), ("frame", 2, 2)]
+    assert widget.views == 0
+    await say(widget, "seen", frame=1)
+    assert taken(sent) == [("whole", 2, 9)]
+    await say(widget, "seen", frame=2)
+    widget.show(10)
+    assert taken(sent) == [("frame", 3, 10)]
+
+
+async def test_who_keeps_up_is_sent_everything_whoever_else_is_asleep(sent):
+    widget = Numbers("numbers")
+    for view in ("awake", "asleep"):
+        await say(widget, "hello", view)
+    sent.clear()
+    for number in range(1, 10):
+        widget.show(number)
+        await say(widget, "seen", "awake", frame=number)
+    assert [number for _, _, number in taken(sent)] == [*range(1, 10)]
+    assert widget.views == 1
+
+
+async def test_what_makes_no_sense_is_ignored(sent):
+    widget = Numbers("numbers")
+    for content in (None, "hello", {}, {"type": "hello"}, {"type": "hello", "view": 3}, {"type": "what", "view": "x"}):
+        widget._handle_custom_msg(content, [])
+    await say(widget, "seen", frame="many")
+    assert (sent, widget.views) == ([], 0)
+
+
+def test_without_an_event_loop_it_says_where_to_make_it():
+    with pytest.raises(TutorialError, match=r"none runs here\. Make it in a cell"):
+        Numbers("numbers")

@@ -1,0 +1,108 @@
+"""A widget that sends frames to the pages that show it, and the one protocol that they keep.
+
+A view on a page says ``hello``, and is sent the ``whole``: all that there is to see. After that every view is sent each
+``frame``, which has a number, and says which one it has ``seen``. A view that is too far behind, because its page is
+slow, asleep or closed, is not sent for any more. When it says that it has seen a frame, it is sent the whole again.
+"""
+
+from __future__ import annotations
+
+import threading
+from typing import Any, ClassVar
+
+import msgspec
+import traitlets
+
+from tutorial.errors import running_loop
+from tutorial.handoff import CallQueue
+from tutorial.notebook.widgets.cell_widget import CellWidget, parse_message
+
+__all__ = ["FrameWidget"]
+
+NO_LOOP = "a view in a cell needs the event loop of the notebook's kernel, and none runs here. Make it in a cell."
+
+
+class _Words(msgspec.Struct):
+    """What a page says."""
+
+    type: str
+    view: str
+    frame: int = 0
+
+
+class FrameWidget(CellWidget):
+    """Sends frames to every view that keeps up. Make it on the main thread, while its loop runs.
+
+    Args:
+        title: what it shows, also for its ``repr``.
+
+    Attributes:
+        AHEAD: how many frames may be on their way to a view.
+        calls: what callbacks of any thread post with.
+        frame: the number of the last frame that was sent.
+
+    Raises:
+        TutorialError: no event loop runs.
+    """
+
+    AHEAD: ClassVar[int]
+    title = traitlets.Unicode().tag(sync=True)
+
+    def __init__(self, title: str) -> None:
+        self.calls = CallQueue(running_loop(NO_LOOP)).scope(title)
+        self.frame = 0
+        self._lock = threading.Lock()
+        self._seen: dict[str, int] = {}  # the last frame that each view has seen
+        super().__init__(title=title)
+        self.on_msg(self._on_message)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.title!r})"
+
+    @property
+    def views(self) -> int:
+        """How many views of it are on pages that keep up."""
+        return len(self._seen)
+
+    def whole(self) -> tuple[bytes, dict[str, Any]]:
+        """All that there is to see, as the arguments of `send_frame`. Main thread."""
+        raise NotImplementedError
+
+    def send_frame(self, content: bytes, **fields: Any) -> None:
+        """Send a frame, if there is a view that keeps up. Main thread.
+
+        Args:
+            content: binary.
+            fields: what else there is to say of it, as JSON.
+        """
+        with self._lock:
+            self._seen = {view: seen for view, seen in self._seen.items() if self.frame - seen < self.AHEAD}
+            if not self._seen:
+                return
+            self.frame += 1
+        self.say("frame", [content], frame=self.frame, **fields)
+
+    def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
+        """Take what a page says: on whatever thread, so what belongs to the main thread is posted."""
+        match parse_message(content, _Words):
+            case _Words(type="hello", view=view):
+                self.calls.call_latest(("hello", view), self._welcome, view)
+            case _Words(type="seen", view=view, frame=frame) if not self._note(view, frame):
+                self.calls.call_latest(("hello", view), self._welcome, view)
+            case _Words(type="bye", view=view):
+                with self._lock:
+                    self._seen.pop(view, None)
+
+    def _note(self, view: str, frame: int) -> bool:
+        """Note what a view has seen; False for one that is not sent for, and has missed frames."""
+        with self._lock:
+            if view in self._seen:
+                self._seen[view] = frame
+            return view in self._seen
+
+    def _welcome(self, view: str) -> None:
+        """Send one view the whole, which it has yet to see, and from now on each frame. Main thread."""
+        content, fields = self.whole()
+        with self._lock:
+            self._seen[view] = self.frame - 1
+        self.say("whole", [content], view=view, frame=self.frame, **fields)
