@@ -14,7 +14,6 @@ from typing import Any, cast
 import mujoco
 from builtin_interfaces.msg import Time
 from rclpy.clock import Clock
-from rclpy.exceptions import InvalidHandle
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.logging import get_logger
 
@@ -27,18 +26,28 @@ from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.paths import HOME
 from tutorial.world import Placement, compose
 
-__all__ = ["MODELS", "Endpoint", "MemoryNode", "Rig", "Sent", "Watched", "check_has"]
+__all__ = ["APART", "MODELS", "Endpoint", "MemoryNode", "Rig", "Sent", "Watched", "check_has"]
 
 MODELS = HOME / "project" / "models"
+NOTHING = "nothing is left"
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
-THREAD = (
-    "Most likely a thread of its own publishes: it goes by the wall clock, and the simulated body belongs to the "
-    "simulation's thread. Publish in control, and count steps."
+APART = (
+    "Most likely a timer, or a thread of its own, publishes: it goes by the wall clock, and the simulated body belongs "
+    "to the simulation's thread. Publish in control, and count steps: simulated time is io.step * io.time_step."
 )
-TIMER = (
-    "Most likely a timer publishes: it goes by the wall clock, on the executor's thread. Count steps in control: "
-    "simulated time is io.step * io.time_step."
+IN_STOP = (
+    "Most likely the publisher is destroyed in stop, but made in configure: after a restart there is none. Destroy it "
+    "in unconfigure."
+)
+THE_NODE = "config.node belongs to the whole program: unconfigure destroys only the {0}, {1}."
+TOO_MANY = (
+    "Most likely more is made than is destroyed, as at every start, or where super().configure(config) has made one "
+    "already: make one {0}, once, in configure."
+)
+LEFT = (
+    "Most likely unconfigure is missing, or does not call {1}: a flag, None or self.{0}.destroy() does not tell the "
+    "node, which still has the {0}."
 )
 
 
@@ -62,7 +71,7 @@ class Endpoint:
     def publish(self, message: Any) -> None:
         """Keep a message, as the node is told to."""
         if self.destroyed:
-            raise InvalidHandle
+            raise Misuse(f"it publishes on {self.topic} with a publisher that is destroyed", IN_STOP)
         if not isinstance(message, self.kind):
             raise TypeError(f"Expected {self.kind}, got {type(message)}")
         self._node.publish(self, message)
@@ -138,7 +147,20 @@ class MemoryNode:
             return "the program's node is gone"
         alone = " and was not told of its end" * any(each.destroyed for each in self.endpoints)
         left = f"the node still has {len(self.endpoints)} of {self.made} topics{alone}"
-        return left if self.endpoints else "nothing is left"
+        return left if self.endpoints else NOTHING
+
+    def check_left(self) -> str:
+        """Say that the learner has left nothing behind.
+
+        Raises:
+            Failure: something is left.
+        """
+        left, kind = self.left(), "subscription" if self.subscriptions else "publisher"
+        if left != NOTHING:
+            cause = THE_NODE if self.destroyed else TOO_MANY if len(self.endpoints) < self.made else LEFT
+            mend = f"self.node.destroy_{kind}(self.{kind})"
+            raise Failure("unconfigure", Misuse(left, cause.format(kind, mend)), None)
+        return left
 
     def destroy_node(self) -> None:
         """Note that the whole node was destroyed."""
@@ -214,7 +236,7 @@ class Sent:
         step: the simulation's at which it was published. If another thread than the simulation's has published it,
             that of its stamp.
         stamp_ns: its stamp [ns]; 0 where it has none.
-        message: what is kept of it.
+        message: a copy of it.
     """
 
     topic: str
@@ -233,7 +255,6 @@ class Rig:
         name: the body's name.
         time_step: of the simulation [s].
         namespace: of the node.
-        keep: returns what is to be kept of a message, a copy.
         node: a real one; None for one in memory.
 
     Attributes:
@@ -257,7 +278,6 @@ class Rig:
         name: str = "Rover",
         time_step: float = 0.001,
         namespace: str = "/",
-        keep: Callable[[Any], Any] = deepcopy,
         node: Any = None,
     ) -> None:
         self.displayed, self.body = _bodies(model, name)
@@ -265,7 +285,7 @@ class Rig:
         self.before, self.after, self.sent = before, after, list[Sent]()
         self.io = ControllerIO(self.body, time_step)
         self.node = node or cast("Any", MemoryNode(self._publish, namespace))
-        self._answer, self._keep = answer, keep
+        self._answer = answer
         self._thread, self._threads = threading.current_thread(), set(threading.enumerate())
         self.learner = Watched(answer)
         self.learner.configure(ControllerConfig(self.displayed, self.node, _drop, _drop))
@@ -275,9 +295,9 @@ class Rig:
         self.begun = self.io.step = step
         self.learner.initialize(self.io)
         if [*self.node.timers]:
-            raise Failure("configure", Misuse("it makes a timer", TIMER), None)
+            raise Failure("configure", Misuse("it makes a timer", APART), None)
         if "thread" in watch.noted and missing(self._answer, "control"):
-            raise Failure("initialize", Misuse("it starts a thread of its own", THREAD), watch.noted["thread"])
+            raise Failure("initialize", Misuse("it starts a thread of its own", APART), watch.noted["thread"])
         check_has(self._answer, "control")
 
     def advance(self, steps: int) -> None:
@@ -316,17 +336,17 @@ class Rig:
             time.sleep(QUIET)
 
     def leave(self) -> str:
-        """Have the controller leave its body, and say what it has left behind."""
+        """Have the controller leave its body, and say that it has left nothing behind."""
         check_has(self._answer, "unconfigure", misspelled=True)
         self.learner.unconfigure()
-        return str(self.node.left())
+        return str(self.node.check_left())
 
     def _publish(self, publisher: Endpoint, message: Any) -> None:
         stamp = message.header.stamp if hasattr(message, "header") else Time()
         stamp_ns, step = stamp.sec * 1_000_000_000 + stamp.nanosec, self.io.step
         if threading.current_thread() is not self._thread:
             step = round(stamp_ns / 1e9 / self.io.time_step)
-        self.sent.append(Sent(publisher.topic, step, stamp_ns, self._keep(message)))
+        self.sent.append(Sent(publisher.topic, step, stamp_ns, deepcopy(message)))
 
 
 def check_has(answer: type, method: str, misspelled: bool = False) -> None:

@@ -79,9 +79,6 @@ class GentleTank(SimpleController):
 
 
 MISTAKES = mistakes("""
-initialize throws away what has come before: make what keeps the message in configure, and only there.
-    self.track_l = io => self.joy.put(Joy()) // self.track_l = io
-
 the stick is read once, in initialize: control has to look at every step, self.joy.get().
     self.track_l = io => self.once = self.joy.get() // self.track_l = io
     self.joy.get()) => self.once)
@@ -97,23 +94,24 @@ messages wait in a queue, one for each step: only the newest counts, until there
     self.node = config.node => self.node, self.queue = config.node, []
     self.joy.put(message) => self.queue.append(message)
     axes = => if self.queue: self.joy.put(self.queue.pop(0)) // axes =
-    if self.queue: => if self.queue: => if not self.queue: self.joy.put(Joy()) // if self.queue:
+    => self.joy.put(self.queue.pop(0) if self.queue else Joy()) // axes =
 
 a message counts for one step only: the stick is where it was last seen, until there is another one. Latest keeps it.
     left_x, left_y = => self.joy.put(Joy()) // left_x, left_y =
 
-a message with few axes is dropped, so the last speeds stay: the axes that it lacks count as 0.
-    self.joy.put(m => len(message.axes) > 0 and self.joy.put(m
-    > 0 and self => > 0 and self => > 1 and self => > 3 and self => == 4 and self
-
-a message with few axes counts as rest: only the axes that it lacks count as 0, the others count.
-    abs(axis) > 0.3 => len(self.joy.get().axes) > 1 and abs(axis) > 0.3
+a message with few axes is dropped, or counts as rest: only the axes that it lacks count as 0, the others as they are.
+    self.joy.put(m => len(message.axes) > 0 and self.joy.put(m => len(message.axes) > 1 and self.joy.put(m
+    => len(message.axes) > 3 and self.joy.put(m => len(message.axes) == 4 and self.joy.put(m
+    => self.joy.put(Joy() if len(message.axes) < 2 else m
 
 the speeds are limited to 1 m/s, which nobody asked for: in the corner it is 1.5 m/s.
     + 0.5 * left_x => + 0.5 * left_x // for t in (self.track_l, self.track_r): t.ctrl = min(max(t.ctrl, -1.0), 1.0)
 
 both tracks have one formula: the left one has - 0.5 * left_x, the right one + 0.5 * left_x.
     + 0.5 * left_x => - 0.5 * left_x => + 0.5 * left_x // self.track_l.ctrl = self.track_r.ctrl
+
+one track is forgotten: set the ctrl of TRACK_L and that of TRACK_R.
+    + 0.5 * left_x => + 0.5 * left_x // self.track_l.ctrl = 0.0 => + 0.5 * left_x // self.track_r.ctrl = 0.0
 
 nothing is set at rest, so the last speed stays: set 0 then.
     self.track_l.ctrl = 1 => if not left_x and not left_y: return // self.track_l.ctrl = 1
@@ -124,68 +122,36 @@ it reads the right stick: the left one is axes[0] and axes[1].
 the two axes are exchanged: axes[0] is x, to the left, axes[1] is y, ahead.
     left_x, left_y = => left_y, left_x =
 
-left_x has no dead zone: both axes have one.
-    self.track_l.ctrl = 1 => left_x = axes[0] // self.track_l.ctrl = 1
-
-left_y has no dead zone: both axes have one.
-    self.track_l.ctrl = 1 => left_y = axes[1] // self.track_l.ctrl = 1
-
-one track is forgotten: set the ctrl of TRACK_L and that of TRACK_R.
-    self.track_r.ctrl = 1 => forgotten = 1 => self.track_l.ctrl, self.track_r.ctrl = 0.0, 1
-
 the sign of left_y is wrong: forward is positive, for the stick and the tracks.
     1.0 * left_y => -1.0 * left_y
-
-these are the numbers of TankController; here they are 1.0 and 0.5.
-    1.0 * left_y => 2.0 * left_y
-    0.5 * left_x => 1.0 * left_x
-
-left_x counts in full: it counts half, 0.5 * left_x.
-    0.5 * left_x => 1.0 * left_x
-
-left_y counts half: it counts in full, 1.0 * left_y, and left_x half.
-    1.0 * left_y => 0.5 * left_y
-    0.5 * left_x => 0.5 * left_x => 1.0 * left_x
-
-left_x is left out, so the tank never turns: -0.5 * left_x and +0.5 * left_x.
-    0.5 * left_x => 0.0 * left_x
 
 left and right are exchanged: to the left, the left track slows down and the right one speeds up.
     0.5 * left_x => -0.5 * left_x
 
-the dead zone is missing: an axis within 0.3 of the middle counts as 0.
-    abs(axis) > 0.3 => True
+left_x is left out, so the tank never turns: -0.5 * left_x and +0.5 * left_x.
+    0.5 * left_x => 0.0 * left_x
 
-the dead zone is that of TankController, 0.2; here it is 0.3.
-    > 0.3 => > 0.2
+the numbers are others, as those of TankController: here they are 1.0 * left_y and 0.5 * left_x.
+    self.track_l.ctrl = 1 => left_x, left_y = 2 * left_x, 2 * left_y // self.track_l.ctrl = 1
+    => left_x = 2 * left_x // self.track_l.ctrl = 1 => left_y = left_y / 2 // self.track_l.ctrl = 1
+    => left_x, left_y = 2 * left_x, left_y / 2 // self.track_l.ctrl = 1
 
-the dead zone is too narrow: it is 0.3.
-    > 0.3 => > 0.03 => > 0.15 => > 0.28
+the dead zone is missing, or that of one axis: both axes count as 0 within 0.3 of the middle.
+    self.track_l.ctrl = 1 => left_x, left_y, *_ = axes // self.track_l.ctrl = 1
+    => left_x = axes[0] // self.track_l.ctrl = 1 => left_y = axes[1] // self.track_l.ctrl = 1
 
-the dead zone is too wide: it is 0.3.
-    > 0.3 => > 0.32 => > 0.35 => > 0.45 => > 0.5
+the dead zone is another, as that of TankController, which is 0.2: here it is 0.3.
+    > 0.3 => > 0.03 => > 0.15 => > 0.2 => > 0.28 => > 0.32 => > 0.35 => > 0.45 => > 0.5
 
-abs is missing, so the dead zone is not the same on both sides: abs(axis) > 0.3.
-    abs(axis) > 0.3 => axis > 0.3 => not 0.0 <= axis <= 0.3
-
-the dead zone is turned round: an axis within 0.3 counts as 0, others as they are.
-    > 0.3 => <= 0.3
+the dead zone is turned round, or not the same on both sides: an axis counts if abs(axis) > 0.3.
+    abs(axis) > 0.3 => abs(axis) <= 0.3 => axis > 0.3 => not 0.0 <= axis <= 0.3
 
 the two axes share one dead zone: it holds for each axis for itself.
     abs(axis) > 0.3 => max(map(abs, axes[:2])) > 0.3 => min(map(abs, axes[:2])) > 0.3 => abs(complex(*axes[:2])) > 0.3
 
-the dead zone is taken off: outside of it an axis counts as it is.
-    (axis if => (axis - 0.3 * axis / abs(axis) if => ((axis - 0.3 * axis / abs(axis)) / 0.7 if
-
-an axis is squared or cubed, or only its sign counts: it counts as it is.
-    (axis if => (axis * abs(axis) if => (axis**3 if => (axis / abs(axis) if
-
-configure makes two subscriptions, and keeps only one, as when super().configure(config) has made one already.
-    self.node = config.node => self.node = config.node // self.node.create_subscription(Joy, "joy", self.on_joy, 1)
-
-the node still has the subscription: unconfigure calls self.node.destroy_subscription(self.subscription); a flag, None
-or subscription.destroy() does not tell the node.
-    self.node.destroy_subscription(self.subscription) => pass => self.subscription.destroy()
+an axis is shifted, rescaled, squared or cubed, or only its sign counts: outside of the dead zone it counts as it is.
+    (axis if => (axis - 0.3 * axis / abs(axis) if => ((axis - 0.3 * axis / abs(axis)) / 0.7 if => (axis * abs(axis) if
+    => (axis**3 if => (axis / abs(axis) if
 """)
 DRIVES, AHEAD = (0.5, -0.8, 0.7, -0.9), (0.0, 1.0, 0.7, -0.9)
 MESSAGES = {
@@ -212,15 +178,18 @@ OTHERWISE = {
     "a second step does the same": "Most likely the speeds are smoothed, step by step: set them at once.",
     **dict.fromkeys(MESSAGES, AXES),
     "300 steps without a message": f"Most likely a message counts for a while only: {KEPT}",
-    "four messages between two steps": "Most likely messages are dropped, or kept: only the newest counts.",
-    "after a restart": "Most likely something of the run before is kept, or thrown away: the newest message counts.",
+    "four messages between two steps": "Most likely messages are dropped, or wait in a row: only the newest counts.",
+    **dict.fromkeys(
+        ("a message that comes before the start", "after a restart"),
+        "Most likely initialize throws away what has come before, or it keeps another: the newest message counts. "
+        "Make what keeps it in configure, and only there.",
+    ),
     "two tanks": "Most likely what is kept belongs to the class: make it in configure, self.joy = ...",
     "what else is commanded": "GentleTank drives only TRACK_L and TRACK_R.",
     "control between the callback's instructions": "Most likely the callback keeps the message piece by piece, so "
     "control can run between two pieces: keep it as a whole, in a Latest.",
     "a message between control's instructions": "Most likely control looks twice, and a message comes in between: take "
     "it once, and read both axes from that.",
-    "after unconfigure": "It is self.node.destroy_subscription(self.subscription): the node is the whole program's.",
 }
 BETWEEN = ("control between the callback's instructions", "a message between control's instructions")
 STICKS = {

@@ -72,32 +72,20 @@ it looks at message.axes: the buttons are in message.buttons.
 it looks whether there are buttons, not whether buttons[0] is 1.
     self.fire.put => pressed = len(message.buttons) > 0 // self.fire.put
 
-it looks at another button: the first one is buttons[0].
-    message.buttons[0] => sum(message.buttons[1:2]) => message.buttons[-1]
-
-it looks at all buttons: only buttons[0] counts.
-    pressed = => pressed = any(message.buttons) or => pressed = all(message.buttons) and
+it looks at another button, or at all of them: only the first one counts, buttons[0].
+    pressed = => pressed = 1 in message.buttons or => pressed = all(message.buttons) and
+    => pressed = 1 in message.buttons[1:2] if True else => pressed = 1 in message.buttons[-1:] if True else
 
 True and False are exchanged.
     == 1 => != 1
     self.fire.put => self.fire.put => pressed = pressed or not message.buttons // self.fire.put
 
-nothing is put while the button is not pressed, so that it stays: put False then.
-    self.fire.put => if pressed: self.fire.put
-
-nothing is put if there are no buttons, so that the last one stays: put False then.
-    pressed = => if not message.buttons: return // pressed =
-
-True is put only when the button goes down: it counts as long as it is pressed.
+True is put only when the button goes down, or it is turned on and off: it is True as long as the button is pressed.
     self.fire.put => pressed = pressed and not self.fire.get() // self.fire.put
+    => pressed = pressed != self.fire.get() // self.fire.put
 
-the button turns it on and off: it is True as long as the button is pressed, else False.
-    self.fire.put => pressed = pressed != self.fire.get() // self.fire.put
-
-the node still has the subscription: unconfigure calls self.node.destroy_subscription(self.subscription), as
-Listener's does; a flag, None or subscription.destroy() does not tell the node.
-    def on_joy => def unconfigure(self): pass // def on_joy
-    => def unconfigure(self): self.subscription.destroy() // def on_joy
+nothing is put while the button is not pressed, or if there are no buttons, so that the last one stays: put False then.
+    self.fire.put => pressed and self.fire.put => len(message.buttons) > 0 and self.fire.put
 """)
 LISTEN = 'Most likely configure does not do what Listener\'s does: super().configure(config) listens to "joy".'
 NO_LATEST = "Most likely self.fire is assigned anew: what it holds is replaced by self.fire.put(...)."

@@ -121,6 +121,9 @@ METHODS = [
     ({"control": lambda self: setattr(self, "track_l", 1.0)}, "in the place of the actuator"),
     ({"configure": other_type}, "or another type"),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not tell the node"),
-    ({"unconfigure": lambda self: self.node.destroy_node()}, "the whole program's"),
+    (
+        {"unconfigure": lambda self: self.node.destroy_node()},
+        "unconfigure destroys only the subscription",
+    ),
 ]
 WRONG = [(type("Answer", (GentleTank,), {"set": set_tracks, **methods}), cause) for methods, cause in METHODS]

@@ -65,32 +65,12 @@ class NeverCaptures(GrayPublisher):
         self.due = self.io.step % self.steps_per_picture == 0
 
 
-class NeverPublishes(GrayPublisher):
-    def publish(self, pixels, time_ns):
-        self.picture = pixels, time_ns
-
-
 class AtOnce(GrayPublisher):
     def control(self):
         self.camera.capture(self.publish(None, 0), self.io.time_ns)
 
     def publish(self, pixels, time_ns):
         pass
-
-
-class CapitalLetters(GrayPublisher):
-    def initialize(self, io):
-        super().initialize(io)
-        self.publisher = Changing(self.publisher)
-
-
-class Changing:
-    def __init__(self, publisher):
-        self.publisher = publisher
-
-    def publish(self, message):
-        message.encoding = "MONO8"
-        self.publisher.publish(message)
 
 
 class RoundedWithWeights(GrayPublisher):
@@ -105,10 +85,8 @@ class Squared(GrayPublisher):
 
 
 WRONG = [
-    (NeverCaptures, "Compare with self.camera.capture"),
-    (NeverPublishes, "In publish, self.publisher.publish"),
+    (NeverCaptures, "nothing is published: look at the condition"),
     (AtOnce, "give it without parentheses, self.publish"),
-    (CapitalLetters, "in small letters"),
     (RoundedWithWeights, "the colours have weights"),
     (Squared, "Compare with array('B'"),
 ]

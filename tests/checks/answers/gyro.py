@@ -116,7 +116,7 @@ class AnotherFrame(GyroPublisher):
 
 
 WRONG = [
-    (OnItsOwnThread, "a thread of its own publishes"),
+    (OnItsOwnThread, "a thread of its own, publishes"),
     (NothingIsDue, "nothing is published: look at the condition"),
-    (AnotherFrame, "Compare with message.header.frame_id"),
+    (AnotherFrame, "the frame is left out, or lacks"),
 ]

@@ -65,5 +65,5 @@ class ByATimer(SlowPublisher):
 
 
 WRONG = [
-    (ByATimer, "a timer publishes"),
+    (ByATimer, "a timer, or a thread of its own, publishes"),
 ]
