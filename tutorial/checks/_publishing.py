@@ -51,33 +51,29 @@ it asks the displayed copy, config.body, on which nothing moves: what is simulat
 
 LAST = """
 the stamp is left out, or set only once: message.header.stamp = Time(nanoseconds=$time).to_msg(), for every message.
-    message.header.stamp = Time(nanoseconds=$time) => stamp = Time(nanoseconds=$time)
-    => message.header.stamp = Time(nanoseconds=self.__dict__.setdefault("kept_ns", $time))
+    header.stamp = Time(nanoseconds=$time) => header.stamp = Time()
+    => header.stamp = Time(nanoseconds=self.__dict__.setdefault("kept_ns", $time))
 
 that is the wall clock's time: take the simulation's, self.io.time_ns.
     Time(nanoseconds=$time) => self.node.get_clock().now()
 
-the unit is wrong, only sec or only nanosec is set, or they are exchanged: Time(nanoseconds=$time).to_msg() takes
-nanoseconds, and sets both.
+the unit is wrong, sec or nanosec is left out, or they are exchanged: Time(nanoseconds=$time).to_msg() sets both.
     =$time => =$time//1_000 => =$time//1_000_000 => =$time//10**9 => =$time//10**9 * 10**9 => =$time % 10**9
     => =$time % 10**9 * 10**9 + $time//10**9
 """
-PERIOD = (
-    "Most likely the period is another, or several messages come at once: from one message to the next there are "
-    "round(1 / ($hz * io.time_step)) steps, and io.step % $steps == 0 says when."
-)
 RATES = {ms: f"with steps of {ms} ms" for ms in (1, 2, 3, 6)}
+PERIOD = (
+    "Most likely the period is another, or several messages come at once: a message comes at every round(1 / ($hz * "
+    "io.time_step))-th step, when io.step % $steps == 0."
+)
+TOPIC = 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.'
 OTHERWISE = {
-    "on the body Rover": 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), '
-    "once, in configure.",
-    "in the namespace /lab": "Most likely the topic begins with a slash, so the node's namespace is left out: it is "
-    'f"{config.body.name}/$topic".',
+    "on the body Rover": TOPIC,
+    "in the namespace /lab": f"Most likely a slash in front leaves out the node's namespace. {TOPIC}",
     **dict.fromkeys(RATES.values(), PERIOD),
-    "the stamp": "Most likely the stamp is counted, or kept: message.header.stamp = Time(nanoseconds=$time).to_msg(), "
-    "for every message.",
+    "the stamp": "Most likely it is counted or kept: message.header.stamp = Time(nanoseconds=$time).to_msg(), always.",
     "two robots in turns": "Most likely what is kept belongs to the class: make it in initialize.",
-    "after a restart": "Most likely something of the run before is kept: initialize is called at every start, and "
-    "begins anew.",
+    "after a restart": "Most likely something of the run before is kept: initialize begins anew, at every start.",
 }
 
 Look = Callable[[Any, list[Sent]], Any]
@@ -130,9 +126,7 @@ class Publishing:
         sent = [each for each in rig.sent if isinstance(each.message, self.kind)]
         return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
 
-    def play(
-        self, answer: type, seconds: float, ms: float = 10, begins: tuple[int, ...] = (0, 1), **options: Any
-    ) -> Any:
+    def play(self, answer: type, seconds: float, ms: float = 10, begins: Sequence[int] = (0, 1), **options: Any) -> Any:
         """Simulate with steps of so many milliseconds, and return the rig.
 
         If the first message comes later than at step 0, the simulation begins anew with step 1: an answer that counts
@@ -158,11 +152,11 @@ class Publishing:
 
     def topics(self, namespace: str) -> Case:
         """Observe the topic on a node with a namespace."""
+        wanted = f"it publishes {self.kind.__name__} on {namespace.rstrip('/')}/Rover/{self.topic}"
 
         def observe(answer: type) -> str:
             made = self.scene(answer, namespace=namespace).node.publishers
             found = [f"it publishes {each.kind.__name__} on {each.topic}" for each in made]
-            wanted = f"it publishes {self.kind.__name__} on {namespace.rstrip('/')}/Rover/{self.topic}"
             return wanted if wanted in found else [*found, "configure makes no publisher"][0]
 
         return observe
@@ -180,8 +174,7 @@ class Publishing:
             return f"{len(steps) or 'no'} message in {rig.io.time:.2g} s"
         exact, periods = 1 / (self.hz * time_step), [b - a for a, b in pairwise(steps)]
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
-        is_near = len(steps) > 3 and steps[0] <= exact + 1 and all(abs(each - exact) <= 1 for each in periods)
-        if is_near and (late <= 1 or set(periods) == {round(exact)}):
+        if len(steps) > 3 and steps[0] <= exact + 1 and (late <= 1 or set(periods) == {round(exact)}):
             return f"{self.hz} times per simulated second"
         return {f"{len(periods) / (sum(periods) * time_step or 1):.3g} times per simulated second": periods}
 
@@ -204,13 +197,12 @@ class Publishing:
         """Observe two robots in turns."""
         rover = self.scene(answer, time_step=0.01, **options)
         lift = self.scene(answer, time_step=0.02, **{"model": "crane", "name": "Lift", **options})
-        rover.start()
-        lift.start()
-        for _ in range(3):
-            rover.advance(160 // self.hz)
-            lift.advance(100 // self.hz)
-        rover.stop()
-        lift.stop()
+        for rig in (rover, lift):
+            rig.start()
+        for rig in (rover, lift) * 3:
+            rig.advance(150 // self.hz)
+        for rig in (rover, lift):
+            rig.stop()
         return [look(rig) for rig in (rover, lift) for look in (self.often, self.held)]
 
     def on_ros(self, answer: type) -> str:

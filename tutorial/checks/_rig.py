@@ -34,17 +34,11 @@ QUIET = 0.05  # [s] after which a thread of the learner's has published what it 
 
 APART = (
     "Most likely a timer, or a thread of its own, publishes: it goes by the wall clock, and the simulated body belongs "
-    "to the simulation's thread. Publish in control, and count steps: simulated time is io.step * io.time_step."
+    "to the simulation's thread. Publish in control, and count steps, io.step."
 )
-IN_STOP = (
-    "Most likely the publisher is destroyed in stop, but made in configure: after a restart there is none. Destroy it "
-    "in unconfigure."
-)
+IN_STOP = "Most likely stop destroys what configure has made, and a restart finds none: do so in unconfigure."
 THE_NODE = "config.node belongs to the whole program: unconfigure destroys only the {0}, {1}."
-TOO_MANY = (
-    "Most likely more is made than is destroyed, as at every start, or where super().configure(config) has made one "
-    "already: make one {0}, once, in configure."
-)
+TOO_MANY = "Most likely one is made at every start, or by super().configure(config), too: make one {0}, in configure."
 LEFT = (
     "Most likely unconfigure is missing, or does not call {1}: a flag, None or self.{0}.destroy() does not tell the "
     "node, which still has the {0}."
@@ -95,37 +89,25 @@ class MemoryNode:
         namespace: of its topics.
 
     Attributes:
-        endpoints: the publishers and subscriptions that it has, in the order in which they were made; also one that was
-            destroyed without telling it.
+        publishers, subscriptions: those that it has; also one that was destroyed without telling it.
+        made: those that were ever made.
         timers: what `create_timer` was given; none of them ever fires.
-        made: how many endpoints were made.
         destroyed: whether the learner has destroyed the node itself.
     """
 
     def __init__(self, publish: Callable[[Endpoint, Any], None], namespace: str = "/") -> None:
-        self.publish, self.namespace = publish, namespace
-        self.endpoints: list[Endpoint] = []
+        self.publish, self.namespace, self.destroyed = publish, namespace, False
+        self.publishers, self.subscriptions, self.made = list[Endpoint](), list[Endpoint](), list[Endpoint]()
         self.timers: list[tuple[Any, ...]] = []
-        self.made, self.destroyed = 0, False
-
-    @property
-    def publishers(self) -> list[Endpoint]:
-        """The publishers."""
-        return [each for each in self.endpoints if each.callback is None]
-
-    @property
-    def subscriptions(self) -> list[Endpoint]:
-        """The subscriptions."""
-        return [each for each in self.endpoints if each.callback is not None]
 
     def create_publisher(self, msg_type: type, topic: str, qos_profile: Any, **_: Any) -> Endpoint:
         """Make a publisher."""
-        return self._make(Endpoint(self, msg_type, topic, qos_profile))
+        return self._keep(Endpoint(self, msg_type, topic, qos_profile), self.publishers)
 
     def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any, **_: Any) -> Endpoint:
         """Make a subscription; `Rig.hear` brings it messages."""
         check_callback(callback, msg_type)
-        return self._make(Endpoint(self, msg_type, topic, qos_profile, callback))
+        return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback), self.subscriptions)
 
     def create_timer(self, *arguments: Any) -> None:
         """Note that a timer was asked for."""
@@ -133,9 +115,10 @@ class MemoryNode:
 
     def destroy_publisher(self, endpoint: Endpoint) -> bool:
         """Take a publisher or a subscription back; whether there was one."""
-        if endpoint not in self.endpoints:
+        kept = self.publishers if endpoint in self.publishers else self.subscriptions
+        if endpoint not in kept:
             return False
-        self.endpoints.remove(endpoint)
+        kept.remove(endpoint)
         endpoint.destroy()
         return True
 
@@ -145,9 +128,9 @@ class MemoryNode:
         """Say what the learner has left behind."""
         if self.destroyed:
             return "the program's node is gone"
-        alone = " and was not told of its end" * any(each.destroyed for each in self.endpoints)
-        left = f"the node still has {len(self.endpoints)} of {self.made} topics{alone}"
-        return left if self.endpoints else NOTHING
+        kept = [*self.publishers, *self.subscriptions]
+        alone = " and was not told of its end" * any(each.destroyed for each in kept)
+        return f"the node still has {len(kept)} of {len(self.made)} topics{alone}" if kept else NOTHING
 
     def check_left(self) -> str:
         """Say that the learner has left nothing behind.
@@ -157,9 +140,11 @@ class MemoryNode:
         """
         left, kind = self.left(), "subscription" if self.subscriptions else "publisher"
         if left != NOTHING:
-            cause = THE_NODE if self.destroyed else TOO_MANY if len(self.endpoints) < self.made else LEFT
-            mend = f"self.node.destroy_{kind}(self.{kind})"
-            raise Failure("unconfigure", Misuse(left, cause.format(kind, mend)), None)
+            some = len(self.publishers + self.subscriptions) < len(self.made)
+            cause = THE_NODE if self.destroyed else TOO_MANY if some else LEFT
+            raise Failure(
+                "unconfigure", Misuse(left, cause.format(kind, f"self.node.destroy_{kind}(self.{kind})")), None
+            )
         return left
 
     def destroy_node(self) -> None:
@@ -182,9 +167,9 @@ class MemoryNode:
         """Return its namespace."""
         return self.namespace
 
-    def _make(self, endpoint: Endpoint) -> Endpoint:
-        self.made += 1
-        self.endpoints.append(endpoint)
+    def _keep(self, endpoint: Endpoint, kept: list[Endpoint]) -> Endpoint:
+        self.made.append(endpoint)
+        kept.append(endpoint)
         return endpoint
 
 

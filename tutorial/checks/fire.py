@@ -97,35 +97,30 @@ CRASHES = {
 }
 
 
-class Tank(Rig):
-    """A tank that an answer has joined."""
-
-    def __init__(self, answer: type[SimpleController], name: str = "Tank") -> None:
-        super().__init__(answer, name=name)
-        self.latest = getattr(self.learner.inner, "fire", None)
-
-    def holds(self, *states: tuple[int, ...]) -> bool:
-        """Return what `fire` holds after messages with these buttons; one has a stick at its end, too."""
-        for buttons in states:
-            self.hear(Joy(axes=[float(buttons == (0, 1)), 0.0], buttons=buttons))
-        now = getattr(self.learner.inner, "fire", None)
-        if now is not self.latest or not isinstance(now, Latest):
-            raise Failure("on_joy", Misuse("self.fire is not the Latest that it was", NO_LATEST), None)
-        value = now.get()
-        if not np.isscalar(value) or value not in (0, 1):
-            raise Failure("on_joy", Misuse(f"what it puts is of the type {type(value).__name__}", NO_TRUTH), None)
-        return bool(value)
+def held(rig: Rig, *states: tuple[int, ...]) -> bool:
+    """Return what `fire` holds after messages with these buttons; one has a stick at its end, too."""
+    tank = rig.learner.inner
+    before = getattr(tank, "fire", None)
+    for buttons in states:
+        rig.hear(Joy(axes=[float(buttons == (0, 1)), 0.0], buttons=buttons))
+    latest = getattr(tank, "fire", None)
+    if latest is not before or not isinstance(latest, Latest):
+        raise Failure("on_joy", Misuse("self.fire is not the Latest that it was", NO_LATEST), None)
+    value = latest.get()
+    if not np.isscalar(value) or value not in (0, 1):
+        raise Failure("on_joy", Misuse(f"what it puts is of the type {type(value).__name__}", NO_TRUTH), None)
+    return bool(value)
 
 
 def after(*states: tuple[int, ...]) -> Callable[[type[SimpleController]], bool]:
     """Observe what `fire` holds after messages with these buttons."""
-    return lambda answer: Tank(answer).holds(*states)
+    return lambda answer: held(Rig(answer), *states)
 
 
 def two(answer: type[SimpleController]) -> list[bool]:
     """Observe what two tanks hold, of which the first one has heard its button."""
-    first, second = Tank(answer), Tank(answer, "Rover")
-    return [first.holds((1,)), second.holds()]
+    first, second = Rig(answer), Rig(answer, name="Tank")
+    return [held(first, (1,)), held(second)]
 
 
 def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig], str]) -> str:
@@ -138,7 +133,7 @@ def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig],
 
 
 TRIED = {
-    "the topic": lambda answer: Tank(answer).hears(Joy, "joy", LISTEN),
+    "the topic": lambda answer: Rig(answer).hears(Joy, "joy", LISTEN),
     "button 0 is pressed": after((1, 0)),
     "it is held": after((1, 0), (1, 0)),
     "it is released": after((1, 0), (0, 0)),
@@ -147,23 +142,15 @@ TRIED = {
     "a message without buttons": after((1, 1), ()),
     "a message with one button, pressed": after((1,)),
     "two tanks at the same time, and the button of the first one is pressed": two,
-    "after unconfigure": lambda answer: Tank(answer).leave(),
+    "after unconfigure": lambda answer: Rig(answer).leave(),
 }
 
 
-def pressed(rig: Rig) -> str:
-    """Say what `fire` holds."""
-    return str(bool(vars(rig.learner.inner)["fire"].get()))
+def on_ros(answer: type[SimpleController]) -> str:
+    """Observe what `fire` holds after a message from another node."""
+    return over_ros(answer, Joy(buttons=[1]), lambda rig: str(held(rig)))
 
 
-CASES = Cases(
-    FireButton,
-    TRIED,
-    MISTAKES,
-    str,
-    OTHERWISE,
-    CRASHES,
-    on_ros=lambda answer: over_ros(answer, Joy(buttons=[1]), pressed),
-)
+CASES = Cases(FireButton, TRIED, MISTAKES, str, OTHERWISE, CRASHES, on_ros=on_ros)
 
 fire = Exercise("fire", __doc__, CASES.judge, FireButton, parts=("on_joy",))

@@ -124,15 +124,11 @@ it is upside down or mirrored, or rows and columns are exchanged: the topmost ro
 """
 OTHERWISE = {
     "": "Compare with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()), one byte for each pixel, row by row.",
-    "the size": "Most likely width and height are exchanged, left out or typed: message.height, message.width, _ = "
-    "pixels.shape.",
-    "the encoding": "Most likely the encoding is left out, or that of a picture in colour: one byte for a pixel is "
-    'called "mono8", in small letters.',
-    "the row": "Most likely step is left out, or that of rgb8: a row has as many bytes as pixels, message.step = "
-    "message.width.",
+    "the size": "Most likely it is exchanged, left out or typed: message.height, message.width, _ = pixels.shape.",
+    "the encoding": 'Most likely it is left out, or that of colours: a byte for a pixel is "mono8", in small letters.',
+    "the row": "Most likely step is left out, or that of colours: a row's bytes are message.step = message.width.",
     "pictures that come late, or not at all": "Most likely the time is that of delivery or of a later request, or "
-    "pictures are counted: some come late, or not at all. Hand the time on, self.camera.capture(self.publish, "
-    "self.io.time_ns), and take Time(nanoseconds=time_ns).to_msg().",
+    "pictures are counted. Hand the time on, self.camera.capture(self.publish, self.io.time_ns).",
     "the frame": "Most likely the frame is left out, or the body's: it is message.header.frame_id = self.camera.name.",
     "after stop": "Most likely the camera is not closed: in stop, self.camera.close().",
 }
@@ -156,22 +152,25 @@ class Camera:
     What a camera has not begins with an underscore, so that no learner is told of it.
 
     Args:
+        rig: what it belongs to.
         body: the body that it is on.
         name: must be ``"CAMERA"``.
-        take: is given the camera, a function and arguments whenever a picture is asked for.
     """
 
-    def __init__(self, body: Body, name: str, take: Callable[..., None]) -> None:
+    def __init__(self, rig: CameraRig, body: Body, name: str) -> None:
         if name != "CAMERA":
             raise TutorialError(f"the body {body.name!r} has no camera {name!r}. Known are 'CAMERA'.")
         self.name, (self.width, self.height), self.missed = name, SIZES[body.name], 0
-        self._take, self._is_open = take, True
+        self._rig, self._is_open = rig, True
+        rig.cameras.append(self)
 
     def capture(self, deliver: Any, *arguments: object) -> None:
         """Take an order."""
         if not callable(deliver):
             raise Misuse(f"capture is given {deliver!r} in place of a function", AT_ONCE.format("publish"))
-        self._take(self, deliver, arguments)
+        pixels = picture(len(self._rig.orders), self.width, self.height)
+        order = Order(self._rig.io.step, self, pixels, partial(call, deliver, pixels.copy(), *arguments))
+        self._rig.orders.append(order)
 
     def close(self) -> None:
         """Deliver nothing more."""
@@ -193,7 +192,7 @@ class CameraRig(Rig):
     Args:
         answer: the learner's class.
         delay: how many steps a picture takes.
-        missed: the numbers of those that never come.
+        missed: the number of one that never comes.
         options: of `Rig`.
 
     Attributes:
@@ -202,29 +201,20 @@ class CameraRig(Rig):
         delivered: those that have come.
     """
 
-    def __init__(self, answer: type, delay: int = 0, missed: tuple[int, ...] = (), **options: Any) -> None:
+    def __init__(self, answer: type, delay: int = 0, missed: int = -1, **options: Any) -> None:
         super().__init__(answer, after=self._deliver, **options)
-        self._delay, self._missed = delay, missed
-        self.cameras: list[Camera] = []
-        self.body.find_camera = self._find
+        self._delay, self._missed, self.cameras = delay, missed, list[Camera]()
+        self.body.find_camera = partial(Camera, self)
 
     def start(self, step: int = 0) -> None:
         """Begin to simulate."""
         self.orders, self.delivered = list[Order](), list[Order]()
         super().start(step)
 
-    def _find(self, body: Body, name: str) -> Camera:
-        self.cameras.append(Camera(body, name, self._take))
-        return self.cameras[-1]
-
-    def _take(self, camera: Camera, deliver: Callable[..., None], arguments: tuple[object, ...]) -> None:
-        pixels = picture(len(self.orders), camera.width, camera.height)
-        self.orders.append(Order(self.io.step, camera, pixels, partial(call, deliver, pixels.copy(), *arguments)))
-
     def _deliver(self) -> None:
         for number, order in enumerate(self.orders):
             is_due = self.io.step == order.step + self._delay
-            if is_due and number not in self._missed and order.camera._is_open:
+            if is_due and number != self._missed and order.camera._is_open:
                 self.delivered.append(order)
                 order.deliver()
 
@@ -246,7 +236,7 @@ PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "steps_per
 
 def late(answer: type) -> Any:
     """Observe the stamps of pictures that come after the next one was asked for, or not at all."""
-    rig = PUBLISHING.play(answer, 1.6, 7, (1,), delay=40, missed=(2,))
+    rig = PUBLISHING.play(answer, 1.6, 7, (1,), delay=40, missed=2)
     pairs = zip(PUBLISHING.messages(rig), rig.delivered)
     return compared_stamps([(each.stamp_ns, order.step * 7_000_000) for each, order in pairs])
 
@@ -257,17 +247,12 @@ def left_open(answer: type) -> str:
     return f"pictures of {number or 'no'} camera are still delivered"
 
 
-def last(look: Callable[[Any], str]) -> Callable[[Rig, list[Sent]], str]:
-    """Look at the last message."""
-    return lambda _rig, sent: look(sent[-1].message)
-
-
 TRIED = {
     "what is sent": PUBLISHING.sent(0.7),
-    "the size": PUBLISHING.sent(0.3, look=last(lambda message: f"width {message.width}, height {message.height}")),
-    "the encoding": PUBLISHING.sent(0.3, look=last(lambda message: repr(message.encoding))),
-    "the row": PUBLISHING.sent(0.3, look=last(lambda message: f"{message.step} bytes")),
-    "the frame": PUBLISHING.sent(0.3, look=last(lambda message: repr(message.header.frame_id))),
+    "the size": PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.width} x {sent[-1].message.height}"),
+    "the encoding": PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.encoding)),
+    "the row": PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
+    "the frame": PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.header.frame_id)),
     "pictures that come late, or not at all": late,
     "after stop": left_open,
 }

@@ -131,8 +131,7 @@ the sign is turned round, or it is in degrees: send what the sensor says, in rad
 """
 OTHERWISE = {
     "": "Compare with the mean, component by component, of the measurements since the last message.",
-    "the frame": "Most likely the frame is left out, or lacks the body's name or the link's: message.header.frame_id = "
-    'f"{self.io.body.name}/base_link".',
+    "the frame": 'Most likely the body or link is missing: message.header.frame_id = f"{self.io.body.name}/base_link".',
     "what is not measured": "Most likely one of them is not marked, or angular_velocity is, too: -1.0 in "
     "orientation_covariance[0] and linear_acceleration_covariance[0] says that these two are not measured.",
     "on a robot with a gyroscope alone": "Most likely something is asked for that not every robot has: use only GYRO.",
@@ -175,13 +174,10 @@ def word(velocity: Iterable[float]) -> str:
 
 
 def marks(_rig: Rig, sent: list[Sent]) -> str:
-    """Observe what the last message says about what it does not measure."""
-    last = sent[-1].message
-    fields = {field: getattr(last, f"{field}_covariance")[0] for field in ("orientation", "linear_acceleration")}
-    marked = [f"{field}_covariance[0] is {number:g}" for field, number in fields.items()]
-    marked += ["angular_velocity_covariance[0] is -1"] * bool(last.angular_velocity_covariance[0] == -1)
-    a = last.linear_acceleration
-    return ", ".join([*marked, *["it has an acceleration"] * any((a.x, a.y, a.z))])
+    """Observe what the last message says is not measured."""
+    fields = ("orientation", "angular_velocity", "linear_acceleration")
+    marked = [field for field in fields if getattr(sent[-1].message, f"{field}_covariance")[0] == -1]
+    return f"-1 marks {' and '.join(marked) or 'nothing'}"
 
 
 def frame(_rig: Rig, sent: list[Sent]) -> str:

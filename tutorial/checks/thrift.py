@@ -27,7 +27,6 @@ Notice that these messages are read by name: the viewer of step 3 shows them wit
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import groupby
 from math import degrees, radians  # noqa: F401 - what some mistakes need
 from typing import Any
 
@@ -171,13 +170,10 @@ def moving(answer: type, moves: Sequence[Move] = (), **options: Any) -> Rig:
 
 
 def looks(rig: Rig, sent: list[Sent]) -> dict[str, list[str]]:
-    """Observe which joints are named, look by look; the first two looks count as one."""
+    """Observe at which look which joints are named; the first two looks count as one."""
     steps = round(LOOK / rig.io.time_step)
-    found = [""] * (rig.io.step // steps + 2)
-    for each in sent:
-        found[max(each.step // steps, 1)] += f"{named(each.message)}; "
-    runs = [(text or "nothing; ", len([*alike])) for text, alike in groupby(found[1:])]
-    return {"".join(f"{count} x {text}" if count > 1 else text for text, count in runs).rstrip("; "): found}
+    found = [f"{named(each.message)} at look {max(each.step // steps, 1)}" for each in sent]
+    return {", ".join(found[:6]): found}
 
 
 def named(message: Any) -> str:

@@ -73,12 +73,6 @@ class AtOnce(GrayPublisher):
         pass
 
 
-class RoundedWithWeights(GrayPublisher):
-    def publish(self, pixels, time_ns):
-        grays = np.rint(pixels @ np.array([0.299, 0.587, 0.114])).astype(np.uint8)
-        super().publish(np.repeat(grays[:, :, np.newaxis], 3, axis=2), time_ns)
-
-
 class Squared(GrayPublisher):
     def publish(self, pixels, time_ns):
         super().publish(np.sqrt((pixels.astype(float) ** 2)[:, :, :1]).repeat(3, axis=2) / 2, time_ns)
@@ -87,6 +81,5 @@ class Squared(GrayPublisher):
 WRONG = [
     (NeverCaptures, "nothing is published: look at the condition"),
     (AtOnce, "give it without parentheses, self.publish"),
-    (RoundedWithWeights, "the colours have weights"),
     (Squared, "Compare with array('B'"),
 ]
