@@ -26,11 +26,8 @@ the body's name is typed, or left out of the topic: it is f"{config.body.name}/$
 nothing is published: look at the condition, io.step % $steps == 0, and have self.publisher.publish(message) called.
     self.publisher.publish(message) => pass
 
-control publishes at every step: do so only when io.step % $steps == 0.
-    self.io.step % self.$steps == 0 => True
-
-the condition is turned round: publish when io.step % $steps == 0, and not otherwise.
-    self.io.step % self.$steps == 0 => self.io.step % self.$steps
+control publishes at every step, or the condition is turned round: do so only when io.step % $steps == 0.
+    self.io.step % self.$steps == 0 => True => self.io.step % self.$steps
 
 the rate, $hz in a second, is taken for the number of steps: that is round(1 / ($hz * io.time_step)).
     round(1 / ($hz * io.time_step)) => $hz
@@ -66,7 +63,7 @@ PERIOD = (
     "Most likely the period is another, or several messages come at once: a message comes at every round(1 / ($hz * "
     "io.time_step))-th step, when io.step % $steps == 0."
 )
-TOPIC = 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.'
+TOPIC = 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), in configure, not at every start.'
 OTHERWISE = {
     "on the body Rover": TOPIC,
     "in the namespace /lab": f"Most likely a slash in front leaves out the node's namespace. {TOPIC}",

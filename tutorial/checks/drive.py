@@ -106,11 +106,9 @@ a message with few axes is dropped, or counts as rest: only the axes that it lac
 the speeds are limited to 1 m/s, which nobody asked for: in the corner it is 1.5 m/s.
     + 0.5 * left_x => + 0.5 * left_x // for t in (self.track_l, self.track_r): t.ctrl = min(max(t.ctrl, -1.0), 1.0)
 
-both tracks have one formula: the left one has - 0.5 * left_x, the right one + 0.5 * left_x.
+one track is forgotten, or both have one formula: TRACK_L has - 0.5 * left_x, and TRACK_R + 0.5 * left_x.
     + 0.5 * left_x => - 0.5 * left_x => + 0.5 * left_x // self.track_l.ctrl = self.track_r.ctrl
-
-one track is forgotten: set the ctrl of TRACK_L and that of TRACK_R.
-    + 0.5 * left_x => + 0.5 * left_x // self.track_l.ctrl = 0.0 => + 0.5 * left_x // self.track_r.ctrl = 0.0
+    => + 0.5 * left_x // self.track_l.ctrl = 0.0 => + 0.5 * left_x // self.track_r.ctrl = 0.0
 
 nothing is set at rest, so the last speed stays: set 0 then.
     self.track_l.ctrl = 1 => if not left_x and not left_y: return // self.track_l.ctrl = 1

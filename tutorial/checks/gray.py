@@ -124,9 +124,9 @@ it is upside down or mirrored, or rows and columns are exchanged: the topmost ro
 """
 OTHERWISE = {
     "": "Compare with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()), one byte for each pixel, row by row.",
-    "the size": "Most likely it is exchanged, left out or typed: message.height, message.width, _ = pixels.shape.",
-    "the encoding": 'Most likely it is left out, or that of colours: a byte for a pixel is "mono8", in small letters.',
-    "the row": "Most likely step is left out, or that of colours: a row's bytes are message.step = message.width.",
+    "the size": "Width and height are exchanged, left out or typed: message.height, message.width, _ = pixels.shape.",
+    "the encoding": 'The encoding is left out, or another: one byte for a pixel is called "mono8", in small letters.',
+    "the row": "Most likely step is left out, or that of colours: a row has message.step = message.width bytes.",
     "pictures that come late, or not at all": "Most likely the time is that of delivery or of a later request, or "
     "pictures are counted. Hand the time on, self.camera.capture(self.publish, self.io.time_ns).",
     "the frame": "Most likely the frame is left out, or the body's: it is message.header.frame_id = self.camera.name.",

@@ -99,7 +99,7 @@ OTHERWISE = {
     "the names": "Most likely they are left out, in another order, or in a list that grows from message to message: "
     "message.name = [joint.name for joint in self.joints].",
     **{
-        field: f"Most likely {field} is left out, or filled once, or with something else, or in another order: it is "
+        field: f"Most likely {field} is left out, filled once or with something else, or in another order: "
         f"message.{field} = [joint.{field} for joint in self.joints]."
         for field in UNITS
     },

@@ -96,11 +96,9 @@ names and positions come from two different lists: take both from the joints tha
 the name is changed: take it from the joint, joint.name, and put nothing before it.
     name=list(news) => name=[f"{self.io.body.name}/{n}" for n in news]
 
-positions are compared with those of the last look: a slow motion is then never sent. Compare with what was last sent.
-    if news: => self.sent = positions // if news:
-
-all positions are remembered as soon as one joint is sent: remember only those that were.
-    self.sent.update(news) => self.sent.update(positions)
+positions are compared with those of the last look, or all are remembered when one is sent: a slow motion is then never
+sent. Compare each with what was last sent for it.
+    if news: => self.sent = positions // if news: => self.sent = positions if news else self.sent // if news:
 
 what was sent is never different: it is renewed before it is compared, or it is one and the same list or dict as the
 current positions. Compare first, send, and then note down a copy.
@@ -115,11 +113,8 @@ rounded or truncated positions are compared: how far they are apart counts, abs(
 the sign gets in the way: compare abs(a - b) with 0.001.
     abs(q - self.sent[n]) => (q - self.sent[n]) => (self.sent[n] - q) => abs(abs(q) - abs(self.sent[n]))
 
-what was sent is not remembered: note it down whenever you send.
-    self.sent.update(news) => self.sent = news | self.sent
-
-self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them.
-    if news: => self.sent = news // if news: => self.sent = news or self.sent // if news:
+what was sent is not remembered, or self.sent = ... forgets the other joints: self.sent.update(news), whenever you send.
+    self.sent.update(news) => self.sent = news | self.sent => self.sent = news
 
 the threshold is another, or any change counts: only more than 0.001 does, in rad (or m).
     > 0.001 => > 0 => > 0.1 => > 0.01 => > 0.0001 => > radians(0.001) => > 0.001 * abs(self.sent[n])
