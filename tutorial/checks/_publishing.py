@@ -63,7 +63,7 @@ PERIOD = (
     "Most likely the period is another, or several messages come at once: a message comes at every round(1 / ($hz * "
     "io.time_step))-th step, when io.step % $steps == 0."
 )
-TOPIC = 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), in configure, not at every start.'
+TOPIC = 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.'
 OTHERWISE = {
     "on the body Rover": TOPIC,
     "in the namespace /lab": f"Most likely a slash in front leaves out the node's namespace. {TOPIC}",
@@ -149,14 +149,7 @@ class Publishing:
 
     def topics(self, namespace: str) -> Case:
         """Observe the topic on a node with a namespace."""
-        wanted = f"it publishes {self.kind.__name__} on {namespace.rstrip('/')}/Rover/{self.topic}"
-
-        def observe(answer: type) -> str:
-            made = self.scene(answer, namespace=namespace).node.publishers
-            found = [f"it publishes {each.kind.__name__} on {each.topic}" for each in made]
-            return wanted if wanted in found else [*found, "configure makes no publisher"][0]
-
-        return observe
+        return lambda answer: self.scene(answer, namespace=namespace).on(self.kind, f"Rover/{self.topic}")
 
     def rate(self, ms: float) -> Case:
         """Observe how often a message is sent, with steps of so many milliseconds."""

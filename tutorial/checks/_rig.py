@@ -299,17 +299,11 @@ class Rig:
             if each.kind is type(message):
                 call(each.callback, message)
 
-    def hears(self, kind: type, topic: str, cause: str) -> str:
-        """Say which topic is listened to: this one, where it is among them.
-
-        Raises:
-            Failure: no messages of this kind are listened to, for this cause.
-        """
-        made = [each.topic for each in self.node.subscriptions if each.kind is kind]
-        if not made:
-            raise Failure("configure", Misuse(f"it subscribes to no messages of the type {kind.__name__}", cause), None)
-        wanted = Endpoint(self.node, kind, topic, 1).topic
-        return f"it listens to {wanted if wanted in made else made[0]}"
+    def on(self, kind: type, topic: str) -> str:
+        """Say on which topic messages of this kind are sent or heard: on this one, where it is among them."""
+        made = [each.topic for each in self.node.made if each.kind is kind]
+        wanted = expand_topic_name(topic, "tank", self.node.namespace)
+        return f"{kind.__name__} on {wanted if wanted in made else ', '.join(made) or 'no topic'}"
 
     def stop(self) -> None:
         """Simulate no more; wait for what threads of the learner's still publish."""

@@ -153,16 +153,13 @@ STICKS = (
 )
 MESSAGES = ((0.0, 1.0), (), (1.0,), (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4))
 WHOLE, MIXED = ((0.6, 0.5), (-0.4, -0.9)), ((0.6, -0.9), (-0.4, 0.5))
-TOPIC = (
-    "Most likely it is another topic, as one with a slash in front or a body's name, or another type: it is "
-    'config.node.create_subscription(Joy, "joy", self.on_joy, 1), in configure.'
-)
 AXES = "Most likely a message, or a number of axes, is taken for granted: what is lacking counts as 0. See four_axes."
 KEPT = "Most likely messages are dropped by time, or count for a while only: the newest counts until there is another."
 RESTART = "Most likely initialize throws away the newest message, or keeps another: make what keeps it in configure."
 OTHERWISE = {
     "": "Compare with TRACK_L: 1.0 * left_y - 0.5 * left_x, TRACK_R: 1.0 * left_y + 0.5 * left_x, and nothing else.",
-    "the topic, in the namespace /lab": TOPIC,
+    "the topic, in the namespace /lab": "Most likely it is another topic, as one with a slash in front or a body's "
+    'name, or another type: it is config.node.create_subscription(Joy, "joy", self.on_joy, 1), in configure.',
     "a message, before the next step": "Most likely the callback sets the tracks, which belong to the simulation's "
     "thread: only keep the message there, and set the tracks in control.",
     "before the first message": AXES,
@@ -245,7 +242,7 @@ def halved(answer: type, in_callback: bool) -> str:
 CASES = Cases(
     GentleTank,
     {
-        "the topic, in the namespace /lab": lambda answer: Rig(answer, namespace="/lab").hears(Joy, "joy", TOPIC),
+        "the topic, in the namespace /lab": lambda answer: Rig(answer, namespace="/lab").on(Joy, "joy"),
         "a message, before the next step": after("start", DRIVES),
         "before the first message": after("start", 1),
         "a second step does the same": lambda answer: len({after("start", DRIVES, n)(answer) for n in (1, 2)}) == 1,

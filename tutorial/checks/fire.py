@@ -87,10 +87,12 @@ True is put only when the button goes down, or it is turned on and off: it is Tr
 nothing is put while the button is not pressed, or if there are no buttons, so that the last one stays: put False then.
     self.fire.put => pressed and self.fire.put => len(message.buttons) > 0 and self.fire.put
 """)
-LISTEN = 'Most likely configure does not do what Listener\'s does: super().configure(config) listens to "joy".'
 NO_LATEST = "Most likely self.fire is assigned anew: what it holds is replaced by self.fire.put(...)."
 NO_TRUTH = "Put whether the button is pressed: True or False. bool(...) makes one of them of anything."
-OTHERWISE = {"": "Compare with: whether there is a buttons[0], and it is 1.", "the topic": LISTEN}
+OTHERWISE = {
+    "": "Compare with: whether there is a buttons[0], and it is 1.",
+    "the topic": 'Most likely configure lacks what Listener\'s does: super().configure(config) listens to "joy".',
+}
 CRASHES = {
     "a message without buttons": "Most likely buttons are taken for granted: ask for len(message.buttons) first.",
     "a message with one button, pressed": "Most likely more buttons are taken for granted: only buttons[0] counts.",
@@ -133,7 +135,7 @@ def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig],
 
 
 TRIED = {
-    "the topic": lambda answer: Rig(answer).hears(Joy, "joy", LISTEN),
+    "the topic": lambda answer: Rig(answer).on(Joy, "joy"),
     "button 0 is pressed": after((1, 0)),
     "it is held": after((1, 0), (1, 0)),
     "it is released": after((1, 0), (0, 0)),

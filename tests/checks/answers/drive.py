@@ -119,7 +119,7 @@ METHODS = [
     ({"x": 0.0, "y": 0.0, "control": smooth}, "smoothed"),
     ({"on_joy": throttle}, "dropped by time"),
     ({"control": lambda self: setattr(self, "track_l", 1.0)}, "in the place of an actuator"),
-    ({"configure": other_type}, "or another type"),
+    ({"configure": other_type}, ["or another type", "is read before anything"]),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not tell the node"),
     (
         {"unconfigure": lambda self: self.node.destroy_node()},

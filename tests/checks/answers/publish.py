@@ -64,6 +64,18 @@ class ByATimer(SlowPublisher):
         self.timer = self.node.create_timer(0.04, super().control)
 
 
+class MakesTwo(SlowPublisher):
+    def configure(self, config):
+        super().configure(config)
+        super().configure(config)
+
+
+class DestroysInStop(SlowPublisher):
+    stop = SlowPublisher.unconfigure
+
+
 WRONG = [
+    (MakesTwo, "one is made at every start, or by super().configure(config), too"),
+    (DestroysInStop, "stop destroys what configure has made"),
     (ByATimer, "a timer, or a thread of its own, publishes"),
 ]
