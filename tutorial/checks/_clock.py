@@ -19,10 +19,7 @@ TURNS = 10  # of the loop after a timer: what it calls, and what that calls
 MOST = 10_000  # turns in one `advance`; who asks for another at once, for ever, finds that time has passed
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # as asyncio says it
-AT_ONCE = (
-    "Most likely the parentheses call the function at once, and it is not called later: give call_later the function "
-    "itself, self.land."
-)
+AT_ONCE = "Most likely the parentheses call it at once: give call_later the function itself, self.land."
 
 
 class ClockedLoop(asyncio.SelectorEventLoop):

@@ -59,10 +59,7 @@ the unit is wrong, sec or nanosec is left out, or they are exchanged: Time(nanos
     => =$time % 10**9 * 10**9 + $time//10**9
 """
 RATES = {ms: f"with steps of {ms} ms" for ms in (1, 2, 3, 6)}
-PERIOD = (
-    "Most likely the period is another, or several messages come at once: a message comes at every round(1 / ($hz * "
-    "io.time_step))-th step, when io.step % $steps == 0."
-)
+PERIOD = "Most likely the period is another: one message comes when io.step % round(1 / ($hz * io.time_step)) == 0."
 TOPIC = 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.'
 OTHERWISE = {
     "on the body Rover": TOPIC,

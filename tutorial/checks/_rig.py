@@ -32,17 +32,11 @@ MODELS = HOME / "project" / "models"
 NOTHING = "nothing is left"
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
-APART = (
-    "Most likely a timer, or a thread of its own, publishes: it goes by the wall clock, and the simulated body belongs "
-    "to the simulation's thread. Publish in control, and count steps, io.step."
-)
+APART = "Most likely a timer or a thread publishes, by the wall clock: publish in control, and count steps, io.step."
 IN_STOP = "Most likely stop destroys what configure has made, and a restart finds none: do so in unconfigure."
 THE_NODE = "config.node belongs to the whole program: unconfigure destroys only the {0}, {1}."
 TOO_MANY = "Most likely one is made at every start, or by super().configure(config), too: make one {0}, in configure."
-LEFT = (
-    "Most likely unconfigure is missing, or does not call {1}: a flag, None or self.{0}.destroy() does not tell the "
-    "node, which still has the {0}."
-)
+LEFT = "Most likely unconfigure lacks {1}: a flag, None or self.{0}.destroy() does not tell the node."
 
 
 class Endpoint:

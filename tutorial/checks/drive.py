@@ -85,8 +85,7 @@ the tracks are those of config.body, the displayed copy: what is simulated is io
     self.node = config.node => self.node, self.shown = config.node, config.body
     io.body. => self.shown.
 
-control does not see what the callback keeps, self.joy.get(), or puts a number in the place of an actuator: it is
-self.track_l.ctrl = ..., and the same for self.track_r.
+control does not use self.joy.get(), or assigns self.track_l = ... in place of self.track_l.ctrl = ...
     self.joy.put(message) => pass
 
 messages wait in a queue, one for each step: only the newest counts, until there is another one. Latest keeps it.
@@ -160,8 +159,7 @@ OTHERWISE = {
     "": "Compare with TRACK_L: 1.0 * left_y - 0.5 * left_x, TRACK_R: 1.0 * left_y + 0.5 * left_x, and nothing else.",
     "the topic, in the namespace /lab": "Most likely it is another topic, as one with a slash in front or a body's "
     'name, or another type: it is config.node.create_subscription(Joy, "joy", self.on_joy, 1), in configure.',
-    "a message, before the next step": "Most likely the callback sets the tracks, which belong to the simulation's "
-    "thread: only keep the message there, and set the tracks in control.",
+    "a message, before the next step": "Most likely the callback sets the tracks: only control may, on its thread.",
     "before the first message": AXES,
     "a second step does the same": "Most likely the speeds are smoothed, step by step: set them at once.",
     **{f"a message with {len(axes)} axes": AXES for axes in MESSAGES},

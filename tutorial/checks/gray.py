@@ -102,11 +102,9 @@ only one colour is sent: take the mean of all three, pixels.mean(axis=2).
 the sum is sent, or computed in bytes, which hold no more than 255: take the mean, pixels.mean(axis=2).
     pixels.mean(axis=2) => (pixels.sum(axis=2, dtype=np.uint8) / 3) => pixels.sum(axis=2)
 
-the colours have weights, as the eye has, or it is the brightest, the darkest, halfway between them, or the median: here
-the plain mean is asked for.
-    pixels.mean(axis=2) => (pixels @ np.array([0.299, 0.587, 0.114])) => (pixels @ np.array([0.2126, 0.7152, 0.0722]))
-    => np.rint(pixels @ np.array([0.299, 0.587, 0.114])) => pixels.max(axis=2) => pixels.min(axis=2)
-    => (pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2) => np.median(pixels, axis=2)
+it is weighted, as by the eye, or it is the brightest or darkest, or halfway between: here the plain mean is asked for.
+    pixels.mean(axis=2) => (pixels @ [0.299, 0.587, 0.114]) => np.rint(pixels @ [0.299, 0.587, 0.114])
+    => pixels.max(axis=2) => pixels.min(axis=2) => (pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)
 
 the mean is taken over the rows, the columns or the whole picture: the colours are the last axis, pixels.mean(axis=2).
     pixels.shape => pixels.shape => (*pixels.mean(axis=2).shape, 0)[:3]

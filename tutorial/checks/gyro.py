@@ -104,8 +104,7 @@ the mean is taken over all numbers at once, or over x, y and z: axis=0 takes it 
 measurements of the messages before count, too: begin anew after each message, self.samples.clear().
     self.samples.clear() => pass
 
-the sum or the count goes on from message to message: begin with both anew. An array that is kept as the zero is changed
-by +=, too.
+the sum or the count goes on: begin with both anew after a message, the sum with a new array, which += changes in place.
     self.samples: list[NDArray[np.float64]] = [] => self.samples, self.all = [], []
     self.samples.append(self.sensor.value) => self.samples.append(self.sensor.value) // self.all += self.samples[-1:]
     np.mean(self.samples, axis=0) => (sum(self.all) / len(self.samples)) => (sum(self.samples) / len(self.all))

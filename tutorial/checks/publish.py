@@ -79,7 +79,6 @@ the body's name is put before the joint's: the topic says already whose joints t
 
 the loop ends too early, or begins too late: every joint of io.body.joints is named.
     self.joints = io.body.joints => self.joints = io.body.joints[:-1] => self.joints = io.body.joints[1:]
-    => self.joints = io.body.joints[:1]
 
 they are converted to degrees: ROS 2 uses rad.
     [joint.position for => [degrees(joint.position) for
@@ -93,16 +92,10 @@ the joints' names are typed, or how many there are: take all of them from the bo
     io.body.joints => [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")] => io.body.joints[:2]
 """
 UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
-TYPED = "Most likely the joints' names are typed, or how many there are: take all of them from io.body.joints."
 OTHERWISE = {
-    "": TYPED,
-    "the names": "Most likely they are left out, in another order, or in a list that grows from message to message: "
-    "message.name = [joint.name for joint in self.joints].",
-    **{
-        field: f"Most likely {field} is left out, filled once or with something else, or in another order: "
-        f"message.{field} = [joint.{field} for joint in self.joints]."
-        for field in UNITS
-    },
+    "": "Most likely the joints' names are typed, or how many there are: take all of them from io.body.joints.",
+    "the names": "They are left out, mixed or added up: message.name = [joint.name for joint in self.joints].",
+    **{field: f"{field} is missing or mixed up: [joint.{field} for joint in self.joints]." for field in UNITS},
 }
 
 

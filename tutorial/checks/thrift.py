@@ -96,12 +96,10 @@ names and positions come from two different lists: take both from the joints tha
 the name is changed: take it from the joint, joint.name, and put nothing before it.
     name=list(news) => name=[f"{self.io.body.name}/{n}" for n in news]
 
-positions are compared with those of the last look, or all are remembered when one is sent: a slow motion is then never
-sent. Compare each with what was last sent for it.
+positions are compared with those of the last look or message: compare each with what was last sent for this joint.
     if news: => self.sent = positions // if news: => self.sent = positions if news else self.sent // if news:
 
-what was sent is never different: it is renewed before it is compared, or it is one and the same list or dict as the
-current positions. Compare first, send, and then note down a copy.
+what was sent is renewed before it is compared, or is one and the same list or dict: compare, send, then keep a copy.
     n not in self.sent or abs(q - self.sent[n]) > 0.001 => n not in self.sent
 
 the changes of all joints are added up: compare each joint for itself with 0.001.
@@ -132,8 +130,7 @@ the message is filled as in JointStatePublisher: here it has names and positions
 the joints' names are typed, or how many there are: take them from io.body.joints.
     self.io.body.joints => self.io.body.joints[:2] => map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))
 
-the steps are counted from the last message: after a pause it looks at every step then. Count them from the last look,
-io.step % steps_per_look.
+the steps are counted from the last message, so after a pause it looks at every step: io.step % steps_per_look == 0.
     self.io.step % self.steps_per_look == 0 => self.io.step >= self.due
     self.io = io => self.io, self.due = io, 0
     self.sent.update(news) => self.sent.update(news) // self.due = self.io.step + self.steps_per_look

@@ -118,7 +118,7 @@ METHODS = [
     ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "is taken for granted"),
     ({"x": 0.0, "y": 0.0, "control": smooth}, "smoothed"),
     ({"on_joy": throttle}, "dropped by time"),
-    ({"control": lambda self: setattr(self, "track_l", 1.0)}, "in the place of an actuator"),
+    ({"control": lambda self: setattr(self, "track_l", 1.0)}, "in place of self.track_l.ctrl"),
     ({"configure": other_type}, ["or another type", "is read before anything"]),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not tell the node"),
     (

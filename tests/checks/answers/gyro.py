@@ -84,6 +84,6 @@ class AnotherFrame(GyroPublisher):
 
 
 WRONG = [
-    (OnItsOwnThread, "a thread of its own, publishes"),
+    (OnItsOwnThread, "a timer or a thread publishes"),
     (AnotherFrame, "the body or link is missing"),
 ]
