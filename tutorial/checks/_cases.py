@@ -137,11 +137,13 @@ class Cases:
                     break
         odd = [label for label in seen if not same(seen[label], self.expected[label])]
         by_the_clock = "clock" in watch.noted
-        found = self.explain(seen) if odd and not by_the_clock else ()
-        raised = {} if found else failures  # they speak for themselves
-        told = [label for label in odd if label not in raised]
-        if raised and told and not by_the_clock:
-            found = self.explain({label: each for label, each in seen.items() if label not in raised})
+        misused = {label: each for label, each in failures.items() if isinstance(each.error, Misuse)}
+        for raised in ({}, misused, failures):  # what speaks for itself need not be explained
+            told = [label for label in odd if label not in raised]
+            rest = {label: each for label, each in seen.items() if label not in raised}
+            found = self.explain(rest) if told and not by_the_clock else ()
+            if found:
+                break
         causes = self._shown(found, told)
         for label in seen:
             if label not in odd:

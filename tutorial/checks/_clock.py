@@ -6,24 +6,20 @@ import asyncio
 import threading
 from collections.abc import Callable, Coroutine
 from contextvars import Context
-from typing import Any, TypeVarTuple
+from selectors import DefaultSelector
+from typing import Any
 
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._watch import watch
 
 __all__ = ["ClockedLoop"]
 
-Ts = TypeVarTuple("Ts")
-
 BEGAN = 1024.0  # [s] on the clock; with times of powers of two every sum is exact
 TURNS = 10  # of the loop after a timer: what it calls, and what that calls
-MOST = 10_000  # timers in one `advance`
+MOST = 10_000  # turns in one `advance`; who asks for another at once, for ever, finds that time has passed
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # as asyncio says it
-AT_ONCE = (
-    "Most likely the parentheses call the function at once, and it is not called later: give call_later the function "
-    "itself, self.land."
-)
+AT_ONCE = "Most likely the parentheses call it at once: give call_later the function itself, self.land."
 
 
 class ClockedLoop(asyncio.SelectorEventLoop):
@@ -35,43 +31,40 @@ class ClockedLoop(asyncio.SelectorEventLoop):
     """
 
     def __init__(self) -> None:
-        self._now = BEGAN
-        self._timers: list[asyncio.TimerHandle] = []
+        self._now = self._end = BEGAN
+        self._turns, self._timers = 0, list[asyncio.TimerHandle]()
         self.wrap: Callable[[Callable[..., object]], Callable[..., object]] = lambda function: function
         self.posted, self._thread = 0, threading.get_ident()
-        super().__init__()
-        self.set_task_factory(self._task)  # type: ignore[arg-type]
+        super().__init__(_Selector(self._wait))
 
     def time(self) -> float:
         """Return what the clock says [s]."""
         return self._now
 
-    def call_at(
-        self, when: float, callback: Callable[[*Ts], object], *args: *Ts, context: Context | None = None
-    ) -> asyncio.TimerHandle:
+    def call_at(self, when: float, callback: Any, *args: Any, context: Context | None = None) -> asyncio.TimerHandle:  # type: ignore[override]
         """Keep a timer, as asyncio does; `call_later` comes this way, too."""
         self._check()
         if not callable(callback):
             raise Misuse(f"the timer is given {callback} in place of a function", AT_ONCE)
-        wrapped = self.wrap(callback)
-        timer = super().call_at(when, lambda: wrapped(*args), context=context)
+        timer = super().call_at(when, self.wrap(callback), *args, context=context)
         self._timers.append(timer)
         return timer
 
-    def call_soon(
-        self, callback: Callable[[*Ts], object], *args: *Ts, context: Context | None = None
-    ) -> asyncio.Handle:
+    def call_soon(self, callback: Any, *args: Any, context: Context | None = None) -> asyncio.Handle:  # type: ignore[override]
         """Call in the next turn, as asyncio does."""
         self._check()
         return super().call_soon(callback, *args, context=context)
 
-    def call_soon_threadsafe(
-        self, callback: Callable[[*Ts], object], *args: *Ts, context: Context | None = None
-    ) -> asyncio.Handle:
+    def call_soon_threadsafe(self, callback: Any, *args: Any, context: Context | None = None) -> asyncio.Handle:  # type: ignore[override]
         """Call in the next turn, from any thread."""
         self.posted += 1
-        wrapped = self.wrap(callback)
-        return super().call_soon_threadsafe(lambda: wrapped(*args), context=context)
+        return super().call_soon_threadsafe(self.wrap(callback), *args, context=context)
+
+    def create_task(self, coro: Coroutine[Any, Any, Any], **options: Any) -> asyncio.Task[Any]:  # type: ignore[override]
+        """Make a task, and say at once what it raises, even where somebody keeps it."""
+        task = super().create_task(coro, **options)
+        task.add_done_callback(self._done)
+        return task
 
     def close(self) -> None:
         """Close it; tasks that still wait are cancelled before."""
@@ -86,38 +79,25 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         return [timer for timer in self._timers if not timer.cancelled() and timer.when() > self._now]
 
     def advance(self, seconds: float = 0.0) -> None:
-        """Let time pass, and run what is due, the earliest first.
-
-        Args:
-            seconds: how much [s].
-        """
-        end = self._now + seconds
+        """Let time pass [s], and run what is due, the earliest first."""
+        self._turns, self._end, due = 0, self._now + seconds, self.create_future()
+        super().call_at(self._end, due.set_result, None)
+        self.run_until_complete(due)
         self._turn()
-        for _ in range(MOST):
-            self._timers = self.timers
-            due = [timer.when() for timer in self._timers if timer.when() <= end]
-            if not due:
-                break
-            self._pass(min(due))
-            self._turn()
-        self._pass(end)
 
-    def _pass(self, now: float) -> None:
+    def _wait(self, seconds: float) -> None:
+        """Let time pass in place of waiting."""
+        self._turns += 1
+        passed = self._end - self._now if self._turns > MOST else seconds
         clocks = watch.clocks or {}
         for name in clocks:
-            clocks[name] += (now - self._now) * (1_000_000_000 if name.endswith("_ns") else 1)
-        self._now = now
+            clocks[name] += passed * (1_000_000_000 if name.endswith("_ns") else 1)
+        self._now += passed
 
     def _check(self) -> None:
         """Refuse other threads, as asyncio does where it debugs; else a call of theirs may never run."""
         if threading.get_ident() != self._thread:
             raise RuntimeError(OTHER_THREAD)
-
-    def _task(self, _: object, coroutine: Coroutine[Any, Any, Any], **options: Any) -> asyncio.Task[Any]:
-        """Make a task, and say at once what it raises, even where somebody keeps it."""
-        task = asyncio.Task(coroutine, loop=self, **options)
-        task.add_done_callback(self._done)
-        return task
 
     def _done(self, task: asyncio.Task[Any]) -> None:
         error = None if task.cancelled() else task.exception()
@@ -130,3 +110,15 @@ class ClockedLoop(asyncio.SelectorEventLoop):
                 await asyncio.sleep(0)
 
         self.run_until_complete(turns())
+
+
+class _Selector(DefaultSelector):
+    """Waits as it is told to, rather than for something to happen."""
+
+    def __init__(self, wait: Callable[[float], None]) -> None:
+        super().__init__()
+        self._wait = wait
+
+    def select(self, timeout: float | None = None) -> Any:
+        self._wait(max(timeout or 0.0, 0.0))
+        return super().select(0)

@@ -14,7 +14,6 @@ from typing import Any, cast
 import mujoco
 from builtin_interfaces.msg import Time
 from rclpy.clock import Clock
-from rclpy.exceptions import InvalidHandle
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.logging import get_logger
 
@@ -27,19 +26,17 @@ from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.paths import HOME
 from tutorial.world import Placement, compose
 
-__all__ = ["MODELS", "Endpoint", "MemoryNode", "Rig", "Sent", "Watched", "check_has"]
+__all__ = ["APART", "MODELS", "Endpoint", "MemoryNode", "Rig", "Sent", "Watched", "check_has"]
 
 MODELS = HOME / "project" / "models"
+NOTHING = "nothing is left"
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
-THREAD = (
-    "Most likely a thread of its own publishes: it goes by the wall clock, and the simulated body belongs to the "
-    "simulation's thread. Publish in control, and count steps."
-)
-TIMER = (
-    "Most likely a timer publishes: it goes by the wall clock, on the executor's thread. Count steps in control: "
-    "simulated time is io.step * io.time_step."
-)
+APART = "Most likely a timer or a thread publishes, by the wall clock: publish in control, and count steps, io.step."
+IN_STOP = "Most likely stop destroys what configure has made, and a restart finds none: do so in unconfigure."
+THE_NODE = "config.node belongs to the whole program: unconfigure destroys only the {0}, {1}."
+TOO_MANY = "Most likely one is made at every start, or by super().configure(config), too: make one {0}, in configure."
+LEFT = "Most likely unconfigure lacks {1}: a flag, None or self.{0}.destroy() does not tell the node."
 
 
 class Endpoint:
@@ -62,7 +59,7 @@ class Endpoint:
     def publish(self, message: Any) -> None:
         """Keep a message, as the node is told to."""
         if self.destroyed:
-            raise InvalidHandle
+            raise Misuse(f"it publishes on {self.topic} with a publisher that is destroyed", IN_STOP)
         if not isinstance(message, self.kind):
             raise TypeError(f"Expected {self.kind}, got {type(message)}")
         self._node.publish(self, message)
@@ -86,37 +83,25 @@ class MemoryNode:
         namespace: of its topics.
 
     Attributes:
-        endpoints: the publishers and subscriptions that it has, in the order in which they were made; also one that was
-            destroyed without telling it.
+        publishers, subscriptions: those that it has; also one that was destroyed without telling it.
+        made: those that were ever made.
         timers: what `create_timer` was given; none of them ever fires.
-        made: how many endpoints were made.
         destroyed: whether the learner has destroyed the node itself.
     """
 
     def __init__(self, publish: Callable[[Endpoint, Any], None], namespace: str = "/") -> None:
-        self.publish, self.namespace = publish, namespace
-        self.endpoints: list[Endpoint] = []
+        self.publish, self.namespace, self.destroyed = publish, namespace, False
+        self.publishers, self.subscriptions, self.made = list[Endpoint](), list[Endpoint](), list[Endpoint]()
         self.timers: list[tuple[Any, ...]] = []
-        self.made, self.destroyed = 0, False
-
-    @property
-    def publishers(self) -> list[Endpoint]:
-        """The publishers."""
-        return [each for each in self.endpoints if each.callback is None]
-
-    @property
-    def subscriptions(self) -> list[Endpoint]:
-        """The subscriptions."""
-        return [each for each in self.endpoints if each.callback is not None]
 
     def create_publisher(self, msg_type: type, topic: str, qos_profile: Any, **_: Any) -> Endpoint:
         """Make a publisher."""
-        return self._make(Endpoint(self, msg_type, topic, qos_profile))
+        return self._keep(Endpoint(self, msg_type, topic, qos_profile), self.publishers)
 
     def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any, **_: Any) -> Endpoint:
         """Make a subscription; `Rig.hear` brings it messages."""
         check_callback(callback, msg_type)
-        return self._make(Endpoint(self, msg_type, topic, qos_profile, callback))
+        return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback), self.subscriptions)
 
     def create_timer(self, *arguments: Any) -> None:
         """Note that a timer was asked for."""
@@ -124,9 +109,10 @@ class MemoryNode:
 
     def destroy_publisher(self, endpoint: Endpoint) -> bool:
         """Take a publisher or a subscription back; whether there was one."""
-        if endpoint not in self.endpoints:
+        kept = self.publishers if endpoint in self.publishers else self.subscriptions
+        if endpoint not in kept:
             return False
-        self.endpoints.remove(endpoint)
+        kept.remove(endpoint)
         endpoint.destroy()
         return True
 
@@ -136,9 +122,24 @@ class MemoryNode:
         """Say what the learner has left behind."""
         if self.destroyed:
             return "the program's node is gone"
-        alone = " and was not told of its end" * any(each.destroyed for each in self.endpoints)
-        left = f"the node still has {len(self.endpoints)} of {self.made} topics{alone}"
-        return left if self.endpoints else "nothing is left"
+        kept = [*self.publishers, *self.subscriptions]
+        alone = " and was not told of its end" * any(each.destroyed for each in kept)
+        return f"the node still has {len(kept)} of {len(self.made)} topics{alone}" if kept else NOTHING
+
+    def check_left(self) -> str:
+        """Say that the learner has left nothing behind.
+
+        Raises:
+            Failure: something is left.
+        """
+        left, kind = self.left(), "subscription" if self.subscriptions else "publisher"
+        if left != NOTHING:
+            some = len(self.publishers + self.subscriptions) < len(self.made)
+            cause = THE_NODE if self.destroyed else TOO_MANY if some else LEFT
+            raise Failure(
+                "unconfigure", Misuse(left, cause.format(kind, f"self.node.destroy_{kind}(self.{kind})")), None
+            )
+        return left
 
     def destroy_node(self) -> None:
         """Note that the whole node was destroyed."""
@@ -160,9 +161,9 @@ class MemoryNode:
         """Return its namespace."""
         return self.namespace
 
-    def _make(self, endpoint: Endpoint) -> Endpoint:
-        self.made += 1
-        self.endpoints.append(endpoint)
+    def _keep(self, endpoint: Endpoint, kept: list[Endpoint]) -> Endpoint:
+        self.made.append(endpoint)
+        kept.append(endpoint)
         return endpoint
 
 
@@ -214,7 +215,7 @@ class Sent:
         step: the simulation's at which it was published. If another thread than the simulation's has published it,
             that of its stamp.
         stamp_ns: its stamp [ns]; 0 where it has none.
-        message: what is kept of it.
+        message: a copy of it.
     """
 
     topic: str
@@ -233,7 +234,6 @@ class Rig:
         name: the body's name.
         time_step: of the simulation [s].
         namespace: of the node.
-        keep: returns what is to be kept of a message, a copy.
         node: a real one; None for one in memory.
 
     Attributes:
@@ -257,7 +257,6 @@ class Rig:
         name: str = "Rover",
         time_step: float = 0.001,
         namespace: str = "/",
-        keep: Callable[[Any], Any] = deepcopy,
         node: Any = None,
     ) -> None:
         self.displayed, self.body = _bodies(model, name)
@@ -265,7 +264,7 @@ class Rig:
         self.before, self.after, self.sent = before, after, list[Sent]()
         self.io = ControllerIO(self.body, time_step)
         self.node = node or cast("Any", MemoryNode(self._publish, namespace))
-        self._answer, self._keep = answer, keep
+        self._answer = answer
         self._thread, self._threads = threading.current_thread(), set(threading.enumerate())
         self.learner = Watched(answer)
         self.learner.configure(ControllerConfig(self.displayed, self.node, _drop, _drop))
@@ -275,9 +274,9 @@ class Rig:
         self.begun = self.io.step = step
         self.learner.initialize(self.io)
         if [*self.node.timers]:
-            raise Failure("configure", Misuse("it makes a timer", TIMER), None)
+            raise Failure("configure", Misuse("it makes a timer", APART), None)
         if "thread" in watch.noted and missing(self._answer, "control"):
-            raise Failure("initialize", Misuse("it starts a thread of its own", THREAD), watch.noted["thread"])
+            raise Failure("initialize", Misuse("it starts a thread of its own", APART), watch.noted["thread"])
         check_has(self._answer, "control")
 
     def advance(self, steps: int) -> None:
@@ -294,17 +293,11 @@ class Rig:
             if each.kind is type(message):
                 call(each.callback, message)
 
-    def hears(self, kind: type, topic: str, cause: str) -> str:
-        """Say which topic is listened to: this one, where it is among them.
-
-        Raises:
-            Failure: no messages of this kind are listened to, for this cause.
-        """
-        made = [each.topic for each in self.node.subscriptions if each.kind is kind]
-        if not made:
-            raise Failure("configure", Misuse(f"it subscribes to no messages of the type {kind.__name__}", cause), None)
-        wanted = Endpoint(self.node, kind, topic, 1).topic
-        return f"it listens to {wanted if wanted in made else made[0]}"
+    def on(self, kind: type, topic: str) -> str:
+        """Say on which topic messages of this kind are sent or heard: on this one, where it is among them."""
+        made = [each.topic for each in self.node.made if each.kind is kind]
+        wanted = expand_topic_name(topic, "tank", self.node.namespace)
+        return f"{kind.__name__} on {wanted if wanted in made else ', '.join(made) or 'no topic'}"
 
     def stop(self) -> None:
         """Simulate no more; wait for what threads of the learner's still publish."""
@@ -316,17 +309,17 @@ class Rig:
             time.sleep(QUIET)
 
     def leave(self) -> str:
-        """Have the controller leave its body, and say what it has left behind."""
+        """Have the controller leave its body, and say that it has left nothing behind."""
         check_has(self._answer, "unconfigure", misspelled=True)
         self.learner.unconfigure()
-        return str(self.node.left())
+        return str(self.node.check_left())
 
     def _publish(self, publisher: Endpoint, message: Any) -> None:
         stamp = message.header.stamp if hasattr(message, "header") else Time()
         stamp_ns, step = stamp.sec * 1_000_000_000 + stamp.nanosec, self.io.step
         if threading.current_thread() is not self._thread:
             step = round(stamp_ns / 1e9 / self.io.time_step)
-        self.sent.append(Sent(publisher.topic, step, stamp_ns, self._keep(message)))
+        self.sent.append(Sent(publisher.topic, step, stamp_ns, deepcopy(message)))
 
 
 def check_has(answer: type, method: str, misspelled: bool = False) -> None:

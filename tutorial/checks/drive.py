@@ -33,10 +33,8 @@ from typing import Any
 
 from sensor_msgs.msg import Joy
 
-from tutorial.body import Actuator, Body
 from tutorial.checks._cases import Cases, mistakes
 from tutorial.checks._interleave import interleave
-from tutorial.checks._publishing import say
 from tutorial.checks._rig import Rig
 from tutorial.checks._watch import watch
 from tutorial.checks.bound import four_axes
@@ -79,9 +77,6 @@ class GentleTank(SimpleController):
 
 
 MISTAKES = mistakes("""
-initialize throws away what has come before: make what keeps the message in configure, and only there.
-    self.track_l = io => self.joy.put(Joy()) // self.track_l = io
-
 the stick is read once, in initialize: control has to look at every step, self.joy.get().
     self.track_l = io => self.once = self.joy.get() // self.track_l = io
     self.joy.get()) => self.once)
@@ -90,30 +85,29 @@ the tracks are those of config.body, the displayed copy: what is simulated is io
     self.node = config.node => self.node, self.shown = config.node, config.body
     io.body. => self.shown.
 
-control does not see what the callback keeps, self.joy.get(), or sets no self.track_l.ctrl and self.track_r.ctrl.
+control does not use self.joy.get(), or assigns self.track_l = ... in place of self.track_l.ctrl = ...
     self.joy.put(message) => pass
 
 messages wait in a queue, one for each step: only the newest counts, until there is another one. Latest keeps it.
     self.node = config.node => self.node, self.queue = config.node, []
     self.joy.put(message) => self.queue.append(message)
     axes = => if self.queue: self.joy.put(self.queue.pop(0)) // axes =
-    if self.queue: => if self.queue: => if not self.queue: self.joy.put(Joy()) // if self.queue:
+    => self.joy.put(self.queue.pop(0) if self.queue else Joy()) // axes =
 
 a message counts for one step only: the stick is where it was last seen, until there is another one. Latest keeps it.
     left_x, left_y = => self.joy.put(Joy()) // left_x, left_y =
 
-a message with few axes is dropped, so the last speeds stay: the axes that it lacks count as 0.
-    self.joy.put(m => len(message.axes) > 0 and self.joy.put(m
-    > 0 and self => > 0 and self => > 1 and self => > 3 and self => == 4 and self
-
-a message with few axes counts as rest: only the axes that it lacks count as 0, the others count.
-    abs(axis) > 0.3 => len(self.joy.get().axes) > 1 and abs(axis) > 0.3
+a message with few axes is dropped, or counts as rest: only the axes that it lacks count as 0, the others as they are.
+    self.joy.put(m => len(message.axes) > 0 and self.joy.put(m => len(message.axes) > 1 and self.joy.put(m
+    => len(message.axes) > 3 and self.joy.put(m => len(message.axes) == 4 and self.joy.put(m
+    => self.joy.put(Joy() if len(message.axes) < 2 else m
 
 the speeds are limited to 1 m/s, which nobody asked for: in the corner it is 1.5 m/s.
     + 0.5 * left_x => + 0.5 * left_x // for t in (self.track_l, self.track_r): t.ctrl = min(max(t.ctrl, -1.0), 1.0)
 
-both tracks have one formula: the left one has - 0.5 * left_x, the right one + 0.5 * left_x.
+one track is forgotten, or both have one formula: TRACK_L has - 0.5 * left_x, and TRACK_R + 0.5 * left_x.
     + 0.5 * left_x => - 0.5 * left_x => + 0.5 * left_x // self.track_l.ctrl = self.track_r.ctrl
+    => + 0.5 * left_x // self.track_l.ctrl = 0.0 => + 0.5 * left_x // self.track_r.ctrl = 0.0
 
 nothing is set at rest, so the last speed stays: set 0 then.
     self.track_l.ctrl = 1 => if not left_x and not left_y: return // self.track_l.ctrl = 1
@@ -124,122 +118,68 @@ it reads the right stick: the left one is axes[0] and axes[1].
 the two axes are exchanged: axes[0] is x, to the left, axes[1] is y, ahead.
     left_x, left_y = => left_y, left_x =
 
-left_x has no dead zone: both axes have one.
-    self.track_l.ctrl = 1 => left_x = axes[0] // self.track_l.ctrl = 1
-
-left_y has no dead zone: both axes have one.
-    self.track_l.ctrl = 1 => left_y = axes[1] // self.track_l.ctrl = 1
-
-one track is forgotten: set the ctrl of TRACK_L and that of TRACK_R.
-    self.track_r.ctrl = 1 => forgotten = 1 => self.track_l.ctrl, self.track_r.ctrl = 0.0, 1
-
 the sign of left_y is wrong: forward is positive, for the stick and the tracks.
     1.0 * left_y => -1.0 * left_y
-
-these are the numbers of TankController; here they are 1.0 and 0.5.
-    1.0 * left_y => 2.0 * left_y
-    0.5 * left_x => 1.0 * left_x
-
-left_x counts in full: it counts half, 0.5 * left_x.
-    0.5 * left_x => 1.0 * left_x
-
-left_y counts half: it counts in full, 1.0 * left_y, and left_x half.
-    1.0 * left_y => 0.5 * left_y
-    0.5 * left_x => 0.5 * left_x => 1.0 * left_x
-
-left_x is left out, so the tank never turns: -0.5 * left_x and +0.5 * left_x.
-    0.5 * left_x => 0.0 * left_x
 
 left and right are exchanged: to the left, the left track slows down and the right one speeds up.
     0.5 * left_x => -0.5 * left_x
 
-the dead zone is missing: an axis within 0.3 of the middle counts as 0.
-    abs(axis) > 0.3 => True
+the factors are others, as those of TankController, or one is missing: here they are 1.0 * left_y and 0.5 * left_x.
+    axes[:2]) => axes[:2]) // left_x, left_y = 2 * left_x, 2 * left_y => axes[:2]) // left_x = 2 * left_x
+    => axes[:2]) // left_x, left_y = 2 * left_x, left_y / 2 => axes[:2]) // left_y /= 2 => axes[:2]) // left_x = 0
 
-the dead zone is that of TankController, 0.2; here it is 0.3.
-    > 0.3 => > 0.2
+the dead zone is missing, or that of one axis: both axes count as 0 within 0.3 of the middle.
+    axes[:2]) => axes[:2]) // left_x, left_y = axes[:2]
+    => axes[:2]) // left_x = axes[0] => axes[:2]) // left_y = axes[1]
 
-the dead zone is too narrow: it is 0.3.
-    > 0.3 => > 0.03 => > 0.15 => > 0.28
+the dead zone is another, as that of TankController, which is 0.2: here it is 0.3.
+    > 0.3 => > 0.03 => > 0.15 => > 0.2 => > 0.28 => > 0.32 => > 0.35 => > 0.45 => > 0.5
 
-the dead zone is too wide: it is 0.3.
-    > 0.3 => > 0.32 => > 0.35 => > 0.45 => > 0.5
-
-abs is missing, so the dead zone is not the same on both sides: abs(axis) > 0.3.
-    abs(axis) > 0.3 => axis > 0.3 => not 0.0 <= axis <= 0.3
-
-the dead zone is turned round: an axis within 0.3 counts as 0, others as they are.
-    > 0.3 => <= 0.3
+the dead zone is turned round, or not the same on both sides: an axis counts if abs(axis) > 0.3.
+    abs(axis) > 0.3 => abs(axis) <= 0.3 => axis > 0.3 => not 0.0 <= axis <= 0.3
 
 the two axes share one dead zone: it holds for each axis for itself.
     abs(axis) > 0.3 => max(map(abs, axes[:2])) > 0.3 => min(map(abs, axes[:2])) > 0.3 => abs(complex(*axes[:2])) > 0.3
 
-the dead zone is taken off: outside of it an axis counts as it is.
-    (axis if => (axis - 0.3 * axis / abs(axis) if => ((axis - 0.3 * axis / abs(axis)) / 0.7 if
-
-an axis is squared or cubed, or only its sign counts: it counts as it is.
-    (axis if => (axis * abs(axis) if => (axis**3 if => (axis / abs(axis) if
-
-configure makes two subscriptions, and keeps only one, as when super().configure(config) has made one already.
-    self.node = config.node => self.node = config.node // self.node.create_subscription(Joy, "joy", self.on_joy, 1)
-
-the node still has the subscription: unconfigure calls self.node.destroy_subscription(self.subscription); a flag, None
-or subscription.destroy() does not tell the node.
-    self.node.destroy_subscription(self.subscription) => pass => self.subscription.destroy()
+an axis is shifted, rescaled, squared or cubed, or only its sign counts: outside of the dead zone it counts as it is.
+    (axis if => (axis - 0.3 * axis / abs(axis) if => ((axis - 0.3 * axis / abs(axis)) / 0.7 if => (axis * abs(axis) if
+    => (axis**3 if => (axis / abs(axis) if
 """)
 DRIVES, AHEAD = (0.5, -0.8, 0.7, -0.9), (0.0, 1.0, 0.7, -0.9)
-MESSAGES = {
-    "a message with 2 axes": (0.0, 1.0),
-    "a message without axes": (),
-    "a message with 1 axis": (1.0,),
-    "a message with 8 axes": (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4),
-}
-AXES = "Most likely a number of axes is taken for granted: one that is lacking counts as 0, and more do not count."
-KEPT = "the stick is where it was last seen, until there is another message. Latest keeps it."
-TOPIC = (
-    "Most likely it is another topic, as one with a slash in front or a body's name, or another type: it is "
-    'config.node.create_subscription(Joy, "joy", self.on_joy, 1), in configure.'
+STICKS = (
+    *((0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-0.6, 0.8), (1.0, 1.0), (0.16, -0.1), (-0.16, 0.1), (0.02, 0.02)),
+    *((0.25, 1.0), (0.25, 0.0), (0.5, -0.29), (-0.33, 0.0), (0.0, -0.31), (0.0, 0.4)),
 )
+MESSAGES = ((0.0, 1.0), (), (1.0,), (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4))
+WHOLE, MIXED = ((0.6, 0.5), (-0.4, -0.9)), ((0.6, -0.9), (-0.4, 0.5))
+AXES = "Most likely a message, or a number of axes, is taken for granted: what is lacking counts as 0. See four_axes."
+KEPT = "Most likely messages are dropped by time, or count for a while only: the newest counts until there is another."
+RESTART = "Most likely initialize throws away the newest message, or keeps another: make what keeps it in configure."
 OTHERWISE = {
-    "": "Compare with left: 1.0 * left_y - 0.5 * left_x, right: 1.0 * left_y + 0.5 * left_x.",
-    "the topic, in the namespace /lab": TOPIC,
-    "a message, before the next step": "Most likely the callback sets the tracks: it runs on the executor's thread, "
-    "and the simulated tank belongs to the simulation's. Only keep the message there, and set the tracks in control.",
-    "before the first message": "Most likely a message, and its axes, are taken for granted: before the first one "
-    "everything counts as 0, as four_axes reads an empty Joy().",
-    "control leaves the actuators": "Most likely self.track_l = ... puts a number in the place of the actuator: "
-    "it is self.track_l.ctrl = ..., the actuator takes the speed.",
+    "": "Compare with TRACK_L: 1.0 * left_y - 0.5 * left_x, TRACK_R: 1.0 * left_y + 0.5 * left_x, and nothing else.",
+    "the topic, in the namespace /lab": "Most likely it is another topic, as one with a slash in front or a body's "
+    'name, or another type: it is config.node.create_subscription(Joy, "joy", self.on_joy, 1), in configure.',
+    "a message, before the next step": "Most likely the callback sets the tracks: only control may, on its thread.",
+    "before the first message": AXES,
     "a second step does the same": "Most likely the speeds are smoothed, step by step: set them at once.",
-    **dict.fromkeys(MESSAGES, AXES),
-    "300 steps without a message": f"Most likely a message counts for a while only: {KEPT}",
-    "four messages between two steps": "Most likely messages are dropped, or kept: only the newest counts.",
-    "after a restart": "Most likely something of the run before is kept, or thrown away: the newest message counts.",
+    **{f"a message with {len(axes)} axes": AXES for axes in MESSAGES},
+    "300 steps without a message": KEPT,
+    "four messages between two steps": KEPT,
+    "a message that comes before the start": RESTART,
+    "after a restart": RESTART,
     "two tanks": "Most likely what is kept belongs to the class: make it in configure, self.joy = ...",
-    "what else is commanded": "GentleTank drives only TRACK_L and TRACK_R.",
-    "control between the callback's instructions": "Most likely the callback keeps the message piece by piece, so "
-    "control can run between two pieces: keep it as a whole, in a Latest.",
+    "control between the callback's instructions": "Most likely the callback keeps the message piece by piece, and "
+    "control runs between two pieces: keep it as a whole, in a Latest.",
     "a message between control's instructions": "Most likely control looks twice, and a message comes in between: take "
     "it once, and read both axes from that.",
-    "after unconfigure": "It is self.node.destroy_subscription(self.subscription): the node is the whole program's.",
-}
-BETWEEN = ("control between the callback's instructions", "a message between control's instructions")
-STICKS = {
-    "ahead": [(0.0, 1.0)],
-    "back": [(0.0, -1.0)],
-    "a turn to the left on the spot": [(1.0, 0.0)],
-    "ahead and to the right": [(-0.6, 0.8)],
-    "near the middle, at (0.16, -0.1), (-0.16, 0.1) and (0.02, 0.02)": [(0.16, -0.1), (-0.16, 0.1), (0.02, 0.02)],
-    "0.25 to the left, and ahead or not": [(0.25, 1.0), (0.25, 0.0)],
-    "ahead and to the left, in the corner": [(1.0, 1.0)],
-    "0.33 to the right, 0.31 back, 0.4 ahead": [(-0.33, 0.0), (0.0, -0.31), (0.0, 0.4)],
-    "0.29 back, and half to the left": [(0.5, -0.29)],
 }
 
 
-def speeds(body: Body) -> str:
-    """Return what the tracks are commanded, in words."""
-    left, right = (body.actuator(name).ctrl for name in ("TRACK_L", "TRACK_R"))
-    return f"the tracks run at {left:+z.2f} and {right:+z.2f} m/s"
+def speeds(rig: Rig) -> str:
+    """Return what the tracks are commanded, in words, and whether something else is."""
+    left, right, *turret = (rig.body.actuator(name).ctrl for name in ("TRACK_L", "TRACK_R", "TURRET_Y", "TURRET_P"))
+    more = ", something else is moved" * any([*turret, *rig.displayed.data.ctrl])
+    return f"the tracks run at {left:+z.2f} and {right:+z.2f} m/s{more}"
 
 
 def played(answer: type, *script: Any, **options: Any) -> Rig:
@@ -260,99 +200,66 @@ def played(answer: type, *script: Any, **options: Any) -> Rig:
 
 def after(*script: Any) -> Callable[[type], str]:
     """Observe the speeds after that."""
-    return lambda answer: speeds(played(answer, *script).body)
-
-
-def unmoved(answer: type) -> str:
-    """Observe the speeds after a message, while `control` has not run yet."""
-    rig = played(answer)
-    rig.learner.initialize(rig.io)
-    rig.hear(Joy(axes=DRIVES))
-    return speeds(rig.body)
+    return lambda answer: speeds(played(answer, *script))
 
 
 def stepped(rig: Rig) -> str:
     """Observe the speeds after the first step."""
     rig.start()
     rig.advance(1)
-    return speeds(rig.body)
+    return speeds(rig)
 
 
-def at(*messages: tuple[float, ...]) -> Callable[[type], list[str]]:
-    """Observe the speeds that messages with these axes lead to, each after one that drives."""
-    return lambda answer: [after("start", DRIVES, 1, axes, 1)(answer) for axes in messages]
-
-
-def left_alone(answer: type) -> bool:
-    """Observe whether `control` leaves the learner's attributes that are actuators."""
-    tanks = (played(answer, "start", steps).learner.inner for steps in (0, 1))
-    before, now = (sum(isinstance(each, Actuator) for each in vars(tank).values()) for tank in tanks)
-    return before == now
-
-
-def others(answer: type) -> str:
-    """Name what is commanded besides the tracks."""
-    rig = played(answer, "start", DRIVES, 1)
-    turret = [name for name in ("TURRET_Y", "TURRET_P") if rig.body.actuator(name).ctrl]
-    return ", ".join(turret + ["the displayed tank"] * any(rig.displayed.data.ctrl)) or "nothing"
-
-
-def two(answer: type) -> list[str]:
+def two(answer: type) -> str:
     """Observe two tanks at the same time, of which the first one's stick is moved."""
     first, second = played(answer, "start"), played(answer, "start", name="Tank", time_step=0.002)
     first.hear(Joy(axes=DRIVES))
-    second.advance(1)
-    first.advance(1)
-    return [speeds(first.body), speeds(second.body)]
+    for each in (second, first):
+        each.advance(1)
+    return f"{speeds(first)}; {speeds(second)}"
 
 
 def halved(answer: type, in_callback: bool) -> str:
     """Observe whether half of a message is used, in whatever order the callback and `control` run."""
     rig, seen = played(answer, "start"), list[str]()
+    first, second = (partial(rig.hear, Joy(axes=axes)) for axes in WHOLE)
 
     def control() -> None:
         rig.advance(1)
-        seen.append(speeds(rig.body))
+        seen.append(speeds(rig))
 
-    for axes in ((0.6, -0.9), (-0.4, 0.5), (0.6, 0.5), (-0.4, -0.9)):  # two that are mixed, and two that come
-        rig.hear(Joy(axes=axes))
-        control()
-    mixed, seen = set(seen[:2]) - set(seen[2:]), []
-    message, step = partial(rig.hear, Joy(axes=(-0.4, -0.9))), partial(rig.advance, 1)
-    order = (message, control) if in_callback else (step, message)
+    function, between = (second, control) if in_callback else (control, second)
     for turn in (None, None) if in_callback else count():  # Python 3.13 stops only in what was traced before
-        rig.hear(Joy(axes=(0.6, 0.5)))
-        if not interleave(*order, turn):
+        first()
+        if not interleave(function, between, turn):
             break
-        seen.append(speeds(rig.body))
-    return "half of it is used" if mixed & set(seen) else "it is used as a whole, or not yet"
+    whole, mixed = ({after("start", axes, 1)(answer) for axes in each} for each in (WHOLE, MIXED))
+    return "half of it is used" if (mixed - whole) & set(seen) else "it is used as a whole, or not yet"
 
 
 CASES = Cases(
     GentleTank,
     {
-        "the topic, in the namespace /lab": lambda answer: Rig(answer, namespace="/lab").hears(Joy, "joy", TOPIC),
-        "a message, before the next step": unmoved,
+        "the topic, in the namespace /lab": lambda answer: Rig(answer, namespace="/lab").on(Joy, "joy"),
+        "a message, before the next step": after("start", DRIVES),
         "before the first message": after("start", 1),
-        "control leaves the actuators": left_alone,
         "a second step does the same": lambda answer: len({after("start", DRIVES, n)(answer) for n in (1, 2)}) == 1,
-        **{label: at(*((*stick, 0.7, -0.9) for stick in sticks)) for label, sticks in STICKS.items()},
-        **{label: at(axes) for label, axes in MESSAGES.items()},
+        **{f"left_x {x:g}, left_y {y:g}": after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1) for x, y in STICKS},
+        **{f"a message with {len(axes)} axes": after("start", DRIVES, 1, axes, 1) for axes in MESSAGES},
         "300 steps without a message": after("start", DRIVES, 300),
         "four messages between two steps": after("start", DRIVES, AHEAD, DRIVES, AHEAD, 1),
         "a message that comes before the start": after(DRIVES, "start", 1),
         "after a restart": after("start", DRIVES, 1, "stop", "start", 1),
         "two tanks": two,
-        "what else is commanded": others,
-        BETWEEN[0]: lambda answer: halved(answer, True),
-        BETWEEN[1]: lambda answer: halved(answer, False),
+        "control between the callback's instructions": lambda answer: halved(answer, True),
+        "a message between control's instructions": lambda answer: halved(answer, False),
         "after unconfigure": lambda answer: Rig(answer).leave(),
     },
     MISTAKES,
-    say,
+    str,
     OTHERWISE,
-    {label: OTHERWISE[label] for label in ("before the first message", *MESSAGES, *BETWEEN)},
-    clock=f"Most likely messages are dropped by time, or count for a while only: {KEPT}",
+    {label: cause for label, cause in OTHERWISE.items() if cause == AXES},
+    clock=KEPT,
     on_ros=lambda answer: over_ros(answer, Joy(axes=DRIVES), stepped),
 )
 

@@ -72,72 +72,57 @@ it looks at message.axes: the buttons are in message.buttons.
 it looks whether there are buttons, not whether buttons[0] is 1.
     self.fire.put => pressed = len(message.buttons) > 0 // self.fire.put
 
-it looks at another button: the first one is buttons[0].
-    message.buttons[0] => sum(message.buttons[1:2]) => message.buttons[-1]
-
-it looks at all buttons: only buttons[0] counts.
-    pressed = => pressed = any(message.buttons) or => pressed = all(message.buttons) and
+it looks at another button, or at all of them: only the first one counts, buttons[0].
+    pressed = => pressed = 1 in message.buttons or => pressed = all(message.buttons) and
+    => pressed = 1 in message.buttons[1:2] if True else => pressed = 1 in message.buttons[-1:] if True else
 
 True and False are exchanged.
     == 1 => != 1
     self.fire.put => self.fire.put => pressed = pressed or not message.buttons // self.fire.put
 
-nothing is put while the button is not pressed, so that it stays: put False then.
-    self.fire.put => if pressed: self.fire.put
-
-nothing is put if there are no buttons, so that the last one stays: put False then.
-    pressed = => if not message.buttons: return // pressed =
-
-True is put only when the button goes down: it counts as long as it is pressed.
+True is put only when the button goes down, or it is turned on and off: it is True as long as the button is pressed.
     self.fire.put => pressed = pressed and not self.fire.get() // self.fire.put
+    => pressed = pressed != self.fire.get() // self.fire.put
 
-the button turns it on and off: it is True as long as the button is pressed, else False.
-    self.fire.put => pressed = pressed != self.fire.get() // self.fire.put
-
-the node still has the subscription: unconfigure calls self.node.destroy_subscription(self.subscription), as
-Listener's does; a flag, None or subscription.destroy() does not tell the node.
-    def on_joy => def unconfigure(self): pass // def on_joy
-    => def unconfigure(self): self.subscription.destroy() // def on_joy
+nothing is put while the button is not pressed, or if there are no buttons, so that the last one stays: put False then.
+    self.fire.put => pressed and self.fire.put => len(message.buttons) > 0 and self.fire.put
 """)
-LISTEN = 'Most likely configure does not do what Listener\'s does: super().configure(config) listens to "joy".'
 NO_LATEST = "Most likely self.fire is assigned anew: what it holds is replaced by self.fire.put(...)."
 NO_TRUTH = "Put whether the button is pressed: True or False. bool(...) makes one of them of anything."
-OTHERWISE = {"": "Compare with: whether there is a buttons[0], and it is 1.", "the topic": LISTEN}
+OTHERWISE = {
+    "": "Compare with: whether there is a buttons[0], and it is 1.",
+    "the topic": 'Most likely configure lacks what Listener\'s does: super().configure(config) listens to "joy".',
+}
 CRASHES = {
     "a message without buttons": "Most likely buttons are taken for granted: ask for len(message.buttons) first.",
     "a message with one button, pressed": "Most likely more buttons are taken for granted: only buttons[0] counts.",
 }
 
 
-class Tank(Rig):
-    """A tank that an answer has joined."""
-
-    def __init__(self, answer: type[SimpleController], name: str = "Tank") -> None:
-        super().__init__(answer, name=name)
-        self.latest = getattr(self.learner.inner, "fire", None)
-
-    def holds(self, *states: tuple[int, ...]) -> bool:
-        """Return what `fire` holds after messages with these buttons; one has a stick at its end, too."""
-        for buttons in states:
-            self.hear(Joy(axes=[float(buttons == (0, 1)), 0.0], buttons=buttons))
-        now = getattr(self.learner.inner, "fire", None)
-        if now is not self.latest or not isinstance(now, Latest):
-            raise Failure("on_joy", Misuse("self.fire is not the Latest that it was", NO_LATEST), None)
-        value = now.get()
-        if not np.isscalar(value) or value not in (0, 1):
-            raise Failure("on_joy", Misuse(f"what it puts is of the type {type(value).__name__}", NO_TRUTH), None)
-        return bool(value)
+def held(rig: Rig, *states: tuple[int, ...]) -> bool:
+    """Return what `fire` holds after messages with these buttons; one has a stick at its end, too."""
+    tank = rig.learner.inner
+    before = getattr(tank, "fire", None)
+    for buttons in states:
+        rig.hear(Joy(axes=[float(buttons == (0, 1)), 0.0], buttons=buttons))
+    latest = getattr(tank, "fire", None)
+    if latest is not before or not isinstance(latest, Latest):
+        raise Failure("on_joy", Misuse("self.fire is not the Latest that it was", NO_LATEST), None)
+    value = latest.get()
+    if not np.isscalar(value) or value not in (0, 1):
+        raise Failure("on_joy", Misuse(f"what it puts is of the type {type(value).__name__}", NO_TRUTH), None)
+    return bool(value)
 
 
 def after(*states: tuple[int, ...]) -> Callable[[type[SimpleController]], bool]:
     """Observe what `fire` holds after messages with these buttons."""
-    return lambda answer: Tank(answer).holds(*states)
+    return lambda answer: held(Rig(answer), *states)
 
 
 def two(answer: type[SimpleController]) -> list[bool]:
     """Observe what two tanks hold, of which the first one has heard its button."""
-    first, second = Tank(answer), Tank(answer, "Rover")
-    return [first.holds((1,)), second.holds()]
+    first, second = Rig(answer), Rig(answer, name="Tank")
+    return [held(first, (1,)), held(second)]
 
 
 def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig], str]) -> str:
@@ -150,7 +135,7 @@ def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig],
 
 
 TRIED = {
-    "the topic": lambda answer: Tank(answer).hears(Joy, "joy", LISTEN),
+    "the topic": lambda answer: Rig(answer).on(Joy, "joy"),
     "button 0 is pressed": after((1, 0)),
     "it is held": after((1, 0), (1, 0)),
     "it is released": after((1, 0), (0, 0)),
@@ -159,23 +144,15 @@ TRIED = {
     "a message without buttons": after((1, 1), ()),
     "a message with one button, pressed": after((1,)),
     "two tanks at the same time, and the button of the first one is pressed": two,
-    "after unconfigure": lambda answer: Tank(answer).leave(),
+    "after unconfigure": lambda answer: Rig(answer).leave(),
 }
 
 
-def pressed(rig: Rig) -> str:
-    """Say what `fire` holds."""
-    return str(bool(vars(rig.learner.inner)["fire"].get()))
+def on_ros(answer: type[SimpleController]) -> str:
+    """Observe what `fire` holds after a message from another node."""
+    return over_ros(answer, Joy(buttons=[1]), lambda rig: str(held(rig)))
 
 
-CASES = Cases(
-    FireButton,
-    TRIED,
-    MISTAKES,
-    str,
-    OTHERWISE,
-    CRASHES,
-    on_ros=lambda answer: over_ros(answer, Joy(buttons=[1]), pressed),
-)
+CASES = Cases(FireButton, TRIED, MISTAKES, str, OTHERWISE, CRASHES, on_ros=on_ros)
 
 fire = Exercise("fire", __doc__, CASES.judge, FireButton, parts=("on_joy",))

@@ -30,6 +30,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable
 from functools import cache, partial
+from itertools import zip_longest
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -40,7 +41,7 @@ from sensor_msgs.msg import Image
 from tutorial.body import Body
 from tutorial.checks._cases import call
 from tutorial.checks._diagnose import AT_ONCE, Misuse
-from tutorial.checks._publishing import Publishing, Told, told_stamps
+from tutorial.checks._publishing import Publishing, compared, compared_stamps
 from tutorial.checks._rig import Rig, Sent
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
@@ -89,16 +90,6 @@ class GrayPublisher(SimpleController):
 
 
 MISTAKES = """
-the camera is that of config.body, the displayed copy, of which no pictures are taken: ask the simulated one, io.body.
-    self.node = config.node => self.node, self.shown = config.node, config.body
-    io.body.camera( => self.shown.camera(
-
-there are several messages for one picture: publish it once.
-    self.publisher.publish(message) => self.publisher.publish(message) // self.publisher.publish(message)
-
-message.data is left out: array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()).
-    message.data = => data =
-
 message.data is given an array with rows: it takes one byte after the other, array('B', ....tobytes()).
     array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()) => pixels.mean(axis=2).astype(np.uint8)
 
@@ -111,23 +102,13 @@ only one colour is sent: take the mean of all three, pixels.mean(axis=2).
 the sum is sent, or computed in bytes, which hold no more than 255: take the mean, pixels.mean(axis=2).
     pixels.mean(axis=2) => (pixels.sum(axis=2, dtype=np.uint8) / 3) => pixels.sum(axis=2)
 
-that is the brightest, the darkest, halfway between them or the median of the three: here the mean is asked for.
-    pixels.mean(axis=2) => pixels.max(axis=2) => pixels.min(axis=2) => np.median(pixels, axis=2)
-    => (pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)
+it is weighted, as by the eye, or it is the brightest or darkest, or halfway between: here the plain mean is asked for.
+    pixels.mean(axis=2) => (pixels @ [0.299, 0.587, 0.114]) => np.rint(pixels @ [0.299, 0.587, 0.114])
+    => pixels.max(axis=2) => pixels.min(axis=2) => (pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)
 
-the colours have weights, as the eye has: here the plain mean is asked for.
-    pixels.mean(axis=2) => (pixels @ np.array([0.299, 0.587, 0.114])) => (pixels @ np.array([0.2126, 0.7152, 0.0722]))
-    => np.rint(pixels @ np.array([0.299, 0.587, 0.114]))
-
-the mean is taken over the rows or columns: the colours are the last axis, pixels.mean(axis=2).
-    axis=2 => axis=0 => axis=1
-
-the mean is taken over the rows or columns: the colours are the last axis, pixels.mean(axis=2).
-    message.height, message.width, _ = pixels.shape => message.height, message.width = pixels.mean(axis=2).shape
-    axis=2 => axis=0 => axis=1
-
-that is the mean of the whole picture: pixels.mean(axis=2) takes it pixel by pixel.
-    pixels.mean(axis=2) => pixels.mean() => np.full(pixels.shape[:2], pixels.mean())
+the mean is taken over the rows, the columns or the whole picture: the colours are the last axis, pixels.mean(axis=2).
+    pixels.shape => pixels.shape => (*pixels.mean(axis=2).shape, 0)[:3]
+    axis=2 => axis=0 => axis=1 => axis=None
 
 it is divided by 255: mono8 goes from 0 to 255, as the pixels do.
     pixels.mean(axis=2) => (pixels.mean(axis=2) / 255)
@@ -135,90 +116,18 @@ it is divided by 255: mono8 goes from 0 to 255, as the pixels do.
 these are the bytes of floats, several for a pixel: .astype(np.uint8) comes before .tobytes().
     .astype(np.uint8) => .astype(np.float64) => .astype(np.float32)
 
-it is upside down, or left and right are exchanged: the topmost row comes first, and begins on the left.
+it is upside down or mirrored, or rows and columns are exchanged: the topmost row comes first, and begins on the left.
     pixels.mean(axis=2) => pixels[::-1].mean(axis=2) => pixels[:, ::-1].mean(axis=2) => pixels[::-1, ::-1].mean(axis=2)
-
-rows and columns are exchanged: a picture is written row by row.
-    pixels.mean(axis=2) => pixels.mean(axis=2).T
-
-light and dark are exchanged: 255 is white.
-    pixels.mean(axis=2) => (255 - pixels.mean(axis=2))
-
-it is the picture before, or the first, again and again: send what is delivered, when it is.
-    message = Image() => first, self.first = getattr(self, "first", pixels), pixels // message = Image()
-    pixels.mean( => first.mean( => self.__dict__.setdefault("kept", pixels).mean(
-
-the encoding is left out: message.encoding = "mono8".
-    message.encoding = => encoding =
-
-it is that of a picture in colour: of one byte for a pixel it is called "mono8".
-    "mono8" => "rgb8" => "bgr8"
-
-width and height are exchanged: pixels.shape is (height, width, 3).
-    message.height, message.width, _ => message.width, message.height, _
-
-width and height are exchanged: pixels.shape is (height, width, 3).
-    message.height, message.width, _ => message.width, message.height, _
-    message.step = message.width => message.step = message.height
-
-width or height is left out: message.height, message.width, _ = pixels.shape.
-    self.publisher.publish(message) => message.width = 0 // self.publisher.publish(message)
-    => message.height = 0 // self.publisher.publish(message)
-
-the size is typed: take it from pixels.shape, which is (height, width, 3).
-    message.width, _ = pixels.shape => message.width = 240, 320
-
-the size is typed: take it from pixels.shape, which is (height, width, 3).
-    self.publisher.publish(message) => message.height, message.width = 240, 320 // self.publisher.publish(message)
-
-step is that of rgb8, of the whole picture, or left out: it says how many bytes a row has, message.width.
-    message.step = message.width => message.step = 3 * message.width => message.step = message.width * message.height
-    => step = message.width
-
-that is the time of delivery: the world has gone on meanwhile. Hand the time on, self.camera.capture(self.publish,
-self.io.time_ns).
-    nanoseconds=time_ns => nanoseconds=self.io.time_ns
-
-the time is kept in one attribute, which the next request overwrites while a picture still waits. Hand the time on,
-self.camera.capture(self.publish, self.io.time_ns).
-    self.camera.capture(self => self.asked_ns = self.io.time_ns // self.camera.capture(self
-    nanoseconds=time_ns => nanoseconds=self.asked_ns
-
-the times wait in a row of their own, which is longer than that of the pictures when one is missed. Hand the time on,
-self.camera.capture(self.publish, self.io.time_ns).
-    self.io = io => self.io, self.times = io, []
-    self.camera.capture(self => self.times.append(self.io.time_ns) // self.camera.capture(self
-    nanoseconds=time_ns => nanoseconds=self.times.pop(0)
-
-the pictures are counted for the stamp: one may be missed, so hand the time on, self.camera.capture(self.publish,
-self.io.time_ns).
-    self.io = io => self.io, self.count = io, -200_000_000
-    message = Image() => message = Image() // self.count += 200_000_000
-    nanoseconds=time_ns => nanoseconds=self.count
-
-the frame is left out, or the body's: message.header.frame_id = self.camera.name.
-    message.header.frame_id = self.camera.name => pass => message.header.frame_id = f"{self.io.body.name}/base_link"
-
-the camera is not closed: in stop, self.camera.close().
-    self.camera.close() => pass
-
-the publisher is destroyed in stop, but made in configure: after a restart there is none. Destroy it in unconfigure.
-    self.camera.close() => self.camera.close() // self.node.destroy_publisher(self.publisher)
-
-the camera of the run before is kept: initialize is called at every start, and looks it up anew.
-    io.body.camera("CAMERA") => self.__dict__.get("camera") or io.body.camera("CAMERA")
+    => pixels.mean(axis=2).T
 """
-STAMP = "Compare with Time(nanoseconds=time_ns).to_msg(), where time_ns is self.io.time_ns at the time of capture."
 OTHERWISE = {
     "": "Compare with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()), one byte for each pixel, row by row.",
-    "with steps of 1 ms": "Compare with self.camera.capture(self.publish, self.io.time_ns), in control, when io.step % "
-    "steps_per_picture == 0, every round(1 / (5 * io.time_step)) steps. In publish, self.publisher.publish(message).",
-    "the encoding": 'ROS 2 knows it by the name "mono8", in small letters.',
-    "the size": "Compare with message.height, message.width, _ = pixels.shape.",
-    "the row": "A row has as many bytes as pixels: message.step = message.width.",
-    "the stamp": STAMP,
-    "pictures that come late, or not at all": STAMP,
-    "the frame": "Compare with message.header.frame_id = self.camera.name.",
+    "the size": "Width and height are exchanged, left out or typed: message.height, message.width, _ = pixels.shape.",
+    "the encoding": 'The encoding is left out, or another: one byte for a pixel is called "mono8", in small letters.',
+    "the row": "Most likely step is left out, or that of colours: a row has message.step = message.width bytes.",
+    "pictures that come late, or not at all": "Most likely the time is that of delivery or of a later request, or "
+    "pictures are counted. Hand the time on, self.camera.capture(self.publish, self.io.time_ns).",
+    "the frame": "Most likely the frame is left out, or the body's: it is message.header.frame_id = self.camera.name.",
     "after stop": "Most likely the camera is not closed: in stop, self.camera.close().",
 }
 
@@ -241,23 +150,25 @@ class Camera:
     What a camera has not begins with an underscore, so that no learner is told of it.
 
     Args:
+        rig: what it belongs to.
         body: the body that it is on.
         name: must be ``"CAMERA"``.
-        take: is given the camera, a function and arguments whenever a picture is asked for.
     """
 
-    def __init__(self, body: Body, name: str, take: Callable[..., None]) -> None:
+    def __init__(self, rig: CameraRig, body: Body, name: str) -> None:
         if name != "CAMERA":
             raise TutorialError(f"the body {body.name!r} has no camera {name!r}. Known are 'CAMERA'.")
         self.name, (self.width, self.height) = name, SIZES[body.name]
-        self._take, self._is_open = take, True
+        self._rig, self._is_open = rig, True
+        rig.cameras.append(self)
 
     def capture(self, deliver: Any, *arguments: object) -> None:
         """Take an order."""
         if not callable(deliver):
-            text = f"capture is given {deliver!r} in place of a function"
-            raise Misuse(text, AT_ONCE.format("publish"))
-        self._take(self, deliver, arguments)
+            raise Misuse(f"capture is given {deliver!r} in place of a function", AT_ONCE.format("publish"))
+        pixels = picture(len(self._rig.orders), self.width, self.height)
+        order = Order(self._rig.io.step, self, pixels, partial(call, deliver, pixels.copy(), *arguments))
+        self._rig.orders.append(order)
 
     def close(self) -> None:
         """Deliver nothing more."""
@@ -265,10 +176,9 @@ class Camera:
 
 
 class Order(NamedTuple):
-    """A picture that was asked for, at a step and a time [ns]."""
+    """A picture that was asked for, at a step."""
 
     step: int
-    time_ns: int
     camera: Camera
     pixels: NDArray[np.uint8]
     deliver: Callable[[], None]
@@ -280,7 +190,7 @@ class CameraRig(Rig):
     Args:
         answer: the learner's class.
         delay: how many steps a picture takes.
-        missed: the numbers of those that never come.
+        missed: the number of one that never comes.
         options: of `Rig`.
 
     Attributes:
@@ -289,33 +199,20 @@ class CameraRig(Rig):
         delivered: those that have come.
     """
 
-    def __init__(self, answer: type, delay: int = 0, missed: tuple[int, ...] = (), **options: Any) -> None:
+    def __init__(self, answer: type, delay: int = 0, missed: int = -1, **options: Any) -> None:
         super().__init__(answer, after=self._deliver, **options)
-        self._delay, self._missed = delay, missed
-        self.cameras: list[Camera] = []
-        self.body.find_camera = self._find
+        self._delay, self._missed, self.cameras = delay, missed, list[Camera]()
+        self.body.find_camera = partial(Camera, self)
 
     def start(self, step: int = 0) -> None:
         """Begin to simulate."""
-        self.orders: list[Order] = []
-        self.delivered: list[Order] = []
-        self._waiting: list[Order] = []
+        self.orders, self.delivered = list[Order](), list[Order]()
         super().start(step)
 
-    def _find(self, body: Body, name: str) -> Camera:
-        self.cameras.append(Camera(body, name, self._take))
-        return self.cameras[-1]
-
-    def _take(self, camera: Camera, deliver: Callable[..., None], arguments: tuple[object, ...]) -> None:
-        pixels = picture(len(self.orders), camera.width, camera.height)
-        order = Order(self.io.step, self.io.time_ns, camera, pixels, partial(call, deliver, pixels.copy(), *arguments))
-        self._waiting += [order] * (len(self.orders) not in self._missed)
-        self.orders.append(order)
-
     def _deliver(self) -> None:
-        while self._waiting and self.io.step >= self._waiting[0].step + self._delay:
-            order = self._waiting.pop(0)
-            if order.camera._is_open:
+        for number, order in enumerate(self.orders):
+            is_due = self.io.step == order.step + self._delay
+            if is_due and number != self._missed and order.camera._is_open:
                 self.delivered.append(order)
                 order.deliver()
 
@@ -324,13 +221,10 @@ def pictures(rig: CameraRig, sent: list[Sent]) -> Any:
     """Observe whether each message holds the picture that was delivered, in gray."""
     seen = [[*each.message.data] for each in sent]
     wanted = [order.pixels.mean(axis=2).astype(np.uint8).ravel().tolist() for order in rig.delivered]
-    if seen == wanted:
-        return "the pictures in gray"
-    odd = next((i for i, (a, b) in enumerate(zip(seen, wanted)) if a != b), -1)
-    return Told(f"{len(seen)} messages; one has {say(seen[odd])}, and the picture {say(wanted[odd])}", seen)
+    return compared([*zip_longest(seen, wanted, fillvalue=[])], "the pictures in gray", word)
 
 
-def say(data: list[int]) -> str:
+def word(data: list[int]) -> str:
     """Put bytes into words."""
     return f"{len(data)} bytes ({', '.join(map(str, data[:6]))}{', …' * (len(data) > 6)})"
 
@@ -340,9 +234,9 @@ PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "steps_per
 
 def late(answer: type) -> Any:
     """Observe the stamps of pictures that come after the next one was asked for, or not at all."""
-    rig = PUBLISHING.play(answer, 1.6, 7, (1,), delay=40, missed=(2,))
-    times = [order.time_ns for order in rig.delivered]
-    return told_stamps([(each.stamp_ns, time) for each, time in zip(PUBLISHING.messages(rig), times)])
+    rig = PUBLISHING.play(answer, 1.6, 7, (1,), delay=40, missed=2)
+    pairs = zip(PUBLISHING.messages(rig), rig.delivered)
+    return compared_stamps([(each.stamp_ns, order.step * 7_000_000) for each, order in pairs])
 
 
 def left_open(answer: type) -> str:
@@ -351,17 +245,12 @@ def left_open(answer: type) -> str:
     return f"pictures of {number or 'no'} camera are still delivered"
 
 
-def last(look: Callable[[Any], str]) -> Callable[[Rig, list[Sent]], str]:
-    """Look at the last message."""
-    return lambda _rig, sent: look(sent[-1].message)
-
-
 TRIED = {
     "what is sent": PUBLISHING.sent(0.7),
-    "the size": PUBLISHING.sent(0.3, look=last(lambda message: f"width {message.width}, height {message.height}")),
-    "the encoding": PUBLISHING.sent(0.3, look=last(lambda message: repr(message.encoding))),
-    "the row": PUBLISHING.sent(0.3, look=last(lambda message: f"{message.step} bytes")),
-    "the frame": PUBLISHING.sent(0.3, look=last(lambda message: repr(message.header.frame_id))),
+    "the size": PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.width} x {sent[-1].message.height}"),
+    "the encoding": PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.encoding)),
+    "the row": PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
+    "the frame": PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.header.frame_id)),
     "pictures that come late, or not at all": late,
     "after stop": left_open,
 }

@@ -36,7 +36,7 @@ from numpy.typing import NDArray
 from rclpy.time import Time
 from sensor_msgs.msg import Imu
 
-from tutorial.checks._publishing import Publishing, Told
+from tutorial.checks._publishing import Publishing, compared
 from tutorial.checks._rig import Rig, Sent
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
@@ -79,17 +79,8 @@ class GyroPublisher(SimpleController):
 
 
 MISTAKES = """
-nothing is published: look at the condition, io.step % $steps == 0, and call self.publisher.publish(message).
-    self.publisher.publish(message) => pass
-
-there is a message for each measurement: one holds the mean of them all.
-    self.publisher.publish(message) => for _ in self.samples: self.publisher.publish(message)
-
-message.angular_velocity is left out.
-    velocity.x, velocity.y, velocity.z = => nothing =
-
-the velocity is put into linear_acceleration: it belongs into message.angular_velocity.
-    velocity = message.angular_velocity => velocity = message.linear_acceleration
+the velocity is left out, or put into another field: it belongs into message.angular_velocity.
+    velocity = message.angular_velocity => velocity = Imu().angular_velocity => velocity = message.linear_acceleration
 
 the sensor is read once, in initialize, and its value is a copy: ask for self.sensor.value in every step.
     self.sensor = io.body.sensor("GYRO") => self.sensor = io.body.sensor("GYRO") // self.once = self.sensor.value
@@ -101,49 +92,28 @@ one measurement alone is sent, the newest or the oldest: note one in every step,
 the sum is sent: divide it by how many measurements it has.
     np.mean(self.samples, axis=0) => np.sum(self.samples, axis=0)
 
-the sum is divided by the number of steps between two messages: the first message has fewer measurements, so divide it
-by how many it has.
+the sum is divided by the number of steps between two messages: the first has fewer measurements, divide by how many.
     np.mean(self.samples, axis=0) => (np.sum(self.samples, axis=0) / self.steps_per_message)
-
-that is the median, or the largest: here the mean is asked for.
-    np.mean( => np.median( => np.max(
 
 each measurement is averaged with the mean before it, so the newest counts for half: add all up, and divide once.
     self.samples.append(self.sensor.value) => self.samples = [np.mean([*self.samples, self.sensor.value], axis=0)]
 
 the mean is taken over all numbers at once, or over x, y and z: axis=0 takes it component by component.
-    np.mean(self.samples, axis=0).tolist() => [float(np.mean(self.samples))] * 3
-    => np.mean(self.samples, axis=1).tolist()
+    np.mean(self.samples, axis=0) => np.full(3, np.mean(self.samples)) => np.mean(self.samples, axis=1)
 
 measurements of the messages before count, too: begin anew after each message, self.samples.clear().
     self.samples.clear() => pass
 
-the sum goes on, though the count begins anew: after each message begin with both anew. An array that is kept as the
-zero is changed by +=, too.
-    self.samples: list[NDArray[np.float64]] = [] => self.samples, self.total = [], np.zeros(3)
-    self.samples.append(self.sensor.value) => self.samples.append(self.sensor.value) // self.total += self.samples[-1]
-    np.mean(self.samples, axis=0) => (self.total / len(self.samples))
-
-the count goes on, though the sum begins anew: after each message begin with both anew.
-    self.samples: list[NDArray[np.float64]] = [] => self.samples, self.count = [], 0
-    self.samples.append(self.sensor.value) => self.samples.append(self.sensor.value) // self.count += 1
-    np.mean(self.samples, axis=0) => (np.sum(self.samples, axis=0) / self.count)
+the sum or the count goes on: begin with both anew after a message, the sum with a new array, which += changes in place.
+    self.samples: list[NDArray[np.float64]] = [] => self.samples, self.all = [], []
+    self.samples.append(self.sensor.value) => self.samples.append(self.sensor.value) // self.all += self.samples[-1:]
+    np.mean(self.samples, axis=0) => (sum(self.all) / len(self.samples)) => (sum(self.samples) / len(self.all))
 
 the step's own measurement comes too late: note it before the message is sent.
     self.samples: list[NDArray[np.float64]] = [] => self.samples, self.late = [], []
     self.samples.append(self.sensor.value) => self.samples += self.late // self.late = [self.sensor.value]
-    np.mean(self.samples, => np.mean(self.samples, => np.mean(self.samples or self.late,
-    => np.mean(self.samples or [np.zeros(3)],
-
-the step's own measurement comes too late: note it before the message is sent.
-    self.samples: list[NDArray[np.float64]] = [] => self.samples, self.late = [], []
-    self.samples.append(self.sensor.value) => self.samples += self.late // self.late = [self.sensor.value]
-    if self.io.step % => if self.samples and self.io.step %
-
-the mean is that of the message before: compute it when it is sent.
-    self.samples: list[NDArray[np.float64]] = [] => self.samples, self.before = [], np.zeros(3)
-    velocity = => before, self.before = self.before, np.mean(self.samples, axis=0) // velocity =
-    np.mean(self.samples, axis=0).tolist() => before.tolist()
+    if self.io.step % => if self.io.step % => if self.samples and self.io.step %
+    np.mean(self.samples, => np.mean(self.samples, => np.mean(self.samples or [np.zeros(3)],
 
 that is the accelerometer: the gyroscope is io.body.sensor("GYRO").
     "GYRO" => "ACCEL_SENSOR"
@@ -151,58 +121,18 @@ that is the accelerometer: the gyroscope is io.body.sensor("GYRO").
 the accelerometer is asked for, too, which not every robot has: this message only has what the gyroscope measures.
     self.sensor = => self.other = io.body.sensor("ACCEL_SENSOR") // self.sensor =
 
-the accelerometer is sent, too: this robot's message only has what its gyroscope measures.
-    velocity = => message.linear_acceleration.x = float(self.io.body.sensor("ACCEL_SENSOR").value[0]) // velocity =
-
-the sensor is that of config.body, the displayed copy: what is simulated is io.body.
-    self.node = config.node => self.node, self.shown = config.node, config.body
-    io.body.sensor( => self.shown.sensor(
-
-x, y and z are exchanged: the sensor's value has them in this order.
+x, y and z are exchanged, or only z is sent: the sensor's value has all three, in this order.
     velocity.x, velocity.y, velocity.z = => velocity.z, velocity.y, velocity.x = => velocity.y, velocity.x, velocity.z =
-    => velocity.x, velocity.z, velocity.y =
+    => velocity.x, velocity.z, velocity.y = => _, _, velocity.z =
 
-only z is sent: the tank also rolls and pitches, x and y.
-    velocity.x, velocity.y, velocity.z = => _, _, velocity.z =
-
-the sign is turned round: send what the sensor says.
-    np.mean(self.samples, axis=0) => (-np.mean(self.samples, axis=0))
-
-it is in degrees: ROS 2 uses rad/s.
-    np.mean(self.samples, axis=0) => np.degrees(np.mean(self.samples, axis=0))
-
-orientation_covariance[0] is still 0: -1 says that orientation is not measured, 0 that nobody knows how well.
-    message.orientation_covariance[0] = -1.0 => pass
-
-linear_acceleration_covariance[0] is still 0: -1 says that linear_acceleration is not measured, 0 that nobody knows how
-well.
-    message.linear_acceleration_covariance[0] = -1.0 => pass
-
-angular_velocity is marked, too, or in place of another: it is measured, so its covariance stays 0, which means unknown.
-    message.linear_acceleration_covariance[0] = => message.angular_velocity_covariance[0] =
-    => message.linear_acceleration_covariance[0] = message.angular_velocity_covariance[0] =
-
-the number is 1: it is -1 that says that something is not measured.
-    -1.0 => 1.0
-
-the frame is left out, or lacks the body's name or the link's: message.header.frame_id =
-f"{self.io.body.name}/base_link".
-    f"{self.io.body.name}/base_link" => "" => self.io.body.name => "base_link"
-
-the body's name is typed: message.header.frame_id = f"{self.io.body.name}/base_link".
-    f"{self.io.body.name}/base_link" => "Tank/base_link"
-
-measurements of the run before are kept: initialize is called at every start, and begins anew.
-    self.node = config.node => self.node, self.kept = config.node, []
-    self.samples: list[NDArray[np.float64]] = [] => self.samples = self.kept
-
-the publisher is destroyed in stop, but made in configure: after a restart there is none. Destroy it in unconfigure.
-    def unconfigure(self) => def stop(self)
+the sign is turned round, or it is in degrees: send what the sensor says, in rad/s.
+    np.mean(self.samples, axis=0) => (-np.mean(self.samples, axis=0)) => np.degrees(np.mean(self.samples, axis=0))
 """
 OTHERWISE = {
     "": "Compare with the mean, component by component, of the measurements since the last message.",
-    "the frame": 'Compare with message.header.frame_id = f"{self.io.body.name}/base_link".',
-    "what is not measured": "Compare with message.orientation_covariance[0] = -1.0; the same for linear_acceleration.",
+    "the frame": 'Most likely the body or link is missing: message.header.frame_id = f"{self.io.body.name}/base_link".',
+    "what is not measured": "Most likely one of them is not marked, or angular_velocity is, too: -1.0 in "
+    "orientation_covariance[0] and linear_acceleration_covariance[0] says that these two are not measured.",
     "on a robot with a gyroscope alone": "Most likely something is asked for that not every robot has: use only GYRO.",
 }
 
@@ -233,26 +163,20 @@ def means(rig: Rig, sent: list[Sent]) -> Any:
     """Observe whether each message holds the mean of what was measured since the one before."""
     seen = [(v.x, v.y, v.z) for v in (each.message.angular_velocity for each in sent)]
     windows = pairwise([rig.begun - 1, *(each.step for each in sent)])
-    wanted = [SIGNAL[min(before + 1, step) : step + 1].mean(axis=0) for before, step in windows]
-    odd = [i for i, mean in enumerate(wanted) if not np.allclose(seen[i], mean)]
-    if not odd:
-        return "the means of what was measured"
-    return Told(f"message {odd[0] + 1} has {say(seen[odd[0]])}, and the mean is {say(wanted[odd[0]])}", seen)
+    wanted = (SIGNAL[min(before + 1, step) : step + 1].mean(axis=0).tolist() for before, step in windows)
+    return compared([*zip(seen, wanted)], "the means of what was measured", word)
 
 
-def say(velocity: Iterable[float]) -> str:
+def word(velocity: Iterable[float]) -> str:
     """Put an angular velocity [rad/s] into words."""
     return ", ".join(f"{axis} {number:z.3f}" for axis, number in zip("xyz", velocity)) + " rad/s"
 
 
 def marks(_rig: Rig, sent: list[Sent]) -> str:
-    """Observe what the last message says about what it does not measure."""
-    last = sent[-1].message
-    fields = {field: getattr(last, f"{field}_covariance")[0] for field in ("orientation", "linear_acceleration")}
-    marked = [f"{field}_covariance[0] is {number:g}" for field, number in fields.items()]
-    marked += ["angular_velocity_covariance[0] is -1"] * bool(last.angular_velocity_covariance[0] == -1)
-    a = last.linear_acceleration
-    return ", ".join([*marked, *["it has an acceleration"] * any((a.x, a.y, a.z))])
+    """Observe what the last message says is not measured."""
+    fields = ("orientation", "angular_velocity", "linear_acceleration")
+    marked = [field for field in fields if getattr(sent[-1].message, f"{field}_covariance")[0] == -1]
+    return f"-1 marks {' and '.join(marked) or 'nothing'}"
 
 
 def frame(_rig: Rig, sent: list[Sent]) -> str:

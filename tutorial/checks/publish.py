@@ -25,6 +25,7 @@ Notice that neither the rate nor the stamp asks for the wall clock: a slow simul
 from __future__ import annotations
 
 from functools import partial
+from itertools import pairwise
 from math import degrees  # noqa: F401 - what a mistake needs
 from types import SimpleNamespace  # noqa: F401
 from typing import Any
@@ -34,7 +35,7 @@ from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
 from tutorial.checks._cases import same
-from tutorial.checks._publishing import Publishing, Told
+from tutorial.checks._publishing import Publishing
 from tutorial.checks._rig import Rig, Sent
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
@@ -72,41 +73,12 @@ class SlowPublisher(SimpleController):
         self.node.destroy_publisher(self.publisher)
 
 
-TANK = ("TURRET_Y", "TURRET_P")  # for those who type names
 MISTAKES = """
-nothing is published: look at the condition, io.step % $steps == 0, and call self.publisher.publish(message).
-    self.publisher.publish(message) => pass
-
-there is a message for each joint: one names all joints, with one list for each field.
-    self.publisher.publish(message) => for _ in self.joints: self.publisher.publish(message)
-
-message.name is left out: without names nobody knows whose positions they are.
-    message.name = => name =
-
 the body's name is put before the joint's: the topic says already whose joints they are.
     [joint.name for => [f"{self.io.body.name}/{joint.name}" for
 
-the names are sorted or turned round: keep the order of io.body.joints.
-    self.joints = io.body.joints => self.joints = io.body.joints[::-1]
-    => self.joints = sorted(io.body.joints, key=lambda joint: joint.name)
-
-the names are in one order and the numbers in another: run over the same joints for all.
-    [joint.name for joint in self.joints] => [joint.name for joint in self.joints[::-1]]
-
-the names are in one order and the numbers in another: run over the same joints for all.
-    [joint.position for joint in self.joints] => [joint.position for joint in self.joints[::-1]]
-
 the loop ends too early, or begins too late: every joint of io.body.joints is named.
     self.joints = io.body.joints => self.joints = io.body.joints[:-1] => self.joints = io.body.joints[1:]
-    => self.joints = io.body.joints[:1]
-
-the lists grow from message to message: begin each message with new ones.
-    self.io = io => self.io, self.kept = io, JointState()
-    message.name = => message.name = list(self.kept.name) +
-    message.position = => message.position = list(self.kept.position) +
-    message.velocity = => message.velocity = list(self.kept.velocity) +
-    message.effort = => message.effort = list(self.kept.effort) +
-    self.publisher.publish(message) => self.kept = message // self.publisher.publish(message)
 
 they are converted to degrees: ROS 2 uses rad.
     [joint.position for => [degrees(joint.position) for
@@ -116,60 +88,14 @@ the message is filled once, in initialize, and sent again and again: fill it in 
     self.io.time_ns => self.began_ns
     io.body.joints => [SimpleNamespace(**{f: getattr(j, f) for f in ("name", *UNITS)}) for j in io.body.joints]
 
-the numbers are read once and kept: read every joint at the time of sending.
-    self.joints = io.body.joints => self.joints, self.kept = io.body.joints, [j.position for j in io.body.joints]
-    [joint.position for joint in self.joints] => self.kept
-
-these are the numbers of the message before: read every joint at the time of sending.
-    message.position = => message.position = getattr(self, "last", []) or
-    self.publisher.publish => self.last = [joint.position for joint in self.joints] // self.publisher.publish
-
-the joints are those of config.body, the displayed copy: what is simulated is io.body, its joints.
-    self.node = config.node => self.node, self.shown = config.node, config.body
-    io.body.joints => self.shown.joints
-
-the numbers are rounded: send them as they are.
-    [joint.position for => [round(joint.position, 3) for => [round(joint.position, 2) for
-
-the sign is turned round: send the numbers as they are.
-    [joint.position for => [-joint.position for
-
-position is left out or cut: it has one number for each name.
-    [joint.position for joint in self.joints] => [] => [joint.position for joint in self.joints[:1]]
-
-velocity is left out or cut: it has one number for each name.
-    [joint.velocity for joint in self.joints] => [] => [joint.velocity for joint in self.joints[:1]]
-
-effort is left out or cut: it has one number for each name.
-    [joint.effort for joint in self.joints] => [] => [joint.effort for joint in self.joints[:1]]
-
-position is filled with another field: [joint.position for joint in self.joints].
-    message.position = [joint.position => message.position = [joint.velocity => message.position = [joint.effort
-
-velocity is filled with another field: [joint.velocity for joint in self.joints].
-    message.velocity = [joint.velocity => message.velocity = [joint.position => message.velocity = [joint.effort
-
-effort is filled with another field: [joint.effort for joint in self.joints].
-    message.effort = [joint.effort => message.effort = [joint.position => message.effort = [joint.velocity
-
-velocity is filled with zeros: [joint.velocity for joint in self.joints].
-    message.velocity = [joint.velocity => message.velocity = [0.0
-
-effort is filled with zeros: [joint.effort for joint in self.joints].
-    message.effort = [joint.effort => message.effort = [0.0
-
 the joints' names are typed, or how many there are: take all of them from the body, io.body.joints.
-    io.body.joints => [io.body.joint(name) for name in TANK] => io.body.joints[:2]
-
-the names alone are typed: take them from the joints, [joint.name for joint in self.joints].
-    [joint.name for joint in self.joints] => list(TANK)
+    io.body.joints => [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")] => io.body.joints[:2]
 """
 UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
-TYPED = "Most likely the joints' names are typed, or how many there are: take all of them from io.body.joints."
 OTHERWISE = {
-    "": TYPED,
-    "the names": "Take the names from the joints, in their order: [joint.name for joint in self.joints].",
-    **{field: f"Compare with message.{field} = [joint.{field} for joint in self.joints]." for field in UNITS},
+    "": "Most likely the joints' names are typed, or how many there are: take all of them from io.body.joints.",
+    "the names": "They are left out, mixed or added up: message.name = [joint.name for joint in self.joints].",
+    **{field: f"{field} is missing or mixed up: [joint.{field} for joint in self.joints]." for field in UNITS},
 }
 
 
@@ -192,14 +118,12 @@ def names(_rig: Rig, sent: list[Sent]) -> str:
     return "; ".join({", ".join(each.message.name) or "none": None for each in sent})
 
 
-def numbers(_rig: Rig, sent: list[Sent], field: str) -> Told:
-    """Observe the numbers of a field, each divided by that of a joint at the step of sending."""
+def numbers(_rig: Rig, sent: list[Sent], field: str) -> dict[str, list[Any]]:
+    """Observe the numbers of a field, as they change from step to step."""
     seen = [[number / (each.step + 1) for number in getattr(each.message, field)] for each in sent]
-    text = ", ".join(f"{number:.3f}" for number in getattr(sent[-1].message, field)) or "no number"
-    return Told(
-        f"{text} {UNITS[field]} in the end",
-        [each for i, each in enumerate(seen) if not same(each, seen[i - 1]) or not i],
-    )
+    text = ", ".join(f"{number:.4f}" for number in seen[-1]) or "no number"
+    changed = [now for before, now in pairwise([[], *seen]) if not same(before, now)]
+    return {f"{text} {UNITS[field]} per step": changed}
 
 
 def joints(rig: Rig, sent: list[Sent]) -> list[Any]:

@@ -27,7 +27,6 @@ Notice that these messages are read by name: the viewer of step 3 shows them wit
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import groupby
 from math import degrees, radians  # noqa: F401 - what some mistakes need
 from typing import Any
 
@@ -35,7 +34,7 @@ from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
 from tutorial.checks._cases import Case
-from tutorial.checks._publishing import Publishing, Told
+from tutorial.checks._publishing import Publishing
 from tutorial.checks._rig import Rig, Sent
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
@@ -73,16 +72,9 @@ class ThriftyPublisher(SimpleController):
         self.node.destroy_publisher(self.publisher)
 
 
-TANK, CRANE = ("TURRET_Y", "TURRET_P"), ("BRIDGE", "SLEW", "LUFF")  # for those who type names
 MISTAKES = """
-nothing is published: look at the condition, io.step % $steps == 0, and call self.publisher.publish(message).
-    self.publisher.publish(message) => pass
-
 the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news.
     : dict[str, float] = {} => = {j.name: j.position for j in io.body.joints} => = dict.fromkeys(io.body.joint_names, 0)
-
-the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news.
-    if news: => if not self.sent: self.sent, news = positions, {} // if news:
 
 every joint is sent every time: name only those that have moved, and note down what was sent for them.
     if n not in self.sent or abs(q - self.sent[n]) > 0.001} => }
@@ -91,34 +83,23 @@ the whole message is sent as soon as one joint moves: name only those that did.
     message = => news = positions // message =
 
 only one of the joints that have moved is named, the first, as with break, or the last: name all that have.
-    if news: => for n in unnamed: del news[n] // if news:
-    for n in unnamed => for n in [*news][1:] => for n in [*news][1 if self.sent else 9:] => for n in [*news][:-1]
+    if news: => news = dict([*news.items()][:1]) // if news: => news = dict([*news.items()][-1:]) // if news:
+    => news = dict([*news.items()][: 1 if self.sent else None]) // if news:
 
 a message is sent even if no joint has moved: then send none.
     if news: => if True:
 
-all names are in the message, but only some positions: they go in pairs.
-    name=list(news) => name=list(positions)
-
 names and positions come from two different lists: take both from the joints that have moved.
-    list(news.values()) => list(positions.values()) => list(positions.values())[:len(news)]
-
-the lists grow from message to message: begin each message with new ones.
-    self.io = io => self.io, self.names, self.numbers = io, [], []
-    message = => self.names.extend(news) // self.numbers.extend(news.values()) // message =
-    name=list(news), position=list(news.values()) => name=self.names, position=self.numbers
+    list(news.values())) => list(positions.values())) => list(positions.values())[:len(news)])
+    => list(news.values())) // message.name = list(positions)
 
 the name is changed: take it from the joint, joint.name, and put nothing before it.
     name=list(news) => name=[f"{self.io.body.name}/{n}" for n in news]
 
-positions are compared with those of the last look: a slow motion is then never sent. Compare with what was last sent.
-    if news: => self.sent = positions // if news:
+positions are compared with those of the last look or message: compare each with what was last sent for this joint.
+    if news: => self.sent = positions // if news: => self.sent = positions if news else self.sent // if news:
 
-all positions are remembered as soon as one joint is sent: remember only those that were.
-    self.sent.update(news) => self.sent.update(positions)
-
-what was sent is never different: it is renewed before it is compared, or it is one and the same list or dict as the
-current positions. Compare first, send, and then note down a copy.
+what was sent is renewed before it is compared, or is one and the same list or dict: compare, send, then keep a copy.
     n not in self.sent or abs(q - self.sent[n]) > 0.001 => n not in self.sent
 
 the changes of all joints are added up: compare each joint for itself with 0.001.
@@ -130,33 +111,15 @@ rounded or truncated positions are compared: how far they are apart counts, abs(
 the sign gets in the way: compare abs(a - b) with 0.001.
     abs(q - self.sent[n]) => (q - self.sent[n]) => (self.sent[n] - q) => abs(abs(q) - abs(self.sent[n]))
 
-what was sent is not remembered: note it down whenever you send.
-    self.sent.update(news) => self.sent = news | self.sent
+what was sent is not remembered, or self.sent = ... forgets the other joints: self.sent.update(news), whenever you send.
+    self.sent.update(news) => self.sent = news | self.sent => self.sent = news
 
-self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them.
-    self.sent.update(news) => self.sent = news
+the threshold is another, or any change counts: only more than 0.001 does, in rad (or m).
+    > 0.001 => > 0 => > 0.1 => > 0.01 => > 0.0001 => > radians(0.001) => > 0.001 * abs(self.sent[n])
 
-self.sent = ... forgets the other joints: self.sent.update(news) keeps what was sent for them.
-    if news: => self.sent = news // if news:
-
-any change counts: only more than 0.001 does.
-    > 0.001 => > 0
-
-the threshold is another: it is 0.001, in rad (or m).
-    > 0.001 => > 0.1 => > 0.01 => > 0.0001 => > radians(0.001) => > 0.001 * abs(self.sent[n])
-
-the positions are those of config.body, the displayed copy: what is simulated is io.body, its joints.
-    self.io.body.joints => self.body.joints
-    self.node = config.node => self.node, self.body = config.node, config.body
-
-it is how far the joint has moved: send where it is, joint.position.
+it is how far the joint has moved, or what was sent before: send where it is, joint.position, and note that down.
     list(news.values()) => [q - self.sent.get(n, 0) for n, q in news.items()]
-
-it is the position that was sent before: send the new one, and note that down.
-    list(news.values()) => [self.sent.get(n, q) for n, q in news.items()]
-
-the position is rounded: compare it and send it as it is.
-    joint.name: joint.position => joint.name: round(joint.position, 3)
+    => [self.sent.get(n, q) for n, q in news.items()]
 
 the position is rounded, or converted to degrees: send it as it is, in rad.
     list(news.values()) => [round(q, 3) for q in news.values()] => [degrees(q) for q in news.values()]
@@ -165,19 +128,16 @@ the message is filled as in JointStatePublisher: here it has names and positions
     .to_msg() => .to_msg() // message.velocity = [0.0] * len(news)
 
 the joints' names are typed, or how many there are: take them from io.body.joints.
-    self.io.body.joints => self.io.body.joints[:2] => map(self.io.body.joint, TANK) => map(self.io.body.joint, CRANE)
+    self.io.body.joints => self.io.body.joints[:2] => map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))
 
-the steps are counted from the last message: after a pause it looks at every step then. Count them from the last look,
-io.step % steps_per_look.
+the steps are counted from the last message, so after a pause it looks at every step: io.step % steps_per_look == 0.
     self.io.step % self.steps_per_look == 0 => self.io.step >= self.due
     self.io = io => self.io, self.due = io, 0
     self.sent.update(news) => self.sent.update(news) // self.due = self.io.step + self.steps_per_look
-
-what was sent is kept from the run before: initialize is called at every start, and begins anew.
-    self.sent: dict[str, float] = {} => self.sent = self.__dict__.get("sent", {})
 """
 OTHERWISE = {
-    "": "Compare each joint's position with the one that was last sent for it, every 20 ms.",
+    "": "Compare each joint's position with the one that was last sent for it, every 20 ms, and begin each "
+    "message with new lists.",
     "the joints of the tank": "Most likely the joints' names are typed: take them from io.body.joints.",
 }
 
@@ -201,14 +161,11 @@ def moving(answer: type, moves: Sequence[Move] = (), **options: Any) -> Rig:
     return rig
 
 
-def looks(rig: Rig, sent: list[Sent]) -> Told:
-    """Observe which joints are named, look by look; the first two looks count as one."""
+def looks(rig: Rig, sent: list[Sent]) -> dict[str, list[str]]:
+    """Observe at which look which joints are named; the first two looks count as one."""
     steps = round(LOOK / rig.io.time_step)
-    found = [""] * (rig.io.step // steps + 2)
-    for each in sent:
-        found[max(each.step // steps, 1)] += f"{named(each.message)}; "
-    runs = [(text or "nothing; ", len([*alike])) for text, alike in groupby(found[1:])]
-    return Told("".join(f"{count} x {text}" if count > 1 else text for text, count in runs).rstrip("; "), found)
+    found = [f"{named(each.message)} at look {max(each.step // steps, 1)}" for each in sent]
+    return {", ".join(found[:6]): found}
 
 
 def named(message: Any) -> str:
@@ -218,10 +175,10 @@ def named(message: Any) -> str:
     return (" and ".join(sorted(message.name)) or "no joint") + odd
 
 
-def positions(_rig: Rig, sent: list[Sent]) -> Told:
+def positions(_rig: Rig, sent: list[Sent]) -> dict[str, list[Any]]:
     """Observe the positions."""
     seen = [sorted(zip(each.message.name, each.message.position)) for each in sent]
-    return Told(", ".join(f"{name} {position:.6g}" for name, position in seen[-1]), seen)
+    return {", ".join(f"{name} {position:.6g}" for name, position in seen[-1]): seen}
 
 
 PUBLISHING = Publishing(JointState, "joint_state", 50, moving, looks, "steps_per_look", namespaces=False)

@@ -115,12 +115,15 @@ METHODS = [
     ({"on_joy": in_callback, "control": lambda self: self.joy.get()}, "the callback sets the tracks"),
     ({"configure": no_lock, "on_joy": piecewise, "control": lambda self: self.set(self.x, self.y)}, "piece by piece"),
     ({"control": read_twice}, "control looks twice"),
-    ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "are taken for granted"),
+    ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "is taken for granted"),
     ({"x": 0.0, "y": 0.0, "control": smooth}, "smoothed"),
     ({"on_joy": throttle}, "dropped by time"),
-    ({"control": lambda self: setattr(self, "track_l", 1.0)}, "in the place of the actuator"),
-    ({"configure": other_type}, "or another type"),
+    ({"control": lambda self: setattr(self, "track_l", 1.0)}, "in place of self.track_l.ctrl"),
+    ({"configure": other_type}, ["or another type", "is read before anything"]),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not tell the node"),
-    ({"unconfigure": lambda self: self.node.destroy_node()}, "the whole program's"),
+    (
+        {"unconfigure": lambda self: self.node.destroy_node()},
+        "unconfigure destroys only the subscription",
+    ),
 ]
 WRONG = [(type("Answer", (GentleTank,), {"set": set_tracks, **methods}), cause) for methods, cause in METHODS]

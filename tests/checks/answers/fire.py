@@ -38,7 +38,7 @@ METHODS = [
     ({"on_joy": put_if_pressed}, ["put False then", "buttons are taken for granted"]),
     ({"on_joy": assign}, ["self.fire is assigned anew"]),
     ({"on_joy": lambda self, message: self.fire.put(message.buttons and message.buttons[0])}, ["bool(...)"]),
-    ({"configure": lambda self, config: setattr(self, "node", config.node)}, ["super().configure(config)"]),
+    ({"configure": lambda self, config: setattr(self, "node", config.node)}, ["super().configure", "is read before"]),
 ]
 MADE = [(type("Answer", (FireButton,), methods), causes) for methods, causes in METHODS]
 RIGHT = [answer for answer, causes in MADE if not causes]

@@ -65,11 +65,6 @@ class NeverCaptures(GrayPublisher):
         self.due = self.io.step % self.steps_per_picture == 0
 
 
-class NeverPublishes(GrayPublisher):
-    def publish(self, pixels, time_ns):
-        self.picture = pixels, time_ns
-
-
 class AtOnce(GrayPublisher):
     def control(self):
         self.camera.capture(self.publish(None, 0), self.io.time_ns)
@@ -78,37 +73,13 @@ class AtOnce(GrayPublisher):
         pass
 
 
-class CapitalLetters(GrayPublisher):
-    def initialize(self, io):
-        super().initialize(io)
-        self.publisher = Changing(self.publisher)
-
-
-class Changing:
-    def __init__(self, publisher):
-        self.publisher = publisher
-
-    def publish(self, message):
-        message.encoding = "MONO8"
-        self.publisher.publish(message)
-
-
-class RoundedWithWeights(GrayPublisher):
-    def publish(self, pixels, time_ns):
-        grays = np.rint(pixels @ np.array([0.299, 0.587, 0.114])).astype(np.uint8)
-        super().publish(np.repeat(grays[:, :, np.newaxis], 3, axis=2), time_ns)
-
-
 class Squared(GrayPublisher):
     def publish(self, pixels, time_ns):
         super().publish(np.sqrt((pixels.astype(float) ** 2)[:, :, :1]).repeat(3, axis=2) / 2, time_ns)
 
 
 WRONG = [
-    (NeverCaptures, "Compare with self.camera.capture"),
-    (NeverPublishes, "In publish, self.publisher.publish"),
+    (NeverCaptures, "nothing is published: look at the condition"),
     (AtOnce, "give it without parentheses, self.publish"),
-    (CapitalLetters, "in small letters"),
-    (RoundedWithWeights, "the colours have weights"),
     (Squared, "Compare with array('B'"),
 ]

@@ -28,19 +28,6 @@ class OneMessage(SlowPublisher):
         self.publisher.publish(self.message)
 
 
-class ByTime(SlowPublisher):
-    """Goes by simulated time, with a little rounding."""
-
-    def initialize(self, io):
-        super().initialize(io)
-        self.next, self.steps_per_message = 0.0, 1
-
-    def control(self):
-        if self.io.time >= self.next:
-            self.next += 0.04
-            super().control()
-
-
 class CountsItsSteps(SlowPublisher):
     """Counts its own steps, so the first message comes after the first period."""
 
@@ -55,7 +42,7 @@ class CountsItsSteps(SlowPublisher):
             super().control()
 
 
-RIGHT = [OneMessage, ByTime, CountsItsSteps]
+RIGHT = [OneMessage, CountsItsSteps]
 
 
 class ByATimer(SlowPublisher):
@@ -64,6 +51,18 @@ class ByATimer(SlowPublisher):
         self.timer = self.node.create_timer(0.04, super().control)
 
 
+class MakesTwo(SlowPublisher):
+    def configure(self, config):
+        super().configure(config)
+        super().configure(config)
+
+
+class DestroysInStop(SlowPublisher):
+    stop = SlowPublisher.unconfigure
+
+
 WRONG = [
-    (ByATimer, "a timer publishes"),
+    (MakesTwo, "one is made at every start, or by super().configure(config), too"),
+    (DestroysInStop, "stop destroys what configure has made"),
+    (ByATimer, "a timer or a thread publishes"),
 ]
