@@ -111,8 +111,8 @@ class _Writer:
         stands between two joints, and on an axis that does not meet the body's frame.
         """
         for joint in joints:
-            anchor = self._anchor(joint)
-            here, place = place @ anchor @ self._at_zero(joint), np.linalg.inv(anchor)
+            anchor, at_zero = self._axis(joint)
+            here, place = place @ anchor @ at_zero, np.linalg.inv(anchor)
             ends = joint == joints[-1] and not place[:3, 3].any()
             joint_name = self._plain(self.model.joint(joint).name)
             link = self._add_link(name if ends else self._unused("link", f"{joint_name}_axis"))
@@ -144,15 +144,15 @@ class _Writer:
         joint = self.model.body_jntadr[number]
         return bool(joint >= 0 and self.model.jnt_type[joint] == FREE)
 
-    def _anchor(self, joint: int) -> Matrix:
-        """Where a joint's axis is in its body; that of one that slides has no place."""
-        slides = self.model.jnt_type[joint] == SLIDE
-        return shift((0.0, 0.0, 0.0) if slides else self.model.jnt_pos[joint])
+    def _axis(self, joint: int) -> tuple[Matrix, Matrix]:
+        """Where a joint's axis is in its body, and how the joint stands at 0, seen from where the model begins.
 
-    def _at_zero(self, joint: int) -> Matrix:
-        """How a joint stands at 0, seen from where the model begins: that need not be 0 (``ref`` in MJCF)."""
+        The axis of one that slides has no place. A model need not begin at 0 (``ref`` in MJCF).
+        """
         axis, begins = self.model.jnt_axis[joint], float(self.model.qpos0[self.model.jnt_qposadr[joint]])
-        return shift(-begins * axis) if self.model.jnt_type[joint] == SLIDE else turn(axis, -begins)
+        if self.model.jnt_type[joint] == SLIDE:
+            return np.eye(4), shift(-begins * axis)
+        return shift(self.model.jnt_pos[joint]), turn(axis, -begins)
 
     def _add_link(self, name: str) -> Element:
         return SubElement(self.robot, "link", name=name)
