@@ -73,8 +73,8 @@ it looks whether there are buttons, not whether buttons[0] is 1.
     self.fire.put => pressed = len(message.buttons) > 0 // self.fire.put
 
 it looks at another button, or at all of them: only the first one counts, buttons[0].
-    pressed = => pressed = 1 in message.buttons or => pressed = all(message.buttons) and
-    => pressed = 1 in message.buttons[1:2] if True else => pressed = 1 in message.buttons[-1:] if True else
+    self.fire.put => pressed = any(message.buttons) // self.fire.put => pressed &= all(message.buttons) // self.fire.put
+    => pressed = 1 in message.buttons[1:2] // self.fire.put => pressed = 1 in message.buttons[-1:] // self.fire.put
 
 True and False are exchanged.
     == 1 => != 1

@@ -95,7 +95,7 @@ UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 OTHERWISE = {
     "": "Most likely the joints' names are typed, or how many there are: take all of them from io.body.joints.",
     "the names": "They are left out, mixed or added up: message.name = [joint.name for joint in self.joints].",
-    **{field: f"{field} is missing or mixed up: [joint.{field} for joint in self.joints]." for field in UNITS},
+    **{field: f"{field} is missing, mixed up or old: [joint.{field} for joint in self.joints]." for field in UNITS},
 }
 
 
