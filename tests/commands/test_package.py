@@ -120,12 +120,9 @@ def test_its_node_runs_the_learners_controller_and_takes_what_tank_run_takes(her
     ("name", "said"),
     [
         ("My-Tank", "'My-Tank' cannot be a package's name. Did you mean 'my_tank'? Use lowercase letters, digits"),
-        ("MyTank", "Did you mean 'my_tank'?"),
         ("2nd_tank", "Did you mean 'nd_tank'?"),
         ("my__tank", "Did you mean 'my_tank'?"),
-        ("tank_", "Did you mean 'tank'?"),
         ("x", "two characters at least"),
-        ("tank\n", "Did you mean 'tank'?"),
         ("tank\x1b[2J", r"'tank\\x1b[2J' cannot be"),
         ("lambda", "Python has a module, or a keyword, 'lambda' already"),
         ("rclpy", "Take another name, such as 'my_rclpy'."),

@@ -199,7 +199,6 @@ JOYS = "sensor_msgs/msg/Joy"
         (JOYS, "{axes: [a]}", "must be real number, not str"),
         (JOYS, "{header: atuo}", "Value 'atuo' is expected to be a dictionary but is a str"),
         ("std_msgs/msg/Float64", "{data: null}", "Value 'None' is expected to be a dictionary but is a NoneType"),
-        ("std_msgs/msg/Float64", "{data: fast}", "could not convert string to float: 'fast'"),
         ("std_msgs/msg/Int8", "{data: 300}", "The 'data' field must be"),
         ("sensor_msgs/msg/Imu", "{orientation_covariance: [1.0]}", "The 'orientation_covariance' "),
         ("diagnostic_msgs/msg/DiagnosticStatus", "{values: [{ky: a}]}", "'KeyValue' object has no attribute 'ky'"),
@@ -214,7 +213,6 @@ def test_what_does_not_fit(type_name, text, problem):
     ("type_name", "text", "shown"),
     [
         ("sensor_msgs/Joy", "{axes: [0, 0.5], buttons: [1]}", "axes=[0.0, 0.5], buttons=[1])"),
-        ("std_msgs/msg/String", "data: 5", "std_msgs.msg.String(data='5')"),
         ("std_msgs/msg/Float64", "{data: 1e-3}", "std_msgs.msg.Float64(data=0.001)"),
         ("geometry_msgs/msg/Pose", "{position: {x: 1}}", "position=geometry_msgs.msg.Point(x=1.0, y=0.0, z=0.0)"),
         (
