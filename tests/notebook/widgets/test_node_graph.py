@@ -221,4 +221,4 @@ async def test_a_graph_that_cannot_be_asked_for_is_said(domain, monkeypatch):
     graph = node_graph()
     await until(lambda: graph.alt == r"ROS 2 says: Failed to get node names: empty node name\n")
     monkeypatch.undo()
-    await until(lambda: graph.alt == "there are no nodes yet")
+    await until(lambda: not graph.alt.startswith("ROS 2 says"))

@@ -112,7 +112,7 @@ class GraphWatch:
             try:
                 (type_name,) = types
                 self._meters[topic] = _RateMeter(self._node, topic, message_class(type_name))
-            except (ValueError, TutorialError, NameValidationException):  # several types, none that is installed here,
+            except (ValueError, TypeError, TutorialError, NameValidationException):  # several types, none that is here,
                 self._meters[topic] = None  # or a name that breaks the rules
         meter = self._meters[topic]
         return meter.rate() if meter is not None else None
