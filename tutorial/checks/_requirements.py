@@ -29,7 +29,7 @@ class Requirement:
         attempt: tries it; a function of the answer that returns what is observed, in words.
         expected: what is to be observed.
         table: the mistakes that fail it, as `mistakes` reads them. The first one's cause is named where no other leads
-            to exactly what was observed.
+            to exactly what was observed. Empty where whatever fails it has its cause with it, as a `Misuse` has.
     """
 
     text: str
@@ -116,7 +116,7 @@ def listed(tried: Mapping[str, tuple[Callable[[Any], str], str]], table: str) ->
     """
     _, *parts = re.split(r"^# (.*)$", table, flags=re.MULTILINE)
     tables = dict(zip(parts[::2], parts[1::2]))
-    return tuple(Requirement(text, *asked, tables[text]) for text, asked in tried.items())
+    return tuple(Requirement(text, *asked, tables.get(text, "")) for text, asked in tried.items())
 
 
 def _calls(answer: Any) -> set[str]:

@@ -158,8 +158,8 @@ class Viewer:
                 "what is posted", Misuse("it posts another call whenever it runs, without end", ENDLESS), None
             )
 
-    def leave(self, *messages: Any) -> str:
-        """Have the controller leave its body, and say what it has left behind. What waits does not run any more.
+    def leave(self, *messages: Any) -> None:
+        """Have the controller leave its body. What waits does not run any more.
 
         Args:
             messages: come while the main thread is busy with that, just before.
@@ -173,7 +173,10 @@ class Viewer:
             self.learner.unconfigure()
 
         self.within(leave)
-        return str(self.node.left())
+
+    def listens(self) -> str:
+        """Say what it listens to."""
+        return ", ".join(f"{each.topic} of {each.kind.__name__}" for each in self.node.subscriptions) or "nothing"
 
     def where(self) -> str:
         """Say where the joints are [rad or m]."""
@@ -206,7 +209,7 @@ class Viewer:
             self._failures.append(failure)
 
     def _callbacks(self, kind: type) -> list[Any]:
-        made = (each for each in self.node.subscriptions if each.kind is kind and not each.destroyed)
+        made = (each for each in self.node.subscriptions if each.kind is kind)
         return [each.callback for each in made if f"/{self.body.name}/" in each.topic]
 
     def _observe(self, _report: object) -> None:

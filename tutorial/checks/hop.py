@@ -172,9 +172,10 @@ class Hall(Viewer):
     def leaves(self, *messages: Imu) -> str:
         """Say what the controller leaves behind, or how the body is left; with messages that come at the same time."""
         self.shown.clear()
-        left = self.leave(*messages)
+        self.leave(*messages)
+        self.node.check_left()
         self.advance(0.0)
-        return left if left != "nothing is left" else "a timer goes on" if self.loop.timers else self.where()
+        return "a timer goes on" if self.loop.timers else self.where()
 
 
 def imu(x: float, y: float, z: float) -> Imu:
@@ -215,8 +216,7 @@ def wait(hall: Hall) -> None:
 def listens(answer: type) -> str:
     """Observe what it listens to."""
     with Hall(answer) as hall:
-        made = [f"{each.topic} of {each.kind.__name__}" for each in hall.node.subscriptions if not each.destroyed]
-        return "/Rover/imu of Imu" if "/Rover/imu of Imu" in made else ", ".join(made) or "nothing"
+        return hall.listens()
 
 
 def hands_over(hall: Hall) -> str:
@@ -350,32 +350,20 @@ the condition is another: hypot(a.x, a.y) > 20, where a is message.linear_accele
     > 20 => > 16 => > 200
 every message counts as a blow: if hypot(a.x, a.y) > 20.
     hypot(a.x, a.y) > 20 => True
-only x counts, or only y: it is hypot(x, y), whichever way it is hit.
-    hypot(a.x, a.y) => a.x => abs(a.x) => a.y => abs(a.y)
-a blow against an axis does not count: hypot(x, y) has no sign.
-    hypot(a.x, a.y) => max(a.x, a.y)
-the larger component alone counts: their length is hypot(x, y).
-    hypot(a.x, a.y) => max(abs(a.x), abs(a.y))
+only x counts, only y, or the larger of the two: it is hypot(x, y), whichever way it is hit.
+    hypot(a.x, a.y) => a.x => abs(a.x) => a.y => abs(a.y) => max(a.x, a.y) => max(abs(a.x), abs(a.y))
 z counts, too: gravity is in it, and a hard landing. Only x and y are horizontal.
     hypot(a.x, a.y) => hypot(a.x, a.y, a.z)
-the components are added up: their length is hypot(x, y).
-    hypot(a.x, a.y) => a.x + a.y => abs(a.x) + abs(a.y)
-the root is missing: x*x + y*y is the square of the length; hypot(x, y) is the length.
-    hypot(a.x, a.y) => a.x**2 + a.y**2
+the components, or their squares, are added up, and no root is taken: their length is hypot(x, y).
+    hypot(a.x, a.y) => a.x + a.y => abs(a.x) + abs(a.y) => a.x**2 + a.y**2
 20 m/s² is taken for more than 20: hypot(a.x, a.y) > 20.
     > 20 => >= 20
 
 # a blow puts the body
-the height is another: x, y, z = self.place; self.body.position = x, y, z + 0.1.
-    z + 0.1 => z + 1
+it is put somewhere else: 0.1 is added to z alone, x, y, z = self.place; self.body.position = x, y, z + 0.1.
+    (x, y, z + 0.1) => (x, y, z + 1) => (x, y, z - 0.1) => (x, y, 0.1) => (x + 0.1, y + 0.1, z + 0.1)
 the body is not moved, for body.position is a copy: x, y, z = self.place; self.body.position = x, y, z + 0.1.
     self.move((x, y, z + 0.1)) => self.move(self.place)
-the sign is turned round: z points up.
-    z + 0.1 => z - 0.1
-it is put at a height of 0.1 m above the ground: 0.1 is added to where it stood, z + 0.1.
-    z + 0.1 => 0.1
-0.1 is added to another component, or to all: the position is x, y, z, and z points up.
-    (x, y, z + 0.1) => (x + 0.1, y + 0.1, z + 0.1)
 the place is typed, or noted too early, in configure: note it when the blow comes.
     x, y, z = self.place => x, y, z = 0.0, 0.0, 0.0
 
@@ -419,7 +407,7 @@ the place of an earlier hop is used: note it with each blow that finds the body 
 
 # a second blow while it is up
 such a blow changes more than the time: it cancels the timer, and makes a new one of 0.5 s; place and height stay.
-    self.land() => if self.timer: return self.land()
+    self.land() => if self.timer: return self.land() => if self.timer: return self.timer.cancel()
 the place is noted anew by a blow that comes while the body is up: note it only when it stands, if self.timer is None.
     self.land() => if self.timer: self.timer.cancel()
 it is lifted from where it is, not from where it stood: lift it only when it stands, if self.timer is None.
@@ -430,11 +418,6 @@ a blow that comes while the body is up is ignored: it counts, and its 0.5 s begi
     > 20 => > 20 and not self.timer
 the first blow's timer goes on, and brings the body down: cancel it before the next, self.timer.cancel().
     self.land() => if self.timer: self.move(self.place)
-what was left of the first 0.5 s is added: they begin anew, 0.5 s from the second blow.
-    call_later(0.5 => call_later(0.5 + left
-    a = message. => left = self.timer.when() - asyncio.get_running_loop().time() if self.timer else 0 // a = message.
-the first timer is cancelled, and no new one is made.
-    self.land() => if self.timer: return self.timer.cancel()
 
 # a harmless message while it is up
 a harmless message is not left alone while the body is up: only a blow may touch the timer.
@@ -467,14 +450,6 @@ the way back does not end as the way up: with self.body.calc_forward_kinematics(
  self.body.calc_forward_kinematics(), self.node.destroy
 unconfigure does not cancel the timer: self.timer.cancel().
     self.node.destroy => return self.node.destroy
-self.node.destroy_subscription(self.subscription) is missing, or not given what configure has made: None ends nothing.
-    self.node.destroy_subscription(self.subscription) => pass
-unconfigure calls self.subscription.destroy(), and the node still counts it: self.node.destroy_subscription(...).
-    self.node.destroy_subscription(self.subscription) => self.subscription.destroy()
-config.node belongs to the whole program: destroy only the subscription, self.node.destroy_subscription(...).
-    self.node.destroy_subscription(self.subscription) => self.node.destroy_node()
-configure makes two, and keeps only one, as when super().configure(config) has made one already: make only one.
-    self.node = config.node => self.node = config.node // self.node.create_subscription(JointState, "more", max, 10)
 
 # unconfigure, when it is not up, leaves it
 unconfigure puts it back although it is down: to a place that was never noted, or to that of an earlier hop.

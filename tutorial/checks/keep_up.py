@@ -128,10 +128,8 @@ messages are dropped by time or by count, and the last one with them: post every
     $post => if self.__dict__.setdefault("some", count()).__next__() < 20: $post
 each message is posted with call_later, which keeps every call: call_latest keeps the newest of a key.
     self.call_latest = config.call_latest => self.call_latest = lambda _, *call: config.call_later(*call)
-the key is None, which is no key: take one that says what the call is about, the body's name.
-    self.call_latest(self.body.name, => self.call_latest(None,
-the key differs from message to message: take one that says what the call is about, the body's name.
-    self.call_latest(self.body.name, => self.call_latest(message.header.stamp.nanosec,
+the key is None, or differs from message to message: take one that says what the call is about, the body's name.
+    self.call_latest(self.body.name, => self.call_latest(None, => self.call_latest(message.header.stamp.nanosec,
 all messages that wait are drawn, one after the other, so the main thread is as busy as with a call for each: draw only
 the newest, which call_latest keeps.
     self.node = config.node => self.node, self.inbox = config.node, []

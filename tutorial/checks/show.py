@@ -107,8 +107,7 @@ def shows(
 def listens(answer: type) -> str:
     """Observe what it listens to."""
     with Viewer(answer) as viewer:
-        made = [(each.topic, each.kind.__name__) for each in viewer.node.subscriptions if not each.destroyed]
-    return ", for messages of the type ".join(made[-1]) if made else "nothing"
+        return viewer.listens()
 
 
 def hands_over(answer: type) -> str:
@@ -178,7 +177,8 @@ def two(answer: type) -> str:
 def leaves(answer: type) -> str:
     """Observe what is left after `unconfigure`."""
     with Viewer(answer) as viewer:
-        return viewer.leave()
+        viewer.leave()
+        return str(viewer.node.check_left())
 
 
 def leaves_while_one_waits(answer: type) -> str:
@@ -207,7 +207,7 @@ STAMPS = (100_020, 100_000, 100_040, 5, 6)  # [ms]
 SWINGS = [("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i)) for i in range(1, 6)]
 
 FIRST = {
-    "it listens to": (listens, "/Tank/joint_state, for messages of the type JointState"),
+    "it listens to": (listens, "/Tank/joint_state of JointState"),
     "messages come": (hands_over, "the callback posts, and leaves the body alone"),
     "a message": (shows(("Y P", (0.1, 0.2))), at(0.1, 0.2)),
     "its joints in another order": (shows(("P Y", (0.2, 0.1))), at(0.1, 0.2)),
@@ -237,10 +237,8 @@ the type of the messages is another: give JointState first.
     (JointState, => (Imu,
 
 # messages come
-the callback moves the body itself: post the call instead, $post; a lock does not help.
-    $post => self.update(message)
-the callback moves the body itself, and posts only what comes after: all that touches the body belongs into $post.
-    $post => self.update(message) // $post
+the callback moves the body itself: all that touches it belongs into what is posted, $post; a lock does not help.
+    $post => self.update(message) => self.update(message) // $post
 the parentheses call it at once, and post what it returns: give the function and its arguments apart, $post.
     self.update, message) => self.update(message))
 $post is missing, or not reached: the callback posts nothing.
@@ -251,20 +249,17 @@ messages are dropped by time or by count: post and show every one, whenever it c
     $post => if message.position[0] < 0.05: $post
 
 # a message
-the positions are changed on the way: set them as match_joints returns them.
-    positions(positions) => positions({name: -q for name, q in positions.items()})
+the positions are changed on the way, as to degrees: set them as match_joints returns them, in rad.
+    positions(positions) => positions({name: -q for name, q in positions.items()})\
+ => positions({name: degrees(q) for name, q in positions.items()})\
+ => positions({name: radians(q) for name, q in positions.items()})
 the positions are computed but not set: self.body.set_joint_positions(positions).
     self.body.set_joint_positions(positions) => pass
-the positions are converted to degrees: they are rad on both sides.
-    positions(positions) => positions({name: degrees(q) for name, q in positions.items()})
-the positions are converted to rad: they are rad already.
-    positions(positions) => positions({name: radians(q) for name, q in positions.items()})
 
 # its joints in another order
-positions are matched by their place in the message: match them by name, with match_joints.
-    positions(positions) => positions(dict(zip(self.body.joint_names, message.position)))
-the i-th joint of the body is compared with the i-th name of the message: look for the name wherever it is.
-    positions(positions) => positions({n: positions[n] for n, m in zip(self.body.joint_names, message.name) if n == m})
+positions are matched by their place in the message: match them by name, wherever it is, with match_joints.
+    positions(positions) => positions(dict(zip(self.body.joint_names, message.position)))\
+ => positions({n: positions[n] for n, m in zip(self.body.joint_names, message.name) if n == m})
 
 # the news of it
 self.body.calc_forward_kinematics() is missing, or called before set_joint_positions: the links stay behind the joints.
@@ -330,18 +325,6 @@ the body's name or its joints are typed: take them from config.body.
 $name.body is shared by all objects of the class: keep in each what is its own, self.body = ..., and make it in
 __init__, configure or initialize.
     self.body = config.body => type(self).body = config.body
-
-# after unconfigure
-self.node.destroy_subscription(self.subscription) is missing, or not given what configure has made: a flag or None does
-not destroy the subscription.
-    self.node.destroy_subscription(self.subscription) => pass
-unconfigure calls self.subscription.destroy(), which does not tell the node: it still counts the subscription among its
-own. Call self.node.destroy_subscription(self.subscription).
-    self.node.destroy_subscription(self.subscription) => self.subscription.destroy()
-config.node belongs to the whole program: unconfigure destroys only the subscription.
-    self.node.destroy_subscription(self.subscription) => self.node.destroy_node()
-configure makes two, and keeps only one, as when super().configure(config) has made one already: make only one.
-    self.node = config.node => self.node = config.node // self.node.create_subscription(JointState, "more", print, 1)
 """
 
 MORE = """
