@@ -94,7 +94,7 @@ the joints' names are typed, or how many there are: take all of them from the bo
 UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 OTHERWISE = {
     "": "Most likely the joints' names are typed, or how many there are: take all of them from io.body.joints.",
-    "the names": "They are left out, mixed or added up: message.name = [joint.name for joint in self.joints].",
+    "the names": "The names are left out, in another order, or added up: [joint.name for joint in self.joints].",
     **{field: f"{field} is missing, mixed up or old: [joint.{field} for joint in self.joints]." for field in UNITS},
 }
 
