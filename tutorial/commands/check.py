@@ -10,7 +10,7 @@ import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -43,9 +43,9 @@ LIMIT = 60.0  # [s] that an answer may take
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, with all that a check says, instead of the table.")
 @click.option("--no-sandbox", is_flag=True, help="Run the answers as you run any program. Trust them, then.")
-@click.option("--junit", type=click.File("wb", lazy=False), metavar="FILE", help="Write JUnit's XML to FILE, too.")
+@click.option("--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Write JUnit's XML to FILE, too.")
 def check(
-    notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, no_sandbox: bool, junit: BinaryIO | None
+    notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, no_sandbox: bool, junit: Any
 ) -> int:
     """Check the answers in NOTEBOOKS: files, or folders of them.
 
@@ -56,6 +56,8 @@ def check(
     from tutorial.commands.checking.report import as_junit
     from tutorial.commands.checking.sandbox import need_sandbox
 
+    if junit is not None:
+        junit.open()  # click.utils.LazyFile; before all is judged in vain
     paths = _found(notebooks)
     if not paths:
         raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")
