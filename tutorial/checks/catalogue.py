@@ -11,7 +11,7 @@ from tutorial import checks
 from tutorial.checks.exercise import Exercise
 from tutorial.paths import HOME
 
-__all__ = ["exercises"]
+__all__ = ["exercise_names", "exercises"]
 
 
 @cache
@@ -30,6 +30,12 @@ def exercises() -> dict[str, tuple[Exercise, ...]]:
         title = notebooks[name].stem if name in notebooks else name
         found[title] = tuple(sorted(own, key=lambda each: (_place(each, text), each.name)))
     return {title: own for title, own in found.items() if own}
+
+
+def exercise_names(step: int | None = None) -> dict[str, list[str]]:
+    """Return the names of a step's exercises, or of all, by the notebook that they are in."""
+    prefix = "" if step is None else f"{step}_"
+    return {title: [each.name for each in own] for title, own in exercises().items() if title.startswith(prefix)}
 
 
 def _place(exercise: Exercise, text: str) -> int:

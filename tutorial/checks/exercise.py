@@ -13,9 +13,9 @@ from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
 from tutorial.checks._watch import Failure, files_of, watch
 from tutorial.checks._witness import witnessed
-from tutorial.checks.progress import remember
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
+from tutorial.progress import remember
 
 __all__ = ["NOT_YET", "Exercise"]
 

@@ -44,9 +44,7 @@ LIMIT = 60.0  # [s] that an answer may take
 @click.option("--json", "as_json", is_flag=True, help="Print JSON, with all that a check says, instead of the table.")
 @click.option("--no-sandbox", is_flag=True, help="Run the answers as you run any program. Trust them, then.")
 @click.option("--junit", type=click.File("wb", lazy=True), metavar="FILE", help="Write JUnit's XML to FILE, too.")
-def check(
-    notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, no_sandbox: bool, junit: Any
-) -> int:
+def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, no_sandbox: bool, junit: Any) -> int:
     """Check the answers in NOTEBOOKS: files, or folders of them.
 
     Only the answers are run, with the definitions that they need, in a sandbox.

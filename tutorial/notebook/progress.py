@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from tutorial.checks.overview import Overview
+from tutorial.checks.catalogue import exercise_names
+from tutorial.progress import Overview
 
 __all__ = ["progress"]
 
@@ -13,4 +14,4 @@ def progress(step: int | None = None) -> Overview:
     Args:
         step: the number of the only step to show; None for all.
     """
-    return Overview(step=step)
+    return Overview(exercise_names(step))

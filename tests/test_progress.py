@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import re
 from datetime import date
 
 import pytest
 from kernels import kernel
 
-from tutorial.checks import progress
-from tutorial.checks.catalogue import exercises
+from tutorial import progress
+from tutorial.checks.catalogue import exercise_names
 from tutorial.checks.joint_state_subscriber import by_name
-from tutorial.checks.overview import Overview
-from tutorial.checks.progress import FILE, read_progress, remember
+from tutorial.progress import FILE, LARGEST, Overview, read_progress, remember
 
 SOLVE = """
 from tutorial.checks.joint_state_subscriber import by_name
@@ -66,15 +66,28 @@ def test_the_first_day_counts_and_others_stay(notebook):
     assert read_progress(notebook) == read_progress()
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"solved": 3}', '{"solved": {"aim": "soon"}}', "\xff"])
-def test_a_broken_file_is_said_and_mended_by_the_next_exercise(notebook, text):
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"solved": 3}', "\xff", "[" * 100_000, " " * (LARGEST + 1)])
+def test_a_broken_file_is_said_and_left_as_it_is(notebook, text):
     (notebook / FILE).write_text(text, encoding="latin-1")
-    assert read_progress()[0] == {}
-    said = repr(Overview())
+    said = repr(Overview(exercise_names()))
     assert re.search(r"\n0 of \d+ exercises are solved\.\n", said)
     assert f"{FILE} cannot be read, so nothing counts as solved: " in said
     remember("aim")
-    assert set(read_progress()[0]) == {"aim"}
+    assert (notebook / FILE).read_text(encoding="latin-1") == text
+
+
+def test_what_is_no_file_is_not_waited_for(notebook):
+    os.mkfifo(notebook / FILE)
+    remember("aim")
+    assert "it is no file of at most" in read_progress()[1]
+
+
+def test_beside_an_odd_entry_the_others_count_and_all_stay(notebook):
+    (notebook / FILE).write_text('{"solved": {"aim": "2026-01-02", "show": "soon", "hop": 3}}')
+    remember("drive")
+    solved, problem = read_progress()
+    assert (set(solved), problem) == ({"aim", "drive"}, f"{FILE} has no day for show, hop.")
+    assert set(json.loads((notebook / FILE).read_text())["solved"]) == {"aim", "show", "hop", "drive"}
 
 
 def test_a_folder_that_cannot_be_written_to_is_no_error(notebook, monkeypatch):
@@ -97,14 +110,14 @@ def test_a_write_that_fails_leaves_the_file_as_it_was(notebook, monkeypatch):
 
 def test_the_overview_has_every_exercise_once_under_its_notebook(folder):
     (folder / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')
-    names = [exercise.name for own in exercises().values() for exercise in own]
+    names = [name for own in exercise_names().values() for name in own]
     assert len(names) == len(set(names)), "they are known by their names"
-    *rows, last = repr(Overview()).splitlines()
+    *rows, last = repr(Overview(exercise_names())).splitlines()
     assert [row.split()[-3 if "solved" not in row else -4] for row in rows] == names
     assert rows[0].startswith("1_tank_controller ")
     assert [row.split()[-4:] for row in rows if "solved" in row] == [["aim", "solved", "on", "2026-01-02"]]
     assert last == f"1 of {len(names)} exercises are solved."
-    page = Overview()._repr_html_()
+    page = Overview(exercise_names())._repr_html_()
     assert page.count("<tr>") == len(names)
     assert page.count("✓") == 1
 
