@@ -31,7 +31,7 @@ def children(pid=None):
 
 
 def _judges(process):
-    return "tutorial.checks._child" in " ".join(process.cmdline())
+    return "tutorial.checks._child" in process.cmdline()  # a whole argument: a pool's fork server only names it in one
 
 
 def said_about(answer):
