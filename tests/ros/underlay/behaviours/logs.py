@@ -43,7 +43,7 @@ print([logger.info(f"line {number}", skip_first=True) for number in range(3)])
 
 # %% a line not too often
 logger = logging.get_logger("throttled")
-print([logger.info(f"line {number}", throttle_duration_sec=1000.0) for number in range(3)])
+print([logger.info(f"line {number}", throttle_duration_sec=1e9) for number in range(3)])
 
 # %% a line not the first time, and once
 logger = logging.get_logger("both")

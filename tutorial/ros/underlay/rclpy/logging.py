@@ -8,6 +8,7 @@ import time
 import weakref
 from dataclasses import dataclass
 from enum import IntEnum
+from math import inf
 from types import FrameType
 from typing import Any, Protocol
 
@@ -50,7 +51,7 @@ class _Place:
     """A line of a program that logs: what it asked for the first time, and what its filters remember."""
 
     asked: tuple[LoggingSeverity, str, list[str], dict[str, Any]]
-    last_logged: float = 0.0
+    last_logged: float = -inf  # `time.monotonic` may begin at the start of the machine
     skipped: bool = False
     logged: bool = False
 
