@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -15,6 +15,11 @@ from tutorial.world import Placement, compose
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from tutorial.joints import JointReport
+
+    Observer = Callable[[JointReport | None], object]
+    FindCamera = Callable[["Body", str], Any]
 
 __all__ = ["Actuator", "Body", "Joint", "Sensor"]
 
@@ -146,54 +151,72 @@ class Body:
         name: the body's name. Its elements are called ``name/element`` in the model.
         model: the model.
         data: its state.
-        guard: who may move the displayed body; None for a simulated one.
+        guard: says who may move the displayed body; None for a simulated one.
+        find_camera: called with the body and a camera's name, for pictures of a simulated body; None for a displayed
+            one.
 
     Attributes:
-        name, model, data: as given.
+        name, model, data, find_camera: as given.
         joints: the hinge and slide joints of groups 0 to 2, in the model's order. Those of higher groups (MuJoCo hides
             them) are inner workings, such as the wheels in a track.
-        joint_names: their names, a tuple.
-        joint_ranges: a mapping from their names to their ranges ``(lower, upper)`` [rad or m].
         qpos_slice: which part of MuJoCo's ``qpos`` is this body's.
-        qpos: a view on it, shape (nq,).
-        find_camera: given by whoever renders pictures of a simulated body: ``find_camera(body, name)``; else None.
     """
 
-    def __init__(self, name: str, model: mujoco.MjModel, data: mujoco.MjData, guard: ThreadGuard | None = None) -> None:
+    def __init__(
+        self,
+        name: str,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        guard: ThreadGuard | None = None,
+        find_camera: FindCamera | None = None,
+    ) -> None:
         self.name = name
         self.model = model
         self.data = data
-        self._guard = guard
-        self._prefix = f"{name}/"
-        self._joint_ids = [i for i in range(model.njnt) if model.joint(i).name.startswith(self._prefix)]
-        self.joints = tuple(self._find_joints())
-        self.joint_names = tuple(joint.name for joint in self.joints)
-        self.joint_ranges: Mapping[str, tuple[float, float]] = {joint.name: joint.range for joint in self.joints}
-        self.qpos_slice = self._find_qpos()
-        self.qpos: NDArray[np.float64] = data.qpos[self.qpos_slice]
-        self._root_position, self._root_wxyz, self._root_velocity = self._find_root()
+        self.find_camera = find_camera
+        ids = [i for i in range(model.njnt) if model.joint(i).name.startswith(f"{name}/")]
+        shown = [i for i in ids if int(model.jnt_type[i]) in ONE_DOF and model.jnt_group[i] < SHOWN_GROUPS]
+        names = {i: model.joint(i).name.removeprefix(f"{name}/") for i in shown}
+        self.joints = tuple(Joint(names[i], model, data, i, guard) for i in shown)
+        self.qpos_slice = _qpos_slice(model, ids)
+        self._root = _Root.of(name, model, data, ids)
         self._by_name = {joint.name: joint for joint in self.joints}
-        self.find_camera: Callable[[Body, str], Any] | None = None
-        self._observers: list[Callable[[Any], object]] = []
+        self._guard = guard
+        self._observers: list[Observer] = []
 
     @classmethod
-    def displayed(cls, placement: Placement, guard: ThreadGuard | None = None) -> Body:
+    def displayed(cls, placement: Placement) -> Body:
         """Make a body that is shown, from its model file. It belongs to the calling thread.
 
         Args:
             placement: its name and its model.
-            guard: who may move it; None for one that is made here.
 
         Raises:
             TutorialError: the model does not load.
         """
         model = compose([placement])
-        body = cls(placement.name, model, mujoco.MjData(model), guard or ThreadGuard(f"the body {placement.name!r}"))
+        body = cls(placement.name, model, mujoco.MjData(model), ThreadGuard(f"the body {placement.name!r}"))
         body.calc_forward_kinematics()
         return body
 
     def __repr__(self) -> str:
         return f"Body({self.name!r}, joints={list(self.joint_names)})"
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The names of its joints."""
+        return tuple(self._by_name)
+
+    @property
+    def joint_ranges(self) -> dict[str, tuple[float, float]]:
+        """The ranges of its joints by name, ``(lower, upper)`` [rad or m]."""
+        return {joint.name: joint.range for joint in self.joints}
+
+    @property
+    def qpos(self) -> NDArray[np.float64]:
+        """A view on its part of MuJoCo's ``qpos``, shape (nq,)."""
+        qpos: NDArray[np.float64] = self.data.qpos[self.qpos_slice]
+        return qpos
 
     def joint(self, name: str) -> Joint:
         """Find a joint by name.
@@ -223,29 +246,29 @@ class Body:
     @property
     def position(self) -> NDArray[np.float64]:
         """Where its root, the first of its links, stands [m], a copy, shape (3,). Setting it moves a displayed body."""
-        return self._root_position.copy()
+        return self._root.position.copy()
 
     @position.setter
     def position(self, value: ArrayLike) -> None:
         self._check("Body.position")
-        self._root_position[:] = value
+        self._root.position[:] = value
 
     @property
     def orientation_wxyz(self) -> NDArray[np.float64]:
         """How its root is turned, as a unit quaternion, a copy, shape (4,). Setting it turns a displayed body."""
-        return self._root_wxyz.copy()
+        return self._root.wxyz.copy()
 
     @orientation_wxyz.setter
     def orientation_wxyz(self, value: ArrayLike) -> None:
         self._check("Body.orientation_wxyz")
-        self._root_wxyz[:] = value
+        self._root.wxyz[:] = value
 
     @property
     def twist(self) -> NDArray[np.float64]:
         """How its root moves: linear [m/s], then angular [rad/s], along the root's own axes, a copy, shape (6,)."""
-        linear, inverse = np.empty(3), self._root_wxyz * (1.0, -1.0, -1.0, -1.0)
-        mujoco.mju_rotVecQuat(linear, self._root_velocity[:3], inverse)  # which MuJoCo has along the world's axes
-        return np.concatenate([linear, self._root_velocity[3:]])
+        linear, inverse = np.empty(3), self._root.wxyz * (1.0, -1.0, -1.0, -1.0)
+        mujoco.mju_rotVecQuat(linear, self._root.velocity[:3], inverse)  # which MuJoCo has along the world's axes
+        return np.concatenate([linear, self._root.velocity[3:]])
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
         """Move joints of a displayed body; the others stay where they are.
@@ -266,17 +289,17 @@ class Body:
         self._check("calc_forward_kinematics")
         mujoco.mj_kinematics(self.model, self.data)
 
-    def notify_change(self, report: object = None) -> None:
+    def notify_change(self, report: JointReport | None = None) -> None:
         """Tell whoever displays the body that it has changed.
 
         Args:
-            report: what they should know of it, such as what joint matching made of the message that changed it.
+            report: what joint matching made of the message that changed it, if one did.
         """
         self._check("notify_change")
         for observer in tuple(self._observers):
             observer(report)
 
-    def on_change(self, observer: Callable[[Any], object]) -> None:
+    def on_change(self, observer: Observer) -> None:
         """Have ``observer(report)`` called, on the main thread, whenever the body has changed."""
         self._observers.append(observer)
 
@@ -286,31 +309,32 @@ class Body:
 
     def _find(self, kind: str, element: Callable[[int], Any], count: int, name: str) -> int:
         """Return the number of the body's element of a kind, or say that there is none and which there are."""
-        numbers = {element(i).name: i for i in range(count)}
-        if self._prefix + name not in numbers:
-            mine = [each.removeprefix(self._prefix) for each in numbers if each.startswith(self._prefix)]
+        prefix = f"{self.name}/"
+        every = {element(i).name: i for i in range(count)}
+        mine = {each.removeprefix(prefix): i for each, i in every.items() if each.startswith(prefix)}
+        if name not in mine:
             raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, mine)}")
-        return numbers[self._prefix + name]
+        return mine[name]
 
-    def _find_joints(self) -> list[Joint]:
-        model = self.model
-        return [
-            Joint(model.joint(i).name.removeprefix(self._prefix), model, self.data, i, self._guard)
-            for i in self._joint_ids
-            if int(model.jnt_type[i]) in ONE_DOF and model.jnt_group[i] < SHOWN_GROUPS
-        ]
 
-    def _find_qpos(self) -> slice:
-        """MuJoCo numbers an attached body's joints in one run, so its part of ``qpos`` is one slice."""
-        ids = self._joint_ids
-        bounds = [*self.model.jnt_qposadr.tolist(), self.model.nq]
-        return slice(bounds[ids[0]], bounds[ids[-1] + 1]) if ids else slice(0, 0)
+def _qpos_slice(model: mujoco.MjModel, joint_ids: Sequence[int]) -> slice:
+    """MuJoCo numbers an attached body's joints in one run, so its part of ``qpos`` is one slice."""
+    bounds = [*model.jnt_qposadr.tolist(), model.nq]
+    return slice(bounds[joint_ids[0]], bounds[joint_ids[-1] + 1]) if joint_ids else slice(0, 0)
 
-    def _find_root(self) -> tuple[NDArray[np.float64], ...]:
-        """Views on where MuJoCo keeps its root's position, orientation and velocity: with a free joint in the state."""
-        model, ids = self.model, self._joint_ids
-        if ids and model.jnt_type[ids[0]] == mujoco.mjtJoint.mjJNT_FREE:
-            dof = int(model.jnt_dofadr[ids[0]])
-            return self.qpos[:3], self.qpos[3:7], self.data.qvel[dof : dof + 6]
-        root = next((i for i in range(model.nbody) if model.body(i).name.startswith(self._prefix)), 0)
-        return model.body_pos[root], model.body_quat[root], np.zeros(6)
+
+class _Root(NamedTuple):
+    """Views on where MuJoCo keeps the pose and the velocity of a body's root: of a free joint in the state."""
+
+    position: NDArray[np.float64]
+    wxyz: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, name: str, model: mujoco.MjModel, data: mujoco.MjData, joint_ids: Sequence[int]) -> _Root:
+        """Find a body's root, whose first joint is a free one if it can move."""
+        if joint_ids and model.jnt_type[joint_ids[0]] == mujoco.mjtJoint.mjJNT_FREE:
+            adr, dof = int(model.jnt_qposadr[joint_ids[0]]), int(model.jnt_dofadr[joint_ids[0]])
+            return cls(data.qpos[adr : adr + 3], data.qpos[adr + 3 : adr + 7], data.qvel[dof : dof + 6])
+        root = next((i for i in range(model.nbody) if model.body(i).name.startswith(f"{name}/")), 0)
+        return cls(model.body_pos[root], model.body_quat[root], np.zeros(6))

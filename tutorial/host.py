@@ -78,10 +78,9 @@ class Host:
         self._items: dict[str, Item] = {}
         self._removed: dict[str, Item] = {}  # the last of each name, which has the counts of all, for the record
         self.simulation: Simulation | None = None
-        self._cameras: CameraRenderer | None = None
-        self._ros = NodeThread("tank", ros_args)
+        self._cameras = CameraRenderer()
+        self._ros = NodeThread("tank", ros_args, trace)
         self.node = self._ros.node
-        self.node.trace = trace
         self._seconds = self._shown = 0.0
         self._still = 0  # for how many frames there was no step
         self._seen_step = 0
@@ -102,10 +101,7 @@ class Host:
                     controllers.append(("", ClockPublisher(self.node)))
                 controllers += [(name, each) for name, item in self._items.items() for each in item.controllers]
                 placements = [item.placement for item in project.bodies]
-                self.simulation = Simulation(placements, controllers, project.time_step)
-                self._cameras = CameraRenderer(self.simulation.model, self.simulation.data)
-                for body in self.simulation.bodies.values():
-                    body.find_camera = self._cameras.camera
+                self.simulation = Simulation(placements, controllers, project.time_step, self._cameras.camera)
         except BaseException:
             self.close()
             raise
@@ -134,15 +130,12 @@ class Host:
     @property
     def error(self) -> BaseException | None:
         """What the simulation, a callback or a posted call raised last since the last start; None when nothing did."""
-        pictures = self._cameras.error if self._cameras is not None else None
-        others = (self._ros.error, pictures, *(item.error for item in self._items.values()))
+        others = (self._ros.error, self._cameras.error, *(item.error for item in self._items.values()))
         return (self.simulation and self.simulation.error) or next((e for e in others if e is not None), None)
 
     def forget_errors(self) -> None:
         """What callbacks and posted calls raised before does not count any more. `run` does it. Main thread."""
-        self._ros.error = None
-        if self._cameras is not None:
-            self._cameras.error = None
+        self._ros.error = self._cameras.error = None
         for item in self._items.values():
             item.forget_errors()
 
@@ -254,8 +247,7 @@ class Host:
             if self.simulation is not None:
                 self.simulation.stop()
         finally:
-            if self._cameras is not None:
-                self._cameras.close()
+            self._cameras.close()
             for item in self._items.values():
                 item.close()
             self._calls.close()

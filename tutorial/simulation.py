@@ -1,4 +1,4 @@
-"""The simulated copy of the world, stepped together with its controllers."""
+"""A simulation that can be started and stopped: a stepped world, and the thread that steps it in real time."""
 
 from __future__ import annotations
 
@@ -8,21 +8,17 @@ import threading
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING
 
-import mujoco
-
-from tutorial.body import Body
-from tutorial.controller import ControllerIO, SimpleController
-from tutorial.errors import TutorialError, file_of, tell, where
-from tutorial.handoff import Latest
-from tutorial.world import Placement, compose
+from tutorial.controller import SimpleController
+from tutorial.errors import TutorialError
+from tutorial.stepped_world import ControllerError, Run, Snapshot, SteppedWorld
+from tutorial.world import Placement
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+    from tutorial.body import FindCamera
 
 __all__ = ["ControllerError", "Simulation", "Snapshot", "State"]
 
@@ -36,12 +32,12 @@ SLOW = 0.95  # of real time, below which the machine is said not to keep up
 _log = logging.getLogger(__name__)
 
 
-class ControllerError(TutorialError):
-    """A controller raised, or does not return; the simulation has stopped. What was raised is the cause of this one."""
-
-
 class State(Enum):
-    """What a simulation does; every method asks it first."""
+    """What a simulation does; every method asks it first.
+
+    ``start`` and ``advance`` lead from IDLE or FAILED to RUNNING. From there it comes to IDLE when the duration is over
+    or at ``stop``, to FAILED when a controller raises, and to ABANDONED when one does not return.
+    """
 
     IDLE = "idle"  #: nothing; it can be stepped
     RUNNING = "running"  #: it is being stepped, on its own thread or by `Simulation.advance`
@@ -49,26 +45,13 @@ class State(Enum):
     ABANDONED = "abandoned"  #: nothing ever again: a controller does not return, and may still touch what it was given
 
 
-@dataclass(frozen=True)
-class Snapshot:
-    """The state of the whole simulated world at one moment, as a copy.
-
-    Attributes:
-        time: simulated time [s].
-        qpos: MuJoCo's generalised positions, shape (nq,).
-    """
-
-    time: float
-    qpos: NDArray[np.float64]
-
-
-class Simulation:
+class Simulation(SteppedWorld):
     """A copy of some bodies in one MuJoCo world, and the controllers that move them.
 
     It can be stepped at once, with `advance`, or in real time on a thread of its own, with `start` and `stop`; in both
     cases controllers see only the copy, through the `ControllerIO` that they are initialized with. Whatever a
-    controller raises becomes a `ControllerError`, also where it wants to end the program. One that does not return is
-    waited for only so long; then the simulation is abandoned, and nobody touches it any more.
+    controller raises becomes a `ControllerError`, also where it wants to end the program. If one does not return, the
+    simulation waits a few seconds for it; then it is abandoned, and nobody touches it any more.
 
     The methods may be called on any thread, except by a controller.
 
@@ -76,10 +59,11 @@ class Simulation:
         placements: the bodies.
         controllers: pairs of a body's name ("" for the world) and a controller, in the order in which they are asked.
         time_step: [s].
+        find_camera: see `Body`.
 
     Attributes:
+        state: what it does now.
         error: what a controller raised last, since the last start; None when none did.
-        snapshot: the newest state to be shown.
 
     Raises:
         TutorialError: the bodies do not make a world.
@@ -90,43 +74,16 @@ class Simulation:
         placements: Sequence[Placement],
         controllers: Iterable[tuple[str, SimpleController]] = (),
         time_step: float = 0.001,
+        find_camera: FindCamera | None = None,
     ) -> None:
-        self.model = compose(placements, time_step)
-        self.data = mujoco.MjData(self.model)
-        self.time_step = time_step
-        self.bodies = {p.name: Body(p.name, self.model, self.data) for p in placements}
-        places = self.bodies | {"": Body("", self.model, self.data)}
-        self._controllers = [(each, ControllerIO(places[name], time_step)) for name, each in controllers]
-        self._step = 0
-        self._initialized = False
-        self._duration: float | None = None  # of the last start
+        super().__init__(placements, controllers, time_step, find_camera)
+        self.state = State.IDLE
+        self.error: ControllerError | None = None
         self._turns = threading.Lock()  # held by the method that starts, stops or changes something
         self._lock = threading.Lock()  # held for a change of the state, and never while a controller is at work
-        self._run: _Run | None = None  # while it is stepped
-        self._leaving: _Run | None = None  # while controllers are stopped
-        self._thread: threading.Thread | None = None  # of the last start
-        self._abandoned = ""  # why
-        self.error: ControllerError | None = None
-        self.snapshot = Latest(self._snap())
-
-    @property
-    def state(self) -> State:
-        """What the simulation does now."""
-        if self._abandoned:
-            return State.ABANDONED
-        if self._run is not None:
-            return State.RUNNING
-        return State.IDLE if self.error is None else State.FAILED
-
-    @property
-    def step(self) -> int:
-        """How many steps have been simulated since the start."""
-        return self._step
-
-    @property
-    def time(self) -> float:
-        """Simulated time since the start [s]."""
-        return self._step * self.time_step
+        self._run = Run(threading.current_thread())  # the last that stepped
+        self._run.finished.set()
+        self._leaving = self._run  # the last that stopped controllers
 
     @property
     def running(self) -> bool:
@@ -145,22 +102,22 @@ class Simulation:
         """
         if seconds < 0:
             raise TutorialError(f"advance({seconds}): time does not go back. Give seconds >= 0, or call restart().")
-        run, error = _Run(threading.current_thread()), None
+        run, error = Run(threading.current_thread()), None
         try:
             with self._turn("advance()"):
                 self._check_idle("the simulation is running on its own thread. Call stop() before advance().")
                 self._begin(run)
-            last_step = self._step + round(seconds / self.time_step)
+            last_step = self.step + round(seconds / self.time_step)
             self._initialize(run)
-            self._run_steps(run, last_step - self._step)
+            self._run_steps(run, last_step - self.step)
         except ControllerError as raised:
             error = raised
             raise
         finally:
             self._end(run, error)
         if run.abandoned:
-            raise ControllerError(self._abandoned)
-        if self._step < last_step and run.stopping.is_set():
+            self._check_abandoned()
+        if self.step < last_step and run.stopping.is_set():
             raise TutorialError(f"advance({seconds}) was stopped elsewhere, at {self.time:.3f} s. Call it again.")
 
     def start(self, duration: float | None = None) -> None:
@@ -195,17 +152,15 @@ class Simulation:
             ControllerError: a controller does not return.
         """
         with self._turn("restart()"):
-            run = self._run
+            run, was_running = self._run, self.running
             self._halt()
-            if not self._abandoned:
-                self.error = None
+            if self.state is not State.ABANDONED:
+                self.state, self.error = State.IDLE, None
             self._stop_all()
             self._check_abandoned()
-            mujoco.mj_resetData(self.model, self.data)
-            self._step = 0
-            self.snapshot.put(self._snap())
-            if run is not None and run.thread is self._thread:
-                self._start(self._duration)
+            self._reset()
+            if was_running and isinstance(run, _RealTimeRun):
+                self._start(run.duration)
 
     def wait(self, timeout: float | None = None) -> bool:
         """Block until nobody steps the simulation any more: it has come to its end, was stopped, or was abandoned.
@@ -217,8 +172,7 @@ class Simulation:
             Whether it is so.
         """
         self._check_caller("wait()")
-        run = self._run
-        return run is None or run.finished.wait(timeout)
+        return self._run.finished.wait(timeout)
 
     def release(self, body: str) -> None:
         """Stop the controllers of a body, for good; the body itself stays in the world, which may be running.
@@ -233,36 +187,17 @@ class Simulation:
             self._check_abandoned()
             leaving = [controller for controller, io in self._controllers if io.body.name == body]
             self._controllers = [(c, io) for c, io in self._controllers if io.body.name != body]
-            run = self._run
-            if run is not None and not run.pass_on():
-                self._abandon(run)
-            if self._initialized and not self._abandoned:
+            if not self._run.pass_on(STUCK):
+                self._abandon(self._run)
+            if self._initialized and self.state is not State.ABANDONED:
                 self._stop_controllers(leaving)
             self._check_abandoned()
-
-    def copy_to(self, bodies: Iterable[Body]) -> float:
-        """Move displayed bodies to where the newest snapshot has them. Main thread, in every state.
-
-        Args:
-            bodies: displayed bodies; those that are not simulated stay as they are.
-
-        Returns:
-            The simulated time that they show now [s].
-        """
-        snapshot = self.snapshot.get()
-        for body in bodies:
-            simulated = self.bodies.get(body.name)
-            if simulated is not None and len(body.qpos):
-                body.qpos[:] = snapshot.qpos[simulated.qpos_slice]
-                body.calc_forward_kinematics()
-                body.notify_change()
-        return snapshot.time
 
     @contextmanager
     def _turn(self, caller: str) -> Iterator[None]:
         """Have one caller after the other start, stop or change something."""
         self._check_caller(caller)
-        if not self._turns.acquire(timeout=2.5 * STUCK):  # who has it waits for controllers, at most twice
+        if not self._turns.acquire(timeout=2.5 * STUCK):  # a turn waits for controllers, at most twice
             raise TutorialError(f"{caller}: another thread is still stopping this simulation. Call it again later.")
         try:
             yield
@@ -271,231 +206,145 @@ class Simulation:
 
     def _check_caller(self, caller: str) -> None:
         """Refuse a controller, which would wait for itself."""
-        if any(run is not None and run.thread is threading.current_thread() for run in (self._run, self._leaving)):
+        if self._run.is_mine() or self._leaving.is_mine():
             raise TutorialError(f"{caller} was called by a controller, and would wait for it. Call it elsewhere.")
 
     def _check_abandoned(self) -> None:
-        if self._abandoned:
-            raise ControllerError(self._abandoned)
+        if self.state is State.ABANDONED:
+            raise ControllerError(str(self.error))
 
     def _check_idle(self, otherwise: str) -> None:
         self._check_abandoned()
-        if self._run is not None:
+        if self.running:
             raise TutorialError(otherwise)
 
-    def _begin(self, run: _Run) -> None:
+    def _begin(self, run: Run) -> None:
         with self._lock:
-            self.error, self._run = None, run
+            self.state, self.error, self._run = State.RUNNING, None, run
 
-    def _end(self, run: _Run, error: ControllerError | None) -> None:
+    def _end(self, run: Run, error: ControllerError | None) -> None:
         """Note how a run has come to its end; one that was abandoned, or never began, leaves everything alone."""
         with self._lock:
-            if self._run is not run:
+            if self._run is not run or run.finished.is_set():
                 return
             self.snapshot.put(self._snap())
             self.error = error or self.error
-            _switching.release(run)
-            self._run = None
+            self.state = State.FAILED if self.error else State.IDLE
             run.finished.set()
 
-    def _abandon(self, stuck: _Run) -> None:
+    def _abandon(self, stuck: Run) -> None:
         """Give up a controller that does not return, and with it the simulation: nobody may touch either any more."""
         with self._lock:
             if stuck.finished.is_set():
                 return
-            self._abandoned = f"{stuck.place()}. Mend it, and make the simulation anew: open its program again."
-            self.error = ControllerError(self._abandoned)
-            for run in filter(None, (stuck, self._run)):
-                run.abandoned = True
-                run.stopping.set()
-                run.finished.set()
-                _switching.release(run)
-            self._run = None
-        _log.error("%s", self._abandoned)
+            text = f"{stuck.place()}. Mend it, and make the simulation anew: open its program again."
+            self.state, self.error = State.ABANDONED, ControllerError(text)
+            stuck.abandon()
+            if not self._run.finished.is_set():
+                self._run.abandon()
+        _log.error("%s", text)
 
     def _start(self, duration: float | None) -> None:
         """Begin a thread of its own."""
-        self._duration = duration
-        last_step = None if duration is None else self._step + round(duration / self.time_step)
-        run = _Run()
-        run.thread = threading.Thread(target=self._main, args=(run, last_step), name="simulation", daemon=True)
-        self._thread = run.thread
-        try:
-            self._begin(run)
-            _switching.hold(run)
-            run.thread.start()
-        except BaseException:
-            self._end(run, None)
-            raise
+        last_step = None if duration is None else self.step + round(duration / self.time_step)
+        thread = threading.Thread(target=lambda: self._main(run, last_step), name="simulation", daemon=True)
+        run = _RealTimeRun(thread, duration=duration)
+        self._begin(run)
+        thread.start()
 
     def _halt(self) -> None:
         """Have the run come to its end, or give it up."""
         run = self._run
-        if run is not None:
-            run.stopping.set()
-            if not run.finished.wait(STUCK):
-                self._abandon(run)
-        if self._thread and not self._abandoned:
-            self._thread.join(STUCK)  # it has nothing more to do
+        run.stopping.set()
+        if not run.finished.wait(STUCK):
+            self._abandon(run)
+        if isinstance(run, _RealTimeRun) and not run.abandoned:
+            run.thread.join(STUCK)  # it has nothing more to do
 
     def _stop_all(self) -> None:
-        if self._initialized and not self._abandoned:
+        if self._initialized and self.state is not State.ABANDONED:
             self._initialized = False
             self._stop_controllers([controller for controller, _ in self._controllers])
 
     def _stop_controllers(self, controllers: list[SimpleController]) -> None:
         """Stop controllers on a thread that can be given up, as any of them may keep it."""
-        if not controllers:
-            return
-        run = self._leaving = _Run()
-        run.thread = threading.Thread(target=self._stop_each, args=(run, controllers), name="simulation", daemon=True)
-        run.thread.start()
-        run.thread.join(STUCK)
-        if run.thread.is_alive():
+        thread = threading.Thread(target=lambda: self._leave(run, controllers), name="simulation", daemon=True)
+        self._leaving = run = Run(thread)
+        thread.start()
+        if not run.finished.wait(STUCK):
             self._abandon(run)
-        self._leaving = None
+        if not run.abandoned:
+            thread.join(STUCK)
 
-    def _stop_each(self, run: _Run, controllers: list[SimpleController]) -> None:
-        """Stop one controller after the other. One that fails is logged and kept, and holds up none of the others."""
-        for run.asked in controllers:
-            try:
-                run.asked.stop()
-            except BaseException as error:  # noqa: BLE001 - whatever it is, the others still have to stop
-                failed = self._controller_error(run, error)
-                _log.error("%s", failed, exc_info=error)
-                with self._lock:
-                    self.error = self.error if run.abandoned else failed
-            if run.abandoned:
-                return
+    def _leave(self, run: Run, controllers: list[SimpleController]) -> None:
+        """The thread on which controllers are stopped."""
+        failed = self._stop_each(run, controllers)
+        with self._lock:
+            if failed is not None and not run.abandoned:
+                self.error = failed
+                self.state = State.FAILED if self.state is State.IDLE else self.state
+            run.finished.set()
 
-    def _main(self, run: _Run, last_step: int | None) -> None:
+    def _main(self, run: Run, last_step: int | None) -> None:
         """The simulation's thread."""
         failed: ControllerError | None = None
         try:
-            self._initialize(run)
-            self._keep_pace(run, last_step)
+            with _short_switch_interval:
+                self._initialize(run)
+                self._keep_pace(run, last_step)
         except BaseException as error:  # noqa: BLE001 - whatever it is, the thread must not end without a word
             failed = error if isinstance(error, ControllerError) else self._controller_error(run, error)
             _log.error("%s", failed)
         self._end(run, failed)
 
-    def _keep_pace(self, run: _Run, last_step: int | None) -> None:
+    def _keep_pace(self, run: Run, last_step: int | None) -> None:
         """Step so that simulated time follows real time.
 
-        When to be where is reckoned from one origin, so that rounding and sleeping too long don't add up.
+        The pace is reckoned from one origin, so that rounding and sleeping too long don't add up.
         """
-        pace = _Pace(self._step, self.time_step)
-        while not run.stopping.is_set() and (last_step is None or self._step < last_step):
-            due = pace.steps_due(self._step)
+        pace = _Pace(self.step, self.time_step)
+        while not run.stopping.is_set() and (last_step is None or self.step < last_step):
+            due = pace.steps_due(self.step)
             if last_step is not None:
-                due = min(due, last_step - self._step)
+                due = min(due, last_step - self.step)
             self._run_steps(run, due)
             if not run.abandoned:
                 self.snapshot.put(self._snap())
             time.sleep(REST)
 
-    def _run_steps(self, run: _Run, count: int) -> None:
-        model, data, mj_step = self.model, self.data, mujoco.mj_step
-        run.laps += 1
-        try:
-            for _ in range(count):
-                if run.stopping.is_set():
-                    return
-                for run.asked, io in self._controllers:
-                    io.step = self._step
-                    run.asked.control()
-                    if run.abandoned:
-                        return
-                run.asked = None
-                mj_step(model, data)
-                self._step += 1
-                run.laps += 1
-        except BaseException as error:
-            if run.asked is None and not isinstance(error, Exception):
-                raise  # the reader's Ctrl-C, between two controllers
-            raise self._controller_error(run, error) from error
-
-    def _initialize(self, run: _Run) -> None:
-        """Let every controller look at the state it starts from, once a start: all of them, or none."""
-        if self._initialized:
-            return
-        mujoco.mj_forward(self.model, self.data)
-        ready: list[SimpleController] = []
-        try:
-            for run.asked, io in self._controllers:
-                io.step = self._step
-                run.asked.initialize(io)
-                if run.abandoned:
-                    return
-                ready.append(run.asked)
-        except BaseException as error:
-            failed = self._controller_error(run, error)
-            self._stop_each(run, ready)
-            raise failed from error
-        run.asked = None
-        self._initialized = True
-
-    def _controller_error(self, run: _Run, error: BaseException) -> ControllerError:
-        when = f"failed at {self.time:.3f} s of simulated time"
-        if run.asked is None:
-            return ControllerError(f"MuJoCo {when}: {tell(error, '')}")
-        kind = type(run.asked)
-        return ControllerError(f"{kind.__name__} {when}: {tell(error, file_of(kind))}")
-
-    def _snap(self) -> Snapshot:
-        return Snapshot(self.time, self.data.qpos.copy())
-
 
 @dataclass(eq=False)
-class _Run:
-    """What goes on on a thread that asks controllers."""
+class _RealTimeRun(Run):
+    """A run on a thread of the simulation's own.
 
-    thread: threading.Thread | None = None
-    asked: SimpleController | None = None  # the controller that is at work, or was last
-    laps: int = 0  # grows whenever no controller is at work
-    stopping: threading.Event = field(default_factory=threading.Event)  # asks it to come to its end
-    finished: threading.Event = field(default_factory=threading.Event)  # it has, or it was abandoned
-    abandoned: bool = False  # it may not touch the simulation any more
+    Attributes:
+        duration: for how long it was started [s]; None for ever.
+    """
 
-    def pass_on(self) -> bool:
-        """Wait until the run has come to its next lap, or to its end; False when it does neither."""
-        before, deadline = self.laps, time.monotonic() + STUCK
-        while self.laps == before and not self.finished.wait(REST / 2):
-            if time.monotonic() > deadline:
-                return False
-        return True
-
-    def place(self) -> str:
-        """Say which controller does not return, and where it is."""
-        asked, thread = self.asked, self.thread
-        name, file = ("MuJoCo", "") if asked is None else (type(asked).__name__, file_of(type(asked)))
-        return f"{name} does not return{where(thread, file) if thread is not None else ''}"
+    duration: float | None = None
 
 
-class _Switching:
-    """Python's switch interval, short as long as anybody holds it; the last to release it puts it back."""
+class _SwitchInterval:
+    """Python's switch interval, which is short as long as anybody steps in real time."""
 
     def __init__(self) -> None:
-        self._lock, self._before = threading.Lock(), 0.0
-        self._holders: set[object] = set()
+        self._lock, self._holders, self._before = threading.Lock(), 0, 0.0
 
-    def hold(self, holder: object) -> None:
+    def __enter__(self) -> None:
         with self._lock:
             if not self._holders:
                 self._before = sys.getswitchinterval()
                 sys.setswitchinterval(SWITCH_INTERVAL)
-            self._holders.add(holder)
+            self._holders += 1
 
-    def release(self, holder: object) -> None:
-        """Do without it from now on. Idempotent."""
+    def __exit__(self, *_: object) -> None:
         with self._lock:
-            held = bool(self._holders)
-            self._holders.discard(holder)
-            if held and not self._holders:
+            self._holders -= 1
+            if not self._holders:
                 sys.setswitchinterval(self._before)
 
 
-_switching = _Switching()
+_short_switch_interval = _SwitchInterval()
 
 
 class _Pace:

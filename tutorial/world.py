@@ -54,7 +54,10 @@ def compose(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco
     world.option.gravity = (0.0, 0.0, -9.80665)
     world.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     for placement in placements:
-        part = load(placement.model)
+        try:
+            part = mujoco.MjSpec.from_file(str(placement.model))
+        except ValueError as error:
+            raise TutorialError(f"the model {str(placement.model)!r} does not load. MuJoCo says: {error}") from error
         part.option.timestep = time_step
         part.option.gravity = world.option.gravity
         part.option.integrator = world.option.integrator
@@ -64,15 +67,3 @@ def compose(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco
         return world.compile()
     except ValueError as error:
         raise TutorialError(f"the world does not compile. MuJoCo says: {error}") from error
-
-
-def load(path: Path) -> mujoco.MjSpec:
-    """Read one MJCF file.
-
-    Raises:
-        TutorialError: there is no such file, or MuJoCo cannot read it; the text is MuJoCo's.
-    """
-    try:
-        return mujoco.MjSpec.from_file(str(path))
-    except ValueError as error:
-        raise TutorialError(f"the model {str(path)!r} does not load. MuJoCo says: {error}") from error

@@ -23,10 +23,10 @@ class Stage:
 
     def __init__(self, folder, controllers=()):
         self.placement = Placement("Eye", red_block(folder))
-        self.simulation = Simulation([self.placement], [("Eye", each) for each in controllers])
-        self.renderer = CameraRenderer(self.simulation.model, self.simulation.data)
+        self.renderer = CameraRenderer()
+        named = [("Eye", each) for each in controllers]
+        self.simulation = Simulation([self.placement], named, find_camera=self.renderer.camera)
         self.body = self.simulation.bodies["Eye"]
-        self.body.find_camera = self.renderer.camera
 
     def move(self, aside):
         self.simulation.data.qpos[0] = aside

@@ -36,6 +36,7 @@ class Camera:
     name: str
     width: int
     height: int
+    body: Body = field(repr=False)
     number: int = field(repr=False)  # MuJoCo's, in the whole model
     renderer: CameraRenderer = field(repr=False)
 
@@ -78,18 +79,12 @@ class CameraRenderer:
     The world goes on meanwhile, for each picture is rendered from a copy of its state. Where nothing can render, that
     is said once, and no pictures are delivered.
 
-    Args:
-        model: the world's.
-        data: its state; read by `request`, on the thread that steps the simulation.
-
     Attributes:
         error: what a receiver of pictures raised last; None when none did.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    def __init__(self) -> None:
         self.error: BaseException | None = None
-        self._model = model
-        self._data = data
         self._owner = threading.current_thread()
         self._changed = threading.Condition()
         self._requests: dict[Camera, _Request] = {}  # the newest of each camera
@@ -98,31 +93,33 @@ class CameraRenderer:
         self._closed = False
 
     def camera(self, body: Body, name: str) -> Camera:
-        """Find a camera of a body by name.
+        """Find a camera of a simulated body by name.
 
         Raises:
             TutorialError: the body has no such camera; the text names the nearest.
         """
         prefix = f"{body.name}/"
-        every = (self._model.camera(number).name for number in range(self._model.ncam))
+        every = (body.model.camera(number).name for number in range(body.model.ncam))
         own = {each.removeprefix(prefix): number for number, each in enumerate(every) if each.startswith(prefix)}
         if name not in own:
             raise TutorialError(f"the body {body.name!r} has no camera {name!r}.{did_you_mean(name, own)}")
-        width, height = self._model.cam_resolution[own[name]].tolist()
+        width, height = body.model.cam_resolution[own[name]].tolist()
         if (width, height) == UNSAID:
             width, height = USUAL
-        return Camera(name, width, height, own[name], self)
+        return Camera(name, width, height, body, own[name], self)
 
     def request(self, camera: Camera, deliver: Callable[..., object], args: tuple[object, ...]) -> None:
-        """Have a picture taken; see `Camera.capture`."""
+        """Have a picture taken, on the thread that steps the simulation; see `Camera.capture`."""
         is_awaited = threading.current_thread() is self._owner
-        request = _Request(camera, self._data.qpos.copy(), deliver, args, is_awaited)
+        request = _Request(camera, camera.body.data.qpos.copy(), deliver, args, is_awaited)
         with self._changed:
             if self._closed:
                 return
             self._requests[camera] = request
             if self._thread is None:
-                self._thread = threading.Thread(target=self._main, name="camera", daemon=True)
+                self._thread = threading.Thread(
+                    target=self._main, args=(camera.body.model,), name="camera", daemon=True
+                )
                 self._thread.start()
             self._changed.notify_all()
         if is_awaited:
@@ -150,10 +147,10 @@ class CameraRenderer:
             if self._thread.is_alive():
                 _log.error("a receiver of pictures does not return, so its thread ends with the process")
 
-    def _main(self) -> None:
+    def _main(self, model: mujoco.MjModel) -> None:
         """The renderer's thread, the only one that knows of OpenGL."""
         try:
-            with Offscreen(self._model) as offscreen:
+            with Offscreen(model) as offscreen:
                 atexit.register(self.close)  # before OpenGL's own end, which comes after what was registered earlier
                 while request := self._next():
                     camera = request.camera
