@@ -58,10 +58,9 @@ def test_the_reports_of_its_messages_are_summed_up(joints, clock):
     assert joints.line().startswith("Tank: a late message was dropped (0.")
 
 
-@pytest.mark.parametrize("report", [None, "mine", {"TURRET_Y": 0.1}])
-def test_a_change_with_a_report_of_another_kind_is_drawn_and_not_counted(item, report):
+def test_a_change_without_a_report_is_drawn_and_not_counted(item):
     assert (item.take_dirty(), item.take_dirty()) == (True, False)
-    item.body.notify_change(report)
+    item.body.notify_change()
     assert item.take_dirty()
     assert (item.joints.applied, item.joints.line()) == (0, "")
 

@@ -10,7 +10,7 @@ from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.errors import TutorialError, file_of, printable, tell
 from tutorial.handoff import CallQueue, CallScope
-from tutorial.joints import JointReport
+from tutorial.joints import Arrival, JointReport
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
 
 __all__ = ["Item", "JointWatch"]
@@ -65,12 +65,12 @@ class JointWatch:
     def take(self, report: JointReport) -> None:
         """Note what was made of one message."""
         self.tally.update(report.counts())
-        if report.another:
+        if report.arrival is Arrival.ANOTHER:
             self._others.heard(self.topics)
             return
         now = time.monotonic()
         self._report, self._shown_at = report, now
-        self.applied += not report.late
+        self.applied += not report.dropped
         self._heard = self._heard or dict.fromkeys(self._body.joint_names, now)
         self._heard.update(dict.fromkeys(report.joints, now))
         if not report.clean and now - self._complained_at >= COMPLAIN_EVERY:
@@ -213,10 +213,10 @@ class Item:
             except (Exception, SystemExit):  # noqa: BLE001 - whatever it is, the others still have to leave
                 _log.exception("%s of %s failed in unconfigure()", type(controller).__name__, self.body.name)
 
-    def _changed(self, report: object) -> None:
+    def _changed(self, report: JointReport | None) -> None:
         """Note that the body is to be drawn, and what its message was like."""
         self._dirty = True
-        if isinstance(report, JointReport):
+        if report is not None:
             self.joints.take(report)
 
 

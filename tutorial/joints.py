@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from enum import Enum
 from itertools import islice
 from math import inf, isfinite
 from typing import TYPE_CHECKING, NamedTuple
@@ -20,7 +21,7 @@ from tutorial.errors import did_you_mean
 if TYPE_CHECKING:
     from sensor_msgs.msg import JointState
 
-__all__ = ["JointMatcher", "JointReport", "match_joints"]
+__all__ = ["Arrival", "JointMatcher", "JointReport", "match_joints"]
 
 NAMES_KEPT = 3  # in each part of a report, so that it stays small whatever comes in
 SECOND_NS = 1_000_000_000  # a stamp that steps back further than this is a publisher that was started again
@@ -82,14 +83,21 @@ class NameList(NamedTuple):
         return ", ".join(map(repr, self.names)) + more
 
 
+class Arrival(Enum):
+    """How a message follows the ones before, and what is said of it."""
+
+    NEXT = ""  #: it is the next one of its publisher
+    LATE = "a late message was dropped"  #: it was older than the last one
+    ANOTHER = "a message of another publisher was dropped"  #: not of the one that is followed
+    RESTARTED = "the publisher was started again"  #: its stamp steps far back
+    SWITCHED = "the publisher was started again, or fell silent and another one is followed"  #: from now on
+
+
 class JointReport(NamedTuple):
     """What was made of one message."""
 
     joints: tuple[str, ...] = ()  #: those that got a position
-    late: bool = False  #: the message was older than the last one, and was dropped
-    another: bool = False  #: the message was not of the publisher that is followed, and was dropped
-    restarted: bool = False  #: the stamp stepped far back, so the publisher was started again
-    switched: bool = False  #: of several, the one that was followed has fallen silent; from now on this one is followed
+    arrival: Arrival = Arrival.NEXT
     unknown: NameList = NameList()  #: names that are no joints of the body
     duplicate: NameList = NameList()  #: joints that were named more than once; the last entry won
     short: int = 0  #: how many names came without a position
@@ -105,27 +113,32 @@ class JointReport(NamedTuple):
         return len(self.joints)
 
     @property
+    def dropped(self) -> bool:
+        """Whether the message moved nothing: it was late, or of another publisher."""
+        return self.arrival in (Arrival.LATE, Arrival.ANOTHER)
+
+    @property
     def clean(self) -> bool:
         """Whether there is nothing to complain about."""
         return self[1:-1] == JointReport()[1:-1]
 
     def counts(self) -> dict[str, int]:
         """How many joints or names there are of each kind: numbers that may be summed up over many messages."""
-        kinds = ((kind, getattr(self, kind)) for kind in self._fields[1:-1])
-        found = {kind: each.total if isinstance(each, NameList) else int(each) for kind, each in kinds}
-        return {"matched": self.matched, **found}
+        arrivals = {each.name.lower(): int(each is self.arrival) for each in Arrival if each is not Arrival.NEXT}
+        kinds = ((kind, getattr(self, kind)) for kind in self._fields[2:-1])
+        found = {kind: each.total if isinstance(each, NameList) else each for kind, each in kinds}
+        return {"matched": self.matched, **arrivals, **found}
 
     def __str__(self) -> str:
         """One line for the log and for below the 3D view."""
-        if self.late or self.another:
-            return f"a {'late message' if self.late else 'message of another publisher'} was dropped"
+        if self.dropped:
+            return self.arrival.value
         shown = f"{self.matched} joint{'s' * (self.matched != 1)} shown"
         if self.clean:
             return shown
         hint = did_you_mean(self.unknown.names[0], self.known) if self.unknown.total else ""
         complaints = (
-            (self.restarted, "the publisher was started again"),
-            (self.switched, "the publisher was started again, or fell silent and another one is followed"),
+            (self.arrival.value, self.arrival.value),
             (self.unknown.total, f"unknown {self.unknown}.{hint}"),
             (self.duplicate.total, f"named twice, the last wins: {self.duplicate}"),
             (self.short, f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}"),
@@ -184,14 +197,15 @@ class JointMatcher:
     def _judge(self, message: JointState, stamp_ns: int, ahead: float) -> tuple[dict[str, float], JointReport]:
         """Look closely at a message that is not the usual one: whose it is, whether it is late, and what it holds."""
         positions, report = match_joints(self._ranges, message)
-        another, switched = self._followed.judge(ahead, positions)
-        if another:
-            return {}, JointReport(another=True)
-        if stamp_ns > 0 > ahead >= -SECOND_NS and not switched:
-            return {}, JointReport(late=True)
+        arrival = self._followed.judge(ahead, positions)
+        if arrival is Arrival.NEXT and ahead < 0:
+            arrival = Arrival.LATE if stamp_ns > 0 and ahead >= -SECOND_NS else Arrival.RESTARTED
+        report = report._replace(arrival=arrival)
+        if report.dropped:
+            return {}, JointReport(arrival=arrival)
         self._newest_ns = stamp_ns
         self._followed.follow(positions)
-        return positions, report._replace(restarted=ahead < 0 and not switched, switched=switched)
+        return positions, report
 
 
 class _FollowedPublisher:
@@ -224,7 +238,7 @@ class _FollowedPublisher:
             return True
         return self._look()
 
-    def judge(self, ahead: float, positions: Mapping[str, float]) -> tuple[bool, bool]:
+    def judge(self, ahead: float, positions: Mapping[str, float]) -> Arrival:
         """Tell whose a message is that is not the usual one.
 
         Args:
@@ -232,17 +246,18 @@ class _FollowedPublisher:
             positions: what it says.
 
         Returns:
-            Whether it is another's, to be dropped; and whether from now on its publisher is followed instead.
+            ANOTHER if it is to be dropped, SWITCHED if from now on its publisher is followed instead, else NEXT.
         """
         if self._goes_on(ahead, positions):
-            return False, False
+            return Arrival.NEXT
         self._look()
         dropped = self._dropped + 1
         if dropped > 1 and dropped >= SILENT_AFTER * self._others:
-            return False, True
-        if self._others:
-            self._dropped = dropped
-        return self._others > 0, False
+            return Arrival.SWITCHED
+        if not self._others:
+            return Arrival.NEXT
+        self._dropped = dropped
+        return Arrival.ANOTHER
 
     def follow(self, positions: Mapping[str, float]) -> None:
         """Go on from a message that is shown."""

@@ -19,6 +19,7 @@ from tutorial.body import Body
 from tutorial.controller import ControllerConfig
 from tutorial.controllers.pose_subscriber import ALONE, MOST_WAITING, REPEATED, PoseSubscriber, StampPairs
 from tutorial.host import Host
+from tutorial.joints import Arrival
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
@@ -97,7 +98,7 @@ def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(v
     viewer.hear(transform(60, 5.0, tuple(1.004 * q for q in LEFT)), joint_state(60))  # a little too long a quaternion
     assert np.linalg.det(viewer.body.data.xmat[1].reshape(3, 3)) == pytest.approx(1.0)
     assert viewer.hear(joint_state(50, 0.25), transform(50, 4.0)) == (5.0, 0.0), "what is late moves nothing"
-    assert viewer.reports[-1].late
+    assert viewer.reports[-1].arrival is Arrival.LATE
     assert viewer.left_out == {}
     viewer.controller.unconfigure()
     assert viewer.node.topics == []
@@ -167,7 +168,7 @@ def test_of_two_publishers_one_is_followed_with_its_pose(viewer):
         first, second = 100_000 + 20 * i, 3_000 + 20 * i
         viewer.hear(joint_state(first, 0.01 * i), joint_state(second, -0.5))
         assert viewer.hear(transform(first, 5.0 + i), transform(second, -5.0)) == (5.0 + i, 0.01 * i)
-    assert sum(report.another for report in viewer.reports) == 10
+    assert sum(report.arrival is Arrival.ANOTHER for report in viewer.reports) == 10
     assert viewer.left_out == {}
 
 

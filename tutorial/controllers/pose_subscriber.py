@@ -108,7 +108,7 @@ class PoseDisplay:
     def show(self, joint_state: JointState, transform: TransformStamped) -> None:
         """Move the body and its joints to where they were at one moment; what is late moves neither."""
         positions, report = self.matcher.match(joint_state)
-        if not (report.late or report.another):
+        if not report.dropped:
             p, q = transform.transform.translation, transform.transform.rotation
             self.body.position = p.x, p.y, p.z
             self.body.orientation_wxyz = q.w, q.x, q.y, q.z
