@@ -1,4 +1,4 @@
-"""The laws of the hand-off: every call once, in order, on the main thread, or refused and counted."""
+"""The laws of the hand-off: every call once, in order, on the main thread, or refused."""
 
 from __future__ import annotations
 
@@ -113,10 +113,10 @@ class TestCallLater:
         assert ran == ["waited", "came later"]
         loop.close()
         scope.call_later(print)
-        assert scope.refused == 1, "posted when the loop is gone"
+        assert not len(queue), "posted when the loop is gone"
 
     @given(before=st.integers(0, 20), after=st.integers(0, 20))
-    def test_after_close_posting_is_a_counted_no_op(self, before, after):
+    def test_after_close_posting_does_nothing(self, before, after):
         def post(queue, ran):
             kept, left = queue.scope("kept"), queue.scope("left")
             for _ in range(before):
@@ -126,7 +126,7 @@ class TestCallLater:
             left.close()
             for _ in range(after):
                 left.call_later(ran.append, "left")
-            assert left.refused == after
+            assert len(queue) == 2 * before
 
         assert run(post) == ["kept"] * before
 
@@ -137,7 +137,7 @@ class TestCallLater:
             queue.close()
             queue.close()
             scope.call_latest("key", ran.append, 2)
-            assert (scope.refused, len(queue)) == (1, 0)
+            assert not len(queue)
 
         assert run(post) == []
 
@@ -151,17 +151,14 @@ class TestCallLater:
             def close():
                 scope.close()
                 flooding.join()
-                refused.append(scope.refused)
 
             scope, posted, flooding = queue.scope("test"), threading.Event(), threading.Thread(target=flood)
             flooding.start()
             posted.wait()
             asyncio.get_running_loop().call_soon(close)
 
-        refused = []
         ran = run(post)
         assert ran == list(range(len(ran))), "in order, none twice, and none lost before the close"
-        assert len(ran) + refused[0] <= 3000
 
 
 posts = st.lists(st.tuples(st.sampled_from([0, 1]), st.sampled_from(["a", "b", None]), st.integers()), max_size=20)

@@ -111,8 +111,7 @@ def test_threads_do_not_take_one_anothers_messages():
 async def test_a_nodes_messages_are_followed_from_thread_to_thread(domain):
     trace, arrived = HandoffTrace(), asyncio.Event()
     scope = CallQueue(asyncio.get_running_loop(), trace).scope("test")
-    with NodeThread("tester") as ros:
-        ros.node.trace = trace
+    with NodeThread("tester", trace=trace) as ros:
         ros.node.create_subscription(String, "x", lambda _: scope.call_later(arrived.set), 1)
         publisher = ros.node.create_publisher(String, "x", 1)
         await until(publisher.get_subscription_count)

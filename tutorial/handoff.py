@@ -98,19 +98,18 @@ class CallQueue:
         return CallScope(self, owner)
 
     def close(self) -> None:
-        """Drop what waits; from now on posting is a counted no-op. Idempotent, any thread."""
+        """Drop what waits; from now on posting does nothing. Idempotent, any thread."""
         with self._lock:
             self._closed = True
             self._waiting.clear()
             self._newest.clear()
 
     def _post(self, call: _Call, key: Hashable | None = None) -> None:
-        """Queue a call, or replace the waiting one of the same key, or count that it came too late."""
+        """Queue a call, or replace the waiting one of the same key; drop it if it came too late."""
         if self._trace is not None:
             call.handoff = self._trace.post()
         with self._lock:
             if self._closed or call.scope.closed or not self._wake():
-                call.scope.refused += 1
                 return
             waiting = call
             if key is not None:
@@ -174,7 +173,6 @@ class CallScope:
     Attributes:
         owner: who posts.
         closed: whether `close` was called.
-        refused: how many calls came too late.
         error: what a posted call raised last, SystemExit included; None when none did.
     """
 
@@ -182,7 +180,6 @@ class CallScope:
         self._queue = queue
         self.owner = owner
         self.closed = False
-        self.refused = 0
         self.error: BaseException | None = None
 
     def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
@@ -196,7 +193,7 @@ class CallScope:
         self._queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), key)
 
     def close(self) -> None:
-        """What still waits will not run; from now on posting is a counted no-op. Idempotent, any thread."""
+        """What still waits will not run; from now on posting does nothing. Idempotent, any thread."""
         self.closed = True
 
 

@@ -112,13 +112,11 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
 
     Attributes:
         meters: one for each publisher and subscription, in the order in which they were made.
-        trace: where to write down when each message's callback begins and ends; None for nowhere.
     """
 
-    trace: HandoffTrace | None = None
-
-    def __init__(self, *args: Any, **kwargs: Any) -> None:
+    def __init__(self, *args: Any, trace: HandoffTrace | None = None, **kwargs: Any) -> None:
         self.meters: list[TopicMeter] = []
+        self._trace = trace
         super().__init__(*args, **kwargs)
         self.meters.clear()  # rclpy's own topics, such as /parameter_events
 
@@ -153,7 +151,7 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
     def _received(self, meter: TopicMeter, call: Call, message: Any, info: dict[str, int]) -> None:
         """Count a message, call back with it, and write down how long that took if there is a trace."""
         meter.add(message, time.time_ns() - info["source_timestamp"])
-        with self.trace.receiving(meter.topic) if self.trace is not None else nullcontext():
+        with self._trace.receiving(meter.topic) if self._trace is not None else nullcontext():
             call(message, info)
 
 
@@ -281,10 +279,10 @@ def _met_what_is_destroyed(error: BaseException) -> bool:
 
 
 class NodeThread(SpinThread[MeteredNode]):
-    """A node that counts its messages, on a thread of its own; the arguments are those of `SpinThread`."""
+    """A node that counts its messages, on a thread of its own; the arguments are those of both."""
 
-    def __init__(self, name: str, args: Sequence[str] | None = None) -> None:
-        super().__init__(MeteredNode, name, args)
+    def __init__(self, name: str, args: Sequence[str] | None = None, trace: HandoffTrace | None = None) -> None:
+        super().__init__(partial(MeteredNode, trace=trace), name, args)
 
     def namesakes(self) -> int:
         """Return how many nodes in the domain have this node's full name, this one included, as far as it is told."""
