@@ -14,7 +14,7 @@ import logging
 import sys
 import threading
 import time
-from collections import deque
+from collections import OrderedDict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Generic, TypeVar, TypeVarTuple
 
@@ -83,8 +83,7 @@ class CallQueue:
         self._loop = loop
         self._trace = trace
         self._lock = threading.Lock()
-        self._waiting: deque[_Call] = deque()
-        self._newest: dict[tuple[CallScope, Hashable], _Call] = {}
+        self._waiting: OrderedDict[Hashable, _Call] = OrderedDict()
         self._awake = False
         self._closed = False
         self._told = False
@@ -102,23 +101,18 @@ class CallQueue:
         with self._lock:
             self._closed = True
             self._waiting.clear()
-            self._newest.clear()
 
-    def _post(self, call: _Call, key: Hashable | None = None) -> None:
+    def _post(self, call: _Call, key: Hashable) -> None:
         """Queue a call, or replace the waiting one of the same key; drop it if it came too late."""
         if self._trace is not None:
             call.handoff = self._trace.post()
         with self._lock:
             if self._closed or call.scope.closed or not self._wake():
                 return
-            waiting = call
-            if key is not None:
-                call.slot = (call.scope, key)
-                waiting = self._newest.setdefault(call.slot, call)
-            if waiting is call:
-                self._waiting.append(call)
-            else:
-                waiting.replace(call)
+            replaced = self._waiting.get(key)
+            if replaced is not None:
+                call.take_place_of(replaced)
+            self._waiting[key] = call  # a new key comes last, a known one stays where it is
         self._tell()
 
     def _tell(self) -> None:
@@ -126,7 +120,7 @@ class CallQueue:
         with self._lock:
             if self._told or not self._waiting:
                 return
-            count, first = len(self._waiting), self._waiting[0]
+            count, first = len(self._waiting), next(iter(self._waiting.values()))
             waits = time.monotonic() - first.posted_at
             self._told = count > CROWD or waits > LONG_WAIT
         if self._told:
@@ -159,12 +153,7 @@ class CallQueue:
 
     def _next(self) -> _Call | None:
         with self._lock:
-            if not self._waiting:
-                return None
-            call = self._waiting.popleft()
-            if call.slot is not None:
-                del self._newest[call.slot]
-            return call
+            return self._waiting.popitem(last=False)[1] if self._waiting else None
 
 
 class CallScope:
@@ -185,12 +174,13 @@ class CallScope:
     def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """From any thread: run ``function(*args)`` on the main thread. Every call is kept, in order."""
         frame = sys._getframe(1)
-        self._queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno))
+        call = _Call(self, function, args, frame.f_code, frame.f_lineno)
+        self._queue._post(call, call)
 
     def call_latest(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """As `call_later`, but a waiting call of the same key, such as a body's name, is replaced, in its place."""
         frame = sys._getframe(1)
-        self._queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), key)
+        self._queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), (self, key))
 
     def close(self) -> None:
         """What still waits will not run; from now on posting does nothing. Idempotent, any thread."""
@@ -208,16 +198,13 @@ class _Call:
     frame_line: int
     thread: str = field(default_factory=lambda: threading.current_thread().name)
     posted_at: float = field(default_factory=time.monotonic)
-    slot: tuple[CallScope, Hashable] | None = None
     handoff: Handoff | None = None
 
-    def replace(self, newer: _Call) -> None:
-        """Become the newer call, in this one's place."""
-        if self.handoff is not None:
-            self.handoff.supersede(newer.handoff)
-        self.handoff = newer.handoff
-        self.function, self.args = newer.function, newer.args
-        self.frame_code, self.frame_line, self.thread = newer.frame_code, newer.frame_line, newer.thread
+    def take_place_of(self, older: _Call) -> None:
+        """Run in an older call's place, which has waited since that was posted."""
+        self.posted_at = older.posted_at
+        if older.handoff is not None:
+            older.handoff.supersede(self.handoff)
 
     def run(self) -> None:
         if self.scope.closed:

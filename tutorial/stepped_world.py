@@ -84,11 +84,14 @@ class Run:
         self.stopping.set()
         self.finished.set()
 
+    def at_work(self) -> tuple[str, str]:
+        """Return the name of the controller's class, and the file that it is written in."""
+        kind = type(self.controller)
+        return ("MuJoCo", "") if self.controller is None else (kind.__name__, file_of(kind))
+
     def place(self) -> str:
         """Say which controller does not return, and where it is."""
-        name, file = "MuJoCo", ""
-        if self.controller is not None:
-            name, file = type(self.controller).__name__, file_of(type(self.controller))
+        name, file = self.at_work()
         return f"{name} does not return{where(self.thread, file)}"
 
 
@@ -221,11 +224,8 @@ class SteppedWorld:
 
     def _controller_error(self, run: Run, error: BaseException) -> ControllerError:
         """Say which controller failed, when, and in which line."""
-        when = f"failed at {self.time:.3f} s of simulated time"
-        if run.controller is None:
-            return ControllerError(f"MuJoCo {when}: {tell(error, '')}")
-        kind = type(run.controller)
-        return ControllerError(f"{kind.__name__} {when}: {tell(error, file_of(kind))}")
+        name, file = run.at_work()
+        return ControllerError(f"{name} failed at {self.time:.3f} s of simulated time: {tell(error, file)}")
 
     def _snap(self) -> Snapshot:
         return Snapshot(self.time, self.data.qpos.copy())
