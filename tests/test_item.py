@@ -14,7 +14,6 @@ import pytest
 from sensor_msgs.msg import JointState
 
 from tutorial import item as item_module
-from tutorial.body import Body
 from tutorial.item import Item
 from tutorial.joints import JointMatcher
 from tutorial.ros.node_thread import TopicMeter
@@ -32,7 +31,7 @@ def nodes():
 
 @pytest.fixture
 def item(nodes):
-    return Item(Body.displayed(TANK), SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None)
+    return Item(TANK, SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None)
 
 
 @pytest.fixture

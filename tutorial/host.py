@@ -86,21 +86,17 @@ class Host:
         self._seen_step = 0
         self._looked = 0.0
         self._said: dict[str, int] = {}  # how many there were when it was looked last, by what is said of them
-        self._publishes_clock = project.clock
+        self._clock = ClockPublisher(self.node) if project.clock else None
         self._closed = False
         try:
-            for item in project.bodies:
-                self._show(item)
-            for item in project.bodies:  # last, as messages come from now on, and wait until the loop runs
-                self._attach(item, project.time_step is not None)
+            for body in project.bodies:  # messages come from now on, and wait until the loop runs
+                self._show(body, project.time_step is not None)
             if view is not None and (len(self._items) == 1 or (project.time_step is None and self._all_alike())):
                 view.look_at_bodies(*self._items)  # else it shows where they move, such as a laboratory
             if project.time_step is not None:
-                controllers: list[tuple[str, SimpleController]] = []
-                if project.clock:
-                    controllers.append(("", ClockPublisher(self.node)))
+                placements = [body.placement for body in project.bodies]
+                controllers: list[tuple[str, SimpleController]] = [("", self._clock)] if self._clock else []
                 controllers += [(name, each) for name, item in self._items.items() for each in item.controllers]
-                placements = [item.placement for item in project.bodies]
                 self.simulation = Simulation(placements, controllers, project.time_step, self._cameras.camera)
         except BaseException:
             self.close()
@@ -207,8 +203,7 @@ class Host:
         if name in self._items:
             raise TutorialError(f"there is a body {name!r} already. Remove it first, or give this one another name.")
         try:
-            self._show(item)
-            self._attach(item, simulates=False)
+            self._show(item, simulates=False)
         except BaseException:
             if name in self._items:
                 self.remove(name)
@@ -253,15 +248,13 @@ class Host:
             self._calls.close()
             self._ros.close()
 
-    def _show(self, item: BodyItem) -> None:
-        body = Body.displayed(item.placement)
-        self._items[body.name] = Item(body, self.node, self._calls)
+    def _show(self, body: BodyItem, simulates: bool) -> None:
+        """Display a body, and have its controllers join it."""
+        item = self._items[body.placement.name] = Item(body.placement, self.node, self._calls)
         if self._view is not None:
-            self._view.add(body.name, body.model)
-
-    def _attach(self, item: BodyItem, simulates: bool) -> None:
-        for controller_class in item.controllers:
-            self._items[item.placement.name].attach(controller_class)
+            self._view.add(body.placement.name, item.body.model)
+        for controller_class in body.controllers:
+            item.attach(controller_class)
             if not simulates and controller_class.control is not SimpleController.control:
                 name = controller_class.__name__
                 _log.warning("%s is never asked for control: this project has no 'simulator'", name)
@@ -341,7 +334,7 @@ class Host:
             return
         self._looked = time.monotonic()
         self._warn_of(NAMESAKES, self._ros.namesakes(), self.node.get_fully_qualified_name(), self.node.get_name())
-        if self._publishes_clock:
+        if self._clock is not None:
             self._warn_of(CLOCKS, self.node.count_publishers(CLOCK_TOPIC))
 
     def _warn_of(self, text: str, count: int, *names: str) -> None:

@@ -12,6 +12,7 @@ from tutorial.errors import TutorialError, file_of, printable, tell
 from tutorial.handoff import CallQueue, CallScope
 from tutorial.joints import Arrival, JointReport
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
+from tutorial.world import Placement
 
 __all__ = ["Item", "JointWatch"]
 
@@ -146,25 +147,28 @@ class Item:
     """A displayed body with its controllers. It belongs to the main thread.
 
     Args:
-        body: the displayed body.
+        placement: the body's name and its model.
         node: the node that its controllers talk with.
         calls: the main thread's queue of posted calls.
 
     Attributes:
-        body: as given.
+        body: the displayed body.
         controllers: those that have joined it.
         joints: what is known of its joint states.
+
+    Raises:
+        TutorialError: the model does not load.
     """
 
-    def __init__(self, body: Body, node: MeteredNode, calls: CallQueue) -> None:
-        self.body = body
+    def __init__(self, placement: Placement, node: MeteredNode, calls: CallQueue) -> None:
+        self.body = Body.displayed(placement)
         self.controllers: list[SimpleController] = []
-        self.joints = JointWatch(body, node)
+        self.joints = JointWatch(self.body, node)
         self._node = node
         self._calls = calls
         self._scopes: list[CallScope] = []
         self._dirty = True
-        body.on_change(self._changed)
+        self.body.on_change(self._changed)
 
     def attach(self, controller_class: type[SimpleController]) -> None:
         """Make a controller and have it join the body.

@@ -241,16 +241,15 @@ async def _host(
     from tutorial.view.scene import Scene
 
     async with AsyncExitStack() as stack:
-        scene, server = Scene(), None
-        if not headless:
-            from tutorial.view.web import SceneServer
-
-            server = await stack.enter_async_context(SceneServer(scene, port=port, title=project.path.stem))
+        scene = Scene()
         view = None if headless and html is None else View(scene)
         with clear_ros_errors():
             host = await stack.enter_async_context(Host(project, ros_args, view))
         say(f"{project.tree()}\n")
-        if server is not None:
+        if not headless:
+            from tutorial.view.web import SceneServer
+
+            server = await stack.enter_async_context(SceneServer(scene, port=port, title=host.node.get_name()))
             say(f"look at {server.url}\n")
         if bag is not None:
             await stack.enter_async_context(bag_of(host, bag))
