@@ -91,7 +91,8 @@ class Host:
         try:
             for body in project.bodies:  # messages come from now on, and wait until the loop runs
                 self._show(body, project.time_step is not None)
-            if view is not None and (len(self._items) == 1 or (project.time_step is None and self._all_alike())):
+            alike = len({bool(item.controllers) for item in self._items.values()}) == 1  # all are robots, or none is
+            if view is not None and (len(self._items) == 1 or (project.time_step is None and alike)):
                 view.look_at_bodies(*self._items)  # else it shows where they move, such as a laboratory
             if project.time_step is not None:
                 placements = [body.placement for body in project.bodies]
@@ -258,10 +259,6 @@ class Host:
             if not simulates and controller_class.control is not SimpleController.control:
                 name = controller_class.__name__
                 _log.warning("%s is never asked for control: this project has no 'simulator'", name)
-
-    def _all_alike(self) -> bool:
-        """Whether all bodies are robots, which carry controllers, or none is."""
-        return len({bool(item.controllers) for item in self._items.values()}) == 1
 
     def _over(self, began: float, duration: float | None, linger: float) -> bool:
         if self._closed:

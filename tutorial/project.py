@@ -1,31 +1,27 @@
-"""Project files: which bodies a program has, which controllers they carry, where these come from, and the simulator."""
+"""Project files: which bodies a program has, which controllers they carry, and the simulator."""
 
 from __future__ import annotations
 
 import math
-import pkgutil
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from importlib import import_module
-from importlib.util import module_from_spec, spec_from_file_location
 from itertools import chain, groupby, islice
 from pathlib import Path
-from types import ModuleType
 from typing import Annotated
 
 import msgspec
 import mujoco
 import numpy as np
 
-from tutorial import controllers
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError, did_you_mean, tell
+from tutorial.controller_files import find_controller
+from tutorial.errors import TutorialError, did_you_mean
 from tutorial.paths import is_file
 from tutorial.world import Placement, compose
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["BodyItem", "Project", "check_model", "controller_names", "find_controller", "load_controllers"]
+__all__ = ["BodyItem", "Project", "check_model"]
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 Point = tuple[Coordinate, Coordinate, Coordinate]
@@ -184,71 +180,6 @@ class Project:
 
     def _with(self, change: Callable[[BodyItem], BodyItem]) -> Project:
         return replace(self, bodies=tuple(map(change, self.bodies)))
-
-
-def controller_names() -> dict[str, str]:
-    """Map the names of the library's controllers to their modules: ``tank_controller.py`` holds ``TankController``."""
-    names = [module.name for module in pkgutil.iter_modules(controllers.__path__)]
-    return {"".join(map(str.capitalize, name.split("_"))): f"{controllers.__name__}.{name}" for name in names}
-
-
-def find_controller(name: str) -> type[SimpleController]:
-    """Find one of the library's controllers by its class name.
-
-    Raises:
-        TutorialError: there is no such controller, or its file is broken; the text names the nearest, or the line.
-    """
-    known = controller_names()
-    if name not in known:
-        raise TutorialError(f"there is no controller {name!r}.{did_you_mean(name, known)}")
-    file = str(Path(controllers.__path__[0]) / f"{known[name].rpartition('.')[2]}.py")
-    try:
-        module = import_module(known[name])
-    except Exception as error:
-        raise TutorialError(tell(error, file)) from error
-    found = _classes_of(module)
-    if name not in found:
-        mend = "A controller's class is called like its file: imu_publisher.py holds ImuPublisher."
-        raise TutorialError(f"{file} has no class {name!r}.{did_you_mean(name, found)} {mend}")
-    return found[name]
-
-
-def load_controllers(path: Path, only: str | None = None) -> dict[str, type[SimpleController]]:
-    """Run a user's file and take the controllers that it defines.
-
-    Args:
-        path: a Python file.
-        only: the name of the one to take; None for all.
-
-    Returns:
-        Their classes by name.
-
-    Raises:
-        TutorialError: the file is missing, fails, or defines no controller, or none of this name; the text names the
-            line, or the nearest.
-    """
-    if not is_file(path):
-        others = [str(other) for other in path.parent.glob("*.py")]
-        raise TutorialError(f"there is no file {str(path)!r}.{did_you_mean(str(path), others)}")
-    spec = spec_from_file_location(f"own_controllers_{path.stem}", path)
-    if spec is None or spec.loader is None:
-        raise TutorialError(f"{path} is no Python file: the name of one ends in '.py'.")
-    module = sys.modules[spec.name] = module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:
-        raise TutorialError(tell(error, str(path.absolute()))) from error  # as the traceback has it
-    found = {name: each for name, each in _classes_of(module).items() if issubclass(each, SimpleController)}
-    if not found:
-        raise TutorialError(f"{path} defines no controller: a class made from SimpleController.")
-    if only is not None and only not in found:
-        raise TutorialError(f"{path} defines no controller {only!r}.{did_you_mean(only, found)}")
-    return found if only is None else {only: found[only]}
-
-
-def _classes_of(module: ModuleType) -> dict[str, type]:
-    """Return the classes that a module itself defines, by name."""
-    return {n: c for n, c in vars(module).items() if isinstance(c, type) and c.__module__ == module.__name__}
 
 
 def _origin(controller: type[SimpleController]) -> str:

@@ -64,9 +64,7 @@ def write_record(record: Mapping[str, Any], directory: Path) -> Path:
         directory.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
     except OSError as error:
-        raise TutorialError(
-            f"the report {str(path)!r} cannot be written: {error.strerror}. Give another DIR."
-        ) from error
+        raise TutorialError(f"the report {path} cannot be written: {error.strerror}. Give another DIR.") from error
     return path
 
 

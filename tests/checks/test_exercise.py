@@ -20,8 +20,8 @@ from tutorial.checks.drive import GentleTank, drive
 from tutorial.checks.exercise import Exercise
 from tutorial.checks.joint_state_publisher import publish
 from tutorial.controller import ControllerConfig, SimpleController
+from tutorial.controller_files import controller_names
 from tutorial.paths import HOME
-from tutorial.project import controller_names
 
 EXERCISES = [each for those in exercises().values() for each in those]
 every_exercise = pytest.mark.parametrize("exercise", EXERCISES, ids=lambda exercise: exercise.name)

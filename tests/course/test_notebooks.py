@@ -12,8 +12,8 @@ from steps import BESIDE
 
 from tutorial import controllers
 from tutorial.checks.catalogue import exercises
+from tutorial.controller_files import controller_names
 from tutorial.paths import HOME
-from tutorial.project import controller_names
 
 
 def teaches(notebook, module):

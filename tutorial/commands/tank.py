@@ -110,8 +110,9 @@ def run(
     ros_args: list[str], /, project: str, robot: Path | None, own: tuple[str, ...], duration: float | None, **how: Any
 ) -> int:
     """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
+    from tutorial.controller_files import load_controllers
     from tutorial.paths import find_project
-    from tutorial.project import Project, load_controllers
+    from tutorial.project import Project
 
     loaded = Project.load(find_project(project))
     if robot is not None:

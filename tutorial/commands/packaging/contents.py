@@ -10,9 +10,10 @@ from typing import NamedTuple
 from xml.sax.saxutils import escape
 
 from tutorial.commands.packaging.maintainer import Maintainer
+from tutorial.controller_files import controller_names, load_controllers
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.paths import HOME, PACKAGE, find_home
-from tutorial.project import Project, controller_names, load_controllers
+from tutorial.project import Project
 
 __all__ = ["Node", "controller_node", "example_node", "package_files"]
 
