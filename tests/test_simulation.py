@@ -109,11 +109,11 @@ class TestRealTime:
         recorder.simulation.start(0.5)
         began = time.monotonic()
         recorder.simulation.restart()
-        assert recorder.simulation.wait(PATIENCE)
+        until(lambda: not recorder.simulation.running)
         assert time.monotonic() - began >= 0.48
         assert recorder.simulation.step == 500
         recorder.simulation.start(0.01)
-        recorder.simulation.wait()
+        until(lambda: not recorder.simulation.running)
         recorder.simulation.stop()
         assert recorder.simulation.step == 510
         assert recorder.threads == {"simulation"}
@@ -217,7 +217,7 @@ class TestWhateverAControllerRaises:
         assert isinstance(info.value.__cause__, kind)
         assert (simulation.state, caplog.messages) == (State.FAILED, [])
         simulation.start(0.05)
-        assert simulation.wait(PATIENCE)
+        until(lambda: not simulation.running)
         assert simulation.state is State.FAILED
         assert isinstance(simulation.error.__cause__, kind)
         assert caplog.messages == [str(simulation.error)] == [str(info.value)]
@@ -330,7 +330,6 @@ class TestAControllerThatDoesNotReturn:
         for call, given in CALLS.items():
             with pytest.raises(ControllerError, match=SAID):
                 getattr(simulation, call)(*given)
-        assert simulation.wait()
         assert not simulation.running
         stuck.let.set()
         until(lambda: "simulation" not in [thread.name for thread in threading.enumerate()])
@@ -390,13 +389,13 @@ def test_a_controller_cannot_wait_for_itself(method):
 
     simulation = simulate(Waits(method))
     simulation.start(0.01)
-    assert simulation.wait(PATIENCE)
+    until(lambda: not simulation.running)
     simulation.stop()
     assert r"stop() was called by a controller" in str(simulation.error)
 
 
 ACTS = (
-    *(("start",), ("start", 0.005), ("advance", 0.02), ("wait", 0.005), ("wait", 0.01), ("stop",)),
+    *(("start",), ("start", 0.005), ("advance", 0.02), ("pause", 0.005), ("pause", 0.01), ("stop",)),
     *(("restart",), ("release", "A")),
 )
 
@@ -405,7 +404,8 @@ def visit(simulation, acts, errors, wrong):
     """Call a simulation's methods, and write down what comes of it."""
     for act, *given in acts:
         try:
-            getattr(simulation, act)(*given)
+            call = time.sleep if act == "pause" else getattr(simulation, act)
+            call(*given)
         except TutorialError as error:
             errors.append(str(error))
         except BaseException as error:  # noqa: BLE001 - nothing else may come out

@@ -162,18 +162,6 @@ class Simulation(SteppedWorld):
             if was_running and isinstance(run, _RealTimeRun):
                 self._start(run.duration)
 
-    def wait(self, timeout: float | None = None) -> bool:
-        """Block until nobody steps the simulation any more: it has come to its end, was stopped, or was abandoned.
-
-        Args:
-            timeout: how long to wait at most [s]; None for ever.
-
-        Returns:
-            Whether it is so.
-        """
-        self._check_caller("wait()")
-        return self._run.finished.wait(timeout)
-
     def release(self, body: str) -> None:
         """Stop the controllers of a body, for good; the body itself stays in the world, which may be running.
 
