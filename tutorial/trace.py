@@ -96,9 +96,6 @@ class HandoffTrace:
         self._current = threading.local()
         self.handled = 0
 
-    def __repr__(self) -> str:
-        return f"HandoffTrace({self._kept.maxlen})"
-
     @contextmanager
     def receiving(self, topic: str) -> Iterator[None]:
         """Around a message's callback, on the thread that runs it: what it posts meanwhile belongs to the message.
