@@ -239,6 +239,14 @@ class TestTwoPublishers:
         assert (when, name) == (pytest.approx(4.0), "other")
         assert str(report).endswith(SILENT)
 
+    def test_a_late_message_is_late_also_when_another_has_come_and_gone(self):
+        publishers = [2]
+        matcher, found = JointMatcher(TANK, lambda: publishers[0]), []
+        for stamp_ms, publishers[0] in ((1000, 2), (500, 2), (1100, 1), (1200, 1), (1150, 1)):
+            message = joint_state(["TURRET_Y"], [0.1], stamp_ms * 1_000_000)
+            found.append(matcher.match(message)[1].arrival.name)
+        assert found == ["NEXT", "ANOTHER", "NEXT", "NEXT", "LATE"]
+
     def test_whether_there_is_another_is_asked_every_ten_messages(self):
         asked = []
         matcher = JointMatcher(TANK, lambda: asked.append(None) or 1)

@@ -104,11 +104,11 @@ class CallQueue:
 
     def _post(self, call: _Call, key: Hashable) -> None:
         """Queue a call, or replace the waiting one of the same key; drop it if it came too late."""
-        if self._trace is not None:
-            call.handoff = self._trace.post()
         with self._lock:
             if self._closed or call.scope.closed or not self._wake():
                 return
+            if self._trace is not None:
+                call.handoff = self._trace.post()
             replaced = self._waiting.get(key)
             if replaced is not None:
                 call.take_place_of(replaced)
@@ -122,8 +122,8 @@ class CallQueue:
                 return
             count, first = len(self._waiting), next(iter(self._waiting.values()))
             waits = time.monotonic() - first.posted_at
-            self._told = count > CROWD or waits > LONG_WAIT
-        if self._told:
+            told = self._told = count > CROWD or waits > LONG_WAIT
+        if told:
             _log.warning(BUSY, count, waits, first.scope.owner)
 
     def _wake(self) -> bool:
@@ -175,7 +175,7 @@ class CallScope:
         """From any thread: run ``function(*args)`` on the main thread. Every call is kept, in order."""
         frame = sys._getframe(1)
         call = _Call(self, function, args, frame.f_code, frame.f_lineno)
-        self._queue._post(call, call)
+        self._queue._post(call, call)  # a key of its own, so nothing is replaced
 
     def call_latest(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """As `call_later`, but a waiting call of the same key, such as a body's name, is replaced, in its place."""
@@ -183,7 +183,10 @@ class CallScope:
         self._queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), (self, key))
 
     def close(self) -> None:
-        """What still waits will not run; from now on posting does nothing. Idempotent, any thread."""
+        """What still waits will not run; from now on posting does nothing. Idempotent.
+
+        Any thread; but a call that runs already goes on, so only the main thread knows that nothing runs afterwards.
+        """
         self.closed = True
 
 
@@ -201,7 +204,7 @@ class _Call:
     handoff: Handoff | None = None
 
     def take_place_of(self, older: _Call) -> None:
-        """Run in an older call's place, which has waited since that was posted."""
+        """Replace an older call: keep its posting time, and tell its trace."""
         self.posted_at = older.posted_at
         if older.handoff is not None:
             older.handoff.supersede(self.handoff)

@@ -85,17 +85,17 @@ class Host:
         self._still = 0  # for how many frames there was no step
         self._seen_step = 0
         self._looked = 0.0
-        self._said: dict[str, int] = {}  # how many there were when it was looked last, by what is said of them
-        self._clock = ClockPublisher(self.node) if project.clock else None
+        self._said: dict[str, int] = {}  # the last count for each warning's text
         self._closed = False
         try:
-            for body in project.bodies:  # messages come from now on, and wait until the loop runs
-                self._show(body, project.time_step is not None)
+            self._clock = ClockPublisher(self.node) if project.clock else None
+            for entry in project.bodies:  # messages come from now on, and wait until the loop runs
+                self._show(entry, project.time_step is not None)
             alike = len({bool(item.controllers) for item in self._items.values()}) == 1  # all are robots, or none is
             if view is not None and (len(self._items) == 1 or (project.time_step is None and alike)):
                 view.look_at_bodies(*self._items)  # else it shows where they move, such as a laboratory
             if project.time_step is not None:
-                placements = [body.placement for body in project.bodies]
+                placements = [entry.placement for entry in project.bodies]
                 controllers: list[tuple[str, SimpleController]] = [("", self._clock)] if self._clock else []
                 controllers += [(name, each) for name, item in self._items.items() for each in item.controllers]
                 self.simulation = Simulation(placements, controllers, project.time_step, self._cameras.camera)
@@ -189,14 +189,14 @@ class Host:
         """Where the displayed joints are [rad], or [m] for those that slide, by ``"body joint"``."""
         return {f"{name} {joint.name}": joint.position for name, body in self.bodies.items() for joint in body.joints}
 
-    def add(self, item: BodyItem) -> None:
+    def add(self, entry: BodyItem) -> None:
         """Show one more body, with its controllers, in a program that only displays.
 
         Raises:
             TutorialError: the program simulates, or was closed; there is a body of this name; or a controller does not
                 fit its body, which then is not there.
         """
-        name = item.placement.name
+        name = entry.placement.name
         if self._closed:
             raise TutorialError(CLOSED)
         if self.simulation is not None:
@@ -204,7 +204,7 @@ class Host:
         if name in self._items:
             raise TutorialError(f"there is a body {name!r} already. Remove it first, or give this one another name.")
         try:
-            self._show(item, simulates=False)
+            self._show(entry, simulates=False)
         except BaseException:
             if name in self._items:
                 self.remove(name)
@@ -249,12 +249,12 @@ class Host:
             self._calls.close()
             self._ros.close()
 
-    def _show(self, body: BodyItem, simulates: bool) -> None:
+    def _show(self, entry: BodyItem, simulates: bool) -> None:
         """Display a body, and have its controllers join it."""
-        item = self._items[body.placement.name] = Item(body.placement, self.node, self._calls)
+        item = self._items[entry.placement.name] = Item(entry.placement, self.node, self._calls)
         if self._view is not None:
-            self._view.add(body.placement.name, item.body.model)
-        for controller_class in body.controllers:
+            self._view.add(entry.placement.name, item.body.model)
+        for controller_class in entry.controllers:
             item.attach(controller_class)
             if not simulates and controller_class.control is not SimpleController.control:
                 name = controller_class.__name__
@@ -308,7 +308,7 @@ class Host:
     def _below(self, view: View) -> tuple[list[str], list[tuple[str, ...]]]:
         """What is known of each body's messages, and what its sensors have measured.
 
-        Of a fleet it is how many are well, and of a few what is wrong with them.
+        Of more than `FEW` bodies: how many are in order, and what is wrong with the first few others.
         """
         watches = [item.joints for item in self._items.values()]
         fleet = [watch for watch in watches if watch.meters or watch.in_order]

@@ -48,7 +48,7 @@ class JointWatch:
         self.applied = 0
         self.tally: Counter[str] = Counter()
         self._report: JointReport | None = None  # the last one of the publisher that is followed
-        self._shown_at = 0.0
+        self._reported_at = 0.0
         self._complained_at = -COMPLAIN_EVERY
         self._heard: dict[str, float] = {}  # when there was a position last, by joint
         self._others = _OtherPublishers(body.name, node)
@@ -70,7 +70,7 @@ class JointWatch:
             self._others.heard(self.topics)
             return
         now = time.monotonic()
-        self._report, self._shown_at = report, now
+        self._report, self._reported_at = report, now
         self.applied += not report.dropped
         self._heard = self._heard or dict.fromkeys(self._body.joint_names, now)
         self._heard.update(dict.fromkeys(report.joints, now))
@@ -89,7 +89,7 @@ class JointWatch:
         return self._report is not None and self._report.clean and not self._others.said() and not self.stale()
 
     def line(self) -> str:
-        """What stands below the view: the last report, who else publishes, stale joints, and the age of the data."""
+        """What stands below the view: the last report, who else publishes, stale joints, and the age of the report."""
         if self._report is None:
             return f"{self._body.name}: {self._nothing_yet()}" if self.meters else ""
         by_age: defaultdict[int, list[str]] = defaultdict(list)
@@ -97,7 +97,7 @@ class JointWatch:
             by_age[age].append(joint)
         stale = [f"{_some(by_age[age])}: nothing for {age} s" for age in sorted(by_age)[:NAMED]]
         said = "; ".join(filter(None, (str(self._report), self._others.said(), *stale)))
-        return f"{self._body.name}: {said} ({time.monotonic() - self._shown_at:.1f} s ago)"
+        return f"{self._body.name}: {said} ({time.monotonic() - self._reported_at:.1f} s ago)"
 
     def _nothing_yet(self) -> str:
         """Say whether nothing has come, or nothing of it was shown: a controller may wait for more."""
@@ -179,6 +179,7 @@ class Item:
         name = controller_class.__name__
         before = len(self._node.meters)
         scope = self._calls.scope(f"{name} of {self.body.name}")
+        self._scopes.append(scope)  # first, so that a controller that cannot join posts in vain
         try:
             controller = controller_class()
             controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest))
@@ -188,7 +189,6 @@ class Item:
             text = f"{name} could not join {self.body.name}: {tell(error, file_of(controller_class))}"
             raise TutorialError(text) from error
         self.controllers.append(controller)
-        self._scopes.append(scope)
         self.joints.meters += [meter for meter in self._node.meters[before:] if meter.brings_joint_states]
 
     @property
@@ -197,7 +197,7 @@ class Item:
         return next((scope.error for scope in self._scopes if scope.error is not None), None)
 
     def forget_errors(self) -> None:
-        """What its calls have raised does not count any more."""
+        """Forget what its calls have raised."""
         for scope in self._scopes:
             scope.error = None
 

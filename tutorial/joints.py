@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from enum import Enum
-from itertools import islice
 from math import inf, isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -53,7 +52,7 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
     shown = {joint: position for joint, position in received.items() if abs(position) <= SHOWABLE}  # NaN is not
     strange = [name for name in names if name not in ranges]
     named = Counter(name for name, _ in known)
-    limits = {joint: _slack(ranges[joint]) for joint in shown}
+    limits = {joint: _widened(ranges[joint]) for joint in shown}
     return shown, JointReport(
         joints=tuple(shown),
         unknown=NameList.of(strange),
@@ -63,7 +62,7 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
         non_finite=NameList.of([joint for joint, position in received.items() if not isfinite(position)]),
         huge=NameList.of([joint for joint, position in received.items() if SHOWABLE < abs(position) < inf]),
         outside=NameList.of([joint for joint, (low, high) in limits.items() if not low <= shown[joint] <= high]),
-        known=tuple(islice(ranges, 8)) if strange else (),
+        known=tuple(ranges) if strange else (),
     )
 
 
@@ -103,9 +102,9 @@ class JointReport(NamedTuple):
     short: int = 0  #: how many names came without a position
     long: int = 0  #: how many positions came without a name
     non_finite: NameList = NameList()  #: joints whose position was NaN or infinite; they keep their last good value
-    huge: NameList = NameList()  #: joints whose position was too large to be shown, beyond 1e9; they keep theirs
+    huge: NameList = NameList()  #: joints whose position was beyond 1e9, too large to be shown; they keep theirs, too
     outside: NameList = NameList()  #: joints whose position is outside their range; they are shown as received
-    known: tuple[str, ...] = ()  #: where names are unknown, the first few that are not
+    known: tuple[str, ...] = ()  #: the joints of the body, if a name is unknown
 
     @property
     def matched(self) -> int:
@@ -156,8 +155,8 @@ class JointReport(NamedTuple):
 class JointMatcher:
     """Finds out which joint each message of one topic moves where. No thread, no clock.
 
-    It puts three things together. The names are `match_joints`'s. By its stamp a late message, which is dropped, is
-    told from a publisher that was started again. Of several publishers one is followed.
+    It combines three checks. `match_joints` matches the names. The stamp tells a late message, which is dropped, from
+    a publisher that was started again. If several publish, one is followed.
 
     Args:
         joints: the names of the body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m]. They
@@ -188,9 +187,9 @@ class JointMatcher:
             if plan.names != message.name or plan.length != len(message.position):
                 plan = self._plan = _Plan.of(self._ranges, message)
             positions = plan.positions(message.position)
-            if positions is not None and self._followed.is_alone():
+            if positions is not None and self._followed.check_alone():
                 self._newest_ns = stamp_ns
-                self._followed.shown = positions
+                self._followed.follow(positions)
                 return positions, plan.report
         return self._judge(message, stamp_ns, ahead)
 
@@ -213,25 +212,22 @@ class _FollowedPublisher:
 
     A message goes on from the last one shown if its stamp is at most 10 s later, not before, and no joint with limits
     has gone further than it can. Where several publish, what does not go on is another's, and is dropped until only
-    such messages have come for a while. Two alike in both, or that share no joint, are both shown.
+    such messages have come for a while. If two agree in both, or share no joint, the messages of both are shown.
 
     Args:
         ranges: of the body's joints.
         count: returns how many publish.
-
-    Attributes:
-        shown: the positions of the last message.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
-        self.shown: Mapping[str, float] = {}
+        self._shown: Mapping[str, float] = {}
         self._limited = {joint for joint, (_, upper) in ranges.items() if upper < SHOWABLE}
         self._count = count
         self._others = 0  # publishers besides this one
         self._alone_for = 0  # messages until it is looked whether there are any
         self._dropped = 0  # messages in a row that were another's
 
-    def is_alone(self) -> bool:
+    def check_alone(self) -> bool:
         """Whether nobody else publishes; it is looked at every few messages."""
         if self._alone_for:
             self._alone_for -= 1
@@ -239,7 +235,7 @@ class _FollowedPublisher:
         return self._look()
 
     def judge(self, ahead: float, positions: Mapping[str, float]) -> Arrival:
-        """Tell whose a message is that is not the usual one.
+        """Decide who sent an unusual message, and count it if it is dropped.
 
         Args:
             ahead: how much later than the last one shown it is stamped [ns].
@@ -261,7 +257,7 @@ class _FollowedPublisher:
 
     def follow(self, positions: Mapping[str, float]) -> None:
         """Go on from a message that is shown."""
-        self.shown, self._dropped = positions, 0
+        self._shown, self._dropped = positions, 0
 
     def _look(self) -> bool:
         self._others = max(self._count() - 1, 0)
@@ -270,7 +266,7 @@ class _FollowedPublisher:
 
     def _goes_on(self, ahead: float, positions: Mapping[str, float]) -> bool:
         reach = REACH + SPEED * ahead / SECOND_NS
-        moved = (abs(q - self.shown.get(joint, q)) for joint, q in positions.items() if joint in self._limited)
+        moved = (abs(q - self._shown.get(joint, q)) for joint, q in positions.items() if joint in self._limited)
         return ahead == inf or (0 <= ahead <= PAUSE_NS and max(moved, default=0.0) <= reach)
 
 
@@ -290,7 +286,7 @@ class _Plan(NamedTuple):
         """Look every name of a message up."""
         names, length = list(message.name), len(message.position)
         places = {name: i for i, name in enumerate(names[:length]) if name in ranges}
-        limits = [_slack(ranges[joint]) for joint in places]
+        limits = [_widened(ranges[joint]) for joint in places]
         lows, highs = zip(*limits) if limits else ((), ())
         _, report = match_joints(ranges, message)
         usual = report._replace(joints=tuple(places), non_finite=NameList(), huge=NameList(), outside=NameList())
@@ -313,6 +309,6 @@ def _ranges(joints: Ranges | Iterable[str]) -> Ranges:
     return joints if isinstance(joints, Mapping) else dict.fromkeys(joints, (-inf, inf))
 
 
-def _slack(limits: tuple[float, float]) -> tuple[float, float]:
+def _widened(limits: tuple[float, float]) -> tuple[float, float]:
     """Widen a range by what is not worth a word, and bound it by what can be shown."""
     return max(limits[0] - SLACK, -SHOWABLE), min(limits[1] + SLACK, SHOWABLE)

@@ -26,17 +26,18 @@ SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005 a busy cell starves a threa
 REST = 0.002  # [s] between two batches of steps
 LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up; what is beyond is given up
 REPORT_EVERY = 5.0  # [s] between two complaints that the machine can't keep up
-STUCK = 3.0  # [s] that a controller may take to return when somebody waits for it
+STUCK = 3.0  # [s] that the controllers may take to return when somebody waits for them
 SLOW = 0.95  # of real time, below which the machine is said not to keep up
 
 _log = logging.getLogger(__name__)
 
 
 class State(Enum):
-    """What a simulation does; every method asks it first.
+    """What a simulation does.
 
     ``start`` and ``advance`` lead from IDLE or FAILED to RUNNING. From there it comes to IDLE when the duration is over
-    or at ``stop``, to FAILED when a controller raises, and to ABANDONED when one does not return.
+    or at ``stop``, and ``restart`` leads from FAILED to IDLE. If a controller raises, also when it is stopped, the
+    simulation is FAILED in the end. If one does not return, it is ABANDONED for ever.
     """
 
     IDLE = "idle"  #: nothing; it can be stepped
@@ -107,9 +108,8 @@ class Simulation(SteppedWorld):
             with self._turn("advance()"):
                 self._check_idle("the simulation is running on its own thread. Call stop() before advance().")
                 self._begin(run)
-            last_step = self.step + round(seconds / self.time_step)
             self._initialize(run)
-            self._run_steps(run, last_step - self.step)
+            done = self._run_steps(run, round(seconds / self.time_step))
         except ControllerError as raised:
             error = raised
             raise
@@ -117,7 +117,7 @@ class Simulation(SteppedWorld):
             self._end(run, error)
         if run.abandoned:
             self._check_abandoned()
-        if self.step < last_step and run.stopping.is_set():
+        if not done:
             raise TutorialError(f"advance({seconds}) was stopped elsewhere, at {self.time:.3f} s. Call it again.")
 
     def start(self, duration: float | None = None) -> None:
@@ -175,7 +175,7 @@ class Simulation(SteppedWorld):
             self._check_abandoned()
             leaving = [controller for controller, io in self._controllers if io.body.name == body]
             self._controllers = [(c, io) for c, io in self._controllers if io.body.name != body]
-            if not self._run.pass_on(STUCK):
+            if not self._run.wait_for_lap(STUCK):
                 self._abandon(self._run)
             if self._initialized and self.state is not State.ABANDONED:
                 self._stop_controllers(leaving)
@@ -225,7 +225,7 @@ class Simulation(SteppedWorld):
         with self._lock:
             if stuck.finished.is_set():
                 return
-            text = f"{stuck.place()}. Mend it, and make the simulation anew: open its program again."
+            text = f"{stuck.complaint()}. Mend it, and make the simulation anew: open its program again."
             self.state, self.error = State.ABANDONED, ControllerError(text)
             stuck.abandon()
             if not self._run.finished.is_set():
@@ -238,7 +238,12 @@ class Simulation(SteppedWorld):
         thread = threading.Thread(target=lambda: self._main(run, last_step), name="simulation", daemon=True)
         run = _RealTimeRun(thread, duration=duration)
         self._begin(run)
-        thread.start()
+        try:
+            thread.start()
+        except BaseException:
+            if thread.ident is None:
+                self._end(run, None)
+            raise
 
     def _halt(self) -> None:
         """Have the run come to its end, or give it up."""
@@ -256,7 +261,7 @@ class Simulation(SteppedWorld):
 
     def _stop_controllers(self, controllers: list[SimpleController]) -> None:
         """Stop controllers on a thread that can be given up, as any of them may keep it."""
-        thread = threading.Thread(target=lambda: self._leave(run, controllers), name="simulation", daemon=True)
+        thread = threading.Thread(target=lambda: self._stop_main(run, controllers), name="simulation", daemon=True)
         self._leaving = run = Run(thread)
         thread.start()
         if not run.finished.wait(STUCK):
@@ -264,7 +269,7 @@ class Simulation(SteppedWorld):
         if not run.abandoned:
             thread.join(STUCK)
 
-    def _leave(self, run: Run, controllers: list[SimpleController]) -> None:
+    def _stop_main(self, run: Run, controllers: list[SimpleController]) -> None:
         """The thread on which controllers are stopped."""
         failed = self._stop_each(run, controllers)
         with self._lock:
@@ -313,7 +318,7 @@ class _RealTimeRun(Run):
 
 
 class _SwitchInterval:
-    """Python's switch interval, which is short as long as anybody steps in real time."""
+    """Python's switch interval, which is short as long as there is a thread that steps in real time."""
 
     def __init__(self) -> None:
         self._lock, self._holders, self._before = threading.Lock(), 0, 0.0

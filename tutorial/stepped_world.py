@@ -53,7 +53,7 @@ class Run:
     Attributes:
         thread: the thread.
         controller: the controller that is at work, or was last; None while MuJoCo is.
-        laps: grows whenever no controller is at work.
+        laps: grows after each step, when no controller is at work.
         stopping: set to ask the run to end.
         finished: set when it has ended, or was abandoned.
         abandoned: nobody waits for it any more, and it may not touch the world any more.
@@ -67,10 +67,10 @@ class Run:
     abandoned: bool = False
 
     def is_mine(self) -> bool:
-        """Whether it goes on, on the calling thread: a controller calls."""
+        """Whether the calling thread is this run's, which has not ended: then a controller calls."""
         return self.thread is threading.current_thread() and not self.finished.is_set()
 
-    def pass_on(self, seconds: float) -> bool:
+    def wait_for_lap(self, seconds: float) -> bool:
         """Wait until the run has come to its next lap, or to its end; False when it does neither in so many seconds."""
         before, deadline = self.laps, time.monotonic() + seconds
         while self.laps == before and not self.finished.wait(LOOK_EVERY):
@@ -79,7 +79,7 @@ class Run:
         return True
 
     def abandon(self) -> None:
-        """Wait for it no more."""
+        """Mark it as abandoned and finished, and ask it to end."""
         self.abandoned = True
         self.stopping.set()
         self.finished.set()
@@ -89,7 +89,7 @@ class Run:
         kind = type(self.controller)
         return ("MuJoCo", "") if self.controller is None else (kind.__name__, file_of(kind))
 
-    def place(self) -> str:
+    def complaint(self) -> str:
         """Say which controller does not return, and where it is."""
         name, file = self.at_work()
         return f"{name} does not return{where(self.thread, file)}"
@@ -157,38 +157,38 @@ class SteppedWorld:
         return snapshot.time
 
     def _initialize(self, run: Run) -> None:
-        """Let every controller look at the state it starts from, once a start: all of them, or none."""
+        """Initialize every controller, once until they are stopped. If one fails, stop those that are ready."""
         if self._initialized:
             return
         mujoco.mj_forward(self.model, self.data)
         ready: list[SimpleController] = []
-        for controller, io in self._controllers:
-            run.controller, io.step = controller, self.step
-            try:
+        try:
+            for controller, io in self._controllers:
+                run.controller, io.step = controller, self.step
                 controller.initialize(io)
-            except BaseException as error:
-                failed = self._controller_error(run, error)
-                self._stop_each(run, ready)
-                raise failed from error
-            if run.abandoned:
-                return
-            ready.append(controller)
+                if run.abandoned:
+                    return
+                ready.append(controller)
+        except BaseException as error:
+            failed = self._controller_error(run, error)
+            self._stop_each(run, ready)
+            raise failed from error
         run.controller = None
         self._initialized = True
 
-    def _run_steps(self, run: Run, count: int) -> None:
-        """Ask every controller and let MuJoCo step, so many times, unless the run is to end."""
+    def _run_steps(self, run: Run, count: int) -> bool:
+        """Ask every controller and let MuJoCo step, so many times. False if the run is to end before."""
         model, data, mj_step = self.model, self.data, mujoco.mj_step
         run.laps += 1
         try:
             for _ in range(count):
                 if run.stopping.is_set():
-                    return
+                    return False
                 for controller, io in self._controllers:
                     run.controller, io.step = controller, self.step
                     controller.control()
                     if run.abandoned:
-                        return
+                        return False
                 run.controller = None
                 mj_step(model, data)
                 self.step += 1
@@ -197,6 +197,7 @@ class SteppedWorld:
             if run.controller is None and not isinstance(error, Exception):
                 raise  # the reader's Ctrl-C, between two controllers
             raise self._controller_error(run, error) from error
+        return True
 
     def _stop_each(self, run: Run, controllers: Iterable[SimpleController]) -> ControllerError | None:
         """Stop one controller after the other. One that fails is logged, and holds up none of the others.
