@@ -223,10 +223,8 @@ def test_what_is_removed_is_away_and_can_be_added_again(falling):
     *_, view, _ = falling
     view.remove("world")
     assert Eye(view._scene).drawn() == {}
-    assert view.names == ()
     view.add("world", SPHERE)
     assert list(Eye(view._scene).drawn()) == ["/Bodies/world/b/g"]
-    assert view.names == ("world",)
 
 
 def test_the_grid_is_there_as_long_as_there_is_no_floor():

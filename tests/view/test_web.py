@@ -165,7 +165,7 @@ class RedBox:
 
     def look_at(self, x, z):
         self.middle = x, z
-        self.view.look_at((x, -DISTANCE, z), (x, 0, z))
+        self.scene.look_at((x, -DISTANCE, z), (x, 0, z))
         self.view.flush()
 
     def move(self, x, z):

@@ -68,11 +68,6 @@ class View:
         self._bodies: dict[str, _Drawn] = {}
         self._furnish()
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """What is drawn, in the order in which it was added."""
-        return tuple(self._bodies)
-
     def add(self, name: str, model: mujoco.MjModel) -> None:
         """Draw all MuJoCo bodies of a model, in the pose that the model has to begin with.
 
@@ -143,18 +138,6 @@ class View:
         del self._bodies[name]
         self._show_grid_without_floor()
 
-    def look_at(self, position: Vector, target: Vector) -> None:
-        """Place the camera; x and y are level, z is up.
-
-        Args:
-            position: of the camera [m].
-            target: the point in the middle of the picture [m].
-
-        Raises:
-            WrongThreadError: called on another thread than the scene's.
-        """
-        self._scene.look_at(position, target)
-
     def look_at_bodies(self, *names: str) -> None:
         """Place the camera so that these bodies fill the picture, and make the grid a little larger than they are.
 
@@ -186,18 +169,9 @@ class View:
         """
         for body in self._bodies.values():
             for arrow in body.arrows if body.measures else ():
-                self._move(arrow)
+                for command in arrow.step():
+                    self._scene.send_message(command)
         self._scene.flush()
-
-    def _move(self, arrow: Arrow) -> None:
-        """Have an arrow go on by a frame. It is drawn when there is something to see for the first time."""
-        matrix = arrow.step()
-        if matrix is None:
-            return
-        if not arrow.drawn:
-            self._set_object(arrow.path, shapes.draw_arrow(arrow.path, arrow.style.colour))
-            arrow.drawn = True
-        self._scene.send_message({"type": "set_transform", "path": arrow.path, "matrix": matrix})
 
     def _show_grid_without_floor(self) -> None:
         """The grid is there as long as no floor is drawn."""

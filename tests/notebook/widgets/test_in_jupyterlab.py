@@ -183,7 +183,7 @@ data = mujoco.MjData(model)
 scene = Scene()
 view = View(scene)
 view.add("box", model)
-view.look_at((0, -4, 0), (0, 0, 0))
+scene.look_at((0, -4, 0), (0, 0, 0))
 view.line("<b>first</b>")
 
 def move(x, z, line=""):
@@ -279,7 +279,7 @@ async def turn_by_keys(page, notebook):
         await page.keyboard.press(key)
     assert await notebook.count() == 4
     await page.keyboard.press("Escape")
-    await notebook.run_new("view.look_at((0, -4, 0), (0, 0, 0)); view.flush()")
+    await notebook.run_new("scene.look_at((0, -4, 0), (0, 0, 0)); view.flush()")
 
 
 async def lose_the_connection(page, notebook, complaints):
