@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial.description.poses import pose
+from tutorial.description.poses import Matrix, pose
 from tutorial.view.shapes import draw_arrow
 
 __all__ = ["Arrow", "Style", "arrows_of"]
@@ -81,7 +81,7 @@ class Arrow:
         self._target: NDArray[np.float64] = np.zeros(3)  # in the world, in the unit
         self._shown: NDArray[np.float64] = np.zeros(3)
         self._origin: NDArray[np.float64] = np.zeros(3)
-        self._sent: NDArray[np.float64] | None = None
+        self._sent: Matrix | None = None
         self._is_seen = False
 
     def aim(self, data: mujoco.MjData) -> None:
@@ -99,7 +99,7 @@ class Arrow:
             self._target = np.zeros(3)
 
     def step(self) -> Iterator[dict[str, Any]]:
-        """Go on by a frame, towards what was measured; yield the scene's commands, if anything has changed that is seen.
+        """Go on by a frame, towards what was measured; yield the commands that draw it, if it has changed.
 
         The arrow is drawn when there is something to see for the first time.
         """
@@ -124,7 +124,7 @@ class Arrow:
         numbers = (f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))
         return (self._style.name, *numbers, self._style.unit, self._style.legend)
 
-    def _matrix(self) -> NDArray[np.float64]:
+    def _matrix(self) -> Matrix:
         """The arrow is drawn 1 m long, along z."""
         quaternion = np.empty(4)
         mujoco.mju_quatZ2Vec(quaternion, self._shown)

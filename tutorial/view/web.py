@@ -42,8 +42,8 @@ OWN_HOSTS = r"127\.0\.0\.1|localhost"
 """The names by which a browser reaches this server. A page from elsewhere can have its own name lead to this machine
 (DNS rebinding): it is not found here. One that asks by the right name is of another origin, and gets no socket."""
 
-LIMITS = {"max_header_size": 16 * 1024, "max_body_size": 1024, "idle_connection_timeout": 30.0, "body_timeout": 30.0}
-"""Of a request, which has no body [bytes], and how long a connection may take to ask [s]."""
+LARGEST_BODY = 1024
+"""Of a request, which needs none [bytes]."""
 
 
 class SceneServer(AbstractAsyncContextManager["SceneServer"]):
@@ -65,12 +65,19 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
 
     def __init__(self, scene: Scene, port: int | None = None, title: str = "Tank") -> None:
         self._browsers: set[_Browser] = set()
-        self._application = _application(scene, title, self._browsers)
+        pages = [
+            (r"/", _Page),
+            (r"/socket", _Browser, {"scene": scene, "browsers": self._browsers}),
+            (r"/static/([\w.-]+)", _Files, {"path": str(STATIC)}),
+            (r"/meshcat/([\w.-]+)", _Files, {"path": str(meshcats_viewer())}),
+        ]
+        hosts, quiet = [(HostMatches(OWN_HOSTS), pages)], lambda _handler: None
+        self._application = Application(hosts, title=title, template_path=str(STATIC), log_function=quiet)
         self._listener = _listen(PORTS if port is None else [port])
         self.url = f"http://{ADDRESS}:{self._listener.getsockname()[1]}/"
 
     async def __aenter__(self) -> Self:
-        self._http = HTTPServer(self._application, **LIMITS)
+        self._http = HTTPServer(self._application, max_body_size=LARGEST_BODY)
         self._listener.setblocking(False)
         self._http.add_socket(self._listener)
         return self
@@ -97,22 +104,6 @@ def _listen(ports: Sequence[int]) -> socket.socket:
             reason = "another program uses it already" if in_use else os.strerror(error.errno or 0).lower()
     which = f"port {ports[0]}" if len(ports) == 1 else f"any of the ports {ports[0]} to {ports[-1]}"
     raise TutorialError(f"the 3D view cannot have {which}: {reason}. Give another one, or none for the first free one.")
-
-
-def _application(scene: Scene, title: str, browsers: set[_Browser]) -> Application:
-    pages = [
-        (r"/", _Page),
-        (r"/socket", _Browser, {"scene": scene, "browsers": browsers}),
-        (r"/static/([\w.-]+)", _Files, {"path": str(STATIC)}),
-        (r"/meshcat/([\w.-]+)", _Files, {"path": str(meshcats_viewer())}),
-    ]
-    return Application(
-        [(HostMatches(OWN_HOSTS), pages)],
-        title=title,
-        template_path=str(STATIC),
-        log_function=lambda _handler: None,
-        websocket_max_message_size=1024,
-    )
 
 
 class _Protected(RequestHandler):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -9,11 +10,25 @@ import anywidget
 import msgspec
 import traitlets
 
+from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["CellWidget", "NodeWidget", "parse_message"]
+__all__ = ["CellWidget", "NodeWidget", "kernel_loop", "parse_message"]
 
 T = TypeVar("T")
+
+
+def kernel_loop() -> asyncio.AbstractEventLoop:
+    """Return the event loop of the notebook's kernel, which keeps a widget up to date. Main thread.
+
+    Raises:
+        TutorialError: no event loop runs.
+    """
+    try:
+        return asyncio.get_running_loop()
+    except RuntimeError:
+        text = "a widget needs the event loop of the notebook's kernel, and none runs here. Make it in a cell."
+        raise TutorialError(text) from None
 
 
 def parse_message(content: object, kind: type[T]) -> T | None:

@@ -13,13 +13,10 @@ from typing import Any, ClassVar
 import msgspec
 import traitlets
 
-from tutorial.errors import running_loop
 from tutorial.handoff import CallQueue
-from tutorial.notebook.widgets.cell_widget import CellWidget, parse_message
+from tutorial.notebook.widgets.cell_widget import CellWidget, kernel_loop, parse_message
 
 __all__ = ["FrameWidget"]
-
-NO_LOOP = "a view in a cell needs the event loop of the notebook's kernel, and none runs here. Make it in a cell."
 
 
 class _Words(msgspec.Struct):
@@ -49,7 +46,7 @@ class FrameWidget(CellWidget):
     title = traitlets.Unicode().tag(sync=True)
 
     def __init__(self, title: str) -> None:
-        self.calls = CallQueue(running_loop(NO_LOOP)).scope(title)
+        self.calls = CallQueue(kernel_loop()).scope(title)
         self.frame = 0
         self._lock = threading.Lock()
         self._seen: dict[str, int] = {}  # the last frame that each view has seen

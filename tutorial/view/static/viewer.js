@@ -59,6 +59,32 @@ function withoutTrace(make) {
   }
 }
 
+/** Make the element that a picture is in. It has what a screen reader says of it. */
+function makePane(title) {
+  return make("div", "tank-view-pane", {
+    "role": "img", "tabindex": "0", "data-lm-suppress-shortcuts": "true", "aria-label": `${title}, in 3D`,
+    "aria-description": "The arrow keys turn it, plus and minus zoom, Escape leaves it.",
+  });
+}
+
+/** While a pane has the focus, keys and the wheel are its own. getPicture: says what they turn, if it is there. */
+function listenToKeys(pane, getPicture) {
+  pane.addEventListener("pointerdown", () => pane.focus({preventScroll: true}));
+  pane.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const picture = getPicture();
+    if (event.key === "Escape") pane.blur();
+    else if (KEYS[event.key] && picture) picture.turn(...KEYS[event.key]);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  // Who scrolls the page past the view goes on scrolling; who has clicked into it zooms.
+  pane.addEventListener("wheel", (event) => {
+    if (!pane.contains(document.activeElement) && !event.ctrlKey) event.stopPropagation();
+  }, {capture: true, passive: true});
+}
+
 /** A meshcat viewer that draws only while it can be seen, and that can be disposed of. */
 class Picture {
   constructor(element, onTaken) {
