@@ -128,7 +128,7 @@ def test_a_replay_has_its_length(stage):
     before = b"".join(stage.messages)
     stage.messages.clear()
     stage.measure(frames=3)
-    film = animated([Frame(0.0, before, {}), Frame(1.0, b"".join(stage.messages), {})])
+    film, _ = animated([Frame(0.0, before, {}), Frame(1.0, b"".join(stage.messages), {})])
     clips = {each["path"]: each["clip"] for each in commands(film)[-1]["animations"]}
     scales = next(track["values"] for track in clips[RED]["tracks"] if track["name"] == ".scale")
     lengths = scales.reshape(-1, 3)[:, 2]

@@ -5,7 +5,7 @@ That is what meshcat calls an animation: of each object that moves, its poses an
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
-__all__ = ["Frame", "animated", "lines"]
+__all__ = ["Frame", "animated"]
 
 
 @dataclass(frozen=True)
@@ -32,26 +32,23 @@ class Frame:
     joints: dict[str, float]
 
 
-def animated(frames: Iterable[Frame]) -> bytes:
-    """Join the messages of frames, the earliest first, into one that shows all there ever was, and moves it."""
+def animated(frames: Iterable[Frame]) -> tuple[bytes, list[tuple[float, str]]]:
+    """Join the messages of frames, the earliest first, into one that shows all there ever was, and moves it.
+
+    Returns:
+        The message, and what stood below the view: (since when [s], text).
+    """
     film = _Film()
     for frame in frames:
         film.add(frame)
-    return film.finish()
-
-
-def lines(frames: Iterable[Frame]) -> Iterator[tuple[float, str]]:
-    """Yield what stood below the view: (since when [s], text)."""
-    for frame in frames:
-        for kind, payload in unpack_records(frame.message):
-            if kind is Record.LINE:
-                yield round(frame.time, 3), payload.decode()
+    return film.finish(), film.lines
 
 
 class _Film:
     """The frames so far: a scene with all that was drawn, and what became of it over time."""
 
     def __init__(self) -> None:
+        self.lines: list[tuple[float, str]] = []
         self._scene = Scene()
         self._poses: dict[str, _Track] = {}
         self._sights: dict[str, _Track] = {}
@@ -63,6 +60,8 @@ class _Film:
         for kind, payload in unpack_records(frame.message):
             if kind is Record.COMMAND:
                 self._take(unpack_command(payload))
+            elif kind is Record.LINE:
+                self.lines.append((round(frame.time, 3), payload.decode()))
             elif kind is Record.CAMERA and not self._has_camera:  # one looks from where one looked at first
                 self._has_camera = True
                 numbers = np.frombuffer(payload, "<f8").tolist()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tutorial.view import shapes
 from tutorial.view.arrows import Arrow, arrows_of
 from tutorial.view.paint import Paint
-from tutorial.view.scene import Key, Scene, Vector, pack_command
+from tutorial.view.scene import Scene, Vector
 
 __all__ = ["View"]
 
@@ -100,8 +100,8 @@ class View:
             WrongThreadError: called on another thread than the scene's.
         """
         body = self._bodies[name]
-        for key, command in body.poses.moved(data):
-            self._scene.send_packed(key, command)
+        for path, matrix in body.poses.moved(data):
+            self._scene.send_message({"type": "set_transform", "path": path, "matrix": matrix})
         body.measures = body.measures or bool(data.sensordata.any())
         if body.measures:
             for arrow in body.arrows:
@@ -227,22 +227,17 @@ class _Drawn:
 
 
 class _Poses:
-    """Where the bodies of one model were when they were last sent, and the bytes that say where they are now.
-
-    A packed transform is a head, which never changes, and 16 numbers of 4 bytes.
-    """
+    """Where the bodies of one model were when they were last sent."""
 
     def __init__(self, paths: dict[int, str]) -> None:
         self._ids = np.array(list(paths), dtype=np.intp)
-        self._keys = [("set_transform", path, "") for path in paths.values()]
-        whole = [{"type": "set_transform", "path": path, "matrix": np.zeros(16)} for path in paths.values()]
-        self._heads = [pack_command(command)[:-64] for command in whole]  # without the numbers, which come last
+        self._paths = list(paths.values())
         self._now: NDArray[np.float32] = np.zeros((len(paths), 4, 4), dtype="<f4")  # column by column
         self._now[:, 3, 3] = 1
         self._sent: NDArray[np.float32] = np.full_like(self._now, np.nan)
 
-    def moved(self, data: mujoco.MjData) -> list[tuple[Key, bytes]]:
-        """The ``set_transform`` commands of those that are not where they were: (key, packed command).
+    def moved(self, data: mujoco.MjData) -> list[tuple[str, NDArray[np.float32]]]:
+        """Those that are not where they were: (path, matrix).
 
         What is not finite, or too far away for single precision, stays where it is.
         """
@@ -252,8 +247,5 @@ class _Poses:
             now[:, 3, :3] = data.xpos[self._ids]
         moved = np.flatnonzero((now != self._sent).any(axis=(1, 2)))
         moved = moved[np.isfinite(now[moved]).all(axis=(1, 2))].tolist()
-        if not moved:
-            return []
         self._sent[moved] = now[moved]
-        numbers = now.tobytes()
-        return [(self._keys[i], self._heads[i] + numbers[64 * i : 64 * i + 64]) for i in moved]
+        return [(self._paths[i], now[i]) for i in moved]

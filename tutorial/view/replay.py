@@ -20,7 +20,7 @@ from string import Template
 import msgspec
 
 from tutorial.errors import TutorialError
-from tutorial.view.animation import Frame, animated, lines
+from tutorial.view.animation import Frame, animated
 from tutorial.view.assets import STATIC, read_static, zipped_viewer
 from tutorial.view.scene import Scene
 
@@ -124,11 +124,12 @@ class ReplayRecorder:
         self._scene.detach(self._take)
         self._take(b"")
         names = self._frames[-1].joints
+        scene, lines = animated(self._frames)
         return Replay(
-            scene=animated(self._frames),
+            scene=scene,
             times=tuple(frame.time for frame in self._frames),
             joints={name: tuple(frame.joints.get(name, math.nan) for frame in self._frames) for name in names},
-            lines=tuple(lines(self._frames)),
+            lines=tuple(lines),
         )
 
     def _take(self, message: bytes) -> None:

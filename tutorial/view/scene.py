@@ -113,20 +113,7 @@ class Scene:
         key = (kind, path, message.get("property", ""))
         if kind == "delete" or (kind == "set_object" and key in self._kept):
             self._forget(path)  # with its properties, which a new object comes without
-        self.send_packed(key, pack_command(message))
-
-    def send_packed(self, key: Key, command: bytes) -> None:
-        """Take a command that is packed already: what is called for each body in each frame.
-
-        Args:
-            key: what it replaces if it comes again, for a transform ``("set_transform", path, "")``.
-            command: in MessagePack.
-
-        Raises:
-            WrongThreadError: called on another thread than the scene's.
-        """
-        self._guard.check("Scene.send_packed")
-        self._put(key, pack_record(Record.COMMAND, command), keep=key[0] != "delete")
+        self._put(key, pack_record(Record.COMMAND, pack_command(message)), keep=kind != "delete")
 
     def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:
         """Say one line under the view, and a small table below it; without both there is nothing.

@@ -95,7 +95,7 @@ def test_rows_may_be_longer_than_their_pixels():
     message = picture(width=2, height=2)
     message.step = 8
     message.data = array("B", [*range(1, 7), 0, 0, *range(7, 13), 0, 0])
-    assert _frame(message).pixels == bytes(range(1, 13))
+    assert _frame(message)[0] == bytes(range(1, 13))
 
 
 @pytest.mark.parametrize(
@@ -112,4 +112,4 @@ def test_an_image_that_contradicts_itself_is_none(change, text):
     message = picture()
     for name, value in change.items():
         setattr(message, name, value)
-    assert (_frame(message).line, _frame(message).pixels) == (text, b"")
+    assert _frame(message) == (b"", {"line": text})

@@ -318,7 +318,7 @@ async def close_one(page, notebook):
     await page.locator(pane(1)).wait_for(state="detached")
 
     async def is_known():
-        return await notebook.run_new("print(shown.views)") == "1\n" and await page.evaluate(
+        return await notebook.run_new("print(len(shown._seen))") == "1\n" and await page.evaluate(
             "oldContext.isContextLost()"
         )
 

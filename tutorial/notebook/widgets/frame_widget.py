@@ -16,7 +16,10 @@ import traitlets
 from tutorial.handoff import CallQueue
 from tutorial.notebook.widgets.cell_widget import CellWidget, kernel_loop, parse_message
 
-__all__ = ["FrameWidget"]
+__all__ = ["Frame", "FrameWidget"]
+
+Frame = tuple[bytes, dict[str, Any]]
+"""What there is to see, binary, and what else there is to say of it, as JSON."""
 
 
 class _Words(msgspec.Struct):
@@ -56,13 +59,8 @@ class FrameWidget(CellWidget):
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.title!r})"
 
-    @property
-    def views(self) -> int:
-        """How many views of it are on pages that keep up."""
-        return len(self._seen)
-
-    def whole(self) -> tuple[bytes, dict[str, Any]]:
-        """All that there is to see, as the arguments of `send_frame`. Main thread."""
+    def whole(self) -> Frame:
+        """All that there is to see. Main thread."""
         raise NotImplementedError
 
     def send_frame(self, content: bytes, **fields: Any) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from tutorial.notebook.widgets.frame_widget import FrameWidget
+from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
 from tutorial.view.assets import read_static, zipped_viewer
 from tutorial.view.scene import Scene
 
@@ -39,7 +37,7 @@ class SceneView(FrameWidget):
         super().__init__(title)
         self.on_msg(self._on_request)
 
-    def whole(self) -> tuple[bytes, dict[str, Any]]:
+    def whole(self) -> Frame:
         """The scene."""
         return self.scene.snapshot(), {}
 
