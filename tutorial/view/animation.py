@@ -5,7 +5,6 @@ That is what meshcat calls an animation: of each object that moves, its poses an
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,38 +13,15 @@ import numpy as np
 
 from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
-__all__ = ["Frame", "animated"]
+__all__ = ["Animation"]
 
 
-@dataclass(frozen=True)
-class Frame:
-    """What a scene said at one time.
+class Animation:
+    """What a scene has shown so far: all that was drawn, and what became of it over time.
 
     Attributes:
-        time: of the run [s].
-        message: the scene's; empty where nothing changed.
-        joints: by "body joint", its position [rad], or [m] of one that slides.
+        lines: what stood below the view: (since when [s], text).
     """
-
-    time: float
-    message: bytes
-    joints: dict[str, float]
-
-
-def animated(frames: Iterable[Frame]) -> tuple[bytes, list[tuple[float, str]]]:
-    """Join the messages of frames, the earliest first, into one that shows all there ever was, and moves it.
-
-    Returns:
-        The message, and what stood below the view: (since when [s], text).
-    """
-    film = _Film()
-    for frame in frames:
-        film.add(frame)
-    return film.finish(), film.lines
-
-
-class _Film:
-    """The frames so far: a scene with all that was drawn, and what became of it over time."""
 
     def __init__(self) -> None:
         self.lines: list[tuple[float, str]] = []
@@ -55,19 +31,21 @@ class _Film:
         self._before = self._now = 0.0
         self._has_camera = False
 
-    def add(self, frame: Frame) -> None:
-        self._before, self._now = self._now, frame.time
-        for kind, payload in unpack_records(frame.message):
+    def add(self, time: float, message: bytes) -> None:
+        """Take what the scene said at a time of the run [s]; nothing where nothing changed. Times rise."""
+        self._before, self._now = self._now, time
+        for kind, payload in unpack_records(message):
             if kind is Record.COMMAND:
                 self._take(unpack_command(payload))
             elif kind is Record.LINE:
-                self.lines.append((round(frame.time, 3), payload.decode()))
+                self.lines.append((round(time, 3), payload.decode()))
             elif kind is Record.CAMERA and not self._has_camera:  # one looks from where one looked at first
                 self._has_camera = True
                 numbers = np.frombuffer(payload, "<f8").tolist()
                 self._scene.look_at(tuple(numbers[:3]), tuple(numbers[3:]))
 
     def finish(self) -> bytes:
+        """Return one message, which shows all there ever was, and moves it."""
         clips = [_clip(path, "run", _motion(track)) for path, track in self._poses.items() if len(track.times) > 1]
         clips += [_clip(path, "sight", _sight(track)) for path, track in self._sights.items() if len(track.times) > 1]
         self._scene.send_message({"type": "set_animation", "path": "", "animations": clips, "options": {"play": False}})
