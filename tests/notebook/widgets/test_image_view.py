@@ -64,15 +64,6 @@ async def test_who_is_slow_misses_pictures(sent):
     assert shown(sent) == [1, 8, 9]
 
 
-async def test_a_page_that_comes_later_sees_the_last_picture_also_when_the_view_has_ended(sent):
-    widget = image_view(TOPIC)
-    await comes(widget, picture(5))
-    widget.end()
-    widget.end()
-    await say(widget, "hello")
-    assert shown(sent) == [5]
-
-
 async def test_what_is_no_picture_is_said(sent):
     widget = image_view(TOPIC)
     await say(widget, "hello")

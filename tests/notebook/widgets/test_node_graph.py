@@ -71,7 +71,7 @@ def test_the_tutorials_chain_is_one_row():
     )
 
 
-def test_names_may_be_anything_shared_or_without_publishers_or_subscribers():
+def test_names_may_be_shared_and_topics_without_publishers_or_subscribers():
     root, alt = drawn(topology({"/tank": 2}, joint_state=("/tank", "/tank")))
     assert "2 nodes of one name" in places(root)
     assert len(list(root.iter(f"{SVG}ellipse"))) == 1
@@ -79,11 +79,6 @@ def test_names_may_be_anything_shared_or_without_publishers_or_subscribers():
     root, alt = drawn(topology("/a /b", heard=("", "/a"), said=("/b", "")))
     assert {"/heard", "/said"} <= places(root).keys()
     assert "/heard (50 Hz): from nobody to /a. /said (50 Hz): from /b to nobody." in alt
-    root, _ = drawn(topology("/<script>alert(1)</script> /a&b", x=("/a&b", "")))
-    assert not list(root.iter(f"{SVG}script"))
-    assert "/a&b" in places(root)
-    root, _ = drawn(topology("/\u202egpj /\x1b[2J /\ufffe"))
-    assert places(root).keys() == {r"/\u202egpj", r"/\x1b[2J", r"/\ufffe"}
     assert drawn(Topology())[1] == "there are no nodes yet"
 
 
