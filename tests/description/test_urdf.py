@@ -36,7 +36,7 @@ CURIOUS = """
         <geom type="sphere" size="0.05" mass="2"/>
         <body name="body_1" pos="0.1 0 0" euler="0 90 0">
           <joint type="ball"/>
-          <geom type="box" size="0.1 0.2 0.3" pos="0.1 0 0" euler="0 -90 0" contype="0" conaffinity="0"/>
+          <geom type="box" size="0.1 0.2 0.3" pos="0.1 0 0" euler="10 20 30" contype="0" conaffinity="0"/>
           <body name="HAND" pos="0 0.2 0"><joint axis="0 0 1"/><geom type="cylinder" size="0.05 0.1" group="3"/></body>
         </body>
       </body>
@@ -122,14 +122,20 @@ def described(tmp_path):
     return describe
 
 
-def assert_same_places(body, model, names):
-    """However the joints stand, each link is where MuJoCo has the body: to a micrometre and a microradian.
+def assert_same_robot(body, model, names):
+    """Each link has the body's mass and inertia, and is where that is, to a micrometre, however the joints stand.
 
     Args:
         body: as its model begins.
         model: of its description, whose world is where the body's root is.
         names: of the links, by MuJoCo's numbers of the bodies.
     """
+    own = body.model
+    for number, name in names.items():
+        found = model.body(name).id
+        assert model.body_mass[found] == pytest.approx(own.body_mass[number], rel=1e-9)
+        np.testing.assert_allclose(model.body_ipos[found], own.body_ipos[number], atol=1e-9)
+        np.testing.assert_allclose(inertia(model, found), inertia(own, number), rtol=1e-9, atol=1e-11)
     generator, data = np.random.default_rng(17), mujoco.MjData(model)
     root = pose(body.data.xpos[1], body.data.xquat[1])
     for _ in range(100):
@@ -160,21 +166,16 @@ def test_links_joints_masses_and_inertias_are_mujocos(file, links):
         assert model.joint(name).range == pytest.approx(ends)
     assert robot.links["base_link"].find("inertial") is None  # KDL knows no root that has one
     names = {i: own.body(i).name.removeprefix("Robot/") for i in range(1, own.nbody)}
-    for number, name in names.items():
-        found = model.body(name).id
-        assert model.body_mass[found] == pytest.approx(own.body_mass[number], rel=1e-9)
-        np.testing.assert_allclose(model.body_ipos[found], own.body_ipos[number], atol=1e-9)
-        np.testing.assert_allclose(inertia(model, found), inertia(own, number), rtol=1e-9, atol=1e-11)
     if file == "tank":
         body.orientation_wxyz = 0.5, 0.5, -0.5, 0.5  # it lies on its side
         body.calc_forward_kinematics()
-    assert_same_places(body, model, names)
+    assert_same_robot(body, model, names)
 
 
 def test_every_link_of_a_curious_model_is_where_mujoco_has_it(described):
     body, robot = described(CURIOUS)
     names = {1: "body_1_", 2: "base_link_", 3: "body_1", 4: "HAND", 7: "POST"}
-    assert_same_places(body, robot.read(), names)
+    assert_same_robot(body, robot.read(), names)
     assert {"LOST", "WITH_IT"}.isdisjoint(robot.links)
 
 
