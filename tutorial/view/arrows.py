@@ -1,4 +1,4 @@
-"""What a body's inertial sensors say: arrows in the scene that follow the body, and numbers for the table below it."""
+"""What inertial sensors measure: arrows in the scene that follow the body, and numbers for the table below it."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ LONGEST = 1.0
 """No arrow is longer [m], whatever is published."""
 
 LARGEST = 1e6
-"""What is larger is written as that, so that the table stays small."""
+"""Larger numbers are written as this one, so that the table stays small."""
 
 SMOOTHNESS = 0.7
-"""What remains of the difference between what is shown and what was measured from one frame to the next."""
+"""How much of the difference between what is shown and what was measured remains after a frame."""
 
 UNSEEN = 1e-3
-"""How large an arrow is drawn that is not to be seen: a matrix has to have an inverse."""
+"""The scale of a hidden arrow. It is not 0, because a matrix has to have an inverse."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class Arrow:
         yield {"type": "set_transform", "path": self._path, "matrix": matrix}
 
     def reading(self) -> tuple[str, ...]:
-        """Say what was measured: what it is, x, y, z, unit and legend. Where nothing was, it is empty."""
+        """Return what was measured: its name, x, y, z, unit and legend. Empty if nothing was."""
         if not self._measured.any():
             return ()
         numbers = (f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))

@@ -108,10 +108,10 @@ class View:
                 arrow.aim(data)
 
     def readings(self, name: str) -> list[tuple[str, ...]]:
-        """Say in numbers what the arrows of something show, as rows of a table; none where nothing was measured.
+        """Return in numbers what the arrows of a body show, as rows of a table; none where nothing was measured.
 
         Returns:
-            Rows of whose it is, what it is, x, y, z, unit and legend.
+            Rows of the body, what was measured, x, y, z, unit and legend.
         """
         return [(name, *reading) for arrow in self._bodies[name].arrows if (reading := arrow.reading())]
 
@@ -120,7 +120,7 @@ class View:
 
         Args:
             name: as given to `add`.
-            joints: those that nothing was heard of for a while; in the model they are called ``name/joint``.
+            joints: those of which no message has come for a while; in the model they are called ``name/joint``.
 
         Raises:
             WrongThreadError: called on another thread than the scene's.
@@ -153,7 +153,7 @@ class View:
         self._set("/Grid", "scale", [extent / GRID] * 3)
 
     def line(self, text: str, readings: Iterable[tuple[str, ...]] = ()) -> None:
-        """Say one line under the view, and what `readings` gave for a table below it: see `Scene.line`.
+        """Write one line under the view, and the rows of `readings` as a table below it: see `Scene.line`.
 
         Raises:
             WrongThreadError: called on another thread than the scene's.
@@ -162,7 +162,7 @@ class View:
         self._scene.line(text, [HEAD, *rows] if rows else ())
 
     def flush(self) -> None:
-        """Let what was drawn be seen: one message, if anything has changed.
+        """Show what was drawn: one message, if anything has changed.
 
         Raises:
             WrongThreadError: called on another thread than the scene's.
@@ -174,7 +174,7 @@ class View:
         self._scene.flush()
 
     def _show_grid_without_floor(self) -> None:
-        """The grid is there as long as no floor is drawn."""
+        """Show the grid as long as no floor is drawn."""
         has_floor = any(FLOOR in body.model.geom_type for body in self._bodies.values())
         self._set("/Grid", "visible", not has_floor)
 

@@ -100,7 +100,7 @@ class ReplayRecorder:
         scene: what to watch, from now on.
         seconds: says how long the run has taken so far [s].
         joints: says where the joints are: positions [rad], or [m], by "body joint".
-        longest_pause: a longer time in which nothing moves counts so much [s].
+        longest_pause: a longer time in which nothing moves is shortened to this [s].
     """
 
     def __init__(
@@ -161,7 +161,7 @@ def recorded(
         title: of the page.
         seconds: says what time the scene shows [s].
         joints: says where the joints are: positions [rad], or [m], by "body joint".
-        longest_pause: a longer time in which nothing moves counts so much [s].
+        longest_pause: a longer time in which nothing moves is shortened to this [s].
 
     Raises:
         TutorialError: the file cannot be written; this is found out before the run.

@@ -27,13 +27,13 @@ __all__ = ["SceneServer"]
 
 ADDRESS = "127.0.0.1"
 PORTS = range(7000, 7100)
-"""Of these the first that is free is taken."""
+"""The first free one is taken."""
 
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
     "worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'"
 )
-"""The page asks nothing but its own origin, and the browser sees to it."""
+"""The browser lets the page load from its own origin only."""
 
 BACKLOG = 1 << 18
 """What the system holds for one browser [bytes]. One that is further behind misses frames."""
@@ -49,7 +49,7 @@ LARGEST_BODY = 1024
 class SceneServer(AbstractAsyncContextManager["SceneServer"]):
     """A page that shows a scene, on this machine only, as long as an ``async with`` block runs.
 
-    It belongs to the scene's thread. Leaving the block says goodbye to the browsers and frees the port.
+    It belongs to the scene's thread. Leaving the block closes the connections to the browsers and frees the port.
 
     Args:
         scene: what to show.
@@ -131,7 +131,7 @@ class _Browser(WebSocketHandler):
         self.is_behind = False
 
     def open(self, *_args: str, **_kwargs: str) -> None:
-        if self._stream.closed():  # hung up already
+        if self._stream.closed():  # the page has gone already
             return
         self.set_nodelay(True)
         self._stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BACKLOG)
@@ -140,7 +140,7 @@ class _Browser(WebSocketHandler):
         self.scene.attach(self.show)
 
     def on_message(self, message: str | bytes) -> None:
-        """The page has nothing to say."""
+        """Ignore it: the page sends nothing."""
 
     def on_close(self) -> None:
         self.browsers.discard(self)
@@ -154,7 +154,7 @@ class _Browser(WebSocketHandler):
             self._send(message)
 
     def leave(self) -> None:
-        """Say goodbye and hang up, whether the other side listens or not."""
+        """Close the connection, also if the other side does not answer."""
         self.on_close()
         stream = self._stream
         self.close(1001, "the program has ended")

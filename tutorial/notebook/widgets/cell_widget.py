@@ -48,7 +48,7 @@ class CellWidget(anywidget.AnyWidget):
     """A widget that can be ended and closed, both twice, and whose text is the same in every run.
 
     Attributes:
-        ended: whether what is behind it has gone. What it showed last stays on the page, and the page says so.
+        ended: whether it is ended. What it showed last stays on the page, and the page says so.
     """
 
     ended = traitlets.Bool(False).tag(sync=True)

@@ -30,7 +30,7 @@ class Curve(NamedTuple):
     """A curve, and what is said of it.
 
     Attributes:
-        points: x and y, in the order of their x. It is broken where y is no finite number.
+        points: x and y, in the order of their x. The curve is interrupted where y is not finite.
         value: in words.
     """
 
@@ -140,7 +140,7 @@ def tick_text(value: float, step: float) -> str:
 
 
 def thin(points: Sequence[Point], most: int) -> Sequence[Point]:
-    """Leave out points that no eye would miss: of each stretch, the least and the greatest stay.
+    """Leave out points that nobody would see: of each stretch, the least and the greatest stay.
 
     Args:
         points: in the order of their x.

@@ -22,7 +22,7 @@ PATIENCE = 0.5
 
 
 class _Sticks(Struct, tag="sticks"):
-    """What a page says that the hands do."""
+    """What a page says of its sticks."""
 
     axes: tuple[float, ...] = NEUTRAL
     buttons: tuple[int, ...] = (0,) * 15
@@ -75,7 +75,7 @@ class Joystick(NodeWidget):
         return _Sticks() if is_old or self.ended else held
 
     def _publish(self) -> None:
-        """Publish what the hands do now: on the node's thread, and once more in the end, on the main thread."""
+        """Publish the sticks as they are now: on the node's thread, and once more in the end, on the main thread."""
         with self._publishing:  # so that the last message is the neutral one
             held = self._now()
             self._publisher.publish(joy_message(self._node, held.axes, held.buttons))

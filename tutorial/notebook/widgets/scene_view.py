@@ -12,8 +12,8 @@ __all__ = ["SceneView"]
 class SceneView(FrameWidget):
     """Shows a scene in a notebook's cell, as often as it is displayed, on every page that has the notebook open.
 
-    Make it in a cell, on the main thread: it belongs to the thread of the scene. A page that comes to look is answered
-    when that thread is free; those who look already see at once what a busy cell flushes.
+    Make it in a cell, on the main thread: it belongs to the thread of the scene. A page that opens the view is answered
+    when that thread is free; pages that show it already see at once what a busy cell flushes.
 
     Args:
         scene: what to show.
