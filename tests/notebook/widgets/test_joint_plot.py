@@ -6,7 +6,6 @@ import asyncio
 import math
 import threading
 from collections import deque
-from xml.etree import ElementTree
 
 import pytest
 from hypothesis import given
@@ -17,7 +16,8 @@ from tutorial.notebook import close_all, joint_plot, open_node, until
 from tutorial.notebook.widgets.chart import HEIGHT, WIDTH
 from tutorial.notebook.widgets.joint_plot import JointPlot, _add, _picture
 
-SVG = "{http://www.w3.org/2000/svg}"
+from .pages import parsed
+
 TOPIC = "/Tank/joint_state"
 
 
@@ -34,16 +34,16 @@ def plot(*messages: JointState):
     for message in messages:
         _add(samples, message)
     svg, alt = _picture(TOPIC, samples)
-    return ElementTree.fromstring(svg), alt
+    return parsed(svg), alt
 
 
 def curves(root) -> list[list[tuple[float, float]]]:
-    texts = [polyline.get("points") for polyline in root.iter(f"{SVG}polyline")]
+    texts = [polyline.get("points") for polyline in root.iter("polyline")]
     return [[tuple(map(float, point.split(","))) for point in text.split()] for text in texts]
 
 
 def texts(root) -> list[str]:
-    return [element.text for element in root.iter(f"{SVG}text")]
+    return [element.text for element in root.iter("text")]
 
 
 def test_each_joint_has_a_curve_and_a_name():

@@ -1,13 +1,11 @@
 // meshcat's viewer in a part of a page that has others: in a notebook's cell, or in a page that plays a run again.
-// scene.js stands before this text in the same script.
+// make.js and scene.js stand before this text in the same script.
 
 const TURN = Math.PI / 36, ZOOM = 1.1;  // a key press
 const KEYS = {
   ArrowLeft: [-TURN, 0, 1], ArrowRight: [TURN, 0, 1], ArrowUp: [0, -TURN, 1], ArrowDown: [0, TURN, 1],
   "+": [0, 0, 1 / ZOOM], "=": [0, 0, 1 / ZOOM], "-": [0, 0, ZOOM], "_": [0, 0, ZOOM],
 };
-const noGraphics = ({message}) =>
-  ["This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. It says: ${message}`];
 const TAKEN = ["The browser has taken the 3D graphics away.", "It does so when a page has too many. Reload the page."];
 
 /** meshcat's viewer, a script that the whole page needs once, whoever gets it first. */
