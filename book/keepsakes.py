@@ -98,8 +98,9 @@ class _Kept:
                 self._drawn[number] = len(picture.svg)
                 self._write(number, PICTURE.format(alt=html.escape(picture.alt), svg=picture.svg))
         for number, view in self._image_views.items():
-            if view.newest.pixels:
-                image = base64.b64encode(png(view.newest)).decode()
+            pixels, fields = view.newest
+            if pixels:
+                image = base64.b64encode(png(pixels, fields["width"], fields["height"])).decode()
                 self._write(number, IMAGE.format(alt=html.escape(f"what came on {view.title}"), image=image))
 
     def _write(self, number: int, text: str) -> None:
@@ -127,11 +128,11 @@ def _after(kind: type, name: str, call: Any) -> None:
     setattr(kind, name, both)
 
 
-def png(frame: Any) -> bytes:
-    """Make a PNG file of a frame of an `ImageView` in colour."""
-    row = 3 * frame.width
-    lines = b"".join(b"\0" + frame.pixels[i : i + row] for i in range(0, row * frame.height, row))
-    head = struct.pack(">IIBBBBB", frame.width, frame.height, 8, 2, 0, 0, 0)  # 8 bits each of red, green and blue
+def png(pixels: bytes, width: int, height: int) -> bytes:
+    """Make a PNG file of a picture in colour: three bytes for each pixel, row by row from the top."""
+    row = 3 * width
+    lines = b"".join(b"\0" + pixels[i : i + row] for i in range(0, row * height, row))
+    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)  # 8 bits each of red, green and blue
     chunks = ((b"IHDR", head), (b"IDAT", zlib.compress(lines, 9)), (b"IEND", b""))
     packed = (struct.pack(">I", len(c)) + k + c + struct.pack(">I", zlib.crc32(k + c)) for k, c in chunks)
     return b"\x89PNG\r\n\x1a\n" + b"".join(packed)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 import re
 import sys
@@ -22,7 +21,6 @@ __all__ = [
     "mujoco_warns",
     "printable",
     "printable_lines",
-    "running_loop",
     "tell",
     "where",
 ]
@@ -101,21 +99,6 @@ def file_of(written: type) -> str:
     """Return the file, or the notebook's cell, that a class is written in; empty for one without methods."""
     codes = (getattr(attribute, "__code__", None) for attribute in vars(written).values())
     return next((code.co_filename for code in codes if code is not None), "")
-
-
-def running_loop(otherwise: str) -> asyncio.AbstractEventLoop:
-    """Return the event loop that runs on this thread: the main thread's.
-
-    Args:
-        otherwise: what the error says where none runs.
-
-    Raises:
-        TutorialError: none runs.
-    """
-    try:
-        return asyncio.get_running_loop()
-    except RuntimeError:
-        raise TutorialError(otherwise) from None
 
 
 def tell(error: BaseException, file: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from datetime import datetime
 from types import SimpleNamespace
 
 import pytest
@@ -81,24 +82,13 @@ def test_when_the_disk_is_full_nothing_piles_up(recorder, monkeypatch):
     recorder.unconfigure()
 
 
-class Moment(str):
-    """A clock that has stopped, in place of `datetime`."""
-
-    __slots__ = ()
-
-    def now(self):
-        return self
-
-    def __format__(self, spec):
-        assert spec == "%Y_%m_%d-%H_%M_%S"
-        return str(self)
-
-
-def test_a_bag_that_is_there_is_not_overwritten(recorder, monkeypatch):
-    recorder.unconfigure()
-    moment = Moment(recorder.bag.path.name.removeprefix("rosbag2_"))
-    monkeypatch.setattr("tutorial.controllers.bag_recorder.datetime", moment)
+def test_a_bag_that_is_there_is_not_overwritten(tmp_path, monkeypatch):
+    monkeypatch.setattr(BagRecorder, "folder", tmp_path)
+    stopped = SimpleNamespace(now=lambda: datetime(2026, 1, 2))
+    monkeypatch.setattr("tutorial.controllers.bag_recorder.datetime", stopped)
+    configured(Silent()).unconfigure()
     node = Silent()
     with pytest.raises(WriterError, match="exists already"):
         configured(node)
     assert node.topics == []
+    assert [path.name for path in tmp_path.iterdir()] == ["rosbag2_2026_01_02-00_00_00"]

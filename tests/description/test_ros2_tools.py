@@ -17,7 +17,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from domains import reserved_domain
-from forward_kinematics import is_at, matrix_of, rotation_of
 from programs import PATIENCE, until
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.time import Time
@@ -26,6 +25,7 @@ from tf2_msgs.msg import TFMessage
 
 from tutorial.body import Body
 from tutorial.controllers.robot_description_publisher import RobotDescriptionPublisher
+from tutorial.description.poses import pose
 from tutorial.description.urdf import robot_description
 from tutorial.paths import HOME
 from tutorial.ros.node_thread import NodeThread
@@ -104,7 +104,7 @@ class Transforms:
 
     def pose(self, frame, stamp):
         """Where a frame is in the root of its tree, 4 x 4; None while that is not known."""
-        found = matrix_of()
+        found = np.eye(4)
         known = {**self.fixed, **self.moving.get(stamp, {})}
         while not frame.endswith("/base_link"):
             if frame not in known:
@@ -116,8 +116,8 @@ class Transforms:
 
 def read(transform):
     place, turned = transform.transform.translation, transform.transform.rotation
-    rotation = rotation_of(turned.w, turned.x, turned.y, turned.z)
-    return transform.header.frame_id, matrix_of(rotation, (place.x, place.y, place.z))
+    wxyz = turned.w, turned.x, turned.y, turned.z
+    return transform.header.frame_id, pose((place.x, place.y, place.z), wxyz)
 
 
 def test_check_urdf_has_nothing_to_say_against_it(bodies, environment, tmp_path):
@@ -181,8 +181,9 @@ def publish(publisher, body, generator, stamp):
 
 def assert_same_places(transforms, body, stamp):
     model, data = body.model, body.data
-    root = matrix_of(data.xmat[1].reshape(3, 3), data.xpos[1])
+    root = pose(data.xpos[1], data.xquat[1])
     for number in range(1, model.nbody):
         frame = model.body(number).name
         until(lambda f=frame: transforms.pose(f, stamp) is not None, f"a transform of {frame}")
-        assert is_at(root @ transforms.pose(frame, stamp), data, number), frame
+        expected = pose(data.xpos[number], data.xquat[number])
+        np.testing.assert_allclose(root @ transforms.pose(frame, stamp), expected, atol=1e-6, err_msg=frame)

@@ -1,7 +1,8 @@
-"""The robot description: another reading of it puts every link where MuJoCo has it."""
+"""The robot description: MuJoCo, which reads URDF, too, makes of it the model that it was made from."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -9,9 +10,9 @@ import mujoco
 import numpy as np
 import pytest
 import yaml
-from forward_kinematics import Robot, is_at, matrix_of, rotation_of
 
 from tutorial.body import Body
+from tutorial.description.poses import pose
 from tutorial.description.urdf import robot_description
 from tutorial.paths import HOME
 from tutorial.world import Placement
@@ -35,7 +36,7 @@ CURIOUS = """
         <geom type="sphere" size="0.05" mass="2"/>
         <body name="body_1" pos="0.1 0 0" euler="0 90 0">
           <joint type="ball"/>
-          <geom type="box" size="0.1 0.2 0.3" pos="0.1 0 0" euler="0 -90 0" contype="0" conaffinity="0"/>
+          <geom type="box" size="0.1 0.2 0.3" pos="0.1 0 0" euler="10 20 30" contype="0" conaffinity="0"/>
           <body name="HAND" pos="0 0.2 0"><joint axis="0 0 1"/><geom type="cylinder" size="0.05 0.1" group="3"/></body>
         </body>
       </body>
@@ -70,6 +71,40 @@ LIMITED = """
 """
 
 
+COMPILER = """
+<mujoco><compiler
+  angle="radian" fusestatic="false" discardvisual="false" strippath="false" boundmass="1e-9" boundinertia="1e-12"
+/></mujoco>
+</robot>"""
+"""Has MuJoCo keep each link, also one without a mass, and each shape."""
+
+
+class Robot:
+    """A URDF document.
+
+    Attributes:
+        text: as given.
+        links: the elements by name.
+        joints: likewise.
+        comment: the first one, or None.
+    """
+
+    def __init__(self, text):
+        builder = ElementTree.TreeBuilder(insert_comments=True)
+        robot = ElementTree.fromstring(text, ElementTree.XMLParser(target=builder))
+        self.text = text
+        self.links = {link.get("name"): link for link in robot.findall("link")}
+        self.joints = {joint.get("name"): joint for joint in robot.findall("joint")}
+        self.comment = next((each.text for each in robot if each.tag is ElementTree.Comment), None)
+        assert len(self.links) == len(robot.findall("link"))
+        assert len(self.joints) == len(robot.findall("joint"))
+
+    def read(self):
+        """What MuJoCo makes of it. The names of its shapes, which need not differ in URDF, are left out."""
+        text = re.sub(r'<(visual|collision) name="[^"]*"', r"<\1", self.text)
+        return mujoco.MjModel.from_xml_string(text.replace("</robot>", COMPILER))
+
+
 def body_of(model, name="Robot"):
     return Body.displayed(Placement(name, Path(model), position=(1.0, -2.0, 0.5)))
 
@@ -87,58 +122,60 @@ def described(tmp_path):
     return describe
 
 
-def move(body, generator):
-    """Put every joint somewhere within its range, at most four turns [rad] or metres from 0."""
-    positions = {}
-    for name, (lower, upper) in body.joint_ranges.items():
-        positions[name] = float(generator.uniform(max(lower, -25.0), min(upper, 25.0)))
-    body.set_joint_positions(positions)
-    body.calc_forward_kinematics()
-    return positions
+def assert_same_robot(body, model, names):
+    """Each link has the body's mass and inertia, and is where that is, to a micrometre, however the joints stand.
 
-
-def assert_same_places(body, robot, positions, names):
-    """Each link is where MuJoCo has the body, as seen from the root: to a micrometre and a microradian."""
-    found, root = robot.link_poses(positions), 1
-    base = matrix_of(rotation_of(*body.model.body_quat[root]), body.model.body_pos[root])
-    if body.model.body(root).jntnum and body.model.jnt_type[body.model.body_jntadr[root]] == mujoco.mjtJoint.mjJNT_FREE:
-        base = matrix_of(body.data.xmat[root].reshape(3, 3), body.data.xpos[root])
+    Args:
+        body: as its model begins.
+        model: of its description, whose world is where the body's root is.
+        names: of the links, by MuJoCo's numbers of the bodies.
+    """
+    own = body.model
     for number, name in names.items():
-        assert is_at(base @ found[name], body.data, number), name
-
-
-def plain_names(body):
-    return {i: body.model.body(i).name.removeprefix(f"{body.name}/") for i in range(1, body.model.nbody)}
-
-
-@pytest.mark.parametrize(("model", "links"), [("tank", 17), ("crane", 5)])
-def test_links_joints_masses_and_inertias_are_mujocos(model, links):
-    body, generator = body_of(MODELS / f"{model}.xml"), np.random.default_rng(17)
-    robot = Robot(robot_description(body))
-    assert len(robot.links) == links
-    assert [name for name, joint in robot.joints.items() if joint.get("type") != "fixed"] == list(body.joint_names)
-    for name, ends in body.joint_ranges.items():
-        limit = robot.joints[name].find("limit")
-        assert (float(limit.get("lower")), float(limit.get("upper"))) == pytest.approx(ends)
-    assert robot.links["base_link"].find("inertial") is None  # KDL knows no root that has one
-    for number, name in plain_names(body).items():
-        inertial = robot.links[name].find("inertial")
-        assert float(inertial.find("mass").get("value")) == pytest.approx(body.model.body_mass[number], rel=1e-9)
-        np.testing.assert_allclose(robot.center_of_mass(name), body.model.body_ipos[number], atol=1e-9)
-        axes = rotation_of(*body.model.body_iquat[number])
-        expected = axes @ np.diag(body.model.body_inertia[number]) @ axes.T
-        np.testing.assert_allclose(robot.inertia(name), expected, rtol=1e-9, atol=1e-11)
-    body.qpos[3:7] = body.qpos[3:7] if model == "crane" else (0.5, 0.5, -0.5, 0.5)  # the tank lies on its side
+        found = model.body(name).id
+        assert model.body_mass[found] == pytest.approx(own.body_mass[number], rel=1e-9)
+        np.testing.assert_allclose(model.body_ipos[found], own.body_ipos[number], atol=1e-9)
+        np.testing.assert_allclose(inertia(model, found), inertia(own, number), rtol=1e-9, atol=1e-11)
+    generator, data = np.random.default_rng(17), mujoco.MjData(model)
+    root = pose(body.data.xpos[1], body.data.xquat[1])
     for _ in range(100):
-        assert_same_places(body, robot, move(body, generator), plain_names(body))
+        for name, (lower, upper) in body.joint_ranges.items():  # at most four turns [rad] or metres from 0
+            position = float(generator.uniform(max(lower, -25.0), min(upper, 25.0)))
+            data.joint(name).qpos = body.joint(name).position = position
+        body.calc_forward_kinematics()
+        mujoco.mj_kinematics(model, data)
+        for number, name in names.items():
+            found = root @ pose(data.body(name).xpos, data.body(name).xquat)
+            np.testing.assert_allclose(found, pose(body.data.xpos[number], body.data.xquat[number]), atol=1e-6)
+
+
+def inertia(model, number):
+    """About the centre of mass, along the link's axes, 3 x 3 [kg.m^2]."""
+    axes = pose((0, 0, 0), model.body_iquat[number])[:3, :3]
+    return axes @ np.diag(model.body_inertia[number]) @ axes.T
+
+
+@pytest.mark.parametrize(("file", "links"), [("tank", 17), ("crane", 5)])
+def test_links_joints_masses_and_inertias_are_mujocos(file, links):
+    body = body_of(MODELS / f"{file}.xml")
+    robot = Robot(robot_description(body))
+    model, own = robot.read(), body.model
+    assert len(robot.links) == links
+    assert [model.joint(number).name for number in range(model.njnt)] == list(body.joint_names)
+    for name, ends in body.joint_ranges.items():
+        assert model.joint(name).range == pytest.approx(ends)
+    assert robot.links["base_link"].find("inertial") is None  # KDL knows no root that has one
+    names = {i: own.body(i).name.removeprefix("Robot/") for i in range(1, own.nbody)}
+    if file == "tank":
+        body.orientation_wxyz = 0.5, 0.5, -0.5, 0.5  # it lies on its side
+        body.calc_forward_kinematics()
+    assert_same_robot(body, model, names)
 
 
 def test_every_link_of_a_curious_model_is_where_mujoco_has_it(described):
     body, robot = described(CURIOUS)
     names = {1: "body_1_", 2: "base_link_", 3: "body_1", 4: "HAND", 7: "POST"}
-    generator = np.random.default_rng(17)
-    for _ in range(100):
-        assert_same_places(body, robot, move(body, generator), names)
+    assert_same_robot(body, robot.read(), names)
     assert {"LOST", "WITH_IT"}.isdisjoint(robot.links)
 
 
@@ -176,21 +213,30 @@ def test_a_limit_says_what_the_actuators_can_do(described):
     assert robot.joints["B"].find("dynamics") is None
 
 
-def shapes(link, tag):
-    """Name the shapes of a link, with their attributes."""
-    return [(each[0].tag, each[0].attrib) for each in link.findall(f"{tag}/geometry")]
+COLLISION, VISUAL = 0, 1  # MuJoCo's groups of what it reads from URDF
+
+
+def shapes(model, link, group):
+    """Name the shapes of a link, with MuJoCo's sizes and their places [m]."""
+    mine = np.flatnonzero((model.geom_bodyid == model.body(link).id) & (model.geom_group == group)).tolist()
+    return [
+        (
+            mujoco.mjtGeom(model.geom_type[geom]).name,
+            model.geom_size[geom].round(9).tolist(),
+            *model.geom_pos[geom].round(9),
+        )
+        for geom in mine
+    ]
 
 
 def test_what_is_seen_and_what_touches(described):
-    _, robot = described(CURIOUS)
-    capsule = [("cylinder", {"radius": "0.02", "length": "0.2"}), *[("sphere", {"radius": "0.02"})] * 2]
-    assert shapes(robot.links["body_1_"], "visual") == shapes(robot.links["body_1_"], "collision") == capsule
-    places = np.array([robot.origin(each)[:3, 3] for each in robot.links["body_1_"].findall("visual")])
-    np.testing.assert_allclose(places, [(0, 0, 0), (0.1, 0, 0), (-0.1, 0, 0)], atol=1e-9)
-    assert shapes(robot.links["body_1"], "visual") == [("box", {"size": "0.2 0.4 0.6"})]
-    assert shapes(robot.links["body_1"], "collision") == []
-    assert shapes(robot.links["HAND"], "visual") == []
-    assert shapes(robot.links["HAND"], "collision") == [("cylinder", {"radius": "0.05", "length": "0.2"})]
+    model = described(CURIOUS)[1].read()
+    ball = ("mjGEOM_SPHERE", [0.02, 0, 0])
+    capsule = [("mjGEOM_CYLINDER", [0.02, 0.1, 0], 0, 0, 0), (*ball, 0.1, 0, 0), (*ball, -0.1, 0, 0)]
+    assert shapes(model, "body_1_", VISUAL) == shapes(model, "body_1_", COLLISION) == capsule
+    assert shapes(model, "body_1", VISUAL) == [("mjGEOM_BOX", [0.1, 0.2, 0.3], 0.1, 0, 0)]
+    assert shapes(model, "body_1", COLLISION) == shapes(model, "HAND", VISUAL) == []
+    assert shapes(model, "HAND", COLLISION) == [("mjGEOM_CYLINDER", [0.05, 0.1, 0], 0, 0, 0)]
 
 
 def test_colours_are_those_of_the_material_or_the_geoms_own(described):
@@ -214,13 +260,17 @@ def test_a_mesh_is_the_models_file_where_mujoco_has_it(described, tmp_path):
           </body></worldbody>
         </mujoco>""")
     assert robot.comment == " Other than in the MuJoCo model are mesh shapes (1) "
-    (visual,) = robot.links["M"].findall("visual")
-    mesh = visual.find("geometry/mesh")
-    assert mesh.attrib == {"filename": (tmp_path / "a mesh.obj").as_uri(), "scale": "2 -1 1"}
-    corners = np.array([(0, 0, 0, 1), (2, 0, 0, 1), (0, -1, 0, 1), (0, 0, 1, 1)], dtype=float)
-    model = body.model
-    expected = model.mesh_vert[:4] @ rotation_of(*model.geom_quat[0]).T + model.geom_pos[0]
-    np.testing.assert_allclose((robot.origin(visual) @ corners.T).T[:, :3], expected, atol=1e-6)
+    (mesh,) = robot.links["M"].findall("visual/geometry/mesh")
+    uri = (tmp_path / "a mesh.obj").as_uri()
+    assert mesh.attrib == {"filename": uri, "scale": "2 -1 1"}
+    robot.text = robot.text.replace(uri, str(tmp_path / "a mesh.obj"))  # MuJoCo reads no addresses
+    np.testing.assert_allclose(corners(robot.read()), corners(body.model), atol=1e-6)
+
+
+def corners(model):
+    """Of the mesh that the first geom is, as its body sees it; the least come first."""
+    turned = pose((0, 0, 0), model.geom_quat[0])[:3, :3]
+    return sorted((model.mesh_vert[:4] @ turned.T + model.geom_pos[0]).round(7).tolist())
 
 
 def test_names_may_have_any_characters(described):

@@ -110,3 +110,20 @@ def red_spot(picture: np.ndarray) -> tuple[float, float] | None:
     red, green, blue = np.moveaxis(picture, -1, 0)
     rows, columns = np.nonzero((red > 90) & (red > 2.5 * green) & (red > 2.5 * blue))
     return None if len(rows) < 20 else (float(columns.mean()), float(rows.mean()))
+
+
+DISTANCE = 4.0  # [m] of a red box from a camera that looks along y, level with it
+HALF_ANGLE = 0.46630765815  # tan(50 degrees / 2)
+
+
+async def red_is_at(page: Page, selector: str, x: float, z: float) -> None:
+    """Wait until a red box is so far right of an element's middle, and above it [m], to 5 % of its height."""
+
+    async def is_there() -> bool:
+        picture = await pixels(page, selector)
+        height, width, _ = picture.shape
+        scale = height / 2 / HALF_ANGLE / DISTANCE  # pixels per metre, at the box's middle
+        spot, expected = red_spot(picture), (width / 2 + scale * x, height / 2 - scale * z)
+        return spot is not None and np.abs(np.subtract(spot, expected)).max() < 0.05 * height
+
+    await until(is_there, f"{selector} shows the box at {x}, {z}")

@@ -10,7 +10,7 @@ from scenes import commands
 
 from tutorial.body import Body
 from tutorial.paths import HOME
-from tutorial.view.animation import Frame, animated
+from tutorial.view.animation import Animation
 from tutorial.view.bodies import View
 from tutorial.view.scene import Scene
 from tutorial.view.shapes import draw_arrow
@@ -125,11 +125,12 @@ def test_an_arrow_is_a_metre_long_along_its_z_and_of_the_colour_that_is_said():
 
 def test_a_replay_has_its_length(stage):
     stage.measure((10.0, 0.0, 9.80665))
-    before = b"".join(stage.messages)
+    animation = Animation()
+    animation.add(0.0, b"".join(stage.messages))
     stage.messages.clear()
     stage.measure(frames=3)
-    film = animated([Frame(0.0, before, {}), Frame(1.0, b"".join(stage.messages), {})])
-    clips = {each["path"]: each["clip"] for each in commands(film)[-1]["animations"]}
+    animation.add(1.0, b"".join(stage.messages))
+    clips = {each["path"]: each["clip"] for each in commands(animation.finish())[-1]["animations"]}
     scales = next(track["values"] for track in clips[RED]["tracks"] if track["name"] == ".scale")
     lengths = scales.reshape(-1, 3)[:, 2]
     assert lengths[0] == pytest.approx(0.05 * 3.0, rel=1e-3)

@@ -26,40 +26,27 @@ FALLING = """
 
 
 class Eye:
-    """Keeps what a scene shows, by path."""
+    """What a scene shows, by path: objects of bodies, transforms, properties; and in how many messages.
+
+    Attributes:
+        moved: the paths of the transforms of the last message.
+    """
 
     def __init__(self, scene):
-        self.messages = []
-        self.moved = []
-        self.objects = {}
-        self.transforms = {}
-        self.properties = {}
+        self.messages, self.objects, self.transforms, self.properties = 0, {}, {}, {}
         self.read(scene.snapshot())
         scene.attach(self.read)
 
     def read(self, message):
-        self.messages.append(message)
-        self.moved.clear()
-        for command in commands(message):
-            getattr(self, command["type"])(command)
-
-    def set_object(self, command):
-        self.objects[command["path"]] = command["object"]
-
-    def set_transform(self, command):
-        self.moved.append(command["path"])
-        self.transforms[command["path"]] = np.reshape(command["matrix"], (4, 4)).T
-
-    def set_property(self, command):
-        self.properties[command["path"], command["property"]] = command["value"]
-
-    def delete(self, command):
-        for path in [path for path in self.objects if path.startswith(command["path"] + "/")]:
-            del self.objects[path]
-
-    def drawn(self):
-        """The bodies' objects, without the lights."""
-        return {path: drawing for path, drawing in self.objects.items() if path.startswith("/Bodies/")}
+        self.messages += 1
+        every = commands(message)
+        self.objects |= {
+            each["path"]: each["object"] for each in every if each["path"].startswith("/Bodies/") and "object" in each
+        }
+        self.properties |= {(each["path"], each["property"]): each["value"] for each in every if "property" in each}
+        poses = {each["path"]: np.reshape(each["matrix"], (4, 4)).T for each in every if "matrix" in each}
+        self.moved = list(poses)
+        self.transforms |= poses
 
 
 def drawn(**models):
@@ -67,9 +54,7 @@ def drawn(**models):
     view = View(scene := Scene())
     for name, model in models.items():
         view.add(name, model)
-    eye = Eye(scene)
-    view.flush()
-    return view, eye
+    return view, Eye(scene)
 
 
 def model_of(geom, assets=""):
@@ -83,7 +68,7 @@ SPHERE = model_of('<geom name="g" type="sphere" size="1"/>')
 def drawing_of(geom, assets=""):
     """The (geometry, material, 4 x 4 pose in the body) that one geom is drawn with."""
     _, eye = drawn(x=model_of(geom, assets))
-    [drawing] = eye.drawn().values()
+    [drawing] = eye.objects.values()
     [geometry], [material] = drawing["geometries"], drawing["materials"]
     assert drawing["object"]["geometry"] == geometry["uuid"]
     assert drawing["object"]["material"] == material["uuid"]
@@ -168,7 +153,7 @@ def test_the_colour_is_the_one_that_mujoco_shows(look, assets, expected):
 @pytest.mark.parametrize("look", ['group="3"', 'rgba="1 0 0 0"'])
 def test_what_is_not_to_be_seen_is_not_drawn(look):
     _, eye = drawn(x=model_of(f'<geom type="sphere" size="1" {look}/>'))
-    assert eye.drawn() == {}
+    assert eye.objects == {}
 
 
 BALL, FLOOR, STILL = (f"/Bodies/world/{part}" for part in ("Tank.ball", "world", "Tank.still"))
@@ -183,7 +168,7 @@ def falling():
 
 def test_what_was_only_added_stands_where_its_model_has_it_at_a_path_that_is_readable(falling):
     *_, eye = falling
-    assert sorted(eye.drawn()) == [f"{BALL}/Tank.skin", f"{STILL}/1", f"{FLOOR}/floor"]
+    assert sorted(eye.objects) == [f"{BALL}/Tank.skin", f"{STILL}/1", f"{FLOOR}/floor"]
     np.testing.assert_allclose(eye.transforms[BALL][:3, 3], [0, 0, 1])
 
 
@@ -201,7 +186,7 @@ def test_a_moving_body_is_where_mujoco_has_it_and_only_it_is_sent(falling):
         np.testing.assert_allclose(pose[:3, 3], data.body("Tank/ball").xpos, atol=1e-6)
         assert pose[3].tolist() == [0, 0, 0, 1]
         assert eye.moved == [BALL]
-    assert len(eye.messages) == 1 + 5
+    assert eye.messages == 1 + 5
     late = Eye(view._scene)
     assert late.objects == eye.objects
     for path, transform in eye.transforms.items():
@@ -222,11 +207,9 @@ def test_what_is_nowhere_stays_where_it_was_and_the_others_move(falling, far):
 def test_what_is_removed_is_away_and_can_be_added_again(falling):
     *_, view, _ = falling
     view.remove("world")
-    assert Eye(view._scene).drawn() == {}
-    assert view.names == ()
+    assert Eye(view._scene).objects == {}
     view.add("world", SPHERE)
-    assert list(Eye(view._scene).drawn()) == ["/Bodies/world/b/g"]
-    assert view.names == ("world",)
+    assert list(Eye(view._scene).objects) == ["/Bodies/world/b/g"]
 
 
 def test_the_grid_is_there_as_long_as_there_is_no_floor():

@@ -1,5 +1,7 @@
 """The scene keeps what was drawn: its snapshot shows what all messages together have shown."""
 
+from itertools import count
+
 import hypothesis.strategies as st
 import numpy as np
 import pytest
@@ -38,61 +40,44 @@ any_command = st.one_of(
 )
 
 
-class Node:
-    """As ``SceneNode`` in meshcat's viewer."""
-
-    def __init__(self):
-        self.children = {}
-        self.state = {}
-
-    def find(self, parts):
-        return self.children.setdefault(parts[0], Node()).find(parts[1:]) if parts else self
-
-    def seen(self):
-        """What there is to see: everything that is not as it is in a node that was just made."""
-        below = {name: child.seen() for name, child in self.children.items()}
-        return self.state, {name: seen for name, seen in below.items() if seen != ({}, {})}
-
-
 class Viewer:
-    """What a browser makes of the commands, as far as it matters here (meshcat's ``viewer/src/index.js``)."""
+    """What a browser makes of the commands, as far as it matters here (meshcat's ``viewer/src/index.js``).
+
+    Attributes:
+        seen: everything that is not as it is in a node that was just made: a value by path and key.
+    """
 
     def __init__(self, message=b""):
         self.clear()
         self.read(message)
 
     def clear(self):
-        self.root = Node()
-        for name in ("Grid", "Lights/SpotLight"):  # what a viewer has to begin with
-            self.root.find([*name.split("/"), "<object>"]).state["shape"] = name
+        self.seen = {(f"/{name}/<object>", "shape"): name for name in ("Grid", "Lights/SpotLight")}  # to begin with
 
     def read(self, message):
         for kind, payload in unpack_records(message):
             self.handle(unpack_command(payload)) if kind is Record.COMMAND else self.clear()
 
     def handle(self, command):
-        parts = command["path"].strip("/").split("/")
-        node = self.root.find(parts)
+        path = command["path"]
         if command["type"] == "delete":
-            self.root.find(parts[:-1]).children.pop(parts[-1], None)
+            self.forget(path)
         elif command["type"] == "set_object":  # a new object comes as it was made, without children
-            node.children["<object>"] = Node()
-            node.children["<object>"].state["shape"] = command["object"]["shape"]
+            self.forget(f"{path}/<object>")
+            self.seen[f"{path}/<object>", "shape"] = command["object"]["shape"]
         elif command["type"] == "set_transform":
-            node.state.update(position=command["matrix"][0], rotation=command["matrix"][0])
+            self.seen |= {(path, key): command["matrix"][0] for key in ("position", "rotation")}
         elif command["property"] == "color":
-            self.colour(node, command["value"])
+            self.seen |= {(each, "color"): command["value"] for each, key in self.below(path) if key == "shape"}
         else:
-            node.state[command["property"]] = command["value"]
+            self.seen[path, command["property"]] = command["value"]
 
-    def colour(self, node, value):
-        if "shape" in node.state:
-            node.state["color"] = value
-        for child in node.children.values():
-            self.colour(child, value)
+    def forget(self, path):
+        for each in self.below(path):
+            del self.seen[each]
 
-    def seen(self):
-        return self.root.seen()
+    def below(self, path):
+        return [each for each in self.seen if f"{each[0]}/".startswith(f"{path}/")]
 
 
 @given(st.lists(st.tuples(st.sampled_from(Record), st.binary(max_size=40))))
@@ -109,7 +94,7 @@ def test_the_snapshot_shows_what_all_messages_have_shown(frames):
             scene.send_message(command)
             one_by_one.handle(command)
         scene.flush()
-        assert frame_by_frame.seen() == one_by_one.seen() == Viewer(scene.snapshot()).seen()
+        assert frame_by_frame.seen == one_by_one.seen == Viewer(scene.snapshot()).seen
 
 
 @given(st.lists(any_command, max_size=8), st.lists(any_command, max_size=8))
@@ -123,7 +108,7 @@ def test_whoever_comes_in_the_middle_of_a_frame_sees_the_same(before, after):
     for command in after:
         scene.send_message(command)
     scene.flush()
-    assert late.seen() == first.seen()
+    assert late.seen == first.seen
 
 
 def test_one_frame_is_one_message_with_the_last_transform_of_each_path():
@@ -140,7 +125,7 @@ def test_one_frame_is_one_message_with_the_last_transform_of_each_path():
 
 @pytest.mark.parametrize("attached", [False, True])
 def test_what_it_holds_does_not_grow(attached):
-    scene = Scene()
+    scene, passing = Scene(), count()
     if attached:
         scene.attach(lambda message: None)
 
@@ -149,8 +134,8 @@ def test_what_it_holds_does_not_grow(attached):
             scene.send_message(set_object("/a", number % 10))
             scene.send_message(set_transform("/a", number % 10))
             scene.send_message(set_property("/a", "visible", number % 10))
-            scene.send_message(set_object(f"/passing/{number}", 1))
-            scene.send_message(delete(f"/passing/{number}"))
+            scene.send_message(set_object(path := f"/passing/{next(passing)}", 1))
+            scene.send_message(delete(path))
             scene.line(f"{number % 10}")
             scene.look_at((number, 0, 0), (0, 0, 0))
             scene.flush()
@@ -209,7 +194,7 @@ def test_another_thread_is_sent_away():
         "detach": [print],
         "flush": [],
         "snapshot": [],
+        "look_at": [(1, 1, 1), (0, 0, 0)],
     }
-    calls |= {"send_packed": [("set_transform", "/a", ""), b""], "look_at": [(1, 1, 1), (0, 0, 0)]}
     for method, arguments in calls.items():
         assert sends_away(Scene(), method, *arguments), method

@@ -7,7 +7,7 @@ import threading
 import mujoco
 import numpy as np
 import pytest
-from browser import LIKE_A_CARD, Witness, chromium, open_browser, pixels, red_spot, until
+from browser import DISTANCE, LIKE_A_CARD, Witness, chromium, open_browser, red_is_at, until
 from loops import in_a_loop
 from scenes import lines
 from serving import UPGRADE, ask, look, port_of, serving
@@ -47,7 +47,7 @@ async def test_a_page_that_is_stuck_makes_nothing_grow_catches_up_and_does_not_h
 
     async def draw():
         for number in range(frames):
-            scene.send_packed(("set_transform", "/a", ""), bytes(size))
+            scene.send_message({"type": "set_transform", "path": "/a", "matrix": np.zeros(size // 4)})
             scene.line(str(number))
             scene.flush()
             await asyncio.sleep(0)
@@ -147,8 +147,6 @@ RED_BOX = """
   </worldbody>
 </mujoco>
 """
-DISTANCE = 4.0
-HALF_ANGLE = 0.46630765815  # tan(50 degrees / 2)
 
 
 class RedBox:
@@ -165,7 +163,7 @@ class RedBox:
 
     def look_at(self, x, z):
         self.middle = x, z
-        self.view.look_at((x, -DISTANCE, z), (x, 0, z))
+        self.scene.look_at((x, -DISTANCE, z), (x, 0, z))
         self.view.flush()
 
     def move(self, x, z):
@@ -178,22 +176,9 @@ class RedBox:
         self.scene.line(*what)
         self.scene.flush()
 
-    def place(self, picture):
-        """Where the middle of the box is in a picture: (column, row)."""
-        height, width, _ = picture.shape
-        scale = height / 2 / HALF_ANGLE / DISTANCE  # pixels per metre, at the box's middle
-        x, z = self.data.qpos[[0, 2]] - self.middle
-        return width / 2 + scale * x, height / 2 - scale * z
-
     async def is_seen(self, page):
-        """Wait until the red spot is where the box is, to 5 % of the picture's height."""
-
-        async def is_there():
-            picture = await pixels(page, "#pane")
-            spot = red_spot(picture)
-            return spot and np.abs(np.subtract(spot, self.place(picture))).max() < 0.05 * len(picture)
-
-        await until(is_there, f"the box is seen at {self.data.qpos[:3]}")
+        """Wait until the box is in the picture where it is."""
+        await red_is_at(page, "#pane", *(self.data.qpos[[0, 2]] - self.middle))
 
 
 WHAT_THERE_IS_TO_SEE = """() => {

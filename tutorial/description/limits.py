@@ -1,4 +1,4 @@
-"""What a joint can do, as URDF says it: how far, how strong, and what slows it down."""
+"""A joint's limits and losses in URDF: its range, its largest effort, its damping and friction."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tutorial.description.poses import numbers
 __all__ = ["add_dynamics", "add_limit"]
 
 UNLIMITED = 1e9
-"""Stands for what the model does not limit [rad, m, N.m, N, rad/s or m/s], as any speed: URDF wants a number."""
+"""Where the model sets no limit, as for every speed [rad, m, N.m, N, rad/s or m/s]: URDF wants a number."""
 
 
 def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:

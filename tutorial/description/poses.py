@@ -32,14 +32,14 @@ def pose(position: ArrayLike, orientation_wxyz: ArrayLike) -> Matrix:
 
 
 def shift(by: ArrayLike) -> Matrix:
-    """Make the pose of what stands off by (3,) [m], and is not turned."""
+    """Make the pose of a translation, (3,) [m]."""
     matrix = np.eye(4)
     matrix[:3, 3] = by
     return matrix
 
 
 def turn(axis: ArrayLike, angle: float) -> Matrix:
-    """Make the pose of what is turned by an angle [rad] about an axis through the origin, (3,)."""
+    """Make the pose of a rotation by an angle [rad] about an axis through the origin, (3,)."""
     quaternion = np.empty(4)
     mujoco.mju_axisAngle2Quat(quaternion, np.asarray(axis, dtype=float), angle)
     return pose((0.0, 0.0, 0.0), quaternion)
@@ -55,7 +55,7 @@ def roll_pitch_yaw(rotation: Matrix) -> tuple[float, float, float]:
 
 
 def add_origin(parent: Element, matrix: Matrix) -> None:
-    """Say in an ``<origin>`` where something is; URDF takes it to be at its parent's where there is none."""
+    """Write a pose as an ``<origin>``. An element without one is at its parent's origin."""
     if np.abs(matrix - np.eye(4)).max() > NOTHING:
         angles = roll_pitch_yaw(matrix[:3, :3])
         SubElement(parent, "origin", xyz=numbers(matrix[:3, 3]), rpy=numbers(angles))

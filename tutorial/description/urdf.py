@@ -59,9 +59,9 @@ class _Writer:
         self.links = {WORLD: self._add_link(ROOT)}  # by MuJoCo's numbers of bodies
         names = (self._plain(body.model.body(number).name) for number in range(FIRST, body.model.nbody))
         self.names = {"link": {ROOT, *names}, "joint": set(body.joint_names)}
-        self.told = frozenset(body.joint_names)  # by joint states
+        self.published = frozenset(body.joint_names)  # in joint states
         self.left_out = Counter(tendons=self.model.ntendon, equalities=self.model.neq)
-        self.amiss: Counter[str] = Counter()
+        self.moves_otherwise: Counter[str] = Counter()
 
     def write(self) -> str:
         """Return the XML."""
@@ -80,7 +80,7 @@ class _Writer:
         """Add a body's link, and what joins it to its parent's."""
         place = self._place(number)
         if place is None:
-            self.amiss["bodies that move freely beside others"] += 1
+            self.moves_otherwise["bodies that move freely beside others"] += 1
             return
         parent = self.links[int(self.model.body_parentid[number])]
         name, joints = self._plain(self.model.body(number).name), self._joints(number)
@@ -92,7 +92,7 @@ class _Writer:
         self._add_inertia(self.links[number], number)
 
     def _place(self, number: int) -> Matrix | None:
-        """Where a body stands in its parent, with its joints at rest; None if it moves there as no joint state says.
+        """Where a body stands in its parent, with its joints at rest; None if no joint state says how it moves there.
 
         The root link is where the root stands, wherever that is in the world.
         """
@@ -130,12 +130,12 @@ class _Writer:
         start = int(model.body_jntadr[number])
         for joint in range(start, start + int(model.body_jntnum[number])):
             kind, name = int(model.jnt_type[joint]), model.joint(joint).name
-            if self._plain(name) in self.told:
+            if self._plain(name) in self.published:
                 moving.append(joint)
             elif kind == BALL:
-                self.amiss["ball joints that are fixed"] += 1
+                self.moves_otherwise["ball joints that are fixed"] += 1
             elif kind != FREE and not name:
-                self.amiss["joints without a name that are fixed"] += 1
+                self.moves_otherwise["joints without a name that are fixed"] += 1
             elif kind != FREE:
                 self.left_out["joints of hidden groups that are fixed"] += 1
         return moving
@@ -197,11 +197,11 @@ class _Writer:
 
         Without a colon: ``ros2 run ... -p robot_description:="$(tank urdf tank)"`` reads the description as YAML.
         """
-        missing = +(self.left_out + self.amiss)
+        missing = +(self.left_out + self.moves_otherwise)
         if missing:
             self.robot.insert(0, Comment(f" Other than in the MuJoCo model are {_counted(missing)} "))
-        if self.amiss:
-            others = _counted(self.amiss)
+        if self.moves_otherwise:
+            others = _counted(self.moves_otherwise)
             _log.warning("the robot description of %s does not move as the robot does: %s", self.body.name, others)
 
     def _plain(self, name: str) -> str:

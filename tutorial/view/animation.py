@@ -1,11 +1,10 @@
-"""Turns the messages of a scene over time into one message: all there was to see, and an animation that moves it.
+"""Turns the messages of a scene over time into one message: everything that was drawn, and an animation that moves it.
 
-That is what meshcat calls an animation: of each object that moves, its poses and their times.
+In meshcat, an animation holds the poses of each object that moves, with their times.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,61 +13,39 @@ import numpy as np
 
 from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
-__all__ = ["Frame", "animated", "lines"]
+__all__ = ["Animation"]
 
 
-@dataclass(frozen=True)
-class Frame:
-    """What a scene said at one time.
+class Animation:
+    """What a scene has shown so far: everything that was drawn, and how it moved, came and went.
 
     Attributes:
-        time: of the run [s].
-        message: the scene's; empty where nothing changed.
-        joints: by "body joint", its position [rad], or [m] of one that slides.
+        lines: what stood below the view: (since when [s], text).
     """
 
-    time: float
-    message: bytes
-    joints: dict[str, float]
-
-
-def animated(frames: Iterable[Frame]) -> bytes:
-    """Join the messages of frames, the earliest first, into one that shows all there ever was, and moves it."""
-    film = _Film()
-    for frame in frames:
-        film.add(frame)
-    return film.finish()
-
-
-def lines(frames: Iterable[Frame]) -> Iterator[tuple[float, str]]:
-    """Yield what stood below the view: (since when [s], text)."""
-    for frame in frames:
-        for kind, payload in unpack_records(frame.message):
-            if kind is Record.LINE:
-                yield round(frame.time, 3), payload.decode()
-
-
-class _Film:
-    """The frames so far: a scene with all that was drawn, and what became of it over time."""
-
     def __init__(self) -> None:
+        self.lines: list[tuple[float, str]] = []
         self._scene = Scene()
         self._poses: dict[str, _Track] = {}
         self._sights: dict[str, _Track] = {}
         self._before = self._now = 0.0
         self._has_camera = False
 
-    def add(self, frame: Frame) -> None:
-        self._before, self._now = self._now, frame.time
-        for kind, payload in unpack_records(frame.message):
+    def add(self, time: float, message: bytes) -> None:
+        """Take a message of the scene, and its time in the run [s]. The message is empty where nothing has changed."""
+        self._before, self._now = self._now, time
+        for kind, payload in unpack_records(message):
             if kind is Record.COMMAND:
                 self._take(unpack_command(payload))
-            elif kind is Record.CAMERA and not self._has_camera:  # one looks from where one looked at first
+            elif kind is Record.LINE:
+                self.lines.append((round(time, 3), payload.decode()))
+            elif kind is Record.CAMERA and not self._has_camera:  # a replay begins where the first camera was
                 self._has_camera = True
                 numbers = np.frombuffer(payload, "<f8").tolist()
                 self._scene.look_at(tuple(numbers[:3]), tuple(numbers[3:]))
 
     def finish(self) -> bytes:
+        """Return one message, which shows everything that ever was there, and moves it."""
         clips = [_clip(path, "run", _motion(track)) for path, track in self._poses.items() if len(track.times) > 1]
         clips += [_clip(path, "sight", _sight(track)) for path, track in self._sights.items() if len(track.times) > 1]
         self._scene.send_message({"type": "set_animation", "path": "", "animations": clips, "options": {"play": False}})
@@ -87,18 +64,18 @@ class _Film:
                 self._see(path, True)
                 self._scene.send_message(command)
             case "set_property" if command["property"] == "color" and path.startswith("/Bodies/"):
-                pass  # what was stale at the end has not been so all along; the line below says when it was
+                pass  # a joint that is stale at the end was not stale all the time; the line below says when
             case _:
                 self._scene.send_message(command)
 
     def _see(self, path: str, there: bool) -> None:
-        """Note whether something is there to be seen: a body may come and go during a run."""
+        """Note from when on an object is visible, or not: a body may come and go during a run."""
         track = self._sights.setdefault(path, _Track([0.0], [self._now == 0.0]))
         if track.values[-1] != there:
             track.add(self._now, there)
 
     def _move(self, command: dict[str, Any]) -> None:
-        """Note where something is now. Between two poses it moves evenly; so where it stood still it has two."""
+        """Note where an object is now. Between two poses it moves evenly, so a time of standing still has two."""
         matrix = np.array(command["matrix"], dtype=np.float64)
         if not np.isfinite(matrix).all():
             return
@@ -113,7 +90,7 @@ class _Film:
 
 @dataclass
 class _Track:
-    """What became of one object: times [s], and what is so at each."""
+    """One object's poses, or whether it is visible: times [s], and the value at each."""
 
     times: list[float]
     values: list[Any]

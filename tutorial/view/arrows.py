@@ -1,13 +1,17 @@
-"""What a body's inertial sensors say: arrows in the scene that follow the body, and numbers for the table below it."""
+"""What inertial sensors measure: arrows in the scene that follow the body, and numbers for the table below it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
+
+from tutorial.description.poses import Matrix, pose
+from tutorial.view.shapes import draw_arrow
 
 __all__ = ["Arrow", "Style", "arrows_of"]
 
@@ -15,13 +19,13 @@ LONGEST = 1.0
 """No arrow is longer [m], whatever is published."""
 
 LARGEST = 1e6
-"""What is larger is written as that, so that the table stays small."""
+"""Larger numbers are written as this one, so that the table stays small."""
 
 SMOOTHNESS = 0.7
-"""What remains of the difference between what is shown and what was measured from one frame to the next."""
+"""How much of the difference between what is shown and what was measured remains after a frame."""
 
 UNSEEN = 1e-3
-"""How large an arrow is drawn that is not to be seen: a matrix has to have an inverse."""
+"""The scale of a hidden arrow. It is not 0, because a matrix has to have an inverse."""
 
 
 @dataclass(frozen=True)
@@ -64,16 +68,11 @@ class Arrow:
         model: the body's.
         sensor: the number of an accelerometer or a gyroscope; what it measures is along the axes of its site.
         style: how to show it.
-
-    Attributes:
-        path, style: as given.
-        drawn: whether the scene has it; to be set by who draws.
     """
 
     def __init__(self, path: str, model: mujoco.MjModel, sensor: int, style: Style) -> None:
-        self.path = path
-        self.style = style
-        self.drawn = False
+        self._path = path
+        self._style = style
         self._site = int(model.sensor_objid[sensor])
         self._adr = int(model.sensor_adr[sensor])
         takes_off_gravity = model.sensor_type[sensor] == mujoco.mjtSensor.mjSENS_ACCELEROMETER
@@ -82,8 +81,8 @@ class Arrow:
         self._target: NDArray[np.float64] = np.zeros(3)  # in the world, in the unit
         self._shown: NDArray[np.float64] = np.zeros(3)
         self._origin: NDArray[np.float64] = np.zeros(3)
-        self._sent: NDArray[np.float64] = np.zeros(16)
-        self._was_seen = False
+        self._sent: Matrix | None = None
+        self._is_seen = False
 
     def aim(self, data: mujoco.MjData) -> None:
         """Take over what was measured, and where the sensor is.
@@ -92,57 +91,46 @@ class Arrow:
         has no arrow.
         """
         self._measured = data.sensordata[self._adr : self._adr + 3].copy()
-        self._origin = data.site_xpos[self._site] + (0.0, 0.0, self.style.offset)
+        self._origin = data.site_xpos[self._site] + (0.0, 0.0, self._style.offset)
         if self._measured.any() and np.isfinite(self._measured).all():
             turned = data.site_xmat[self._site].reshape(3, 3) @ np.clip(self._measured, -LARGEST, LARGEST)
             self._target = turned + self._gravity
         else:
             self._target = np.zeros(3)
 
-    def step(self) -> NDArray[np.float64] | None:
-        """Go on by a frame, towards what was measured.
+    def step(self) -> Iterator[dict[str, Any]]:
+        """Go on by a frame, towards what was measured; yield the commands that draw it, if it has changed.
 
-        Returns:
-            Where the arrow is now, as a 4 x 4 matrix, column by column; None if nothing has changed that is seen.
+        The arrow is drawn when there is something to see for the first time.
         """
         difference = self._target - self._shown
-        still = np.abs(difference).max() < 0.01 * self.style.threshold
+        still = np.abs(difference).max() < 0.01 * self._style.threshold
         self._shown = self._target.copy() if still else self._target - SMOOTHNESS * difference
-        is_seen = self._is_seen
-        if not (is_seen or self._was_seen):
-            return None
-        self._was_seen = is_seen
+        was_seen, self._is_seen = self._is_seen, float(np.linalg.norm(self._shown)) >= self._style.threshold
+        if not (self._is_seen or was_seen):
+            return
         matrix = self._matrix()
-        if (matrix == self._sent).all():
-            return None
+        if self._sent is None:
+            yield {"type": "set_object", "path": self._path, "object": draw_arrow(self._path, self._style.colour)}
+        elif (matrix == self._sent).all():
+            return
         self._sent = matrix
-        return matrix
+        yield {"type": "set_transform", "path": self._path, "matrix": matrix}
 
     def reading(self) -> tuple[str, ...]:
-        """Say what was measured: what it is, x, y, z, unit and legend. Where nothing was, it is empty."""
+        """Return what was measured: its name, x, y, z, unit and legend. Empty if nothing was."""
         if not self._measured.any():
             return ()
         numbers = (f"{number:z.2f}" for number in np.clip(self._measured, -LARGEST, LARGEST))
-        return (self.style.name, *numbers, self.style.unit, self.style.legend)
+        return (self._style.name, *numbers, self._style.unit, self._style.legend)
 
-    @property
-    def _is_seen(self) -> bool:
-        """Whether it is long enough to be seen."""
-        return float(np.linalg.norm(self._shown)) >= self.style.threshold
-
-    def _matrix(self) -> NDArray[np.float64]:
+    def _matrix(self) -> Matrix:
         """The arrow is drawn 1 m long, along z."""
-        turn, quaternion, scale = np.empty(9), np.empty(4), np.full(3, UNSEEN)
-        direction = np.array([0.0, 0.0, 1.0])
-        if self._is_seen:
-            length = float(np.linalg.norm(self._shown))
-            direction = self._shown / length
-            scale = np.array([1.0, 1.0, min(self.style.scale * length, LONGEST)])
-        mujoco.mju_quatZ2Vec(quaternion, direction)
-        mujoco.mju_quat2Mat(turn, quaternion)
-        matrix = np.eye(4)
-        matrix[:3, :3] = turn.reshape(3, 3) * scale
-        matrix[:3, 3] = self._origin
+        quaternion = np.empty(4)
+        mujoco.mju_quatZ2Vec(quaternion, self._shown)
+        length = min(self._style.scale * float(np.linalg.norm(self._shown)), LONGEST)
+        matrix = pose(self._origin, quaternion)
+        matrix[:3, :3] *= (1.0, 1.0, length) if self._is_seen else UNSEEN
         return matrix.T.reshape(16)
 
 

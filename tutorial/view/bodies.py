@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tutorial.view import shapes
 from tutorial.view.arrows import Arrow, arrows_of
 from tutorial.view.paint import Paint
-from tutorial.view.scene import Key, Scene, Vector, pack_command
+from tutorial.view.scene import Scene, Vector
 
 __all__ = ["View"]
 
@@ -68,11 +68,6 @@ class View:
         self._bodies: dict[str, _Drawn] = {}
         self._furnish()
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """What is drawn, in the order in which it was added."""
-        return tuple(self._bodies)
-
     def add(self, name: str, model: mujoco.MjModel) -> None:
         """Draw all MuJoCo bodies of a model, in the pose that the model has to begin with.
 
@@ -105,18 +100,18 @@ class View:
             WrongThreadError: called on another thread than the scene's.
         """
         body = self._bodies[name]
-        for key, command in body.poses.moved(data):
-            self._scene.send_packed(key, command)
+        for path, matrix in body.poses.moved(data):
+            self._scene.send_message({"type": "set_transform", "path": path, "matrix": matrix})
         body.measures = body.measures or bool(data.sensordata.any())
         if body.measures:
             for arrow in body.arrows:
                 arrow.aim(data)
 
     def readings(self, name: str) -> list[tuple[str, ...]]:
-        """Say in numbers what the arrows of something show, as rows of a table; none where nothing was measured.
+        """Return in numbers what the arrows of a body show, as rows of a table; none where nothing was measured.
 
         Returns:
-            Rows of whose it is, what it is, x, y, z, unit and legend.
+            Rows of the body, what was measured, x, y, z, unit and legend.
         """
         return [(name, *reading) for arrow in self._bodies[name].arrows if (reading := arrow.reading())]
 
@@ -125,7 +120,7 @@ class View:
 
         Args:
             name: as given to `add`.
-            joints: those that nothing was heard of for a while; in the model they are called ``name/joint``.
+            joints: those of which no message has come for a while; in the model they are called ``name/joint``.
 
         Raises:
             WrongThreadError: called on another thread than the scene's.
@@ -143,18 +138,6 @@ class View:
         del self._bodies[name]
         self._show_grid_without_floor()
 
-    def look_at(self, position: Vector, target: Vector) -> None:
-        """Place the camera; x and y are level, z is up.
-
-        Args:
-            position: of the camera [m].
-            target: the point in the middle of the picture [m].
-
-        Raises:
-            WrongThreadError: called on another thread than the scene's.
-        """
-        self._scene.look_at(position, target)
-
     def look_at_bodies(self, *names: str) -> None:
         """Place the camera so that these bodies fill the picture, and make the grid a little larger than they are.
 
@@ -170,7 +153,7 @@ class View:
         self._set("/Grid", "scale", [extent / GRID] * 3)
 
     def line(self, text: str, readings: Iterable[tuple[str, ...]] = ()) -> None:
-        """Say one line under the view, and what `readings` gave for a table below it: see `Scene.line`.
+        """Write one line under the view, and the rows of `readings` as a table below it: see `Scene.line`.
 
         Raises:
             WrongThreadError: called on another thread than the scene's.
@@ -179,28 +162,19 @@ class View:
         self._scene.line(text, [HEAD, *rows] if rows else ())
 
     def flush(self) -> None:
-        """Let what was drawn be seen: one message, if anything has changed.
+        """Show what was drawn: one message, if anything has changed.
 
         Raises:
             WrongThreadError: called on another thread than the scene's.
         """
         for body in self._bodies.values():
             for arrow in body.arrows if body.measures else ():
-                self._move(arrow)
+                for command in arrow.step():
+                    self._scene.send_message(command)
         self._scene.flush()
 
-    def _move(self, arrow: Arrow) -> None:
-        """Have an arrow go on by a frame. It is drawn when there is something to see for the first time."""
-        matrix = arrow.step()
-        if matrix is None:
-            return
-        if not arrow.drawn:
-            self._set_object(arrow.path, shapes.draw_arrow(arrow.path, arrow.style.colour))
-            arrow.drawn = True
-        self._scene.send_message({"type": "set_transform", "path": arrow.path, "matrix": matrix})
-
     def _show_grid_without_floor(self) -> None:
-        """The grid is there as long as no floor is drawn."""
+        """Show the grid as long as no floor is drawn."""
         has_floor = any(FLOOR in body.model.geom_type for body in self._bodies.values())
         self._set("/Grid", "visible", not has_floor)
 
@@ -253,22 +227,17 @@ class _Drawn:
 
 
 class _Poses:
-    """Where the bodies of one model were when they were last sent, and the bytes that say where they are now.
-
-    A packed transform is a head, which never changes, and 16 numbers of 4 bytes.
-    """
+    """Where the bodies of one model were when they were last sent."""
 
     def __init__(self, paths: dict[int, str]) -> None:
         self._ids = np.array(list(paths), dtype=np.intp)
-        self._keys = [("set_transform", path, "") for path in paths.values()]
-        whole = [{"type": "set_transform", "path": path, "matrix": np.zeros(16)} for path in paths.values()]
-        self._heads = [pack_command(command)[:-64] for command in whole]  # without the numbers, which come last
+        self._paths = list(paths.values())
         self._now: NDArray[np.float32] = np.zeros((len(paths), 4, 4), dtype="<f4")  # column by column
         self._now[:, 3, 3] = 1
         self._sent: NDArray[np.float32] = np.full_like(self._now, np.nan)
 
-    def moved(self, data: mujoco.MjData) -> list[tuple[Key, bytes]]:
-        """The ``set_transform`` commands of those that are not where they were: (key, packed command).
+    def moved(self, data: mujoco.MjData) -> list[tuple[str, NDArray[np.float32]]]:
+        """Those that are not where they were: (path, matrix).
 
         What is not finite, or too far away for single precision, stays where it is.
         """
@@ -278,8 +247,5 @@ class _Poses:
             now[:, 3, :3] = data.xpos[self._ids]
         moved = np.flatnonzero((now != self._sent).any(axis=(1, 2)))
         moved = moved[np.isfinite(now[moved]).all(axis=(1, 2))].tolist()
-        if not moved:
-            return []
         self._sent[moved] = now[moved]
-        numbers = now.tobytes()
-        return [(self._keys[i], self._heads[i] + numbers[64 * i : 64 * i + 64]) for i in moved]
+        return [(self._paths[i], now[i]) for i in moved]

@@ -19,7 +19,7 @@ from tutorial.view.offscreen import USUAL, Offscreen, mend
 __all__ = ["Camera", "CameraRenderer"]
 
 PATIENCE = 30.0  # [s] that a picture may take in lockstep, the first one's OpenGL included
-UNSAID = (1, 1)  # [px] of a camera whose model does not say it
+UNSET = (1, 1)  # [px] in the model of a camera without a resolution
 NO_PICTURES = "cameras take no pictures, all else goes on: nothing renders here (%s). %s."
 _log = logging.getLogger(__name__)
 
@@ -47,8 +47,8 @@ class Camera:
         shape (height, width, 3), red, green and blue from 0 to 255, the topmost row first. A picture that still waits
         to be rendered is replaced.
 
-        Who steps the simulation on the thread that has made the renderer, in lockstep, waits here until the picture is
-        delivered, so that none is missed; what ``deliver`` raises is then raised here. The thread that steps.
+        Call it on the thread that steps the simulation. If that thread has made the renderer, too (lockstep), this
+        waits until the picture is delivered, so that none is missed, and raises what ``deliver`` raises.
 
         Raises:
             TutorialError: in lockstep, a picture does not come.
@@ -76,11 +76,11 @@ class _Request:
 class CameraRenderer:
     """Takes the pictures of the cameras of one simulated world, on a thread that begins with the first.
 
-    The world goes on meanwhile, for each picture is rendered from a copy of its state. Where nothing can render, that
-    is said once, and no pictures are delivered.
+    The world goes on meanwhile, for each picture is rendered from a copy of its state. Where nothing can render, one
+    log line says so, and no pictures are delivered.
 
     Attributes:
-        error: what a receiver of pictures raised last; None when none did.
+        error: the last exception of a receiver of pictures; None without one.
     """
 
     def __init__(self) -> None:
@@ -104,7 +104,7 @@ class CameraRenderer:
         if name not in own:
             raise TutorialError(f"the body {body.name!r} has no camera {name!r}.{did_you_mean(name, own)}")
         width, height = body.model.cam_resolution[own[name]].tolist()
-        if (width, height) == UNSAID:
+        if (width, height) == UNSET:
             width, height = USUAL
         return Camera(name, width, height, body, own[name], self)
 
@@ -129,7 +129,7 @@ class CameraRenderer:
                 raise request.error
 
     def forget(self, camera: Camera) -> None:
-        """Deliver nothing more to who has asked for this camera's pictures; see `Camera.close`."""
+        """Deliver no more pictures of this camera; see `Camera.close`."""
         with self._changed:
             dropped = self._requests.pop(camera, None)
             if dropped is not None:
@@ -148,7 +148,7 @@ class CameraRenderer:
                 _log.error("a receiver of pictures does not return, so its thread ends with the process")
 
     def _main(self, model: mujoco.MjModel) -> None:
-        """The renderer's thread, the only one that knows of OpenGL."""
+        """The renderer's thread, the only one that uses OpenGL."""
         try:
             with Offscreen(model) as offscreen:
                 atexit.register(self.close)  # before OpenGL's own end, which comes after what was registered earlier
@@ -184,7 +184,7 @@ class CameraRenderer:
         request.done.set()
 
     def _end(self) -> None:
-        """Nobody has to wait any more, and no pictures are asked for."""
+        """Take no further requests, and let nobody wait any more."""
         with self._changed:
             self._closed = True
             for request in filter(None, (self._at_work, *self._requests.values())):

@@ -18,7 +18,7 @@ __all__ = ["USUAL", "Offscreen", "mend"]
 
 USUAL = (320, 240)  # [px] of a camera whose model does not say its resolution
 ON_LINUX = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
-"""What renders without a screen, by MuJoCo's name for it; the first that there is is taken."""
+"""The libraries that render without a screen, by MuJoCo's names for them. The first one that is installed is used."""
 ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it, or libosmesa6"
 ELSEWHERE = "MuJoCo's documentation of rendering in Python says what this system needs"
 
@@ -29,7 +29,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
     """OpenGL without a screen, for pictures of one model. It belongs to the thread that makes it.
 
     Args:
-        model: what is rendered. Of it there is a copy: shadows and smooth edges, which cost most, are left out.
+        model: what is rendered. It is copied, without shadows and smooth edges, which cost most.
 
     Raises:
         Exception: nothing renders here.
@@ -82,7 +82,7 @@ class Offscreen(AbstractContextManager["Offscreen"]):
 
 
 def mend() -> str:
-    """Say how this machine is brought to render, as a sentence without its full stop."""
+    """Say how to make this machine render, as a sentence without its full stop."""
     return ON_DEBIAN if platform.system() == "Linux" else ELSEWHERE
 
 

@@ -1,4 +1,4 @@
-"""Takes the colour from what stale joints move, and gives it back."""
+"""Draws what stale joints move in grey, and later in its own colours again."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ STALE = [0.72, 0.73, 0.75]
 class Paint:
     """The colours of one model's geoms, by the joints that move them.
 
-    A joint moves the geoms of its own MuJoCo body, and of the bodies that are fixed to that. What further joints move
-    has theirs.
+    A joint moves the geoms of its own MuJoCo body, and of the bodies that are fixed to that. What further
+    joints move belongs to these.
 
     Args:
         name: of the body that is drawn: its joints are called ``name/joint`` in the model.

@@ -1,7 +1,7 @@
 """Keeps what a scene shows over a run, as a page that plays it again: in any browser, with nothing from outside.
 
-While the run goes on, every message of the scene is put away with its time. Afterwards they become an animation
-(`tutorial.view.animation`), and that a page.
+While the run goes on, the messages of the scene become an animation (`tutorial.view.animation`), and afterwards that a
+page.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from string import Template
 import msgspec
 
 from tutorial.errors import TutorialError
-from tutorial.view.animation import Frame, animated, lines
+from tutorial.view.animation import Animation
 from tutorial.view.assets import STATIC, read_static, zipped_viewer
 from tutorial.view.scene import Scene
 
@@ -94,13 +94,13 @@ def style() -> str:
 
 
 class ReplayRecorder:
-    """Puts a scene's messages away, each with its time. It belongs to the scene's thread.
+    """Takes down what a scene shows, and when. It belongs to the scene's thread.
 
     Args:
         scene: what to watch, from now on.
         seconds: says how long the run has taken so far [s].
         joints: says where the joints are: positions [rad], or [m], by "body joint".
-        longest_pause: a longer time in which nothing moves counts so much [s].
+        longest_pause: a longer time in which nothing moves is shortened to this [s].
     """
 
     def __init__(
@@ -116,28 +116,32 @@ class ReplayRecorder:
         self._longest_pause = longest_pause
         self._last_at = seconds()
         self._time = 0.0
-        self._frames = [Frame(0.0, scene.snapshot(), dict(joints()))]
+        self._animation = Animation()
+        self._times: list[float] = []
+        self._positions: list[dict[str, float]] = []
+        self._add(0.0, scene.snapshot(), dict(joints()))
         scene.attach(self._take)
 
     def stop(self) -> Replay:
         """Watch no more, and return what was seen."""
         self._scene.detach(self._take)
         self._take(b"")
-        names = self._frames[-1].joints
-        return Replay(
-            scene=animated(self._frames),
-            times=tuple(frame.time for frame in self._frames),
-            joints={name: tuple(frame.joints.get(name, math.nan) for frame in self._frames) for name in names},
-            lines=tuple(lines(self._frames)),
-        )
+        names = self._positions[-1]
+        joints = {name: tuple(each.get(name, math.nan) for each in self._positions) for name in names}
+        return Replay(self._animation.finish(), tuple(self._times), joints, tuple(self._animation.lines))
 
     def _take(self, message: bytes) -> None:
         now = self._seconds()
         self._time += min(max(now - self._last_at, 0.0), self._longest_pause)
         self._last_at = now
-        if self._time - self._frames[-1].time > 2 * FRAME:  # until just now, nothing has moved
-            self._frames.append(Frame(self._time - FRAME, b"", self._frames[-1].joints))
-        self._frames.append(Frame(self._time, message, dict(self._joints())))
+        if self._time - self._times[-1] > 2 * FRAME:  # until just now, nothing has moved
+            self._add(self._time - FRAME, b"", self._positions[-1])
+        self._add(self._time, message, dict(self._joints()))
+
+    def _add(self, time: float, message: bytes, positions: dict[str, float]) -> None:
+        self._animation.add(time, message)
+        self._times.append(time)
+        self._positions.append(positions)
 
 
 @contextmanager
@@ -157,7 +161,7 @@ def recorded(
         title: of the page.
         seconds: says what time the scene shows [s].
         joints: says where the joints are: positions [rad], or [m], by "body joint".
-        longest_pause: a longer time in which nothing moves counts so much [s].
+        longest_pause: a longer time in which nothing moves is shortened to this [s].
 
     Raises:
         TutorialError: the file cannot be written; this is found out before the run.

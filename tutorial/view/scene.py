@@ -1,4 +1,4 @@
-"""What there is to see, kept, so that whoever looks later sees all of it.
+"""Keeps what was drawn, so that a view that is opened later shows all of it.
 
 A scene takes meshcat's commands. It knows no server and no notebook: it hands bytes to whatever is attached, and
 ``static/scene.js`` feeds them to meshcat's viewer in the browser.
@@ -31,7 +31,7 @@ LINE_LENGTH = 200
 Sink = Callable[[bytes], None]
 Vector = tuple[float, float, float]
 Key = tuple[str, str, str]
-"""What a record is about: its kind, a path, and a property; of equal ones the last counts."""
+"""What a record changes: its kind, a path, and a property. A later record replaces one with the same key."""
 
 LINE: Key = ("line", "", "")
 CAMERA: Key = ("camera", "", "")
@@ -49,7 +49,7 @@ class Record(IntEnum):
     LINE = 1
     """The line under the view, in UTF-8."""
     CLEAR = 2
-    """Nothing; the whole scene follows. Only ever the first record."""
+    """Empty. The whole scene follows; it is always the first record."""
     CAMERA = 3
     """The camera's position and what it looks at [m]: six doubles, little-endian."""
 
@@ -84,7 +84,7 @@ def unpack_records(message: bytes) -> list[tuple[Record, bytes]]:
 
 
 class Scene:
-    """Keeps what was drawn, and tells those that are attached what changes, one message a frame.
+    """Keeps what was drawn, and sends what changes to those that are attached, in one message a frame.
 
     It belongs to the thread that made it. What it holds does not grow with time: of each object, transform
     and property only the last one is kept, in the order in which they were last set, which is all that the
@@ -98,7 +98,7 @@ class Scene:
         self._sinks: list[Sink] = []
 
     def send_message(self, message: dict[str, Any]) -> None:
-        """Take one meshcat command. It is part of the scene at once, and of what others see after `flush`.
+        """Take one meshcat command. Those who are attached see it after the next `flush`.
 
         Args:
             message: such as ``{"type": "delete", "path": "/Bodies/Tank"}``.
@@ -113,23 +113,10 @@ class Scene:
         key = (kind, path, message.get("property", ""))
         if kind == "delete" or (kind == "set_object" and key in self._kept):
             self._forget(path)  # with its properties, which a new object comes without
-        self.send_packed(key, pack_command(message))
-
-    def send_packed(self, key: Key, command: bytes) -> None:
-        """Take a command that is packed already: what is called for each body in each frame.
-
-        Args:
-            key: what it replaces if it comes again, for a transform ``("set_transform", path, "")``.
-            command: in MessagePack.
-
-        Raises:
-            WrongThreadError: called on another thread than the scene's.
-        """
-        self._guard.check("Scene.send_packed")
-        self._put(key, pack_record(Record.COMMAND, command), keep=key[0] != "delete")
+        self._put(key, pack_record(Record.COMMAND, pack_command(message)), keep=kind != "delete")
 
     def line(self, text: str, table: Iterable[Iterable[str]] = ()) -> None:
-        """Say one line under the view, and a small table below it; without both there is nothing.
+        """Write one line under the view, and a small table below it. Without both there is nothing.
 
         They are shown as text, never as HTML. White space counts as one space, and what is longer than
         `LINE_LENGTH` is cut.
@@ -146,7 +133,7 @@ class Scene:
         self._put(LINE, pack_record(Record.LINE, "\n".join(lines).encode("utf-8", "replace")))
 
     def look_at(self, position: Vector, target: Vector) -> None:
-        """Place the camera. Whoever has turned the view by hand keeps it until the next call.
+        """Place the camera. A view that was turned by hand stays as it is until the next call.
 
         Args:
             position: of the camera [m].
@@ -217,13 +204,13 @@ class Scene:
             self._frame[key] = record
 
     def _forget(self, path: str) -> None:
-        """Drop what was said of a path, and of those below it."""
+        """Drop all records of a path, and of those below it."""
         for records in (self._kept, self._frame):
             for key in [key for key in records if f"{key[1]}/".startswith(f"{path}/")]:
                 del records[key]
 
 
 def _cut(text: str) -> str:
-    """One line of it, and not too much."""
+    """Write a text as one line, not longer than `LINE_LENGTH`."""
     line = " ".join(text.split())
     return line if len(line) <= LINE_LENGTH else line[: LINE_LENGTH - 1] + "…"

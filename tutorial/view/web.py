@@ -27,13 +27,13 @@ __all__ = ["SceneServer"]
 
 ADDRESS = "127.0.0.1"
 PORTS = range(7000, 7100)
-"""Of these the first that is free is taken."""
+"""The first free one is taken."""
 
 POLICY = (
     "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
     "worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'"
 )
-"""The page asks nothing but its own origin, and the browser sees to it."""
+"""The browser lets the page load from its own origin only."""
 
 BACKLOG = 1 << 18
 """What the system holds for one browser [bytes]. One that is further behind misses frames."""
@@ -42,14 +42,14 @@ OWN_HOSTS = r"127\.0\.0\.1|localhost"
 """The names by which a browser reaches this server. A page from elsewhere can have its own name lead to this machine
 (DNS rebinding): it is not found here. One that asks by the right name is of another origin, and gets no socket."""
 
-LIMITS = {"max_header_size": 16 * 1024, "max_body_size": 1024, "idle_connection_timeout": 30.0, "body_timeout": 30.0}
-"""Of a request, which has no body [bytes], and how long a connection may take to ask [s]."""
+LARGEST_BODY = 1024
+"""Of a request, which needs none [bytes]."""
 
 
 class SceneServer(AbstractAsyncContextManager["SceneServer"]):
     """A page that shows a scene, on this machine only, as long as an ``async with`` block runs.
 
-    It belongs to the scene's thread. Leaving the block says goodbye to the browsers and frees the port.
+    It belongs to the scene's thread. Leaving the block closes the connections to the browsers and frees the port.
 
     Args:
         scene: what to show.
@@ -65,12 +65,19 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
 
     def __init__(self, scene: Scene, port: int | None = None, title: str = "Tank") -> None:
         self._browsers: set[_Browser] = set()
-        self._application = _application(scene, title, self._browsers)
+        pages = [
+            (r"/", _Page),
+            (r"/socket", _Browser, {"scene": scene, "browsers": self._browsers}),
+            (r"/static/([\w.-]+)", _Files, {"path": str(STATIC)}),
+            (r"/meshcat/([\w.-]+)", _Files, {"path": str(meshcats_viewer())}),
+        ]
+        hosts, quiet = [(HostMatches(OWN_HOSTS), pages)], lambda _handler: None
+        self._application = Application(hosts, title=title, template_path=str(STATIC), log_function=quiet)
         self._listener = _listen(PORTS if port is None else [port])
         self.url = f"http://{ADDRESS}:{self._listener.getsockname()[1]}/"
 
     async def __aenter__(self) -> Self:
-        self._http = HTTPServer(self._application, **LIMITS)
+        self._http = HTTPServer(self._application, max_body_size=LARGEST_BODY)
         self._listener.setblocking(False)
         self._http.add_socket(self._listener)
         return self
@@ -99,22 +106,6 @@ def _listen(ports: Sequence[int]) -> socket.socket:
     raise TutorialError(f"the 3D view cannot have {which}: {reason}. Give another one, or none for the first free one.")
 
 
-def _application(scene: Scene, title: str, browsers: set[_Browser]) -> Application:
-    pages = [
-        (r"/", _Page),
-        (r"/socket", _Browser, {"scene": scene, "browsers": browsers}),
-        (r"/static/([\w.-]+)", _Files, {"path": str(STATIC)}),
-        (r"/meshcat/([\w.-]+)", _Files, {"path": str(meshcats_viewer())}),
-    ]
-    return Application(
-        [(HostMatches(OWN_HOSTS), pages)],
-        title=title,
-        template_path=str(STATIC),
-        log_function=lambda _handler: None,
-        websocket_max_message_size=1024,
-    )
-
-
 class _Protected(RequestHandler):
     def set_default_headers(self) -> None:
         self.set_header("Cache-Control", "no-cache")
@@ -140,7 +131,7 @@ class _Browser(WebSocketHandler):
         self.is_behind = False
 
     def open(self, *_args: str, **_kwargs: str) -> None:
-        if self._stream.closed():  # hung up already
+        if self._stream.closed():  # the page has gone already
             return
         self.set_nodelay(True)
         self._stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BACKLOG)
@@ -149,7 +140,7 @@ class _Browser(WebSocketHandler):
         self.scene.attach(self.show)
 
     def on_message(self, message: str | bytes) -> None:
-        """The page has nothing to say."""
+        """Ignore it: the page sends nothing."""
 
     def on_close(self) -> None:
         self.browsers.discard(self)
@@ -163,7 +154,7 @@ class _Browser(WebSocketHandler):
             self._send(message)
 
     def leave(self) -> None:
-        """Say goodbye and hang up, whether the other side listens or not."""
+        """Close the connection, also if the other side does not answer."""
         self.on_close()
         stream = self._stream
         self.close(1001, "the program has ended")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 from collections.abc import Callable
+from xml.etree import ElementTree
 
 
 def on_a_subshell(call: Callable[..., object], *arguments: object) -> None:
@@ -24,3 +25,8 @@ async def say(widget, kind, view="page", **fields) -> None:
     """Say something to a widget, as a page does."""
     on_a_subshell(widget._handle_custom_msg, {"type": kind, "view": view, **fields}, [])
     await settle()
+
+
+def parsed(svg: str) -> ElementTree.Element:
+    """The elements of a picture, by their names without a namespace."""
+    return ElementTree.fromstring(svg.replace(' xmlns="http://www.w3.org/2000/svg"', "", 1))

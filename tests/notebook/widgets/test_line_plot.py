@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from xml.etree import ElementTree
-
 import numpy as np
 import pytest
 
@@ -11,17 +9,17 @@ from tutorial.errors import TutorialError
 from tutorial.notebook.widgets.chart import POINTS_DRAWN
 from tutorial.notebook.widgets.line_plot import line_plot
 
-SVG = "{http://www.w3.org/2000/svg}"
+from .pages import parsed
 
 
 def test_each_curve_is_drawn_and_named():
     times = np.arange(5000) / 1000
     picture = line_plot({"sine": (times, np.sin(times)), "half": (times, np.sin(times) / 2)}, "m/s²")
-    root = ElementTree.fromstring(picture.svg)
-    curves = [each.get("points").split() for each in root.iter(f"{SVG}polyline")]
+    root = parsed(picture.svg)
+    curves = [each.get("points").split() for each in root.iter("polyline")]
     assert len(curves) == 2
     assert all(2 < len(points) <= POINTS_DRAWN for points in curves)
-    texts = [each.text for each in root.iter(f"{SVG}text")]
+    texts = [each.text for each in root.iter("text")]
     assert {"sine", "half", "time [s]", "[m/s²]"} <= set(texts)
     assert "sine: -1 to 1 m/s²" in picture.alt
     assert repr(picture) == "Picture('sine, half')"
@@ -29,8 +27,8 @@ def test_each_curve_is_drawn_and_named():
 
 def test_a_level_curve_and_a_single_point_are_shown():
     picture = line_plot({"level": ([0.0, 1.0], [2.0, 2.0]), "dot": ([0.5], [2.0])}, "V")
-    root = ElementTree.fromstring(picture.svg)
-    assert len(list(root.iter(f"{SVG}circle"))) == len(list(root.iter(f"{SVG}polyline"))) == 1
+    root = parsed(picture.svg)
+    assert len(list(root.iter("circle"))) == len(list(root.iter("polyline"))) == 1
 
 
 @pytest.mark.parametrize(

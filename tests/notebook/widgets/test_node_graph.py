@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 from itertools import pairwise
 from types import SimpleNamespace
-from xml.etree import ElementTree
 
 import pytest
 from hypothesis import given
@@ -18,7 +17,7 @@ from tutorial.notebook.widgets.graph_watch import GraphWatch, TopicNews, Topolog
 from tutorial.notebook.widgets.layers import GAP, ROW, lay_out
 from tutorial.ros.node_thread import NodeThread
 
-SVG = "{http://www.w3.org/2000/svg}"
+from .pages import parsed
 
 
 def topology(nodes: str | dict[str, int], **topics: tuple[str, str]) -> Topology:
@@ -38,12 +37,12 @@ CHAIN = topology(
 
 def drawn(graph: Topology):
     svg, alt = picture(graph)
-    return ElementTree.fromstring(svg), alt
+    return parsed(svg), alt
 
 
 def places(root) -> dict[str, tuple[float, float]]:
     """Where each name is written."""
-    return {text.text: (float(text.get("x")), float(text.get("y"))) for text in root.iter(f"{SVG}text")}
+    return {text.text: (float(text.get("x")), float(text.get("y"))) for text in root.iter("text")}
 
 
 def edges_of(arrows: str) -> list[tuple[tuple[str], tuple[str]]]:
@@ -62,28 +61,23 @@ def test_the_tutorials_chain_is_one_row():
     assert [x for x, _ in chain] == sorted(x for x, _ in chain)
     assert len({y for _, y in chain[::2]}) == 1
     assert len({y for _, y in chain[1::2]}) == 1
-    assert len(list(root.iter(f"{SVG}ellipse"))) == 3
-    assert len(list(root.iter(f"{SVG}rect"))) == 2
-    assert len(list(root.iter(f"{SVG}polygon"))) == 4
+    assert len(list(root.iter("ellipse"))) == 3
+    assert len(list(root.iter("rect"))) == 2
+    assert len(list(root.iter("polygon"))) == 4
     assert alt == (
         "Nodes: /joystick, /simulation, /viewer. /joy (50 Hz): from /joystick to /simulation. "
         "/joint_state (50 Hz): from /simulation to /viewer."
     )
 
 
-def test_names_may_be_anything_shared_or_without_publishers_or_subscribers():
+def test_names_may_be_shared_and_topics_without_publishers_or_subscribers():
     root, alt = drawn(topology({"/tank": 2}, joint_state=("/tank", "/tank")))
     assert "2 nodes of one name" in places(root)
-    assert len(list(root.iter(f"{SVG}ellipse"))) == 1
+    assert len(list(root.iter("ellipse"))) == 1
     assert alt.startswith("Nodes: /tank (2 nodes of one name). ")
     root, alt = drawn(topology("/a /b", heard=("", "/a"), said=("/b", "")))
     assert {"/heard", "/said"} <= places(root).keys()
     assert "/heard (50 Hz): from nobody to /a. /said (50 Hz): from /b to nobody." in alt
-    root, _ = drawn(topology("/<script>alert(1)</script> /a&b", x=("/a&b", "")))
-    assert not list(root.iter(f"{SVG}script"))
-    assert "/a&b" in places(root)
-    root, _ = drawn(topology("/\u202egpj /\x1b[2J /\ufffe"))
-    assert places(root).keys() == {r"/\u202egpj", r"/\x1b[2J", r"/\ufffe"}
     assert drawn(Topology())[1] == "there are no nodes yet"
 
 

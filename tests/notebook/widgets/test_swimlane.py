@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from xml.etree import ElementTree
-
 import pytest
 
 from tutorial.errors import TutorialError
 from tutorial.notebook.widgets.swimlane import LEFT, RIGHT, swimlane
 from tutorial.trace import Handoff, HandoffTrace, Moment
 
-SVG = "{http://www.w3.org/2000/svg}"
+from .pages import parsed
 
 
 def message(received: float, applied: float | None = None, superseded: float | None = None) -> Handoff:
@@ -35,12 +33,12 @@ def drawn(*handoffs: Handoff, count: int = 8):
     for handoff in handoffs:
         trace._keep(handoff)
     picture = swimlane(trace, count)
-    root = ElementTree.fromstring(picture.svg)
+    root = parsed(picture.svg)
     return root, [element.text for element in root.iter() if element.text], picture.alt
 
 
 def number_of(root, tag: str, part_of_style: str) -> int:
-    return sum(part_of_style in element.get("style", "") for element in root.iter(f"{SVG}{tag}"))
+    return sum(part_of_style in element.get("style", "") for element in root.iter(tag))
 
 
 def test_each_thread_has_a_lane_and_each_message_a_way():
@@ -49,7 +47,7 @@ def test_each_thread_has_a_lane_and_each_message_a_way():
     assert [text for text in texts if text.endswith(" ms")][:2] == ["5.00 ms", "11.0 ms"]
     assert {"received (2)", "applied (2) after 5.00 ms to 11.0 ms"} <= set(texts)
     assert alt == "2 messages over 31.1 ms, on executor and MainThread: 2 applied. They waited 5.00 ms to 11.0 ms."
-    for polyline in root.iter(f"{SVG}polyline"):
+    for polyline in root.iter("polyline"):
         assert all(LEFT <= float(point.split(",")[0]) <= RIGHT for point in polyline.get("points").split())
 
 

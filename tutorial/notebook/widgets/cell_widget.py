@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -9,11 +10,25 @@ import anywidget
 import msgspec
 import traitlets
 
+from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["CellWidget", "NodeWidget", "parse_message"]
+__all__ = ["CellWidget", "NodeWidget", "kernel_loop", "parse_message"]
 
 T = TypeVar("T")
+
+
+def kernel_loop() -> asyncio.AbstractEventLoop:
+    """Return the event loop of the notebook's kernel, which keeps a widget up to date. Main thread.
+
+    Raises:
+        TutorialError: no event loop runs.
+    """
+    try:
+        return asyncio.get_running_loop()
+    except RuntimeError:
+        text = "a widget needs the event loop of the notebook's kernel, and none runs here. Make it in a cell."
+        raise TutorialError(text) from None
 
 
 def parse_message(content: object, kind: type[T]) -> T | None:
@@ -33,7 +48,7 @@ class CellWidget(anywidget.AnyWidget):
     """A widget that can be ended and closed, both twice, and whose text is the same in every run.
 
     Attributes:
-        ended: whether what is behind it has gone. What it showed last stays on the page, and the page says so.
+        ended: whether it is ended. What it showed last stays on the page, and the page says so.
     """
 
     ended = traitlets.Bool(False).tag(sync=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 from ipywidgets import HTML, Button, FloatSlider, GridBox, Layout, VBox
 
-from tutorial.errors import running_loop
+from tutorial.notebook.widgets.cell_widget import kernel_loop
 from tutorial.ros.chaos import FAULTS, Chaos
 from tutorial.ros.chaos.stream import ChaosStream
 from tutorial.ros.node_thread import NodeThread
@@ -15,7 +15,6 @@ __all__ = ["ChaosPanel"]
 
 WIDTH = "22em"
 LOOK = 0.5  # [s] between two looks at what has been hit
-NO_LOOP = "a panel is kept up to date by an event loop, and none runs here. Make it in a cell."
 
 
 class ChaosPanel(VBox):  # type: ignore[misc]
@@ -32,7 +31,7 @@ class ChaosPanel(VBox):  # type: ignore[misc]
     """
 
     def __init__(self) -> None:
-        self._loop = running_loop(NO_LOOP)
+        self._loop = kernel_loop()
         self.ended = False
         self._ros = NodeThread("chaos")
         self._stream = ChaosStream(self._ros.node, Chaos())

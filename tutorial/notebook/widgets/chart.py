@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element
 
 from tutorial.notebook.widgets import svg
 
-__all__ = ["MOST_CURVES", "Curve", "Point", "draw_plot", "nice_ticks", "thin", "tick_text"]
+__all__ = ["MOST_CURVES", "Curve", "Point", "draw_plot", "draw_x_axis", "nice_ticks", "thin", "tick_text"]
 
 Point = tuple[float, float]
 
@@ -30,7 +30,7 @@ class Curve(NamedTuple):
     """A curve, and what is said of it.
 
     Attributes:
-        points: x and y, in the order of their x. It is broken where y is no finite number.
+        points: x and y, in the order of their x. The curve is interrupted where y is not finite.
         value: in words.
     """
 
@@ -75,13 +75,9 @@ class _Axes(NamedTuple):
             _, y = self._place((0.0, tick))
             svg.draw(root, "line", f"stroke:{svg.RULE}", x1=LEFT, y1=y, x2=RIGHT, y2=y)
             svg.write(root, LEFT - 6, y + 4, tick_text(tick, step), SMALL, "end")
-        step, ticks = nice_ticks(*self.x_range, most=8 if self.x_range[1] < 1e5 else 4)
-        for tick in ticks:
-            x, _ = self._place((tick, 0.0))
-            svg.draw(root, "line", f"stroke:{svg.RULE}", x1=x, y1=TOP, x2=x, y2=BOTTOM)
-            svg.write(root, x, BOTTOM + 15, tick_text(tick, step), SMALL, "middle")
+        most = 8 if self.x_range[1] < 1e5 else 4
+        draw_x_axis(root, self.x_range, most, (LEFT, RIGHT), (TOP, BOTTOM), labels[0])
         svg.write(root, LEFT - 6, TOP - 14, labels[1], SMALL, "end")
-        svg.write(root, RIGHT, BOTTOM + 30, labels[0], SMALL, "end")
 
     def draw_curve(self, root: Element, points: Sequence[Point], colour: str) -> None:
         """Draw a curve's pieces; a lone point as a dot."""
@@ -99,6 +95,26 @@ class _Axes(NamedTuple):
         (left, right), (low, high) = self
         x, y = (point[0] - left) / (right - left), (point[1] - low) / (high - low)
         return LEFT + (RIGHT - LEFT) * x, BOTTOM - (BOTTOM - TOP) * y
+
+
+def draw_x_axis(root: Element, x_range: Point, most: int, across: Point, down: Point, label: str) -> None:
+    """Draw lines at round numbers, with the numbers and what they mean below them.
+
+    Args:
+        root: the picture.
+        x_range: the first and the last x.
+        most: how many lines at most.
+        across: where the first and the last x are [px].
+        down: where the lines begin and end [px].
+        label: of the axis.
+    """
+    (left, right), (top, bottom) = across, down
+    step, ticks = nice_ticks(*x_range, most=most)
+    for tick in ticks:
+        x = left + (right - left) * ((tick - x_range[0]) / (x_range[1] - x_range[0]))
+        svg.draw(root, "line", f"stroke:{svg.RULE}", x1=x, y1=top, x2=x, y2=bottom)
+        svg.write(root, x, bottom + 15, tick_text(tick, step), SMALL, "middle")
+    svg.write(root, right, bottom + 30, label, SMALL, "end")
 
 
 def _draw_legend(root: Element, curves: Mapping[str, Curve], more: int) -> None:
@@ -140,7 +156,7 @@ def tick_text(value: float, step: float) -> str:
 
 
 def thin(points: Sequence[Point], most: int) -> Sequence[Point]:
-    """Leave out points that no eye would miss: of each stretch, the least and the greatest stay.
+    """Leave out points that nobody would see: of each stretch, the least and the greatest stay.
 
     Args:
         points: in the order of their x.

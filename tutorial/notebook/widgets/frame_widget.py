@@ -13,13 +13,13 @@ from typing import Any, ClassVar
 import msgspec
 import traitlets
 
-from tutorial.errors import running_loop
 from tutorial.handoff import CallQueue
-from tutorial.notebook.widgets.cell_widget import CellWidget, parse_message
+from tutorial.notebook.widgets.cell_widget import CellWidget, kernel_loop, parse_message
 
-__all__ = ["FrameWidget"]
+__all__ = ["Frame", "FrameWidget"]
 
-NO_LOOP = "a view in a cell needs the event loop of the notebook's kernel, and none runs here. Make it in a cell."
+Frame = tuple[bytes, dict[str, Any]]
+"""What there is to see, binary, and what else there is to say of it, as JSON."""
 
 
 class _Words(msgspec.Struct):
@@ -49,7 +49,7 @@ class FrameWidget(CellWidget):
     title = traitlets.Unicode().tag(sync=True)
 
     def __init__(self, title: str) -> None:
-        self.calls = CallQueue(running_loop(NO_LOOP)).scope(title)
+        self.calls = CallQueue(kernel_loop()).scope(title)
         self.frame = 0
         self._lock = threading.Lock()
         self._seen: dict[str, int] = {}  # the last frame that each view has seen
@@ -59,13 +59,8 @@ class FrameWidget(CellWidget):
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.title!r})"
 
-    @property
-    def views(self) -> int:
-        """How many views of it are on pages that keep up."""
-        return len(self._seen)
-
-    def whole(self) -> tuple[bytes, dict[str, Any]]:
-        """All that there is to see, as the arguments of `send_frame`. Main thread."""
+    def whole(self) -> Frame:
+        """All that there is to see. Main thread."""
         raise NotImplementedError
 
     def send_frame(self, content: bytes, **fields: Any) -> None:

@@ -76,7 +76,7 @@ class GraphWatch:
     def look(self) -> Topology:
         """Ask for the graph; this takes some milliseconds, or more where there is much. The executor's thread.
 
-        Of very many topics, those that it has looked into before come first, whoever brings others.
+        If there are too many topics, those that it has looked into before come first.
         """
         found = {topic: types for topic, types in topics_with_types(self._node).items() if topic not in EVERY_NODE_HAS}
         chosen = sorted(sorted(found, key=lambda topic: topic not in self._known)[:MOST])

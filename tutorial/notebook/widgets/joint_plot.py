@@ -15,7 +15,7 @@ from sensor_msgs.msg import JointState
 
 from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.chart import HEIGHT, MOST_CURVES, WIDTH, Curve, draw_plot
-from tutorial.notebook.widgets.live_picture import LivePicture
+from tutorial.notebook.widgets.picture import LivePicture
 from tutorial.ros.topics.names import escape_name
 
 __all__ = ["JointPlot"]

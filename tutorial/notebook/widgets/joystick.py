@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import threading
 import time
-from typing import NamedTuple
 
 from msgspec import Struct
 from rclpy.node import Node
@@ -23,18 +22,10 @@ PATIENCE = 0.5
 
 
 class _Sticks(Struct, tag="sticks"):
-    """What a page says that the hands do."""
-
-    axes: list[float]
-    buttons: list[int]
-
-
-class _Held(NamedTuple):
-    """What the hands did when the page last said so."""
+    """What a page says of its sticks."""
 
     axes: tuple[float, ...] = NEUTRAL
     buttons: tuple[int, ...] = (0,) * 15
-    received_at: float = -math.inf
 
 
 class Joystick(NodeWidget):
@@ -50,7 +41,7 @@ class Joystick(NodeWidget):
     _clock = staticmethod(time.monotonic)
 
     def __init__(self) -> None:
-        self._held = Latest(_Held())
+        self._held = Latest((_Sticks(), -math.inf))  # what the page said last, and when
         self._publishing = threading.Lock()
         super().__init__()
         self.open_node("joystick", self._set_up)
@@ -76,15 +67,15 @@ class Joystick(NodeWidget):
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says, on whatever thread, and leave it for the node's."""
         if said := parse_message(content, _Sticks):
-            self._held.put(_Held(tuple(said.axes), tuple(said.buttons), self._clock()))
+            self._held.put((said, self._clock()))
 
-    def _now(self) -> _Held:
-        held = self._held.get()
-        is_old = self._clock() - held.received_at >= PATIENCE
-        return _Held() if is_old or self.ended else held
+    def _now(self) -> _Sticks:
+        held, received_at = self._held.get()
+        is_old = self._clock() - received_at >= PATIENCE
+        return _Sticks() if is_old or self.ended else held
 
     def _publish(self) -> None:
-        """Publish what the hands do now: on the node's thread, and once more in the end, on the main thread."""
+        """Publish the sticks as they are now: on the node's thread, and once more in the end, on the main thread."""
         with self._publishing:  # so that the last message is the neutral one
             held = self._now()
             self._publisher.publish(joy_message(self._node, held.axes, held.buttons))

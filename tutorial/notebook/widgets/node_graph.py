@@ -10,7 +10,7 @@ from tutorial.errors import printable
 from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.graph_picture import picture
 from tutorial.notebook.widgets.graph_watch import GraphWatch, Topology
-from tutorial.notebook.widgets.live_picture import LivePicture
+from tutorial.notebook.widgets.picture import LivePicture
 
 __all__ = ["NodeGraph"]
 

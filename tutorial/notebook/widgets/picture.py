@@ -1,13 +1,14 @@
-"""A vector picture in a cell, which its program can redraw."""
+"""A vector picture in a cell, which its program can redraw; also one that a node of its own keeps up to date."""
 
 from __future__ import annotations
 
 import traitlets
 
-from tutorial.notebook.widgets.cell_widget import CellWidget
+from tutorial.handoff import CallQueue
+from tutorial.notebook.widgets.cell_widget import CellWidget, NodeWidget, kernel_loop
 from tutorial.view.assets import read_static
 
-__all__ = ["Picture"]
+__all__ = ["LivePicture", "Picture"]
 
 
 class Picture(CellWidget):
@@ -41,3 +42,21 @@ class Picture(CellWidget):
         """Show another picture, with its description. Main thread."""
         with self.hold_sync():  # one message for both
             self.svg, self.alt = svg, alt
+
+
+class LivePicture(Picture, NodeWidget):
+    """A picture that callbacks of a node of its own keep up to date. Make it on the main thread, while its loop runs.
+
+    Args:
+        name: what the picture is of, for its ``repr``.
+
+    Attributes:
+        calls: what the node's callbacks post with.
+
+    Raises:
+        TutorialError: no event loop runs.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.calls = CallQueue(kernel_loop()).scope(name)
+        super().__init__(name=name)

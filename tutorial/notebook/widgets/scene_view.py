@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from tutorial.notebook.widgets.frame_widget import FrameWidget
+from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
 from tutorial.view.assets import read_static, zipped_viewer
 from tutorial.view.scene import Scene
 
@@ -14,8 +12,8 @@ __all__ = ["SceneView"]
 class SceneView(FrameWidget):
     """Shows a scene in a notebook's cell, as often as it is displayed, on every page that has the notebook open.
 
-    Make it in a cell, on the main thread: it belongs to the thread of the scene. A page that comes to look is answered
-    when that thread is free; those who look already see at once what a busy cell flushes.
+    Make it in a cell, on the main thread: it belongs to the thread of the scene. A page that opens the view is answered
+    when that thread is free; pages that show it already see at once what a busy cell flushes.
 
     Args:
         scene: what to show.
@@ -39,7 +37,7 @@ class SceneView(FrameWidget):
         super().__init__(title)
         self.on_msg(self._on_request)
 
-    def whole(self) -> tuple[bytes, dict[str, Any]]:
+    def whole(self) -> Frame:
         """The scene."""
         return self.scene.snapshot(), {}
 

@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element
 
 from tutorial.errors import TutorialError
 from tutorial.notebook.widgets import svg
-from tutorial.notebook.widgets.chart import nice_ticks, tick_text
+from tutorial.notebook.widgets.chart import draw_x_axis
 from tutorial.notebook.widgets.picture import Picture
 from tutorial.trace import Handoff, HandoffTrace, Moment
 
@@ -19,7 +19,6 @@ LEFT, RIGHT = 118, WIDTH - 24  # [px] where the time axis begins and ends
 FIRST_LANE, LANE = 62, 92  # [px] the first lane's line, and from one to the next
 LABEL = 54  # [px] that the label of a waiting time takes
 RADIUS = 4  # [px] of a dot
-SMALL = f"fill:{svg.MUTED};font-size:11px"
 
 
 def swimlane(trace: HandoffTrace, count: int = 8) -> Picture:
@@ -62,7 +61,8 @@ class _Drawing:
 
     def svg(self) -> str:
         root = svg.new_picture(WIDTH, self._foot + 40)
-        self._draw_axis(root)
+        span = 0.0, self._span * 1e3
+        draw_x_axis(root, span, 9, (LEFT, RIGHT), (FIRST_LANE - 20, self._foot), "ms since the first message")
         self._draw_lanes(root)
         for handoff in self._handoffs:
             self._draw_callback(root, handoff)
@@ -83,15 +83,6 @@ class _Drawing:
 
     def _place(self, moment: Moment) -> tuple[float, float]:
         return self._x(moment.time), FIRST_LANE + LANE * self._lanes.index(moment.thread)
-
-    def _draw_axis(self, root: Element) -> None:
-        """Lines and numbers of the time since the first message [ms]."""
-        step, ticks = nice_ticks(0.0, self._span * 1e3, most=9)
-        for tick in ticks:
-            x = self._x(self._start + tick / 1e3)
-            svg.draw(root, "line", f"stroke:{svg.RULE}", x1=x, y1=FIRST_LANE - 20, x2=x, y2=self._foot)
-            svg.write(root, x, self._foot + 15, tick_text(tick, step), SMALL, "middle")
-        svg.write(root, RIGHT, self._foot + 31, "ms since the first message", SMALL, "end")
 
     def _draw_lanes(self, root: Element) -> None:
         for i, name in enumerate(self._lanes):

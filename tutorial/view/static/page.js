@@ -1,6 +1,6 @@
 // The page of tutorial/view/web.py: a meshcat viewer, connected to the program for as long as it runs, and again when it is restarted.
 
-import {fit, makeViewer, sayBelow, SceneReader} from "./scene.js";
+import {fit, makeViewer, noGraphics, sayBelow, SceneReader} from "./scene.js";
 
 const PATIENCE = {first: 250, most: 2000};  // between two attempts to connect [ms]
 
@@ -33,7 +33,7 @@ function start() {
   try {
     [viewer] = makeViewer(pane);
   } catch (error) {
-    say("This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. It says: ${error.message}`);
+    say(...noGraphics(error));
     return;
   }
   fit(viewer, pane);

@@ -44,10 +44,7 @@ class Replay {
 
   build(figure) {
     const frame = make("div", "tank-view-frame");
-    this.pane = make("div", "tank-view-pane", {
-      "role": "img", "tabindex": "0", "aria-label": `${this.title}, in 3D`,
-      "aria-description": "The arrow keys turn it, plus and minus zoom.",
-    });
+    this.pane = makePane(this.title);
     this.curtain = make("div", "tank-view-curtain", {role: "status", hidden: ""});
     frame.append(this.pane, this.curtain);
     const bar = make("div", "tank-replay-bar");
@@ -69,15 +66,7 @@ class Replay {
       this.pause();
       this.seek(Number(this.slider.value));
     });
-    this.pane.addEventListener("keydown", (event) => {
-      if (event.ctrlKey || event.altKey || event.metaKey || !KEYS[event.key] || !this.picture) return;
-      this.picture.turn(...KEYS[event.key]);
-      event.preventDefault();
-    });
-    this.pane.addEventListener("wheel", (event) => {  // who reads on scrolls the page; who has clicked here zooms
-      if (!this.pane.contains(document.activeElement) && !event.ctrlKey) event.stopPropagation();
-    }, {capture: true, passive: true});
-    this.pane.addEventListener("pointerdown", () => this.pane.focus({preventScroll: true}));
+    listenToKeys(this.pane, () => this.picture);
     new IntersectionObserver((entries) => {
       if (entries.at(-1).isIntersecting) this.open();
       else this.close();

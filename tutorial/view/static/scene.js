@@ -6,6 +6,10 @@ const ONLY_ONCE = new Set(["Background", "Cameras"]);  // of what a viewer has t
 const BY_PROCESSOR = /swiftshader|llvmpipe|softpipe|software|basic render/i;  // what draws where there is no graphics card
 const PAUSE = 100;  // between two pictures, there [ms]
 
+/** What a page says where a viewer cannot be made: a title, and a hint. */
+export const noGraphics = ({message}) =>
+  ["This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. It says: ${message}`];
+
 /** Whether a canvas is drawn by a graphics card. Some browsers don't say; then it is. */
 function hasCard(gl) {
   const names = gl.getExtension("WEBGL_debug_renderer_info");

@@ -20,10 +20,7 @@ class CellView extends FrameView {
   build(el) {
     const {model} = this;
     this.frame = make("div", "tank-view-frame");
-    this.pane = make("div", "tank-view-pane", {
-      "role": "img", "tabindex": "0", "data-lm-suppress-shortcuts": "true", "aria-label": `${model.get("title")}, in 3D`,
-      "aria-description": "The arrow keys turn it, plus and minus zoom, Escape leaves it.",
-    });
+    this.pane = makePane(model.get("title"));
     this.pane.style.height = "420px";
     this.curtain = make("div", "tank-view-curtain", {role: "status"});
     this.curtain.append(make("strong", ""), make("span", ""));
@@ -37,17 +34,7 @@ class CellView extends FrameView {
     box.append(this.frame, this.line);
     el.append(box);
     this.raise(...WAITING);
-    this.listen();
-  }
-
-  listen() {
-    const {pane} = this;
-    pane.addEventListener("pointerdown", () => pane.focus({preventScroll: true}));
-    pane.addEventListener("keydown", (event) => this.onKey(event));
-    // Who scrolls the notebook past the view goes on scrolling; who has clicked into it zooms.
-    pane.addEventListener("wheel", (event) => {
-      if (!pane.contains(document.activeElement) && !event.ctrlKey) event.stopPropagation();
-    }, {capture: true, passive: true});
+    listenToKeys(this.pane, () => this.picture);
   }
 
   raise(title, hint) {
@@ -88,15 +75,6 @@ class CellView extends FrameView {
   show(_, content) {
     this.reader.read(content);
     this.curtain.hidden = true;
-  }
-
-  onKey(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
-    if (event.key === "Escape") this.pane.blur();
-    else if (KEYS[event.key] && this.picture) this.picture.turn(...KEYS[event.key]);
-    else return;
-    event.preventDefault();
-    event.stopPropagation();
   }
 
   onConnection(isThere) {

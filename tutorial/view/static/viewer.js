@@ -1,13 +1,11 @@
 // meshcat's viewer in a part of a page that has others: in a notebook's cell, or in a page that plays a run again.
-// scene.js stands before this text in the same script.
+// make.js and scene.js stand before this text in the same script.
 
 const TURN = Math.PI / 36, ZOOM = 1.1;  // a key press
 const KEYS = {
   ArrowLeft: [-TURN, 0, 1], ArrowRight: [TURN, 0, 1], ArrowUp: [0, -TURN, 1], ArrowDown: [0, TURN, 1],
   "+": [0, 0, 1 / ZOOM], "=": [0, 0, 1 / ZOOM], "-": [0, 0, ZOOM], "_": [0, 0, ZOOM],
 };
-const noGraphics = ({message}) =>
-  ["This browser shows no 3D graphics.", `It has no WebGL, or WebGL is switched off. It says: ${message}`];
 const TAKEN = ["The browser has taken the 3D graphics away.", "It does so when a page has too many. Reload the page."];
 
 /** meshcat's viewer, a script that the whole page needs once, whoever gets it first. */
@@ -57,6 +55,32 @@ function withoutTrace(make) {
     delete window.addEventListener;
     window.onload = onload;
   }
+}
+
+/** Make the element that a picture is in. It has what a screen reader says of it. */
+function makePane(title) {
+  return make("div", "tank-view-pane", {
+    "role": "img", "tabindex": "0", "data-lm-suppress-shortcuts": "true", "aria-label": `${title}, in 3D`,
+    "aria-description": "The arrow keys turn it, plus and minus zoom, Escape leaves it.",
+  });
+}
+
+/** While a pane has the focus, keys and the wheel are its own. getPicture: says what they turn, if it is there. */
+function listenToKeys(pane, getPicture) {
+  pane.addEventListener("pointerdown", () => pane.focus({preventScroll: true}));
+  pane.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const picture = getPicture();
+    if (event.key === "Escape") pane.blur();
+    else if (KEYS[event.key] && picture) picture.turn(...KEYS[event.key]);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  // Who scrolls the page past the view goes on scrolling; who has clicked into it zooms.
+  pane.addEventListener("wheel", (event) => {
+    if (!pane.contains(document.activeElement) && !event.ctrlKey) event.stopPropagation();
+  }, {capture: true, passive: true});
 }
 
 /** A meshcat viewer that draws only while it can be seen, and that can be disposed of. */
