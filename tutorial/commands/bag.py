@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import threading
 import time
 from pathlib import Path
@@ -79,7 +80,7 @@ def record(
     handle_signals(stop.set)
     with named_node("rosbag2_recorder", ros_args) as thread:
         with clear_ros_errors():
-            recorder = Recorder(thread.node, path, None if everything else topics, storage, max_duration)
+            recorder = Recorder(thread.node, path, None if everything else topics, storage, max_duration or math.inf)
         with recorder:
             say(f"recording into {path}; {'it ends by itself' if duration else 'Ctrl-C ends it'}\n")
             _watch(recorder, duration, stop)

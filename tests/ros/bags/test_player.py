@@ -17,7 +17,7 @@ from std_msgs.msg import String
 
 from tutorial.errors import TutorialError
 from tutorial.ros.bags import Bag, Player
-from tutorial.ros.bags.metadata import qos_text
+from tutorial.ros.bags.qos import qos_text
 from tutorial.ros.bags.storage import Channel
 from tutorial.ros.bags.writer import BagWriter
 from tutorial.ros.node_thread import NodeThread
@@ -26,12 +26,12 @@ START = 1_700_000_000 * 10**9
 STRING = "std_msgs/msg/String"
 LATCHED = QoSProfile(depth=9, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 CHANNELS = (
-    Channel(1, "/a", STRING),
-    Channel(2, "/b", STRING, qos=qos_text([LATCHED])),
-    Channel(3, "/clock", "rosgraph_msgs/msg/Clock"),
-    Channel(4, "/alien", "alien_msgs/msg/X"),
-    Channel(5, "/json", STRING, encoding="json"),
-    Channel(6, "/a b", STRING),
+    Channel("/a", STRING),
+    Channel("/b", STRING, qos=qos_text([LATCHED])),
+    Channel("/clock", "rosgraph_msgs/msg/Clock"),
+    Channel("/alien", "alien_msgs/msg/X"),
+    Channel("/json", STRING, encoding="json"),
+    Channel("/a b", STRING),
 )
 
 
@@ -41,10 +41,10 @@ def make(path, count=30, step=0.01, last=None):
     for channel in CHANNELS:
         writer.add_channel(channel)
         first = Clock() if channel.topic == "/clock" else String(data="first")
-        writer.write(channel.id, START, START, serialize_message(first))
+        writer.write(channel.topic, START, START, serialize_message(first))
     for i in range(count):
         at = START + round((step * i if last is None or i < count - 1 else last) * 1e9)
-        writer.write(i % 2 + 1, at, at, serialize_message(String(data=str(i))))
+        writer.write(CHANNELS[i % 2].topic, at, at, serialize_message(String(data=str(i))))
     writer.close()
     return Bag(path)
 

@@ -17,7 +17,7 @@ from rosgraph_msgs.msg import Clock
 
 from tutorial.errors import TutorialError
 from tutorial.ros.bags.bag import Bag
-from tutorial.ros.bags.metadata import offered
+from tutorial.ros.bags.qos import offered
 from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
 
 __all__ = ["Player"]
