@@ -20,6 +20,7 @@ POLICIES: dict[str, Any] = {
     "durability": DurabilityPolicy,
     "liveliness": LivelinessPolicy,
 }
+OFFERED = ("RELIABLE", "BEST_EFFORT", "VOLATILE", "TRANSIENT_LOCAL", "AUTOMATIC", "MANUAL_BY_TOPIC")
 SPANS = ("deadline", "lifespan", "liveliness_lease_duration")
 
 
@@ -51,13 +52,8 @@ def _told(profile: Any) -> Qos:
 
 def _profile(told: Qos) -> QoSProfile:
     """Return a profile; what no publisher can offer is the default."""
-    profile = QoSProfile(depth=DEFAULT_DEPTH)
-    for name, kind in POLICIES.items():
-        word = getattr(told, name).name
-        if word in kind.__members__ and word not in ("UNKNOWN", "SYSTEM_DEFAULT", "BEST_AVAILABLE"):
-            setattr(profile, name, kind[word])
-    for name in SPANS:
-        seconds, nanoseconds = getattr(told, name)
-        span = seconds * 10**9 + nanoseconds
-        setattr(profile, name, Duration(nanoseconds=span if 0 < span < FOREVER else 0))
-    return profile
+    words = {name: getattr(told, name).name for name in POLICIES}
+    spans = {name: getattr(told, name).sec * 10**9 + getattr(told, name).nsec for name in SPANS}
+    known = {name: POLICIES[name][word] for name, word in words.items() if word in OFFERED}
+    finite = {name: Duration(nanoseconds=span) for name, span in spans.items() if 0 < span < FOREVER}
+    return QoSProfile(depth=DEFAULT_DEPTH, **known, **finite)
