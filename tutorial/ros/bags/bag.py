@@ -15,7 +15,7 @@ from tutorial.errors import TutorialError, did_you_mean, printable
 from tutorial.paths import is_file, is_folder
 from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.sqlite import SqliteReader
-from tutorial.ros.bags.storage import Channel, Damaged, FileReader
+from tutorial.ros.bags.storage import Channel, Damaged, FileReader, Span
 from tutorial.ros.topics.names import escape_name, message_class
 
 __all__ = ["Bag", "BagTopic"]
@@ -72,13 +72,16 @@ class Bag:
         self.distro = printable(told.ros_distro[:60])
         self.channels: dict[str, Channel] = {}
         self._counts: Counter[str] = Counter()
-        self.start = self.end = 0
+        span = Span()
         self._readers = [reader for file in self.files if (reader := self._opened(file)) is not None]
         for reader in self._readers:
-            self._learn(reader)
-        found = self._counts.total()
-        if told.message_count not in (None, found):
-            self._say(f"metadata.yaml tells of {told.message_count:,} messages, and {found:,} are there")
+            self.channels = {channel.topic: channel for channel in reader.channels.values()} | self.channels
+            self._counts += reader.counts
+            if reader.span.count:
+                span.add(reader.span.count, reader.span.start, reader.span.end)
+        self.start, self.end = span.start, span.end
+        if told.message_count not in (None, span.count):
+            self._say(f"metadata.yaml tells of {told.message_count:,} messages, and {span.count:,} are there")
         if not self._readers:
             raise TutorialError(f"nothing in the bag {_named(self.path)} can be read: {'; '.join(self._faults)}.")
 
@@ -151,15 +154,6 @@ class Bag:
                     yield name, time, payload
                 else:
                     self._say(f"a message on {escape_name(name)} is empty")
-
-    def _learn(self, reader: FileReader) -> None:
-        """Add what a file has."""
-        for channel in reader.channels.values():
-            self.channels.setdefault(channel.topic, channel)
-        if reader.counts:
-            self._counts += reader.counts
-            self.start = min(self.start or reader.start, reader.start)
-            self.end = max(self.end, reader.end)
 
     def _opened(self, file: Path) -> FileReader | None:
         """Look into a file; None where nothing can be read."""

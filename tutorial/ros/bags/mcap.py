@@ -29,7 +29,7 @@ from mcap.reader import FOOTER_SIZE
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, FileReader, RawMessage
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, FileReader, RawMessage, Span
 
 __all__ = ["McapReader", "McapWriter"]
 
@@ -162,10 +162,10 @@ class McapReader(FileReader):
         counts: Counter[str] = Counter()
         for number, channel in self.channels.items():
             counts[channel.topic] += told.channel_message_counts.get(number, 0)
-        start, end = told.message_start_time, told.message_end_time
-        if told.message_count != counts.total() or not start <= end < 2**63:
+        span = Span(told.message_count, told.message_start_time, told.message_end_time)
+        if span.count != counts.total() or not span.start <= span.end < 2**63:
             return False
-        self.counts, self.start, self.end = counts, start, end
+        self.counts, self.span = counts, span
         return True
 
     def _chunks(self, since: int) -> Iterator[Iterable[RawMessage]]:

@@ -82,10 +82,8 @@ class Recorder:
         self._lock = threading.Lock()  # of what waits and what is lost
         self._waiting: deque[tuple[str, int, int, bytes]] = deque()
         self._waiting_bytes = 0
-        self._has_said_lost = False
         self._flush_at = 0.0
         self._stop = threading.Event()
-        self._closed = False
         self._thread = threading.Thread(target=self._run, name="bag", daemon=True)
 
     def __enter__(self) -> Self:
@@ -127,11 +125,10 @@ class Recorder:
         Raises:
             TutorialError: the bag could not be written to its end.
         """
-        if self._closed:
+        if self._stop.is_set():
             return
-        self._closed = True
-        self._settle()
         self._stop.set()
+        self._settle()
         self._thread.join()
         for subscription in self._subscriptions.values():
             with suppress(Exception):  # the node may be gone before its recorder
@@ -180,24 +177,32 @@ class Recorder:
             topics = topics_with_types(self._node, include_hidden=self._wanted is not None)
             for topic in sorted(topics.keys() - self._subscriptions.keys() - self._refused):
                 if self._wanted is None or topic in self._wanted:
-                    self._subscribe(topic, topics[topic])
+                    try:
+                        self._subscribe(topic, topics[topic])
+                    except TutorialError as error:
+                        self._refused.add(topic)
+                        _log.warning("topic %s is not recorded: %s", escape_name(topic), error)
         except OSError as error:
             self._fail(error)
         except (RuntimeError, UnicodeDecodeError):  # the node is gone; or a real one, which names nothing while any
             return  # name is no text
 
     def _subscribe(self, topic: str, types: list[str]) -> None:
-        """Record a topic, if somebody publishes it and its messages are of a type that is known here."""
+        """Record a topic, if somebody publishes it.
+
+        Raises:
+            TutorialError: it cannot be recorded; the text is the end of a sentence.
+        """
         publishers = publishers_on(self._node, topic)
         if not publishers:
             return
-        try:
-            kind = self._kind(topic, types)
-        except TutorialError as error:
-            self._refused.add(topic)
-            _log.warning("topic %s is not recorded: %s", escape_name(topic), error)
-            return
-        request = reader_qos(self._node, topic)
+        if not is_valid_topic(topic):
+            raise TutorialError("its name breaks the rules of ROS 2")
+        if len(types) > 1:
+            raise TutorialError(f"it has several types, {', '.join(map(escape_name, types[:10]))}")
+        if len(self._subscriptions) >= MOST_TOPICS:
+            raise TutorialError(f"there are more than {MOST_TOPICS:,} topics")
+        kind, request = message_class(types[0]), reader_qos(self._node, topic)
         request.depth = DEPTH
         heard = partial(self._on_message, topic)
         self._subscriptions[topic] = self._node.create_subscription(kind, topic, heard, request, raw=True)
@@ -207,20 +212,6 @@ class Recorder:
         self._writer.add_channel(Channel(topic, types[0], "cdr", qos, definition, type_hash))
         _log.info("recording %s", escape_name(topic))
 
-    def _kind(self, topic: str, types: list[str]) -> Any:
-        """Return the class of a topic's messages.
-
-        Raises:
-            TutorialError: it cannot be recorded; the text is the end of a sentence.
-        """
-        if not is_valid_topic(topic):
-            raise TutorialError("its name breaks the rules of ROS 2")
-        if len(types) > 1:
-            raise TutorialError(f"it has several types, {', '.join(map(escape_name, types[:10]))}")
-        if len(self._subscriptions) >= MOST_TOPICS:
-            raise TutorialError(f"there are more than {MOST_TOPICS:,} topics")
-        return message_class(types[0])
-
     def _on_message(self, topic: str, payload: bytes, info: Mapping[str, Any]) -> None:
         """Keep the message for the recorder's thread. The thread that spins."""
         self._received += 1
@@ -229,6 +220,8 @@ class Recorder:
                 self._waiting_bytes += len(payload)
                 self._waiting.append((topic, info["received_timestamp"], info["source_timestamp"], payload))
             else:
+                if not self.lost:
+                    _log.warning("messages are lost: the disk is too slow, or full")
                 self.lost += 1
 
     def _write(self) -> None:
@@ -244,9 +237,6 @@ class Recorder:
                 self._flush_at = time.monotonic() + FLUSH_EVERY
         except OSError as error:
             self._fail(error)
-        if self.lost and not self._has_said_lost:
-            self._has_said_lost = True
-            _log.warning("%d messages are lost so far: the disk is too slow, or full", self.lost)
 
     def _fail(self, error: OSError) -> None:
         """Write no more."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Callable, Collection, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import Channel, Damaged, FileReader, RawMessage
+from tutorial.ros.bags.storage import Channel, Damaged, FileReader, RawMessage, Span
 
 __all__ = ["SqliteReader", "SqliteWriter"]
 
@@ -25,15 +25,6 @@ UNREADABLE = (sqlite3.Error, UnicodeDecodeError)
 """What Python raises of a spoilt file; the second is about SQLite's own words."""
 
 
-@contextmanager
-def _as_os_error() -> Iterator[None]:
-    """Turn SQLite's errors into what they are to a program that writes: errors of the disk."""
-    try:
-        yield
-    except sqlite3.Error as error:
-        raise OSError(0, str(error)) from error
-
-
 class SqliteWriter:
     """Writes an SQLite file. One thread at a time.
 
@@ -44,15 +35,15 @@ class SqliteWriter:
         OSError: it cannot be written.
     """
 
-    @_as_os_error()
     def __init__(self, path: Path) -> None:
         path.touch(exist_ok=False)
         self._ids: dict[str, int] = {}  # by topic
         self._types: set[str] = set()
-        self._database = sqlite3.connect(path, check_same_thread=False)
-        self._database.executescript(TABLES)
+        self._database = sqlite3.connect(path, check_same_thread=False, isolation_level=None)
+        for statement in TABLES.split(";"):
+            self._run(statement)
+        self._run("BEGIN")
 
-    @_as_os_error()
     def add_channel(self, channel: Channel) -> None:
         """Make a topic known before its first message."""
         kind, type_hash = channel.type_name, channel.type_hash
@@ -62,26 +53,30 @@ class SqliteWriter:
         self._ids[channel.topic] = len(self._ids) + 1
         self._insert("topics", channel.topic, kind, channel.encoding, channel.qos, type_hash)
 
-    @_as_os_error()
     def write(self, topic: str, received_ns: int, sent_ns: int, payload: bytes) -> None:  # noqa: ARG002
         """Write a message, for which the file has one time only: when it was received."""
         self._insert("messages", self._ids[topic], received_ns, payload)
 
-    @_as_os_error()
     def flush(self) -> None:
         """Commit what is written."""
-        self._database.commit()
+        self._run("COMMIT")
+        self._run("BEGIN")
 
-    @_as_os_error()
     def close(self, metadata: str) -> None:
         """Write the bag's metadata, and complete the file."""
         with closing(self._database):
             self._insert("metadata", 9, metadata)
-            self._database.commit()
+            self._run("COMMIT")
 
     def _insert(self, table: str, *values: Any) -> None:
         """Add a row; SQLite numbers it."""
-        self._database.execute(f"INSERT INTO {table} VALUES (NULL{', ?' * len(values)})", values)
+        self._run(f"INSERT INTO {table} VALUES (NULL{', ?' * len(values)})", *values)
+
+    def _run(self, statement: str, *values: Any) -> None:
+        try:
+            self._database.execute(statement, values)
+        except sqlite3.Error as error:  # to a program that writes, it is an error of the disk
+            raise OSError(0, str(error)) from error
 
 
 class SqliteReader(FileReader):
@@ -141,12 +136,12 @@ class SqliteReader(FileReader):
         try:
             for number, is_message, count, start, end in self._rows(COUNT):
                 if is_message and number in self.channels:
-                    self.start = min(self.start, start) if self.counts else start
-                    self.end = max(self.end, end)
+                    self.span.add(count, start, end)
                     self.counts[self.channels[number].topic] += count
                 else:
                     self._damaged("a row in it is no message")
         except UNREADABLE as error:
             self._damaged(f"SQLite says: {printable(str(error))}")
             self.counts.clear()
+            self.span = Span()
             self._count(self.messages([channel.topic for channel in self.channels.values()], 0))

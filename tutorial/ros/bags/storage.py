@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["LARGEST_MESSAGE", "Channel", "Damaged", "FileReader", "RawMessage"]
+__all__ = ["LARGEST_MESSAGE", "Channel", "Damaged", "FileReader", "RawMessage", "Span"]
 
 LARGEST_MESSAGE = 128 * 2**20
 """Of a message, or of a chunk of messages, when it is unpacked [bytes]: some five pictures of the largest cameras."""
@@ -19,6 +19,21 @@ RawMessage = tuple[str, int, bytes]
 
 class Damaged(Exception):  # noqa: N818 - it says what is the case, and is no error of anybody's program
     """From here on a file is not what it ought to be; the text is the end of a sentence."""
+
+
+@dataclass
+class Span:
+    """How many messages there are, and when the first and the last of them was received [ns]; 0 without messages."""
+
+    count: int = 0
+    start: int = 0
+    end: int = 0
+
+    def add(self, count: int, start: int, end: int) -> None:
+        """Add some messages."""
+        self.start = min(self.start, start) if self.count else start
+        self.end = max(self.end, end) if self.count else end
+        self.count += count
 
 
 @dataclass(frozen=True)
@@ -52,7 +67,7 @@ class FileReader(ABC):
     Attributes:
         channels: its topics, by what the file calls them.
         counts: how many messages each topic has.
-        start, end: when its first and its last message was received [ns]; 0 where there are none.
+        span: the number of all its messages, and their times.
 
     Raises:
         Damaged: it is no such file.
@@ -62,7 +77,7 @@ class FileReader(ABC):
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:
         self.channels: dict[int, Channel] = {}
         self.counts: Counter[str] = Counter()
-        self.start = self.end = 0
+        self.span = Span()
         self._path = path
         self._say = say
 
@@ -73,6 +88,5 @@ class FileReader(ABC):
     def _count(self, messages: Iterable[RawMessage]) -> None:
         """Count the messages one by one."""
         for topic, time, _ in messages:
-            self.start = min(self.start, time) if self.counts else time
-            self.end = max(self.end, time)
+            self.span.add(1, time, time)
             self.counts[topic] += 1

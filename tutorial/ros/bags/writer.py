@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import msgspec
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.ros.bags.mcap import McapWriter
 from tutorial.ros.bags.sqlite import SqliteWriter
-from tutorial.ros.bags.storage import Channel
+from tutorial.ros.bags.storage import Channel, Span
 
 __all__ = ["BagWriter"]
 
@@ -22,27 +21,6 @@ WRITERS: dict[str, tuple[str, type[McapWriter | SqliteWriter]]] = {
     "sqlite3": (".db3", SqliteWriter),
 }
 VERSION = 9  # of the metadata, in Jazzy
-
-
-@dataclass
-class _Span:
-    """How many messages there are, in a file or a bag, and when the first and the last of them was received [ns]."""
-
-    count: int = 0
-    start: int = 0
-    end: int = 0
-
-    def add(self, time: int) -> None:
-        self.start = min(self.start, time) if self.count else time
-        self.end = max(self.end, time)
-        self.count += 1
-
-    def told(self) -> dict[str, Any]:
-        return {
-            "starting_time": {"nanoseconds_since_epoch": self.start},
-            "duration": {"nanoseconds": self.end - self.start},
-            "message_count": self.count,
-        }
 
 
 class BagWriter:
@@ -68,8 +46,8 @@ class BagWriter:
         self._storage = storage
         self._longest_ns = max_duration * 1e9
         self._channels: list[Channel] = []
-        self._span = _Span()
-        self._files: dict[str, _Span] = {}
+        self._span = Span()
+        self._files: dict[str, Span] = {}
         try:
             path.mkdir(parents=True)
             self._begin_file()
@@ -104,8 +82,8 @@ class BagWriter:
             self._file.close(self._metadata())
             self._begin_file()
         self._file.write(topic, received_ns, sent_ns, payload)
-        self._file_span.add(received_ns)
-        self._span.add(received_ns)
+        self._file_span.add(1, received_ns, received_ns)
+        self._span.add(1, received_ns, received_ns)
         self.counts[topic] += 1
 
     def flush(self) -> None:
@@ -127,7 +105,7 @@ class BagWriter:
         suffix, writer = WRITERS[self._storage]
         name = f"{self.path.name}_{len(self._files)}{suffix}"
         self._file = writer(self.path / name)
-        self._file_span = self._files[name] = _Span()
+        self._file_span = self._files[name] = Span()
         for channel in self._channels:
             self._file.add_channel(channel)
 
@@ -149,13 +127,21 @@ class BagWriter:
         information = {
             "version": VERSION,
             "storage_identifier": self._storage,
-            **self._span.told(),
+            **_told(self._span),
             "topics_with_message_count": topics,
             "compression_format": "",
             "compression_mode": "",
             "relative_file_paths": list(self._files),
-            "files": [{"path": name, **span.told()} for name, span in self._files.items()],
+            "files": [{"path": name, **_told(span)} for name, span in self._files.items()],
             "custom_data": None,
             "ros_distro": "jazzy",
         }
         return msgspec.yaml.encode(information).decode()
+
+
+def _told(span: Span) -> dict[str, Any]:
+    return {
+        "starting_time": {"nanoseconds_since_epoch": span.start},
+        "duration": {"nanoseconds": span.end - span.start},
+        "message_count": span.count,
+    }
