@@ -42,7 +42,7 @@ def bag() -> None:
 @click.argument("named", nargs=-1, metavar="[TOPICS]...")
 @click.option("--topics", "also", multiple=True, metavar="TOPIC", help="The same as TOPICS. May be repeated.")
 @click.option("-a", "--all", "everything", is_flag=True, help="All topics, also those that appear later.")
-@click.option("-o", "--output", type=Path, metavar="NAME", help="Its folder, a new one; by default, called after the time.")
+@click.option("-o", "--output", type=Path, metavar="NAME", help="Its folder, a new one; else called after the time.")
 @click.option("-s", "--storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap", show_default=True)
 @click.option(
     "-d", "--max-bag-duration", "longest", type=AboveZero, metavar="SECONDS", help="A new file after so long."

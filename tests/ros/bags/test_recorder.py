@@ -15,7 +15,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from tutorial.errors import TutorialError
-from tutorial.ros.bags import Bag, Player, Recorder
+from tutorial.ros.bags import Bag, Recorder
 from tutorial.ros.bags import recorder as module
 from tutorial.ros.bags.qos import offered
 from tutorial.ros.node_thread import NodeThread
@@ -171,15 +171,3 @@ def test_a_recorder_whose_node_has_gone_completes_its_bag(publisher, tmp_path):
     recorder.close()
     recorder.close()
     assert Bag(tmp_path / "bag").damage == ""
-
-
-def test_what_is_played_is_recorded_as_it_was(nodes, publisher, tmp_path):
-    """From bag to bag: the same bytes."""
-    with Recorder(nodes[1], tmp_path / "one", ["/a"]) as recorder:
-        publish(recorder, publisher, payloads())
-        until(lambda: recorder.counts["/a"] == COUNT, "all of them")
-    with Recorder(nodes[1], tmp_path / "two", ["/a"]) as again:
-        until(lambda: again.topics == ("/a",), "the subscription")
-        Player(nodes[0], Bag(recorder.path), rate=0.1).run(threading.Event())
-        until(lambda: again.counts["/a"] == COUNT, "all of them once more")
-    assert recorded(again.path) == payloads()
