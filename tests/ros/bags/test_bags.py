@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import shutil
 import sqlite3
 import struct
 import tracemalloc
@@ -71,31 +72,19 @@ def messages(count: int) -> list[tuple[str, int, bytes]]:
     return [(CHANNELS[i % 2].topic, START + i * STEP, payload(i)) for i in range(count)]
 
 
-def write(path, count=100, storage="mcap", closed=True, **how) -> list[tuple[str, int, bytes]]:
-    """Write a bag; without an end, it is as a killed recording leaves it: of its writer nothing closes the files."""
+def write(path, storage="mcap", killed=None, **how) -> list[tuple[str, int, bytes]]:
+    """Write a bag of 100 messages, and a copy of it as it would be left by a recording that is killed."""
     writer = BagWriter(path, storage, **how)
     for channel in CHANNELS:
         writer.add_channel(channel)
-    for i, (topic, time, data) in enumerate(messages(count)):
+    for i, (topic, time, data) in enumerate(messages(100)):
         writer.write(topic, time, time - 1000, data)
         if i % 30 == 29:
             writer.flush()
-    if closed:
-        writer.close()
-    else:
-        killed.append(writer)
-    return messages(count)
-
-
-killed = []
-
-
-@pytest.fixture(autouse=True)
-def _clear():
-    """What was left as if its process had been killed is closed when nobody looks any more."""
-    yield
-    while killed:
-        killed.pop().close()
+    if killed is not None:
+        shutil.copytree(path, killed)
+    writer.close()
+    return messages(100)
 
 
 def make(path, *payloads, channels=CHANNELS[:1]) -> Bag:
@@ -181,15 +170,15 @@ def test_after_the_longest_duration_another_file_begins(tmp_path, storage):
     assert found == written[:50] + written[75:]
 
 
-def test_nothing_is_overwritten(tmp_path, storage):
+def test_nothing_is_overwritten(tmp_path):
     (tmp_path / "bag").mkdir()
     with pytest.raises(TutorialError, match="a bag overwrites nothing"):
-        BagWriter(tmp_path / "bag", storage)
+        BagWriter(tmp_path / "bag")
     assert list((tmp_path / "bag").iterdir()) == []
 
 
 def test_a_recording_that_was_killed_is_read_up_to_its_last_flush(tmp_path, storage):
-    written = write(tmp_path / "bag", storage=storage, closed=False)
+    written = write(tmp_path / "whole", storage, killed=tmp_path / "bag")
     bag = Bag(tmp_path / "bag")
     assert list(bag.raw_messages()) == written[:90]
     assert sum(topic.count for topic in bag.topics) == 90

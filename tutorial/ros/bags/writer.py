@@ -79,7 +79,7 @@ class BagWriter:
             OSError: it cannot be written.
         """
         if self._file_span.count and received_ns - self._file_span.start >= self._longest_ns:
-            self._file.close(self._metadata())
+            self._file.close(_yaml(self._information()))
             self._begin_file()
         self._file.write(topic, received_ns, sent_ns, payload)
         self._file_span.add(1, received_ns, received_ns)
@@ -96,10 +96,10 @@ class BagWriter:
         Raises:
             OSError: it cannot be written.
         """
-        metadata = self._metadata()
-        self._file.close(metadata)
-        told = msgspec.yaml.encode({"rosbag2_bagfile_information": msgspec.yaml.decode(metadata)})
-        (self.path / "metadata.yaml").write_bytes(told)
+        information = self._information()
+        self._file.close(_yaml(information))
+        metadata = _yaml({"rosbag2_bagfile_information": information})
+        (self.path / "metadata.yaml").write_text(metadata, encoding="utf-8")
 
     def _begin_file(self) -> None:
         suffix, writer = WRITERS[self._storage]
@@ -109,8 +109,8 @@ class BagWriter:
         for channel in self._channels:
             self._file.add_channel(channel)
 
-    def _metadata(self) -> str:
-        """Return what there is to say of the bag, so far, as YAML."""
+    def _information(self) -> dict[str, Any]:
+        """Return what there is to say of the bag, so far."""
         topics = [
             {
                 "topic_metadata": {
@@ -124,7 +124,7 @@ class BagWriter:
             }
             for channel in self._channels
         ]
-        information = {
+        return {
             "version": VERSION,
             "storage_identifier": self._storage,
             **_told(self._span),
@@ -136,7 +136,6 @@ class BagWriter:
             "custom_data": None,
             "ros_distro": "jazzy",
         }
-        return msgspec.yaml.encode(information).decode()
 
 
 def _told(span: Span) -> dict[str, Any]:
@@ -145,3 +144,7 @@ def _told(span: Span) -> dict[str, Any]:
         "duration": {"nanoseconds": span.end - span.start},
         "message_count": span.count,
     }
+
+
+def _yaml(content: Any) -> str:
+    return msgspec.yaml.encode(content).decode()
