@@ -7,7 +7,6 @@ file that is whole and means well, and ours reads what a program that was killed
 
 from __future__ import annotations
 
-import os
 import struct
 import zlib
 from bisect import bisect_left
@@ -112,6 +111,7 @@ class McapReader(FileReader):
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:
         super().__init__(path, say)
         self._types: dict[int, str] = {}  # names by the schema's id
+        self._end = path.stat().st_size  # of the records
         with path.open("rb") as file:
             self._check_begin(file)
             is_counted = self._read_summary(file)
@@ -137,21 +137,22 @@ class McapReader(FileReader):
         begin = file.read(len(MCAP0_MAGIC))
         if begin != MCAP0_MAGIC:
             raise Damaged(f"it begins with {begin.hex(' ')!r}, not as an MCAP file does" if begin else "it is empty")
-        header = next(self._records(file, len(begin)), None)
+        header = next(self._records(file, len(begin), self._end), None)
         if isinstance(header, records.Header) and header.profile != "ros2":
             raise Damaged(f"it is of '{printable(header.profile[:60])}', not of 'ros2'")
 
     def _read_summary(self, file: IO[bytes]) -> bool:
         """Take topics and counts from behind the data; False where that is not possible."""
-        end = file.seek(-len(MCAP0_MAGIC), os.SEEK_END)
+        end = file.seek(self._end - len(MCAP0_MAGIC))
         if file.read() != MCAP0_MAGIC:
             self._say("its end is missing, as of a recording that was killed or filled the disk")
             return False
-        footer = next(self._records(file, max(end - FOOTER_SIZE, 0)), None)
+        self._end = end
+        footer = next(self._records(file, max(end - FOOTER_SIZE, 0), end), None)
         if not isinstance(footer, records.Footer) or not footer.summary_start:
             return False
         told = None
-        for record in self._records(file, footer.summary_start):
+        for record in self._records(file, footer.summary_start, end):
             self._take(record)
             if isinstance(record, records.Statistics):
                 told = record
@@ -175,7 +176,7 @@ class McapReader(FileReader):
         """
         try:
             with self._path.open("rb") as file:
-                for record in self._records(file, len(MCAP0_MAGIC)):
+                for record in self._records(file, len(MCAP0_MAGIC), self._end):
                     if not isinstance(record, records.Chunk):
                         yield self._messages_in([record])
                     elif record.message_end_time >= since:
@@ -200,7 +201,7 @@ class McapReader(FileReader):
                 self._say(CUT_CHUNK)
             elif chunk.uncompressed_crc not in (0, zlib.crc32(data)):
                 self._say("a chunk in it has another checksum than it had when it was written")
-            yield from self._records(BytesIO(data), 0, CUT_CHUNK)
+            yield from self._records(BytesIO(data), 0, len(data), CUT_CHUNK)
 
     def _messages_in(self, some: Iterable[records.McapRecord]) -> Iterator[RawMessage]:
         """Yield the messages among some records, and learn their topics."""
@@ -220,11 +221,9 @@ class McapReader(FileReader):
             kind, qos = self._types.get(record.schema_id, ""), record.metadata.get("offered_qos_profiles", "")
             self.channels.setdefault(record.id, Channel(record.topic, kind, record.message_encoding, qos))
 
-    def _records(self, file: IO[bytes], begin: int, cut_off: str = CUT_OFF) -> Iterator[records.McapRecord]:
-        """Yield each record that is of interest and can be read, as far as the footer; of a chunk that is cut off, what
-        is there."""
-        record, end = None, file.seek(0, os.SEEK_END)
-        while begin < end and not isinstance(record, records.Footer):
+    def _records(self, file: IO[bytes], begin: int, end: int, cut: str = CUT_OFF) -> Iterator[records.McapRecord]:
+        """Yield each record that is of interest and can be read; of a chunk that is cut off, what is there."""
+        while begin < end:
             file.seek(begin)
             head = file.read(HEAD.size)
             opcode, size = HEAD.unpack(head) if len(head) == HEAD.size else (0, 0)
@@ -235,12 +234,11 @@ class McapReader(FileReader):
             elif kind and (begin <= end or kind is records.Chunk):
                 words = _Words(BytesIO(file.read(size)))
                 try:
-                    record = kind.read(words, size) if kind is records.Message else kind.read(words)
-                    yield record
+                    yield kind.read(words, size) if kind is records.Message else kind.read(words)
                 except UNREADABLE:
                     self._say("a record in it cannot be read")
-            if begin > end:
-                self._say(cut_off)
+        if begin > end:
+            self._say(cut)
 
 
 class _Words(ReadDataStream):
