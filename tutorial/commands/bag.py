@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["bag"]
 
-LOOK = 0.2  # [s] between two looks at how far it has come
-SHY = 2.0  # [s] that a topic may take to turn up before it is said that it is not there
+LOOK_EVERY = 0.2  # [s] for how far a recording is
+MISSING_AFTER = 2.0  # [s] after which the log names the topics that nobody publishes
 CLOCK_RATE = 40.0  # [Hz], as of ros2 bag
 
 AboveZero = Finite(min=0, min_open=True)
@@ -142,11 +142,11 @@ def _watch(recorder: Recorder, duration: float | None, stop: threading.Event) ->
     began = time.monotonic()
     said: tuple[str, ...] = ()
     with progress_bar(duration) as progress, status_line(shown=duration is None) as status:
-        while recorder.error is None and not stop.wait(LOOK):
+        while recorder.error is None and not stop.wait(LOOK_EVERY):
             seconds = time.monotonic() - began
             if duration is not None and seconds >= duration:
                 return
-            if seconds >= SHY and recorder.missing != said:
+            if seconds >= MISSING_AFTER and recorder.missing != said:
                 said = recorder.missing
                 if said:
                     _log.warning("waiting for %s, which nobody publishes yet", ", ".join(said))

@@ -131,8 +131,8 @@ def test_centuries_between_two_messages_can_be_interrupted(nodes, heard, tmp_pat
 
 def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, heard, tmp_path):
     clocks = []
-    anyhow = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
-    nodes[1].create_subscription(Clock, "/clock", clocks.append, anyhow)
+    best_effort = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+    nodes[1].create_subscription(Clock, "/clock", clocks.append, best_effort)
     until(lambda: nodes[0].count_subscribers("/clock"), "the subscription")
     player = Player(nodes[0], make(tmp_path / "bag", count=100), rate=4.0, clock=50.0)
     player.run(threading.Event())

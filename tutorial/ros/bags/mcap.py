@@ -1,8 +1,8 @@
 """MCAP files, as ``ros2 bag`` writes them by default (https://mcap.dev/spec).
 
 A file is a sequence of records. Messages are gathered in chunks; behind the last one a summary repeats what is in the
-file. How records are laid out is known to the package mcap. It has readers, too, and so has rosbags; but they want a
-file that is whole and means well, and ours reads what a program that was killed has left, or a spoilt disk.
+file. The package mcap reads and writes single records. Its reader of files, and that of rosbags, need a file that is
+whole; ours also reads what a killed program or a spoilt disk has left.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ __all__ = ["Player"]
 CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as rclcpp's ClockQoS
 MEET_FOR = 2.0  # [s] at most, that subscriptions are waited for which are there already
-THEY_TOO = 0.3  # [s] that a subscription may take longer than the publisher to know of the other, on Fast DDS
+SETTLE_FOR = 0.3  # [s] that a subscription needs longer than the publisher to know of the other, on Fast DDS
 LOOK_EVERY = 0.02  # [s] for these subscriptions
 LONGEST_WAIT = 1.0  # [s] between two looks at how far it is
 LAST_SECOND = 2**31 - 1  # that a time stamp can say
@@ -145,7 +145,7 @@ class Player:
         while not self._met() and time.monotonic() < deadline and not stop.wait(LOOK_EVERY):
             pass
         if any(publisher.get_subscription_count() for publisher in self._publishers.values()):
-            stop.wait(THEY_TOO)
+            stop.wait(SETTLE_FOR)
 
     def _met(self) -> bool:
         return all(

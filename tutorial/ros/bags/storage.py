@@ -17,8 +17,8 @@ RawMessage = tuple[str, int, bytes]
 """Its topic, when it was received [ns], and its payload."""
 
 
-class Damaged(Exception):  # noqa: N818 - it says what is the case, and is no error of anybody's program
-    """From here on a file is not what it ought to be; the text is the end of a sentence."""
+class Damaged(Exception):  # noqa: N818 - it describes a file, and is no error of a program
+    """Nothing in a file can be read; the text is the end of a sentence."""
 
 
 @dataclass
