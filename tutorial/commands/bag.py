@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import threading
 import time
 from pathlib import Path
@@ -21,9 +22,11 @@ if TYPE_CHECKING:
 
 __all__ = ["bag"]
 
-LOOK = 0.2  # [s] between two looks at how far it has come
-SHY = 2.0  # [s] that a topic may take to turn up before it is said that it is not there
+LOOK_EVERY = 0.2  # [s] for how far a recording is
+MISSING_AFTER = 2.0  # [s] after which the log names the topics that nobody publishes
 CLOCK_RATE = 40.0  # [Hz], as of ros2 bag
+
+AboveZero = Finite(min=0, min_open=True)
 
 _log = logging.getLogger(__name__)
 
@@ -39,21 +42,10 @@ def bag() -> None:
 @click.argument("named", nargs=-1, metavar="[TOPICS]...")
 @click.option("--topics", "also", multiple=True, metavar="TOPIC", help="The same as TOPICS. May be repeated.")
 @click.option("-a", "--all", "everything", is_flag=True, help="All topics, also those that appear later.")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="NAME",
-    help="The bag's folder, which must not be there; by default it is called after the time.",
-)
+@click.option("-o", "--output", type=Path, metavar="NAME", help="Its folder, a new one; else called after the time.")
 @click.option("-s", "--storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap", show_default=True)
 @click.option(
-    "-d",
-    "--max-bag-duration",
-    "max_duration",
-    type=Seconds(min=0, min_open=True),
-    metavar="SECONDS",
-    help="After so long begin another file.",
+    "-d", "--max-bag-duration", "longest", type=AboveZero, metavar="SECONDS", help="A new file after so long."
 )
 @duration_option
 @click.pass_obj
@@ -65,7 +57,7 @@ def record(
     everything: bool,
     output: Path | None,
     storage: str,
-    max_duration: float | None,
+    longest: float | None,
     duration: float | None,
 ) -> int:
     """Record TOPICS, or with -a all of them, until Ctrl-C."""
@@ -79,7 +71,7 @@ def record(
     handle_signals(stop.set)
     with named_node("rosbag2_recorder", ros_args) as thread:
         with clear_ros_errors():
-            recorder = Recorder(thread.node, path, None if everything else topics, storage, max_duration)
+            recorder = Recorder(thread.node, path, None if everything else topics, storage, longest or math.inf)
         with recorder:
             say(f"recording into {path}; {'it ends by itself' if duration else 'Ctrl-C ends it'}\n")
             _watch(recorder, duration, stop)
@@ -103,11 +95,11 @@ def info(bag: Path) -> None:
 @bag.command(short_help="Play a bag.")
 @bag_argument
 @click.argument("more", nargs=-1, metavar="")
-@click.option("-r", "--rate", type=Finite(min=0, min_open=True), default=1.0, show_default=True, help="How fast.")
+@click.option("-r", "--rate", type=AboveZero, default=1.0, show_default=True, help="How fast.")
 @click.option("-l", "--loop", is_flag=True, help="Begin anew at the end, until Ctrl-C.")
 @click.option(
     "--clock",
-    type=Finite(min=0, min_open=True),
+    type=AboveZero,
     is_flag=False,
     flag_value=CLOCK_RATE,
     metavar="[HZ]",
@@ -150,11 +142,11 @@ def _watch(recorder: Recorder, duration: float | None, stop: threading.Event) ->
     began = time.monotonic()
     said: tuple[str, ...] = ()
     with progress_bar(duration) as progress, status_line(shown=duration is None) as status:
-        while recorder.error is None and not stop.wait(LOOK):
+        while recorder.error is None and not stop.wait(LOOK_EVERY):
             seconds = time.monotonic() - began
             if duration is not None and seconds >= duration:
                 return
-            if seconds >= SHY and recorder.missing != said:
+            if seconds >= MISSING_AFTER and recorder.missing != said:
                 said = recorder.missing
                 if said:
                     _log.warning("waiting for %s, which nobody publishes yet", ", ".join(said))

@@ -5,25 +5,23 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
+import msgspec
 from rclpy.serialization import deserialize_message
 
 from tutorial.errors import TutorialError, did_you_mean, printable
 from tutorial.paths import is_file, is_folder
 from tutorial.ros.bags.mcap import McapReader
-from tutorial.ros.bags.metadata import read_metadata
 from tutorial.ros.bags.sqlite import SqliteReader
-from tutorial.ros.bags.storage import MOST_FAULTS, SUFFIXES, Channel, Damaged, FileReader
+from tutorial.ros.bags.storage import Channel, Damaged, FileReader, Span
 from tutorial.ros.topics.names import escape_name, message_class
 
 __all__ = ["Bag", "BagTopic"]
 
-READERS: dict[str, Callable[[Path], FileReader]] = {".mcap": McapReader, ".db3": SqliteReader}
-MOST_FILES = 10_000
-LATEST = 2**63 - 1  # [ns] that a file can say
+READERS: dict[str, Callable[..., FileReader]] = {".mcap": McapReader, ".db3": SqliteReader}
+MOST_FAULTS = 5  # of a bag, that are told
 CDR_HEAD = 4  # bytes that every payload begins with
 
 
@@ -33,6 +31,19 @@ class BagTopic(NamedTuple):
     name: str
     type: str
     count: int  # type: ignore[assignment]  # no tuple's method here
+
+
+class _Information(msgspec.Struct):
+    """What is read of a bag's ``metadata.yaml``: the rest is in its files, too."""
+
+    relative_file_paths: list[str] = []
+    message_count: int | None = None
+    compression_mode: str = ""
+    ros_distro: str = ""
+
+
+class _Metadata(msgspec.Struct):
+    rosbag2_bagfile_information: _Information
 
 
 class Bag:
@@ -55,23 +66,23 @@ class Bag:
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        self.distro = ""
-        self._faults: list[str] = []
-        self._has_more_faults = False
-        self._told_count: int | None = None
-        self.files = self._find_files()
-        self.storage = next(name for name, suffix in SUFFIXES.items() if suffix == self.files[0].suffix)
+        self._faults: dict[str, None] = {}  # in order
+        self.files, told = self._find()
+        self.storage = "mcap" if self.files[0].suffix == ".mcap" else "sqlite3"
+        self.distro = printable(told.ros_distro[:60])
         self.channels: dict[str, Channel] = {}
         self._counts: Counter[str] = Counter()
-        self.start = self.end = 0
-        readable = 0
-        for file in self.files:
-            with self._opened(file) as reader:
-                if reader is not None:
-                    readable += 1
-                    self._learn(reader)
-        self._check_count()
-        if not readable:
+        span = Span()
+        self._readers = [reader for file in self.files if (reader := self._opened(file)) is not None]
+        for reader in self._readers:
+            self.channels = {channel.topic: channel for channel in reader.channels.values()} | self.channels
+            self._counts += reader.counts
+            if reader.span.count:
+                span.add(reader.span.count, reader.span.start, reader.span.end)
+        self.start, self.end = span.start, span.end
+        if told.message_count not in (None, span.count):
+            self._say(f"metadata.yaml tells of {told.message_count:,} messages, and {span.count:,} are there")
+        if not self._readers:
             raise TutorialError(f"nothing in the bag {_named(self.path)} can be read: {'; '.join(self._faults)}.")
 
     @property
@@ -95,8 +106,8 @@ class Bag:
         """A sentence that says what is missing or wrong, as far as the bag has been read; empty when nothing is."""
         if not self._faults:
             return ""
-        more = "; and others" if self._has_more_faults else ""
-        return f"This bag is damaged, and is read as far as it goes: {'; '.join(self._faults)}{more}."
+        first, more = list(self._faults)[:MOST_FAULTS], "; and others" if len(self._faults) > MOST_FAULTS else ""
+        return f"This bag is damaged, and is read as far as it goes: {'; '.join(first)}{more}."
 
     def channel(self, topic: str) -> Channel:
         """Return what is known of a topic.
@@ -121,8 +132,8 @@ class Bag:
         Raises:
             TutorialError: there is no such topic, or its messages are of a type that is not known here.
         """
-        named = [name for name in self._chosen(topics) if self._counts[name]]
-        kinds = {name: message_class(self.channels[name].type_name) for name in named}
+        channels = [self.channel(name) for name in (self.channels if topics is None else topics)]
+        kinds = {each.topic: message_class(each.type_name) for each in channels if self._counts[each.topic]}
         for name, time, payload in self.raw_messages(kinds, start_offset):
             try:
                 message = deserialize_message(payload, kinds[name])
@@ -135,100 +146,64 @@ class Bag:
         self, topics: Collection[str] | None = None, start_offset: float = 0.0
     ) -> Iterator[tuple[str, int, bytes]]:
         """Yield the messages as they travelled, in CDR; the arguments are those of `messages`."""
-        chosen = self._chosen(topics)
-        since = min(self.start + round(start_offset * 1e9), LATEST)
-        for file in self.files:
-            with self._opened(file) as reader:
-                if reader is None:
-                    continue
-                names = {number: channel.topic for number, channel in reader.channels.items()}
-                wanted = {number for number, name in names.items() if name in chosen}
-                for number, time, payload in reader.messages(wanted, since):
-                    if len(payload) >= CDR_HEAD:
-                        yield names[number], time, payload
-                    else:
-                        self._say(f"a message on {escape_name(names[number])} is empty")
+        wanted = {self.channel(name).topic for name in (self.channels if topics is None else topics)}
+        since = self.start + round(start_offset * 1e9)
+        for reader in self._readers:
+            for name, time, payload in reader.messages(wanted, since):
+                if len(payload) >= CDR_HEAD:
+                    yield name, time, payload
+                else:
+                    self._say(f"a message on {escape_name(name)} is empty")
 
-    def _chosen(self, topics: Collection[str] | None) -> set[str]:
-        return set(self.channels) if topics is None else {self.channel(name).topic for name in topics}
-
-    def _learn(self, reader: FileReader) -> None:
-        """Add what a file has."""
-        for number, channel in reader.channels.items():
-            self.channels.setdefault(channel.topic, channel)
-            self._counts[channel.topic] += reader.counts[number]
-        if any(reader.counts.values()):
-            self.start = min(self.start or reader.start, reader.start)
-            self.end = max(self.end, reader.end)
-
-    def _check_count(self) -> None:
-        """Hold the messages that are there against what the metadata say."""
-        found = sum(self._counts.values())
-        if self._told_count is not None and self._told_count != found:
-            self._say(f"metadata.yaml tells of {self._told_count:,} messages, and {found:,} are there")
-
-    @contextmanager
-    def _opened(self, file: Path) -> Iterator[FileReader | None]:
-        """Open a file for a while, and keep what turns out to be wrong with it; None where nothing can be read."""
-        reader: FileReader | None = None
+    def _opened(self, file: Path) -> FileReader | None:
+        """Look into a file; None where nothing can be read."""
+        name = escape_name(file.name)
         try:
-            reader = READERS[file.suffix](file)
+            return READERS[file.suffix](file, lambda fault: self._say(f"{name}: {fault}"))
         except Damaged as damaged:
-            self._say(f"{escape_name(file.name)}: {damaged}")
+            self._say(f"{name}: {damaged}")
         except OSError as error:
-            self._say(f"{escape_name(file.name)} cannot be read: {error.strerror}")
-        try:
-            yield reader
-        finally:
-            if reader is not None:
-                reader.close()
-                for fault in reader.faults:
-                    self._say(f"{escape_name(file.name)}: {fault}")
+            self._say(f"{name} cannot be read: {error.strerror}")
+        return None
 
     def _say(self, fault: str) -> None:
-        if len(self._faults) >= MOST_FAULTS and fault not in self._faults:
-            self._has_more_faults = True
-        elif fault not in self._faults:
-            self._faults.append(fault)
+        self._faults.setdefault(fault)
 
-    def _find_files(self) -> list[Path]:
+    def _find(self) -> tuple[list[Path], _Information]:
         """Find the bag's files, and hold them against what its metadata say."""
         if is_file(self.path):
             if self.path.suffix not in READERS:
                 raise TutorialError(f"{_named(self.path)} is no bag: its files end in {' or '.join(READERS)}.")
-            return [self.path]
+            return [self.path], _Information()
         if not is_folder(self.path):
             raise TutorialError(f"there is no bag {_named(self.path)}. A bag is a folder, or an .mcap or .db3 file.")
-        files = [path for path in self.path.iterdir() if path.suffix in READERS and is_file(path)]
-        files = sorted(files, key=_number)[:MOST_FILES]
-        self._check_metadata({file.name for file in files})
+        told = self._read_metadata()
+        if told.compression_mode.lower() not in ("", "none"):
+            raise TutorialError(
+                f"the bag {_named(self.path)} is compressed by {printable(told.compression_mode.lower()[:20])}, which "
+                "is not read here. On a real ROS 2, 'ros2 bag convert' makes one of it that is not."
+            )
+        files = sorted((path for path in self.path.iterdir() if path.suffix in READERS and is_file(path)), key=_number)
         if not files:
             raise TutorialError(f"the folder {_named(self.path)} is no bag: there is no .mcap or .db3 file in it.")
-        return [file for file in files if file.suffix == files[0].suffix]
-
-    def _check_metadata(self, names: set[str]) -> None:
-        path = self.path / "metadata.yaml"
-        if not is_file(path):
-            self._say("its metadata.yaml is missing, as of a recording that was killed")
-            return
-        try:
-            told = read_metadata(path)
-        except Damaged as damaged:
-            self._say(f"metadata.yaml: {damaged}")
-            return
-        mode = str(told.get("compression_mode") or "none").lower()
-        if mode != "none":
-            raise TutorialError(
-                f"the bag {_named(self.path)} is compressed by {printable(mode[:20])}, which is not read here. On a "
-                "real ROS 2, 'ros2 bag convert' makes one of it that is not."
-            )
-        self.distro = printable(str(told.get("ros_distro") or "")[:60])
-        count = told.get("message_count")
-        self._told_count = count if isinstance(count, int) else None
-        listed = told.get("relative_file_paths")
-        wanted = [PurePath(str(name)).name for name in listed[:MOST_FILES]] if isinstance(listed, list) else []
-        if missing := [name for name in wanted if name not in names]:
+        names = {file.name for file in files}
+        if missing := [name for path in told.relative_file_paths if (name := PurePath(path).name) not in names]:
             self._say(f"{len(missing):,} of its files are missing, the first is {escape_name(missing[0])}")
+        return [file for file in files if file.suffix == files[0].suffix], told
+
+    def _read_metadata(self) -> _Information:
+        try:
+            data = (self.path / "metadata.yaml").read_bytes()
+            return msgspec.yaml.decode(data, type=_Metadata).rosbag2_bagfile_information
+        except FileNotFoundError:
+            self._say("its metadata.yaml is missing, as of a recording that was killed")
+        except OSError as error:
+            self._say(f"metadata.yaml cannot be read: {error.strerror}")
+        except msgspec.ValidationError as error:
+            self._say(f"metadata.yaml: it is not that of a bag: {printable(str(error))}")
+        except (msgspec.DecodeError, ValueError, RecursionError):
+            self._say("metadata.yaml: it is no YAML")
+        return _Information()
 
 
 def _number(path: Path) -> tuple[int, str]:

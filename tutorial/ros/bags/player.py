@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import heapq
 import logging
 import math
 import threading
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
+from operator import itemgetter
 from typing import Any
 
 from builtin_interfaces.msg import Time
@@ -17,7 +19,7 @@ from rosgraph_msgs.msg import Clock
 
 from tutorial.errors import TutorialError
 from tutorial.ros.bags.bag import Bag
-from tutorial.ros.bags.metadata import offered
+from tutorial.ros.bags.qos import offered
 from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
 
 __all__ = ["Player"]
@@ -25,7 +27,7 @@ __all__ = ["Player"]
 CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as rclcpp's ClockQoS
 MEET_FOR = 2.0  # [s] at most, that subscriptions are waited for which are there already
-THEY_TOO = 0.3  # [s] that a subscription may take longer than the publisher to know of the other, on Fast DDS
+SETTLE_FOR = 0.3  # [s] that a subscription needs longer than the publisher to know of the other, on Fast DDS
 LOOK_EVERY = 0.02  # [s] for these subscriptions
 LONGEST_WAIT = 1.0  # [s] between two looks at how far it is
 LAST_SECOND = 2**31 - 1  # that a time stamp can say
@@ -66,8 +68,6 @@ class Player:
     ) -> None:
         if not (math.isfinite(rate) and rate > 0):
             raise TutorialError(f"the rate is {rate:g}; give one above 0, such as 2 for twice as fast.")
-        if not (math.isfinite(clock) and clock >= 0):
-            raise TutorialError(f"the clock's rate is {clock:g} Hz; give one above 0, or 0 for none.")
         if not 0 <= start_offset <= bag.duration:
             raise TutorialError(
                 f"the start offset is {start_offset:g} s, and the bag is {bag.duration:.3f} s long. Begin within it."
@@ -78,14 +78,12 @@ class Player:
         self._rate = rate
         self._loop = loop
         self._offset = start_offset
-        self._period = 1 / clock if clock else math.inf
+        self._clock = clock
         self._qos = self._playable(topics)
-        counts = {topic.name: topic.count for topic in bag.topics}
-        if not any(counts[topic] for topic in self._qos):
+        if not any(topic.count for topic in bag.topics if topic.name in self._qos):
             raise TutorialError("there is nothing to play: the bag has no messages on these topics.")
         self._publishers: dict[str, Any] = {}
         self._refused: set[str] = set()
-        self._tick_at = 0.0
 
     def run(self, stop: threading.Event, progress: Callable[[float], object] = lambda seconds: None) -> None:  # noqa: ARG005
         """Play to the end, or until stopped. Any thread; it blocks.
@@ -99,7 +97,7 @@ class Player:
         try:
             for topic, (kind, qos) in self._qos.items():
                 self._publishers[topic] = self._node.create_publisher(kind, topic, qos)
-            if self._period < math.inf:
+            if self._clock:
                 self._publishers[CLOCK] = self._node.create_publisher(Clock, CLOCK, CLOCK_QOS)
             self._meet(stop)
             self._play(stop, progress)
@@ -111,36 +109,35 @@ class Player:
     def _play(self, stop: threading.Event, progress: Callable[[float], object]) -> None:
         """Play once."""
         begin = self._bag.start + round(self._offset * 1e9)
+        messages = self._bag.raw_messages(self._qos, self._offset)
         began = time.monotonic()
-        self._tick_at = began if self._period < math.inf else math.inf
-        for topic, time_ns, payload in self._bag.raw_messages(self._qos, self._offset):
+        for topic, time_ns, message in heapq.merge(self._ticks(begin), messages, key=itemgetter(1)):
             due = began + (time_ns - begin) / 1e9 / self._rate
-            while (now := time.monotonic()) < due or now >= self._tick_at:
-                if now >= self._tick_at:
-                    self._tick(begin + round((now - began) * self._rate * 1e9))
-                    self._tick_at = max(self._tick_at + self._period, now)
+            while (now := time.monotonic()) < due:
                 progress(self._offset + (now - began) * self._rate)
-                if stop.wait(max(0.0, min(due, self._tick_at, now + LONGEST_WAIT) - time.monotonic())):
+                if stop.wait(min(due - now, LONGEST_WAIT)):
                     return
             if stop.is_set():
                 return
-            self._publish(topic, payload)
+            self._publish(topic, message)
             progress((time_ns - self._bag.start) / 1e9)
 
-    def _publish(self, topic: str, payload: bytes) -> None:
+    def _ticks(self, begin: int) -> Iterator[tuple[str, int, Clock]]:
+        """Yield the time of the bag, as often as it is wanted on ``/clock``: (topic, time [ns], message)."""
+        if self._clock:
+            for time_ns in range(begin, self._bag.end + 1, max(1, round(1e9 * self._rate / self._clock))):
+                seconds, rest = divmod(time_ns, 10**9)
+                yield CLOCK, time_ns, Clock(clock=Time(sec=min(max(0, seconds), LAST_SECOND), nanosec=rest))
+
+    def _publish(self, topic: str, message: bytes | Clock) -> None:
         """Publish a message; one that ROS 2 refuses, for it is not of the topic's type, is left out, and said once."""
         try:
-            self._publishers[topic].publish(payload)
-            self.played += 1
+            self._publishers[topic].publish(message)
+            self.played += topic in self._qos
         except RuntimeError as error:
             if topic not in self._refused:
                 self._refused.add(topic)
                 _log.warning("a message on %s is not played, and others like it: %s", escape_name(topic), error)
-
-    def _tick(self, now_ns: int) -> None:
-        """Publish the time of the bag."""
-        seconds, rest = divmod(now_ns, 10**9)
-        self._publishers[CLOCK].publish(Clock(clock=Time(sec=min(max(0, seconds), LAST_SECOND), nanosec=rest)))
 
     def _meet(self, stop: threading.Event) -> None:
         """Wait until the subscriptions that are on the topics would receive what is published."""
@@ -148,7 +145,7 @@ class Player:
         while not self._met() and time.monotonic() < deadline and not stop.wait(LOOK_EVERY):
             pass
         if any(publisher.get_subscription_count() for publisher in self._publishers.values()):
-            stop.wait(THEY_TOO)
+            stop.wait(SETTLE_FOR)
 
     def _met(self) -> bool:
         return all(
@@ -172,7 +169,7 @@ class Player:
         playable = {}
         for topic in sorted(wanted):
             channel = self._bag.channel(topic)
-            if topic == CLOCK and self._period < math.inf:
+            if topic == CLOCK and self._clock:
                 continue
             try:
                 if not is_valid_topic(topic):

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import logging
+import math
 import threading
 import time
 from collections import deque
 from collections.abc import Collection, Mapping
 from contextlib import suppress
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Self
 
 from rclpy.clock import Clock
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
 from rosbags.typesys import Stores, get_typestore
 
 from tutorial.errors import TutorialError
-from tutorial.ros.bags.metadata import qos_text
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, MOST_TOPICS, Channel
+from tutorial.ros.bags.qos import qos_text
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel
 from tutorial.ros.bags.writer import BagWriter
 from tutorial.ros.topics.endpoints import publishers_on
 from tutorial.ros.topics.listing import topics_with_types
@@ -34,8 +33,8 @@ QUIET = 0.1  # [s] without a message, after which nothing more is taken to be on
 FLUSH_EVERY = 1.0  # [s]: of a recording that is killed, so much is missing
 DEPTH = 1000  # of the subscriptions, where the publishers' depth would be too little when Python is busy
 MOST_WAITING = 2 * LARGEST_MESSAGE  # of messages that wait to be written [bytes]
+MOST_TOPICS = 1000  # a robot has a hundred
 MOST_PROFILES = 100  # of the publishers of one topic
-SAY_EVERY = 5.0  # [s] between two log lines about what is lost
 
 _log = logging.getLogger(__name__)
 
@@ -51,9 +50,11 @@ class Recorder:
         path: the bag's folder, which must not be there.
         topics: their names; None for all that there are, hidden ones excepted, and all that there will be.
         storage: ``"mcap"`` or ``"sqlite3"``.
-        max_duration: after how long to begin another file [s]; None for one file.
+        max_duration: after how long to begin another file [s].
 
     Attributes:
+        path: the bag's folder.
+        lost: how many messages were received and are not written, because the disk was too slow, or full.
         error: why nothing is written any more; None while all is well.
 
     Raises:
@@ -67,24 +68,22 @@ class Recorder:
         path: str | Path,
         topics: Collection[str] | None = None,
         storage: str = "mcap",
-        max_duration: float | None = None,
+        max_duration: float = math.inf,
     ) -> None:
-        self._overflown = 0  # by the thread that spins
-        self._unwritten = 0  # by the recorder's own
+        self.path = Path(path)
+        self.lost = 0
         self.error: OSError | None = None
         self._node = node
         self._wanted = None if topics is None else {full_topic(node, topic) for topic in topics}
-        self._writer = BagWriter(Path(path), storage, max_duration)
+        self._writer = BagWriter(self.path, storage, max_duration)
         self._subscriptions: dict[str, Any] = {}
         self._refused: set[str] = set()
-        self._waiting: deque[tuple[int, int, int, bytes]] = deque()
-        self._received_bytes = 0  # by the thread that spins
-        self._taken_bytes = 0  # by the recorder's own
-        self._said_lost = 0
-        self._say_lost_at = 0.0
+        self._received = 0  # messages, by the thread that spins
+        self._lock = threading.Lock()  # of what waits and what is lost
+        self._waiting: deque[tuple[str, int, int, bytes]] = deque()
+        self._waiting_bytes = 0
         self._flush_at = 0.0
         self._stop = threading.Event()
-        self._closed = False
         self._thread = threading.Thread(target=self._run, name="bag", daemon=True)
 
     def __enter__(self) -> Self:
@@ -94,11 +93,6 @@ class Recorder:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    @property
-    def path(self) -> Path:
-        """The bag's folder."""
-        return self._writer.path
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -118,17 +112,12 @@ class Recorder:
     @property
     def counts(self) -> Mapping[str, int]:
         """How many messages of each topic are written."""
-        return MappingProxyType(dict.fromkeys(self._subscriptions, 0) | self._writer.counts)
-
-    @property
-    def lost(self) -> int:
-        """How many messages were received and are not written, because the disk was too slow, or full."""
-        return self._overflown + self._unwritten
+        return {topic: self._writer.counts[topic] for topic in self.topics}
 
     @property
     def duration(self) -> float:
         """From the first message to the last one that is written [s]."""
-        return (self._writer.end - self._writer.start) / 1e9
+        return self._writer.duration
 
     def close(self) -> None:
         """Take the subscriptions back, write what has been received, and complete the bag. Idempotent.
@@ -136,17 +125,16 @@ class Recorder:
         Raises:
             TutorialError: the bag could not be written to its end.
         """
-        if self._closed:
+        if self._stop.is_set():
             return
-        self._closed = True
-        self._settle()
         self._stop.set()
-        if self._thread.ident is not None:
-            self._thread.join()
+        self._settle()
+        self._thread.join()
         for subscription in self._subscriptions.values():
             with suppress(Exception):  # the node may be gone before its recorder
                 self._node.destroy_subscription(subscription)
-        self._write()
+        if self.error is None:
+            self._write()
         try:
             self._writer.close()
         except OSError as error:
@@ -167,7 +155,7 @@ class Recorder:
         quiet = threading.Event()
 
         def look() -> None:
-            seen.append(self._received_bytes + self._overflown)
+            seen.append(self._received)
             if seen.count(seen[0]) == 3:
                 quiet.set()
 
@@ -179,8 +167,8 @@ class Recorder:
     def _run(self) -> None:
         """Write and look, until the end."""
         while not self._stop.wait(LOOK_EVERY):
-            self._write()
             if self.error is None:
+                self._write()
                 self._look()
 
     def _look(self) -> None:
@@ -189,98 +177,79 @@ class Recorder:
             topics = topics_with_types(self._node, include_hidden=self._wanted is not None)
             for topic in sorted(topics.keys() - self._subscriptions.keys() - self._refused):
                 if self._wanted is None or topic in self._wanted:
-                    self._subscribe(topic, topics[topic])
+                    try:
+                        self._subscribe(topic, topics[topic])
+                    except TutorialError as error:
+                        self._refused.add(topic)
+                        _log.warning("topic %s is not recorded: %s", escape_name(topic), error)
         except OSError as error:
             self._fail(error)
         except (RuntimeError, UnicodeDecodeError):  # the node is gone; or a real one, which names nothing while any
             return  # name is no text
 
     def _subscribe(self, topic: str, types: list[str]) -> None:
-        """Record a topic, if somebody publishes it and its messages are of a type that is known here."""
-        publishers = publishers_on(self._node, topic)
-        if not publishers:
-            return
-        try:
-            kind = self._kind(topic, types)
-        except TutorialError as error:
-            self._refused.add(topic)
-            _log.warning("topic %s is not recorded: %s", escape_name(topic), error)
-            return
-        number = len(self._subscriptions) + 1
-        qos = qos_text(info.qos_profile for info in publishers[:MOST_PROFILES])
-        definition, type_hash = _definition(types[0])
-        type_hash = type_hash or str(publishers[0].topic_type_hash)
-        self._subscriptions[topic] = self._node.create_subscription(
-            kind, topic, partial(self._on_message, number), self._request(topic), raw=True
-        )
-        self._writer.add_channel(Channel(number, topic, types[0], "cdr", qos, definition, type_hash))
-        _log.info("recording %s", escape_name(topic))
-
-    def _kind(self, topic: str, types: list[str]) -> Any:
-        """Return the class of a topic's messages.
+        """Record a topic, if somebody publishes it.
 
         Raises:
             TutorialError: it cannot be recorded; the text is the end of a sentence.
         """
+        publishers = publishers_on(self._node, topic)
+        if not publishers:
+            return
         if not is_valid_topic(topic):
             raise TutorialError("its name breaks the rules of ROS 2")
         if len(types) > 1:
             raise TutorialError(f"it has several types, {', '.join(map(escape_name, types[:10]))}")
         if len(self._subscriptions) >= MOST_TOPICS:
             raise TutorialError(f"there are more than {MOST_TOPICS:,} topics")
-        return message_class(types[0])
+        kind, request = message_class(types[0]), reader_qos(self._node, topic)
+        request.depth = DEPTH
+        heard = partial(self._on_message, topic)
+        self._subscriptions[topic] = self._node.create_subscription(kind, topic, heard, request, raw=True)
+        qos = qos_text(info.qos_profile for info in publishers[:MOST_PROFILES])
+        definition, type_hash = _definition(types[0])
+        type_hash = type_hash or str(publishers[0].topic_type_hash)
+        self._writer.add_channel(Channel(topic, types[0], "cdr", qos, definition, type_hash))
+        _log.info("recording %s", escape_name(topic))
 
-    def _request(self, topic: str) -> QoSProfile:
-        """What all publishers of a topic fit, with room for what comes while this program is busy."""
-        qos = reader_qos(self._node, topic)
-        qos.depth = DEPTH
-        return qos
-
-    def _on_message(self, channel_id: int, payload: bytes, info: Mapping[str, Any]) -> None:
+    def _on_message(self, topic: str, payload: bytes, info: Mapping[str, Any]) -> None:
         """Keep the message for the recorder's thread. The thread that spins."""
-        if self.error is not None or self._received_bytes - self._taken_bytes > MOST_WAITING:
-            self._overflown += 1
-            return
-        self._received_bytes += len(payload)
-        received, sent = info["received_timestamp"], info["source_timestamp"]
-        self._waiting.append((channel_id, received, sent, payload))
+        self._received += 1
+        with self._lock:
+            if self.error is None and self._waiting_bytes <= MOST_WAITING:
+                self._waiting_bytes += len(payload)
+                self._waiting.append((topic, info["received_timestamp"], info["source_timestamp"], payload))
+            else:
+                if not self.lost:
+                    _log.warning("messages are lost: the disk is too slow, or full")
+                self.lost += 1
 
     def _write(self) -> None:
-        """Write what has been received, and say what is lost."""
-        now = time.monotonic()
+        """Write what has been received."""
         try:
             while self._waiting:
                 message = self._waiting.popleft()
-                self._taken_bytes += len(message[-1])
-                if self.error is not None:
-                    self._unwritten += 1
-                    continue
+                with self._lock:
+                    self._waiting_bytes -= len(message[-1])
                 self._writer.write(*message)
-            if now >= self._flush_at and self.error is None:
+            if time.monotonic() >= self._flush_at:
                 self._writer.flush()
-                self._flush_at = now + FLUSH_EVERY
+                self._flush_at = time.monotonic() + FLUSH_EVERY
         except OSError as error:
-            self._unwritten += 1
             self._fail(error)
-        if self.lost > self._said_lost and now >= self._say_lost_at:
-            _log.warning("%d messages are lost so far: the disk is too slow, or full", self.lost)
-            self._said_lost, self._say_lost_at = self.lost, now + SAY_EVERY
 
     def _fail(self, error: OSError) -> None:
         """Write no more."""
-        self.error = error
+        with self._lock:
+            self.error = error
+            self.lost += len(self._waiting)
+            self._waiting.clear()
         _log.error("the bag %r cannot be written any more: %s", str(self.path), error.strerror)
 
 
-@cache
-def _store() -> Any:
-    return get_typestore(Stores.ROS2_JAZZY)
-
-
-@cache
 def _definition(type_name: str) -> tuple[str, str]:
     """Return a message type's definition, with those that it is made of, and its hash; empty where it is not known."""
-    store = _store()
+    store = get_typestore(Stores.ROS2_JAZZY)
     if type_name not in store.fielddefs:
         return "", ""
     return store.generate_msgdef(type_name, ros_version=2)[0], store.hash_rihs01(type_name)

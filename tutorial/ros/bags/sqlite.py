@@ -2,58 +2,31 @@
 
 from __future__ import annotations
 
-import os
 import sqlite3
-from collections import Counter
-from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
+
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import (
-    LARGEST_MESSAGE,
-    LONGEST_NAME,
-    LONGEST_QOS,
-    MOST_TOPICS,
-    Channel,
-    Damaged,
-    FileReader,
-    RawMessage,
-)
+from tutorial.ros.bags.storage import Channel, Damaged, FileReader, RawMessage, Span
 
 __all__ = ["SqliteReader", "SqliteWriter"]
 
-TABLES = """
-    CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);
-    CREATE TABLE metadata(id INTEGER PRIMARY KEY, metadata_version INTEGER NOT NULL, metadata TEXT NOT NULL);
-    CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
-        serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL, type_description_hash TEXT NOT NULL);
-    CREATE TABLE message_definitions(id INTEGER PRIMARY KEY, topic_type TEXT NOT NULL, encoding TEXT NOT NULL,
-        encoded_message_definition TEXT NOT NULL, type_description_hash TEXT NOT NULL);
-    CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL,
-        data BLOB NOT NULL);
-    CREATE INDEX timestamp_idx ON messages (timestamp ASC);
-    INSERT INTO schema(schema_version, ros_distro) VALUES (4, 'jazzy');
+TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics"
+TABLES = Sqlite3Writer.SQLITE_SCHEMA.replace("'rosbags'", "'jazzy'")
+COUNT = """
+    SELECT topic_id, typeof(timestamp) = 'integer' AND typeof(data) = 'blob', count(*), min(timestamp), max(timestamp)
+    FROM messages GROUP BY 1, 2
 """
-"""As ros2 bag has them in Jazzy."""
-
-HAS_TABLES = "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name IN ('topics', 'messages')"
-TOPIC_COLUMNS = {
-    "name": LONGEST_NAME,
-    "type": LONGEST_NAME,
-    "serialization_format": LONGEST_NAME,
-    "offered_qos_profiles": LONGEST_QOS,
-    "type_description_hash": LONGEST_NAME,
-}
-"""Of the table of topics, and how much of each is read [characters]."""
-
 UNREADABLE = (sqlite3.Error, UnicodeDecodeError)
 """What Python raises of a spoilt file; the second is about SQLite's own words."""
 
 
 class SqliteWriter:
-    """Writes an SQLite file. One thread.
+    """Writes an SQLite file. One thread at a time.
 
     Args:
         path: the file, which must not be there.
@@ -64,144 +37,111 @@ class SqliteWriter:
 
     def __init__(self, path: Path) -> None:
         path.touch(exist_ok=False)
-        with _as_os_error():
-            self._database = sqlite3.connect(path, check_same_thread=False)
-            self._database.executescript(TABLES)
+        self._ids: dict[str, int] = {}  # by topic
         self._types: set[str] = set()
+        self._database = sqlite3.connect(path, check_same_thread=False, isolation_level=None)
+        for statement in TABLES.split(";"):
+            self._run(statement)
+        self._run("BEGIN")
 
     def add_channel(self, channel: Channel) -> None:
         """Make a topic known before its first message."""
-        with _as_os_error():
-            if channel.type_name not in self._types:
-                self._types.add(channel.type_name)
-                self._insert(
-                    "message_definitions", None, channel.type_name, "ros2msg", channel.definition, channel.type_hash
-                )
-            words = (channel.topic, channel.type_name, channel.encoding, channel.qos, channel.type_hash)
-            self._insert("topics", channel.id, *words)
+        kind, type_hash = channel.type_name, channel.type_hash
+        if kind not in self._types:
+            self._types.add(kind)
+            self._insert("message_definitions", kind, "ros2msg", channel.definition, type_hash)
+        self._ids[channel.topic] = len(self._ids) + 1
+        self._insert("topics", channel.topic, kind, channel.encoding, channel.qos, type_hash)
 
-    def write(self, channel_id: int, received_ns: int, sent_ns: int, payload: bytes) -> None:  # noqa: ARG002
+    def write(self, topic: str, received_ns: int, sent_ns: int, payload: bytes) -> None:  # noqa: ARG002
         """Write a message, for which the file has one time only: when it was received."""
-        with _as_os_error():
-            self._insert("messages", None, channel_id, received_ns, payload)
+        self._insert("messages", self._ids[topic], received_ns, payload)
 
     def flush(self) -> None:
         """Commit what is written."""
-        with _as_os_error():
-            self._database.commit()
+        self._run("COMMIT")
+        self._run("BEGIN")
 
     def close(self, metadata: str) -> None:
-        """Complete the file."""
-        with _as_os_error():
-            try:
-                self._insert("metadata", None, 9, metadata)
-                self._database.commit()
-            finally:
-                self._database.close()
+        """Write the bag's metadata, and complete the file."""
+        with closing(self._database):
+            self._insert("metadata", 9, metadata)
+            self._run("COMMIT")
 
     def _insert(self, table: str, *values: Any) -> None:
-        self._database.execute(f"INSERT INTO {table} VALUES ({', '.join('?' * len(values))})", values)
+        """Add a row; SQLite numbers it."""
+        self._run(f"INSERT INTO {table} VALUES (NULL{', ?' * len(values)})", *values)
+
+    def _run(self, statement: str, *values: Any) -> None:
+        try:
+            self._database.execute(statement, values)
+        except sqlite3.Error as error:  # to a program that writes, it is an error of the disk
+            raise OSError(0, str(error)) from error
 
 
 class SqliteReader(FileReader):
     """Reads an SQLite file, as far as it goes. See `tutorial.ros.bags.storage.FileReader`."""
 
-    def __init__(self, path: Path) -> None:
-        super().__init__(path)
-        self._check_size()
-        self._database = self._opened()
+    def __init__(self, path: Path, say: Callable[[str], object]) -> None:
+        super().__init__(path, say)
+        self._how = "mode=ro"
+        self._order = "timestamp, id"
         try:
             self._learn_topics()
-            self._count_messages()
-        except BaseException:
-            self.close()
-            raise
+            if path.stat().st_size % next(self._rows("PRAGMA page_size"))[0]:
+                self._damaged("its last page is incomplete, so messages there may be wrong")  # SQLite reads zeros there
+        except UNREADABLE as error:
+            raise Damaged(f"SQLite says: {printable(str(error))}") from error
+        self._count_messages()
 
-    def close(self) -> None:
-        """Close the file. Idempotent."""
-        self._database.close()
-
-    def messages(self, wanted: Collection[int], since: int) -> Iterator[RawMessage]:
-        """Yield the messages of these channels in the order of time, from a time on [ns]; of a damaged file, in that
-        in which they were written."""
-        ids = ", ".join(str(int(number)) for number in wanted)
-        order = "id" if self.faults else "timestamp, id"
-        query = f"SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({ids}) AND timestamp >= ? "
+    def messages(self, topics: Collection[str], since: int) -> Iterator[RawMessage]:
+        """Yield the messages of these topics in the order of time, from a time on [ns]; of a damaged file, in that in
+        which they were written."""
+        ids = [number for number, channel in self.channels.items() if channel.topic in topics]
+        places = ", ".join("?" * len(ids))
+        query = f"SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({places}) AND timestamp >= ?"
         try:
-            for channel_id, time, payload in self._database.execute(f"{query} ORDER BY {order}", (since,)):
-                if isinstance(time, int) and isinstance(payload, bytes) and channel_id in self.channels:
-                    yield channel_id, time, payload
+            for number, time, payload in self._rows(f"{query} ORDER BY {self._order}", *ids, since):
+                if isinstance(time, int) and isinstance(payload, bytes):
+                    yield self.channels[number].topic, time, payload
                 else:
                     self._say("a row in it is no message")
         except UNREADABLE as error:
             self._say(f"SQLite says: {printable(str(error))}")
 
-    def _check_size(self) -> None:
-        """Say when the last page is incomplete: SQLite reads zeros for what is missing of it, without a word."""
-        with self.path.open("rb") as file:
-            head = file.read(18)
-            size = file.seek(0, os.SEEK_END)
-        page = int.from_bytes(head[16:], "big") or 1
-        page = 65536 if page == 1 else page  # which two bytes cannot say
-        if size % page:
-            self._say("its last page is incomplete, so messages there may be wrong")
-
-    def _opened(self) -> sqlite3.Connection:
-        """Open the file without a change to it. What a killed recording has left half done may stand beside it."""
-        address = self.path.absolute().as_uri()
-        for how in ("mode=ro", "immutable=1"):
-            database = sqlite3.connect(f"{address}?{how}", uri=True, check_same_thread=False)
-            database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)
+    def _rows(self, query: str, *values: Any) -> Iterator[tuple[Any, ...]]:
+        """Yield what a query finds. The file is not changed."""
+        address = f"{self._path.absolute().as_uri()}?{self._how}"
+        with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as database:
             database.text_factory = lambda data: data.decode("utf-8", "backslashreplace")
-            try:
-                database.execute("PRAGMA trusted_schema = OFF")
-                tables = database.execute(HAS_TABLES).fetchone()[0]
-            except UNREADABLE as error:
-                database.close()
-                refusal = f"SQLite says: {printable(str(error))}"
-                continue
-            if how != "mode=ro":
-                self._say("its last transaction is incomplete")
-            if tables == 2:
-                return database
-            database.close()
-            refusal = "it has no tables 'topics' and 'messages'"
-        raise Damaged(refusal)
+            yield from database.execute(query, values)
+
+    def _damaged(self, fault: str) -> None:
+        """Say what is wrong with the file, whose index is not to be relied on."""
+        self._say(fault)
+        self._order = "id"
 
     def _learn_topics(self) -> None:
-        """Read the topics; older files have no hashes of types."""
+        """Read the topics. What a killed recording has left half done may stand beside the file."""
         try:
-            there = {row[1] for row in self._database.execute("PRAGMA table_info(topics)").fetchmany(100)}
-            words = [
-                f"substr({word}, 1, {longest})" if word in there else "''" for word, longest in TOPIC_COLUMNS.items()
-            ]
-            query = f"SELECT id, {', '.join(words)} FROM topics ORDER BY id LIMIT {MOST_TOPICS + 1}"
-            for number, *texts in self._database.execute(query):
-                topic, type_name, encoding, qos, type_hash = map(str, texts)
-                self._learn(Channel(int(number), topic, type_name, encoding, qos, type_hash=type_hash))
-        except (*UNREADABLE, ValueError, TypeError) as error:
-            raise Damaged(f"its topics cannot be read: {printable(str(error))}") from error
+            rows = list(self._rows(TOPICS))
+        except UNREADABLE:
+            self._how = "immutable=1"
+            rows = list(self._rows(TOPICS))
+            self._damaged("its last transaction is incomplete")
+        self.channels = {number: Channel(*map(str, words)) for number, *words in rows}
 
     def _count_messages(self) -> None:
         """Count the messages of each topic; where the file is damaged, those that can be reached."""
-        query = "SELECT topic_id, count(*), min(timestamp), max(timestamp) FROM messages GROUP BY topic_id"
         try:
-            rows = self._database.execute(query).fetchmany(MOST_TOPICS)
-            known = [row for row in rows if row[0] in self.channels and all(isinstance(time, int) for time in row[2:])]
-            if len(known) < len(rows):
-                self._say("a row in it is no message")
-            self.counts = Counter({row[0]: row[1] for row in known})
-            self.start = min((row[2] for row in known), default=0)
-            self.end = max((row[3] for row in known), default=0)
+            for number, is_message, count, start, end in self._rows(COUNT):
+                if is_message and number in self.channels:
+                    self.span.add(count, start, end)
+                    self.counts[self.channels[number].topic] += count
+                else:
+                    self._damaged("a row in it is no message")
         except UNREADABLE as error:
-            self._say(f"SQLite says: {printable(str(error))}")
-            self._count(self.messages(self.channels, 0))
-
-
-@contextmanager
-def _as_os_error() -> Iterator[None]:
-    """Turn SQLite's errors into what they are to whoever writes: errors of the disk."""
-    try:
-        yield
-    except sqlite3.Error as error:
-        raise OSError(0, str(error)) from error
+            self._damaged(f"SQLite says: {printable(str(error))}")
+            self.counts.clear()
+            self.span = Span()
+            self._count(self.messages([channel.topic for channel in self.channels.values()], 0))

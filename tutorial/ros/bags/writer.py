@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
-from textwrap import indent
+from typing import Any
+
+import msgspec
 
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.ros.bags.mcap import McapWriter
-from tutorial.ros.bags.metadata import TITLE, FileInfo, metadata_text
 from tutorial.ros.bags.sqlite import SqliteWriter
-from tutorial.ros.bags.storage import SUFFIXES, Channel, FileWriter
+from tutorial.ros.bags.storage import Channel, Span
 
 __all__ = ["BagWriter"]
 
-WRITERS: dict[str, Callable[[Path], FileWriter]] = {"mcap": McapWriter, "sqlite3": SqliteWriter}
+WRITERS: dict[str, tuple[str, type[McapWriter | SqliteWriter]]] = {
+    "mcap": (".mcap", McapWriter),
+    "sqlite3": (".db3", SqliteWriter),
+}
+VERSION = 9  # of the metadata, in Jazzy
 
 
 class BagWriter:
@@ -24,7 +29,7 @@ class BagWriter:
     Args:
         path: the bag's folder, which must not be there: nothing is overwritten.
         storage: ``"mcap"`` or ``"sqlite3"``.
-        max_duration: after how long to begin another file [s]; None for one file.
+        max_duration: after how long to begin another file [s].
 
     Attributes:
         counts: how many messages of each topic are written.
@@ -33,22 +38,19 @@ class BagWriter:
         TutorialError: there is something of this name, or it cannot be made.
     """
 
-    def __init__(self, path: Path, storage: str = "mcap", max_duration: float | None = None) -> None:
+    def __init__(self, path: Path, storage: str = "mcap", max_duration: float = math.inf) -> None:
         if storage not in WRITERS:
             raise TutorialError(f"there is no storage {storage!r}.{did_you_mean(storage, WRITERS)}")
-        if max_duration is not None and not max_duration > 0:
-            raise TutorialError(f"the longest duration of a file is {max_duration} s; give one above 0.")
         self.path = path
         self.counts: Counter[str] = Counter()
         self._storage = storage
-        self._span_ns = None if max_duration is None else int(max_duration * 1e9)
-        self._channels: dict[int, Channel] = {}
-        self._known: set[int] = set()  # channels of the file that is being written
-        self._written: Counter[int] = Counter()
-        self._files: list[FileInfo] = []
+        self._longest_ns = max_duration * 1e9
+        self._channels: list[Channel] = []
+        self._span = Span()
+        self._files: dict[str, Span] = {}
         try:
             path.mkdir(parents=True)
-            self._file = self._next_file()
+            self._begin_file()
         except FileExistsError:
             raise TutorialError(
                 f"there is a {str(path)!r} already, and a bag overwrites nothing. Give another name."
@@ -57,37 +59,32 @@ class BagWriter:
             raise TutorialError(f"the bag {str(path)!r} cannot be written: {error.strerror}.") from error
 
     @property
-    def start(self) -> int:
-        """When the first message was received [ns]; 0 before it."""
-        return self._files[0].start
-
-    @property
-    def end(self) -> int:
-        """When the last message was received [ns]; 0 before the first."""
-        return max(file.end for file in self._files)
+    def duration(self) -> float:
+        """From the first message to the last one [s]."""
+        return (self._span.end - self._span.start) / 1e9
 
     def add_channel(self, channel: Channel) -> None:
-        """Make a topic known before its first message."""
-        self._channels[channel.id] = channel
-        self._add(channel)
+        """Make a topic known before its first message.
 
-    def write(self, channel_id: int, received_ns: int, sent_ns: int, payload: bytes) -> None:
+        Raises:
+            OSError: it cannot be written.
+        """
+        self._channels.append(channel)
+        self._file.add_channel(channel)
+
+    def write(self, topic: str, received_ns: int, sent_ns: int, payload: bytes) -> None:
         """Write a message.
 
         Raises:
             OSError: it cannot be written.
         """
-        info = self._files[-1]
-        if self._span_ns is not None and info.count and received_ns - info.start >= self._span_ns:
-            self._file.close(self._metadata())
-            self._file = self._next_file()
-            info = self._files[-1]
-        if channel_id not in self._known:
-            self._add(self._channels[channel_id])
-        self._file.write(channel_id, received_ns, sent_ns, payload)
-        info.add(received_ns)
-        self._written[channel_id] += 1
-        self.counts[self._channels[channel_id].topic] += 1
+        if self._file_span.count and received_ns - self._file_span.start >= self._longest_ns:
+            self._file.close(_yaml(self._information()))
+            self._begin_file()
+        self._file.write(topic, received_ns, sent_ns, payload)
+        self._file_span.add(1, received_ns, received_ns)
+        self._span.add(1, received_ns, received_ns)
+        self.counts[topic] += 1
 
     def flush(self) -> None:
         """Give what is written to the operating system: it outlives this process."""
@@ -99,19 +96,55 @@ class BagWriter:
         Raises:
             OSError: it cannot be written.
         """
-        metadata = self._metadata()
-        self._file.close(metadata)
-        (self.path / "metadata.yaml").write_text(f"{TITLE}:\n{indent(metadata, '  ')}", encoding="utf-8")
+        information = self._information()
+        self._file.close(_yaml(information))
+        metadata = _yaml({"rosbag2_bagfile_information": information})
+        (self.path / "metadata.yaml").write_text(metadata, encoding="utf-8")
 
-    def _add(self, channel: Channel) -> None:
-        self._file.add_channel(channel)
-        self._known.add(channel.id)
+    def _begin_file(self) -> None:
+        suffix, writer = WRITERS[self._storage]
+        name = f"{self.path.name}_{len(self._files)}{suffix}"
+        self._file = writer(self.path / name)
+        self._file_span = self._files[name] = Span()
+        for channel in self._channels:
+            self._file.add_channel(channel)
 
-    def _next_file(self) -> FileWriter:
-        name = f"{self.path.name}_{len(self._files)}{SUFFIXES[self._storage]}"
-        self._files.append(FileInfo(name))
-        self._known = set()
-        return WRITERS[self._storage](self.path / name)
+    def _information(self) -> dict[str, Any]:
+        """Return what there is to say of the bag, so far."""
+        topics = [
+            {
+                "topic_metadata": {
+                    "name": channel.topic,
+                    "type": channel.type_name,
+                    "serialization_format": channel.encoding,
+                    "offered_qos_profiles": msgspec.yaml.decode(channel.qos) or [],
+                    "type_description_hash": channel.type_hash,
+                },
+                "message_count": self.counts[channel.topic],
+            }
+            for channel in self._channels
+        ]
+        return {
+            "version": VERSION,
+            "storage_identifier": self._storage,
+            **_told(self._span),
+            "topics_with_message_count": topics,
+            "compression_format": "",
+            "compression_mode": "",
+            "relative_file_paths": list(self._files),
+            "files": [{"path": name, **_told(span)} for name, span in self._files.items()],
+            "custom_data": None,
+            "ros_distro": "jazzy",
+        }
 
-    def _metadata(self) -> str:
-        return metadata_text(self._storage, self._channels.values(), self._written, self._files)
+
+def _told(span: Span) -> dict[str, Any]:
+    return {
+        "starting_time": {"nanoseconds_since_epoch": span.start},
+        "duration": {"nanoseconds": span.end - span.start},
+        "message_count": span.count,
+    }
+
+
+def _yaml(content: Any) -> str:
+    return msgspec.yaml.encode(content).decode()

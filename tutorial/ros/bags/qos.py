@@ -1,0 +1,59 @@
+"""The quality of service of a topic, as a bag keeps it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import msgspec
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rosbags.interfaces import Qos, QosTime
+from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
+
+__all__ = ["offered", "qos_text"]
+
+DEFAULT_DEPTH = 10
+FOREVER = 2**63 - 1  # [ns]
+POLICIES: dict[str, Any] = {
+    "reliability": ReliabilityPolicy,
+    "durability": DurabilityPolicy,
+    "liveliness": LivelinessPolicy,
+}
+OFFERED = ("RELIABLE", "BEST_EFFORT", "VOLATILE", "TRANSIENT_LOCAL", "AUTOMATIC", "MANUAL_BY_TOPIC")
+SPANS = ("deadline", "lifespan", "liveliness_lease_duration")
+
+
+def qos_text(profiles: Iterable[QoSProfile]) -> str:
+    """Write what publishers offer as a bag keeps it, in YAML."""
+    return msgspec.yaml.encode(dump_qos_v9([_told(profile) for profile in profiles])).decode()
+
+
+def offered(text: str) -> QoSProfile:
+    """Return what to offer when a topic is played: what its publishers offered if that is the same, else the default.
+
+    The depth is the default, as that of ``ros2 bag play``.
+
+    Args:
+        text: of `qos_text`, or of an older ``ros2 bag``, which has numbers for words.
+    """
+    try:
+        kinds = [_profile(told) for told in parse_qos(text)]
+    except Exception:  # noqa: BLE001 - what a stranger has written may be anything
+        kinds = []
+    return kinds[0] if kinds and all(kind == kinds[0] for kind in kinds) else QoSProfile(depth=DEFAULT_DEPTH)
+
+
+def _told(profile: Any) -> Qos:
+    deadline, lifespan, lease = (QosTime(*divmod(getattr(profile, name).nanoseconds, 10**9)) for name in SPANS)
+    policies = profile.reliability, profile.durability, deadline, lifespan, profile.liveliness, lease
+    return Qos(profile.history, profile.depth, *policies, bool(profile.avoid_ros_namespace_conventions))
+
+
+def _profile(told: Qos) -> QoSProfile:
+    """Return a profile; what no publisher can offer is the default."""
+    words = {name: getattr(told, name).name for name in POLICIES}
+    spans = {name: getattr(told, name).sec * 10**9 + getattr(told, name).nsec for name in SPANS}
+    known = {name: POLICIES[name][word] for name, word in words.items() if word in OFFERED}
+    finite = {name: Duration(nanoseconds=span) for name, span in spans.items() if 0 < span < FOREVER}
+    return QoSProfile(depth=DEFAULT_DEPTH, **known, **finite)
