@@ -107,7 +107,7 @@ ENDS = [
     ),
     (SleepsALittle, "✗ before the first message: control: it sleeps", (": time.sleep(0.3)",), "count steps, io.step"),
     (TakesLong, "✗ control takes too long, at every call", ("in control, line ",), "returns at once"),
-    (EndsTheProcess, "✗ control ended the whole process, with exit status 3", (": os._exit(3)",), "only returns"),
+    (EndsTheProcess, "control raised SystemExit: 3", (": os._exit(3)",), "only returns"),
     (
         Crashes,
         "✗ the process was ended by the signal SIGSEGV",

@@ -32,7 +32,7 @@ def sample(exercise):
 @pytest.mark.process
 @pytest.mark.parametrize("name", EXERCISES)
 def test_mutants_are_rejected(name, monkeypatch):
-    monkeypatch.setattr(_contain, "subprocess", forks)
+    monkeypatch.setattr(_contain, "_start", forks.start)
     exercise = EXERCISES[name]
     chosen = sample(exercise)
 

@@ -7,13 +7,13 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
-from types import FrameType
+from types import FrameType, FunctionType
 from typing import Any
 
 from tutorial.checks._diagnose import Misuse, likely_cause, slept
 from tutorial.checks._verdict import Finding, Place, wrong
 
-__all__ = ["Failure", "Watch", "files_of", "watch"]
+__all__ = ["Failure", "Watch", "classes_of", "files_of", "functions_of", "watch"]
 
 
 class Failure(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
@@ -125,17 +125,28 @@ class Watch:
         return Place(frames[-1].filename, frames[-1].lineno or 0, frames[-1].name) if frames else None
 
 
-_OURS = ("builtins", "tutorial.controller")
-
 watch = Watch()
 """The one of this process."""
+
+_OURS = ("builtins", "tutorial.controller")
+
+
+def classes_of(answer: Any) -> list[type]:
+    """Return the classes that an answer is made of: a class itself, or that of an object, and those it is made from."""
+    kind = answer if isinstance(answer, type) else type(answer)
+    return [each for each in kind.__mro__ if each.__module__ not in _OURS]
+
+
+def functions_of(answer: Any) -> list[FunctionType]:
+    """Return the functions that an answer is made of, such as the methods of a class."""
+    if isinstance(answer, partial):
+        parts = answer.func, *answer.args, *answer.keywords.values()
+        return [function for part in parts for function in functions_of(part)]
+    members = (member for each in classes_of(answer) for member in vars(each).values())
+    found = (getattr(each, "__func__", each) for each in (answer, *members))
+    return [each for each in found if isinstance(each, FunctionType)]
 
 
 def files_of(answer: Any) -> set[str]:
     """Return the files, or notebook cells, that an answer's functions are written in."""
-    if isinstance(answer, partial):
-        return set[str]().union(*map(files_of, (answer.func, *answer.args, *answer.keywords.values())))
-    kind = answer if isinstance(answer, type) else type(answer)
-    members = [member for each in kind.__mro__ if each.__module__ not in _OURS for member in vars(each).values()]
-    codes = (getattr(getattr(member, "__func__", member), "__code__", None) for member in (answer, *members))
-    return {code.co_filename for code in codes if code is not None}
+    return {function.__code__.co_filename for function in functions_of(answer)}

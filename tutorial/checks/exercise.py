@@ -9,10 +9,10 @@ from typing import Any
 
 from tutorial.checks._answer import misfit, missing, name_of, unwritten
 from tutorial.checks._contain import contain
+from tutorial.checks._instrument import instrumented
 from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
 from tutorial.checks._watch import Failure, files_of, watch
-from tutorial.checks._witness import witnessed
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.progress import remember
@@ -100,7 +100,7 @@ class Exercise:
         watch.answer = answer
         watch.noted.clear()
         try:
-            with witnessed():
+            with instrumented():
                 lacking = missing(answer, *self._requires)
                 yield from [lacking] if lacking else self._judge(answer)
         except Failure as failure:
