@@ -18,6 +18,7 @@ import signal
 import sys
 import threading
 from collections import Counter
+from traceback import walk_stack
 from typing import Any, BinaryIO, NoReturn
 
 import msgspec
@@ -100,7 +101,7 @@ def _give_up(report: int, ident: int, method: str, stuck: bool) -> NoReturn:
     """Say which method does not return, and where it is; then end the process."""
     text = f"{method} does not return" if stuck else f"{method} takes too long, at every call"
     cause = _CAUSES.get(method, _CALLBACK if method.startswith("on_") or "back" in method else _FUNCTION)
-    _find(report, wrong(text, cause, watch.place(sys._current_frames().get(ident))))
+    _find(report, wrong(text, cause, watch.place(walk_stack(sys._current_frames().get(ident)))))
     _end(report)
 
 

@@ -118,28 +118,22 @@ class MemoryNode:
 
     destroy_subscription = destroy_publisher
 
-    def left(self) -> str:
-        """Say what the learner has left behind."""
-        if self.destroyed:
-            return "the program's node is gone"
-        kept = [*self.publishers, *self.subscriptions]
-        alone = " and was not told of its end" * any(each.destroyed for each in kept)
-        return f"the node still has {len(kept)} of {len(self.made)} topics{alone}" if kept else NOTHING
-
     def check_left(self) -> str:
         """Say that the learner has left nothing behind.
 
         Raises:
             Failure: something is left.
         """
-        left, kind = self.left(), "subscription" if self.subscriptions else "publisher"
-        if left != NOTHING:
-            some = len(self.publishers + self.subscriptions) < len(self.made)
-            cause = THE_NODE if self.destroyed else TOO_MANY if some else LEFT
-            raise Failure(
-                "unconfigure", Misuse(left, cause.format(kind, f"self.node.destroy_{kind}(self.{kind})")), None
-            )
-        return left
+        kept = [*self.publishers, *self.subscriptions]
+        if not kept and not self.destroyed:
+            return NOTHING
+        alone = " and was not told of its end" * any(each.destroyed for each in kept)
+        left = f"the node still has {len(kept)} of {len(self.made)} topics{alone}"
+        cause = TOO_MANY if len(kept) < len(self.made) else LEFT
+        if self.destroyed:
+            left, cause = "the program's node is gone", THE_NODE
+        kind = "subscription" if self.subscriptions else "publisher"
+        raise Failure("unconfigure", Misuse(left, cause.format(kind, f"self.node.destroy_{kind}(self.{kind})")))
 
     def destroy_node(self) -> None:
         """Note that the whole node was destroyed."""
@@ -274,7 +268,7 @@ class Rig:
         self.begun = self.io.step = step
         self.learner.initialize(self.io)
         if [*self.node.timers]:
-            raise Failure("configure", Misuse("it makes a timer", APART), None)
+            raise Failure("configure", Misuse("it makes a timer", APART))
         if "thread" in watch.noted and missing(self._answer, "control"):
             raise Failure("initialize", Misuse("it starts a thread of its own", APART), watch.noted["thread"])
         check_has(self._answer, "control")
@@ -335,7 +329,7 @@ def check_has(answer: type, method: str, misspelled: bool = False) -> None:
     """
     lacking = missing(answer, method)
     if lacking and ("misspelled" in lacking.cause or not misspelled):
-        raise Failure(method, Misuse(lacking.text, lacking.cause), None)
+        raise Failure(method, Misuse(lacking.text, lacking.cause))
 
 
 @cache

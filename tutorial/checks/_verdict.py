@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import linecache
 import re
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-__all__ = ["Finding", "Place", "Verdict", "cut", "judged", "right", "wrong"]
+__all__ = ["Finding", "Place", "Verdict", "cut", "right", "wrong"]
 
 WRONG_SHOWN = 2  # one thing after the other; what is wrong further down often follows from the first
 OUTPUT_SHOWN = 20  # lines
@@ -87,19 +87,15 @@ class Verdict:
         return tuple(dict.fromkeys(finding.cause for finding in self.findings if not finding.right))
 
     def __str__(self) -> str:
-        return "\n".join(self._lines())
-
-    def _lines(self) -> Iterator[str]:
-        shown = list(_without_repetition(self.findings))
-        for finding in shown:
-            yield from finding.lines()
+        lines = [line for finding in _without_repetition(self.findings) for line in finding.lines()]
         if self.right:
-            yield f"All right. {self.notice}"
-        elif sum(not finding.right for finding in shown) < len(self.causes):
-            yield "More is not right yet; mend this first."
-        yield from _quoted(self.output)
+            lines.append(f"All right. {self.notice}")
+        elif len(self.causes) > WRONG_SHOWN:
+            lines.append("More is not right yet; mend this first.")
+        lines += _quoted(self.output)
         if self.advice and not self.right:
-            yield self.advice
+            lines.append(self.advice)
+        return "\n".join(lines)
 
 
 def cut(text: str, width: int = WIDTH) -> str:
@@ -115,15 +111,6 @@ def right(text: str) -> Finding:
 def wrong(text: str, cause: str, place: Place | None = None) -> Finding:
     """Make the finding that something is not as it should be."""
     return Finding(False, text, cause, place)
-
-
-def judged(findings: Iterable[Finding]) -> Generator[Finding, None, bool]:
-    """Yield findings as they come, and return whether all were right: ``all_right = yield from judged(...)``."""
-    all_right = True
-    for finding in findings:
-        all_right = all_right and finding.right
-        yield finding
-    return all_right
 
 
 def _without_repetition(findings: Iterable[Finding]) -> Iterator[Finding]:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import threading
-import traceback
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from traceback import walk_stack, walk_tb
 from types import FrameType, FunctionType
 from typing import Any
 
@@ -25,7 +25,7 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
         place: the innermost line of the learner's code.
     """
 
-    def __init__(self, method: str, error: BaseException, place: Place | None) -> None:
+    def __init__(self, method: str, error: BaseException, place: Place | None = None) -> None:
         super().__init__(f"{method} raised {type(error).__name__}")
         self.method = method
         self.error = error
@@ -38,12 +38,12 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
             cause: the most likely cause; None for what is known of this kind of exception in general.
             when: what was looked at.
         """
-        lines = str(self.error).strip().splitlines() or [""]
-        text = f"{self.method} raised {type(self.error).__name__}: {lines[0]}".removesuffix(": ")
+        first, *_ = [*str(self.error).strip().splitlines(), ""]
+        text = f"{self.method} raised {type(self.error).__name__}: {first}".removesuffix(": ")
         if isinstance(self.error, Misuse):
             text = f"{self.method}: {self.error}"
         cause = likely_cause(self.error, watch.answer) if cause is None else cause
-        return wrong(f"{when}{': ' * bool(when)}{text}", cause, self.place)
+        return wrong(f"{when}: {text}" if when else text, cause, self.place)
 
 
 class Watch:
@@ -87,17 +87,17 @@ class Watch:
         except Failure:
             raise
         except BaseException as error:
-            raise Failure(method, error, self._place(error)) from error
+            stack = [*walk_tb(error.__traceback__)]
+            raise Failure(method, error, self.place(reversed(stack))) from error
         finally:
-            if outer is None:
-                del self.running[ident]
-            else:
+            del self.running[ident]
+            if outer is not None:
                 self.running[ident] = outer
 
     def note(self, what: str, frame: FrameType) -> None:
         """Note what the learner's code does; a sleep only on a thread that runs one of the methods."""
         if what != "sleep" or threading.get_ident() in self.running:
-            self.noted.setdefault(what, self.place(frame))
+            self.noted.setdefault(what, self.place(walk_stack(frame)))
 
     @contextmanager
     def clocks_stand(self, ahead: float = 0.0) -> Iterator[None]:
@@ -112,17 +112,10 @@ class Watch:
         finally:
             self.clocks = None
 
-    def place(self, frame: FrameType | None) -> Place | None:
-        """Find the innermost line of the learner's code on a stack."""
-        while frame is not None:
-            if frame.f_code.co_filename in self.files:
-                return Place(frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name)
-            frame = frame.f_back
-        return None
-
-    def _place(self, error: BaseException) -> Place | None:
-        frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename in self.files]
-        return Place(frames[-1].filename, frames[-1].lineno or 0, frames[-1].name) if frames else None
+    def place(self, stack: Iterable[tuple[FrameType, int]]) -> Place | None:
+        """Find the innermost line of the learner's code on a stack, the innermost frames first."""
+        found = ((frame.f_code, line) for frame, line in stack if frame.f_code.co_filename in self.files)
+        return next((Place(code.co_filename, line, code.co_name) for code, line in found), None)
 
 
 watch = Watch()
