@@ -42,23 +42,6 @@ def said_about(answer):
     return text.getvalue()
 
 
-class LoopInControl(GentleTank):
-    def control(self):
-        while True:
-            pass
-
-
-class LoopInCallback(GentleTank):
-    def on_joy(self, message):
-        while not self.joy.get().axes:
-            pass
-
-
-class SleepsALittle(GentleTank):
-    def control(self):
-        time.sleep(0.3)
-
-
 class TakesLong(GentleTank):
     def control(self):
         until = time.process_time() + 0.3
@@ -76,47 +59,25 @@ class Crashes(GentleTank):
         ctypes.string_at(0)
 
 
-class RaisesAtLength(GentleTank):
-    def control(self):
-        raise ValueError("tank" * 75_000)
-
-
-class RaisesInUndecodable(GentleTank):
-    def control(self):
-        raise OSError("no file \udcff")
-
-
 class Floods(GentleTank):
     def control(self):
         while True:
             print("here I am")
 
 
+class HaltsPython(GentleTank):
+    """Lets nothing else run: the one thing that the watchdog cannot see."""
+
+    def control(self):
+        ctypes.PyDLL(None).sleep(3600)
+
+
 ENDS = [
-    (
-        LoopInControl,
-        "✗ control does not return",
-        ("in control, line ", ": pass|while True:"),
-        "the loop is the simulation's",
-    ),
-    (
-        LoopInCallback,
-        "✗ on_joy does not return",
-        ("in on_joy, line ", ": pass|axes:"),
-        "it never waits and never repeats",
-    ),
-    (SleepsALittle, "✗ before the first message: control: it sleeps", (": time.sleep(0.3)",), "count steps, io.step"),
-    (TakesLong, "✗ control takes too long, at every call", ("in control, line ",), "returns at once"),
-    (EndsTheProcess, "control raised SystemExit: 3", (": os._exit(3)",), "only returns"),
-    (
-        Crashes,
-        "✗ the process was ended by the signal SIGSEGV",
-        ("in control, line ", ": ctypes.string_at(0)"),
-        "library",
-    ),
-    (RaisesAtLength, "control raised ValueError: tanktank", ("tankta…\n", ": raise ValueError("), ""),
-    (RaisesInUndecodable, "control raised OSError: no file \\udcff", (), ""),
-    (Floods, "✗ control does not return", ("  | here I am", "  | ... and more"), "the loop is the simulation's"),
+    (TakesLong, "✗ control takes too long, at every call", "in control, line ", "returns at once"),
+    (EndsTheProcess, "control raised SystemExit: 3", ": os._exit(3)", "only returns"),
+    (Crashes, "✗ the process was ended by the signal SIGSEGV", ": ctypes.string_at(0)", "library"),
+    (Floods, "✗ control does not return", "  | here I am", "the loop is the simulation's"),
+    (HaltsPython, "✗ Python itself has come to a halt", "in control, line", "A call into C did not return"),
 ]
 
 
@@ -124,10 +85,7 @@ ENDS = [
 @pytest.mark.parametrize(("answer", "what", "where", "why"), ENDS, ids=lambda value: getattr(value, "__name__", ""))
 def test_whatever_it_does_is_contained_and_explained(answer, what, where, why):
     said = said_about(answer)
-    assert what in said, said
-    assert why in said, said
-    for alternatives in where:
-        assert any(each in said for each in alternatives.split("|")), said
+    assert all(each in said for each in (what, where, why)), said
     assert len(said.splitlines()) < 40
 
 
@@ -186,20 +144,21 @@ class Keeps(GentleTank):
     scene = scene
 """
 
-CLINGING = [
-    ("UsesAGlobal", "✗ UsesAGlobal uses scene, an object of the class generator, that belongs to the notebook"),
-    ("UsesItInside", "✗ UsesItInside uses joystick, an object of the class dict, that belongs to the notebook"),
-    ("UsesAClosure", "✗ UsesAClosure uses closed_over, an object of the class generator, that belongs to the notebook"),
-    ("Keeps", "✗ Keeps uses scene, an object of the class generator, that belongs to the notebook"),
-]
 
-
-@pytest.mark.parametrize(("name", "what"), CLINGING)
-def test_what_belongs_to_the_notebook_is_named(name, what):
+@pytest.mark.parametrize(
+    ("name", "used", "kind"),
+    [
+        ("UsesAGlobal", "scene", "generator"),
+        ("UsesItInside", "joystick", "dict"),
+        ("UsesAClosure", "closed_over", "generator"),
+        ("Keeps", "scene", "generator"),
+    ],
+)
+def test_what_belongs_to_the_notebook_is_named(name, used, kind):
     namespace = {"__name__": "__main__"}
     exec(NOTEBOOK, namespace)
     said = said_about(namespace[name])
-    assert what in said, said
+    assert f"✗ {name} uses {used}, an object of the class {kind}, that belongs to the notebook" in said
     assert "let it take what it needs from config, io or its arguments" in said
 
 
@@ -268,23 +227,6 @@ def doze(answer):
 dozing = Exercise("dozing", TEXT, doze, Anything)
 
 
-def crash_in_the_middle(answer):
-    """Tell without end, and crash on another thread meanwhile."""
-    threading.Timer(0.3, ctypes.string_at, [0]).start()
-    while True:
-        yield right("ö" * 300_000)
-
-
-crashing = Exercise("crashing", TEXT, crash_in_the_middle, Anything)
-
-
-@pytest.mark.process
-def test_a_crash_in_the_middle_of_a_message_leaves_the_others_whole():
-    *told, last = asyncio.run(crashing.examine(Anything)).findings
-    assert last.text == "the process was ended by the signal SIGSEGV"
-    assert {finding.text for finding in told} == {"ö" * (_child.LONGEST - 1) + "…"}
-
-
 PARENT = """
 import asyncio
 from test_contain import Anything, dozing
@@ -326,16 +268,3 @@ def test_it_is_gone_when_who_has_asked_is_killed(parent):
     child = child_of(parent)
     parent.kill()
     until(lambda: not child.is_running() or child.status() == psutil.STATUS_ZOMBIE, "its end")
-
-
-class HaltsPython(GentleTank):
-    def control(self):
-        ctypes.PyDLL(None).sleep(3600)
-
-
-@pytest.mark.process
-def test_an_interpreter_that_has_come_to_a_halt_is_ended():
-    """A call into C that lets nothing else run is the one thing that the watchdog cannot see."""
-    said = said_about(HaltsPython)
-    assert "✗ Python itself has come to a halt" in said
-    assert "in control, line" in said

@@ -24,6 +24,7 @@ from typing import Any, BinaryIO, NoReturn
 import msgspec
 
 from tutorial.checks._contain import DONE, Job
+from tutorial.checks._diagnose import endless
 from tutorial.checks._instrument import instrumented
 from tutorial.checks._verdict import Finding, Place, cut, wrong
 from tutorial.checks._watch import watch
@@ -37,15 +38,7 @@ LONGEST = 2000  # characters of a text that is told
 
 _exit = os._exit
 _writing = threading.Lock()
-_CAUSES = {
-    "control": "control is called once for every step and returns at once; the loop is the simulation's.",
-    "initialize": "initialize only prepares the first step, and returns; what repeats belongs into control.",
-    "configure": "configure only makes publishers and subscriptions, and returns; the program spins its node already.",
-    "aim": "aim is called once for every step and returns at once; the loop is the simulation's.",
-}
 _CLINGS = "Most likely it uses an object of the notebook: let it take what it needs from config, io or its arguments."
-_CALLBACK = "A callback only puts the message away, or posts a call, and returns: it never waits and never repeats."
-_FUNCTION = "Most likely the condition of a loop never becomes false, or it waits for something."
 
 
 def main() -> NoReturn:
@@ -89,7 +82,7 @@ def _watchdog(report: int, parent: BinaryIO) -> None:
         faulthandler.dump_traceback_later(HALT, exit=True, file=report)
         running = dict(watch.running)
         looks = Counter({call: looks[call] + 1 for call in running.values()})
-        if not watch.interleaved:
+        if not (watch.interleaved or watch.explaining):
             sums.update({method for method, _ in running.values()})
         for ident, (method, number) in running.items():
             if looks[method, number] > PATIENCE or sums[method] > BUDGET:
@@ -100,8 +93,7 @@ def _watchdog(report: int, parent: BinaryIO) -> None:
 def _give_up(report: int, ident: int, method: str, stuck: bool) -> NoReturn:
     """Say which method does not return, and where it is; then end the process."""
     text = f"{method} does not return" if stuck else f"{method} takes too long, at every call"
-    cause = _CAUSES.get(method, _CALLBACK if method.startswith("on_") or "back" in method else _FUNCTION)
-    _find(report, wrong(text, cause, watch.place(walk_stack(sys._current_frames().get(ident)))))
+    _find(report, wrong(text, endless(method), watch.place(walk_stack(sys._current_frames().get(ident)))))
     _end(report)
 
 

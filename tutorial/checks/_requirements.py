@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tutorial.checks._cases import Cases, Mistake, Raised, mistakes, observed
+from tutorial.checks._cases import observed, same
+from tutorial.checks._mistakes import Mistake, mistakes, with_mistakes
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, files_of, watch
@@ -65,11 +66,11 @@ class Requirements:
         """Try an answer, and say of each requirement what was observed."""
         shared = SharedState(answer)
         for one in self.each:
-            try:
-                with watch.clocks_stand():
-                    seen = one.attempt(answer)
-            except Failure as failure:
-                yield failure.finding(self._raised(one, failure, shared), one.text)
+            with watch.clocks_stand():
+                seen = observed(one.attempt, answer)
+            if isinstance(seen, Failure):
+                cause = self._cause(one, seen, shared) if isinstance(seen.error, self.odd) else None
+                yield seen.finding(cause, one.text)
                 return
             if seen != one.expected:
                 text, place = f"{one.text}: {seen}; expected: {one.expected}", next(iter(watch.noted.values()), None)
@@ -82,16 +83,13 @@ class Requirements:
 
     def mistaken(self, mistake: Mistake) -> Any:
         """Define the solution with a mistake in it."""
-        return Cases(self.solution, {}, (), str, {}).mistaken(mistake)
-
-    def _raised(self, one: Requirement, failure: Failure, shared: SharedState) -> str | None:
-        """Return the cause of an exception; None where it speaks for itself."""
-        return self._cause(one, Raised.by(failure), shared) if isinstance(failure.error, self.odd) else None
+        return with_mistakes(self.solution, [mistake])
 
     def _cause(self, one: Requirement, seen: Any, shared: SharedState) -> str:
         """Name the mistake that leads to what was observed."""
+        watch.explaining = True
         first, *others = one.mistakes
-        found = next((each for each in others if self._seen_of(one, each) == seen), None)
+        found = next((each for each in others if same(self._seen_of(one, each), seen)), None)
         cause = f"Most likely {(found or first).cause}"
         proposed = re.search(r"(\w+)\([^()]*\) is missing, or", cause)
         if proposed and proposed[1] in _calls(watch.answer):  # it is there

@@ -31,6 +31,11 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
         self.error = error
         self.place = place
 
+    @property
+    def kind(self) -> tuple[type[BaseException], str]:
+        """What two failures have in common that are the same observation; a `Misuse` has a cause, too."""
+        return type(self.error), getattr(self.error, "cause", "")
+
     def finding(self, cause: str | None = None, when: str = "") -> Finding:
         """Say what happened, and what most likely caused it.
 
@@ -57,6 +62,7 @@ class Watch:
         clocks: by name, what the clocks of `time` say to the learner's code while they stand still; else None.
         ahead: by how much they have been put ahead [s].
         interleaved: whether methods are being held up on purpose, so that how long they take says nothing.
+        explaining: whether mistakes are tried, and so all calls together may take long.
     """
 
     def __init__(self) -> None:
@@ -66,8 +72,13 @@ class Watch:
         self.noted: dict[str, Place | None] = {}
         self.clocks: dict[str, float] | None = None
         self.ahead = 0.0
-        self.interleaved = False
+        self.interleaved = self.explaining = False
         self._count = 0
+
+    def begin(self, answer: Any) -> None:
+        """Watch an answer: nothing of it has been run yet."""
+        self.answer, self.files, self.explaining = answer, files_of(answer), False
+        self.noted.clear()
 
     @contextmanager
     def call(self, method: str) -> Iterator[None]:

@@ -12,7 +12,7 @@ from tutorial.checks._contain import contain
 from tutorial.checks._instrument import instrumented
 from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
-from tutorial.checks._watch import Failure, files_of, watch
+from tutorial.checks._watch import Failure, watch
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.progress import remember
@@ -91,9 +91,7 @@ class Exercise:
 
     def findings(self, answer: Any) -> Iterator[Finding]:
         """Judge an answer in this process, and yield what is found as it is found."""
-        watch.files = files_of(answer)
-        watch.answer = answer
-        watch.noted.clear()
+        watch.begin(answer)
         try:
             with instrumented():
                 lacking = missing(answer, *self._requires)
