@@ -18,7 +18,7 @@ import pytest
 from programs import until
 
 from tutorial.checks import _child
-from tutorial.checks._verdict import Finding, Place, right, wrong
+from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks.drive import GentleTank, drive
 from tutorial.checks.exercise import Exercise
 
@@ -103,22 +103,35 @@ def test_what_two_threads_tell_at_once_does_not_mix():
         findings = [msgspec.json.decode(told.readline(), type=Finding) for _ in range(400)]
         for thread in threads:
             thread.join()
-    assert {(len(finding.text), finding.text[-1]) for finding in findings} == {(_child.LONGEST, "…")}
-    assert all(len(set(finding.text)) == 2 for finding in findings)
+    assert all(len(set(finding.cause)) == 1 for finding in findings)
 
 
-def test_a_finding_is_bounded_in_all_its_parts():
-    reading, writing = os.pipe()
-    long = "\udcff\x00" * 300_000
-    with os.fdopen(reading, "rb") as told, os.fdopen(writing, "wb"):
-        _child._find(writing, Finding(False, long, long, Place(long, 1, long)))
-        line = told.readline()
-    assert len(line) < 65536, "all of it is in the pipe"
-    assert msgspec.json.decode(line, type=Finding).place.line == 1
+def test_a_finding_has_one_line_that_can_be_sent():
+    finding = wrong("\udcff" + "tank" * 300_000, "")
+    assert len(finding.text) == 200
+    assert finding.text.startswith("\\udcfftank")
+    assert finding.text.endswith("…")
 
 
 NOTEBOOK = """
+import threading
+from sensor_msgs.msg import Joy
 from tutorial.checks.drive import GentleTank
+from tutorial.handoff import Latest
+
+held = threading.Lock()
+held.acquire()
+reentrant = threading.RLock()
+elsewhere = threading.Condition()
+seen = Latest(Joy())
+
+class TakesLocks(GentleTank):
+    lock = threading.Lock()
+
+    def on_joy(self, message):
+        with held, reentrant, elsewhere, self.lock:
+            seen.put(message)
+            super().on_joy(message)
 
 scene = (each for each in "scene")
 joystick = {"buttons": scene}
@@ -145,6 +158,12 @@ class Keeps(GentleTank):
 """
 
 
+def of_the_notebook(name):
+    namespace = {"__name__": "__main__"}
+    exec(NOTEBOOK, namespace)
+    return namespace[name]
+
+
 @pytest.mark.parametrize(
     ("name", "used", "kind"),
     [
@@ -155,40 +174,14 @@ class Keeps(GentleTank):
     ],
 )
 def test_what_belongs_to_the_notebook_is_named(name, used, kind):
-    namespace = {"__name__": "__main__"}
-    exec(NOTEBOOK, namespace)
-    said = said_about(namespace[name])
+    said = said_about(of_the_notebook(name))
     assert f"✗ {name} uses {used}, an object of the class {kind}, that belongs to the notebook" in said
     assert "let it take what it needs from config, io or its arguments" in said
 
 
-LOCKS = """
-import threading
-from sensor_msgs.msg import Joy
-from tutorial.checks.drive import GentleTank
-from tutorial.handoff import Latest
-
-held = threading.Lock()
-held.acquire()
-reentrant = threading.RLock()
-elsewhere = threading.Condition()
-seen = Latest(Joy())
-
-class LocksOfTheNotebook(GentleTank):
-    lock = threading.Lock()
-
-    def on_joy(self, message):
-        with held, reentrant, elsewhere, self.lock:
-            seen.put(message)
-            super().on_joy(message)
-"""
-
-
 @pytest.mark.process
 def test_locks_of_the_notebook_are_taken_along_and_are_free_there():
-    namespace = {"__name__": "__main__"}
-    exec(LOCKS, namespace)
-    said = said_about(namespace["LocksOfTheNotebook"])
+    said = said_about(of_the_notebook("TakesLocks"))
     assert "All right." in said, said
 
 
@@ -218,53 +211,22 @@ TEXT = "Do.\n\nDo it.\n\nHint 1: Look.\n\nNotice it."
 
 def doze(answer):
     """Judge for ever."""
-    print("dozing", flush=True)
     while True:
         time.sleep(0.1)
         yield right("still")
 
 
 dozing = Exercise("dozing", TEXT, doze, Anything)
-
-
-PARENT = """
-import asyncio
-from test_contain import Anything, dozing
-asyncio.run(dozing.check(Anything))
-"""
-
-
-@pytest.fixture
-def parent():
-    """A program that checks an answer for ever, and how to find the process that it is judged in."""
-    path = os.pathsep.join(filter(None, sys.path))
-    process = subprocess.Popen(
-        [sys.executable, "-c", PARENT],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env={**os.environ, "PYTHONPATH": path},
-    )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.wait()
-        process.stdout.close()
-
-
-def child_of(process):
-    """Wait until the process that judges is there, and its watchdog with it."""
-
-    def found():
-        return [child for child in children(process.pid) if child.num_threads() > 1]
-
-    until(found, "the process that judges")
-    return found()[0]
+PARENT = "import asyncio; from test_contain import Anything, dozing; asyncio.run(dozing.check(Anything))"
 
 
 @pytest.mark.process
-def test_it_is_gone_when_who_has_asked_is_killed(parent):
-    child = child_of(parent)
-    parent.kill()
+def test_it_is_gone_when_who_has_asked_is_killed():
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    with subprocess.Popen([sys.executable, "-c", PARENT], env=environment) as parent:
+        try:
+            until(lambda: [each for each in children(parent.pid) if each.num_threads() > 1], "its watchdog")
+            (child,) = children(parent.pid)
+        finally:
+            parent.kill()
     until(lambda: not child.is_running() or child.status() == psutil.STATUS_ZOMBIE, "its end")

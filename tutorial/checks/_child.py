@@ -26,7 +26,7 @@ import msgspec
 from tutorial.checks._contain import DONE, Job
 from tutorial.checks._diagnose import endless
 from tutorial.checks._instrument import instrumented
-from tutorial.checks._verdict import Finding, Place, cut, wrong
+from tutorial.checks._verdict import Finding, wrong
 from tutorial.checks._watch import watch
 from tutorial.ros.domains import reserved_domain
 
@@ -34,7 +34,6 @@ LOOK = 0.1  # [s] between two looks of the watchdog
 PATIENCE = 15  # looks that a single call may take; it should take none
 BUDGET = 25  # looks that all calls of one method may take together
 HALT = 5.0  # [s] without a look, after which the watchdog itself is held up
-LONGEST = 2000  # characters of a text that is told
 
 _exit = os._exit
 _writing = threading.Lock()
@@ -50,7 +49,6 @@ def main() -> NoReturn:
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     faulthandler.enable(report)
     sys.path[:] = job.path
-    watch.files = set(job.files)
     os._exit = sys.exit  # type: ignore[assignment] # which raises, and so is told with its place
     threading.Thread(target=_watchdog, args=(report, parent), name="watchdog", daemon=True).start()
     os.environ.update(ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
@@ -103,15 +101,7 @@ def _end(report: int) -> NoReturn:
 
 
 def _find(report: int, finding: Finding) -> None:
-    """Tell a finding, at a length that the other end takes: a learner's exception may have a text of any length."""
-    place = finding.place and Place(_bounded(finding.place.file), finding.place.line, _bounded(finding.place.function))
-    told = Finding(finding.right, _bounded(finding.text), _bounded(finding.cause), place)
-    _send(report, msgspec.json.encode(told) + b"\n")
-
-
-def _bounded(text: str) -> str:
-    """Cut a text, and spell out what UTF-8 has no bytes for, such as a part of a file's name that is not decodable."""
-    return cut(text, LONGEST).encode(errors="backslashreplace").decode()
+    _send(report, msgspec.json.encode(finding) + b"\n")
 
 
 def _send(report: int, line: bytes) -> None:

@@ -12,7 +12,7 @@ import sys
 import threading
 from asyncio.subprocess import PIPE, Process
 from collections import ChainMap
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import cloudpickle  # type: ignore[import-untyped, unused-ignore]
@@ -40,14 +40,12 @@ class Job(msgspec.Struct):
         module, name: where the exercise is.
         path: where modules are looked for.
         answer: the answer, pickled by value.
-        files: where the learner's code is.
     """
 
     module: str
     name: str
     path: list[str]
     answer: bytes
-    files: list[str]
 
 
 class _Pickler(cloudpickle.Pickler):  # type: ignore[misc, unused-ignore]
@@ -78,7 +76,7 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
     except Exception as error:  # noqa: BLE001 - pickling runs code of all kinds of objects
         return (_clinging(answer, error),), ()
     path = [os.path.abspath(entry) for entry in sys.path]  # noqa: PTH100
-    job = Job(module, name, path, pickled, sorted(files_of(answer)))
+    job = Job(module, name, path, pickled)
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     process = await _start({**os.environ, "PYTHONPATH": home, "PYTHONUTF8": "1"})
     assert process.stdin is not None
@@ -100,7 +98,7 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
         await process.wait()
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(printing, REST)
-    return _findings(told, job.files, process.returncode), tuple(output.decode(errors="replace").splitlines())
+    return _findings(told, files_of(answer), process.returncode), tuple(output.decode(errors="replace").splitlines())
 
 
 async def _start(environment: Mapping[str, str]) -> Process:
@@ -117,7 +115,7 @@ async def _keep(printed: Any, output: bytearray) -> None:
         output += piece[: OUTPUT_KEPT - len(output)]
 
 
-def _findings(told: Sequence[bytes], files: Sequence[str], status: int | None) -> tuple[Finding, ...]:
+def _findings(told: Sequence[bytes], files: Collection[str], status: int | None) -> tuple[Finding, ...]:
     """Return what was found; if the process came to a bad end, that is the last of it.
 
     Args:
@@ -136,7 +134,7 @@ def _findings(told: Sequence[bytes], files: Sequence[str], status: int | None) -
     return tuple(findings)
 
 
-def _bad_end(trace: str, files: Sequence[str], status: int) -> Finding:
+def _bad_end(trace: str, files: Collection[str], status: int) -> Finding:
     frames = _FRAME.findall(trace)
     place = next((Place(file, int(line), name) for file, line, name in frames if file in files), None)
     if "Timeout (" in trace:

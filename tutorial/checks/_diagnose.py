@@ -41,10 +41,10 @@ _PROGRAMS = {
     "create_node": "Leave it out: the program has a node already, config.node.",
 }
 """Why what a program calls once, for the whole of it, is not called by a controller."""
+_CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {
     "io": "initialize does not keep it: self.io = io.",
-    **{each: f"configure does not keep it: self.{each} = config.{each}." for each in ("body", "node", "call_later")},
-    "call_latest": "configure does not keep it: self.call_latest = config.call_latest.",
+    **{each: f"configure does not keep it: self.{each} = config.{each}." for each in _CONFIG},
 }
 _UNSET = "it is read before anything has set it: "
 _LIFE = "configure comes first, then initialize, then control; a message may come at any time after configure."

@@ -29,19 +29,14 @@ class Requirement:
         text: what is tried, as the learner is told.
         attempt: tries it; a function of the answer that returns what is observed, in words.
         expected: what is to be observed.
-        table: the mistakes that fail it, as `mistakes` reads them. The first one's cause is named where no other leads
-            to exactly what was observed. Empty where whatever fails it has its cause with it, as a `Misuse` has.
+        mistakes: those that fail it. The first one's cause is named where no other leads to exactly what was observed.
+            Empty where whatever fails it has its cause with it, as a `Misuse` has.
     """
 
     text: str
     attempt: Callable[[Any], str]
     expected: str
-    table: str
-
-    @property
-    def mistakes(self) -> Sequence[Mistake]:
-        """The mistakes that fail it."""
-        return mistakes(self.table)
+    mistakes: Sequence[Mistake]
 
 
 @dataclass(frozen=True)
@@ -113,8 +108,8 @@ def listed(tried: Mapping[str, tuple[Callable[[Any], str], str]], table: str) ->
         table: the mistakes of all of them, each requirement's below a line with ``#`` and its text.
     """
     _, *parts = re.split(r"^# (.*)$", table, flags=re.MULTILINE)
-    tables = dict(zip(parts[::2], parts[1::2]))
-    return tuple(Requirement(text, *asked, tables.get(text, "")) for text, asked in tried.items())
+    known = {text: mistakes(each) for text, each in zip(parts[::2], parts[1::2])}
+    return tuple(Requirement(text, *asked, known.get(text, ())) for text, asked in tried.items())
 
 
 def _calls(answer: Any) -> set[str]:

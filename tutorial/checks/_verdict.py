@@ -53,7 +53,7 @@ class Finding:
 
     def lines(self) -> Iterator[str]:
         """Say it."""
-        yield f"{'✓' if self.right else '✗'} {cut(self.text)}"
+        yield f"{'✓' if self.right else '✗'} {self.text}"
         if self.place is not None:
             yield f"  {cut(str(self.place))}"
         if self.cause:
@@ -98,19 +98,20 @@ class Verdict:
         return "\n".join(lines)
 
 
-def cut(text: str, width: int = WIDTH) -> str:
-    """Shorten a text that has more characters than ``width``; an ellipsis shows it."""
-    return text if len(text) <= width else f"{text[: width - 1]}…"
+def cut(text: str) -> str:
+    """Shorten a text to one line's width; an ellipsis shows it. What UTF-8 has no bytes for is spelled out."""
+    shown = text[: WIDTH + 1].encode(errors="backslashreplace").decode()
+    return shown if len(shown) <= WIDTH else f"{shown[: WIDTH - 1]}…"
 
 
 def right(text: str) -> Finding:
     """Make the finding that something is as it should be."""
-    return Finding(True, text)
+    return Finding(True, cut(text))
 
 
 def wrong(text: str, cause: str, place: Place | None = None) -> Finding:
     """Make the finding that something is not as it should be."""
-    return Finding(False, text, cause, place)
+    return Finding(False, cut(text), cause, place)
 
 
 def _without_repetition(findings: Iterable[Finding]) -> Iterator[Finding]:
