@@ -25,7 +25,7 @@ _RETURNS = {
     "initialize": "initialize only prepares the first step, and returns; what repeats belongs into control.",
     "control": "control is called once for every step and returns at once; the loop is the simulation's. To wait, "
     "count steps, io.step.",
-    "aim": "aim is called once for every step and returns at once; the loop is the simulation's, and so is the time.",
+    "aim": "aim is called once for every step and returns at once; simulated time goes on by itself.",
     "update": "{} runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
     "callback": "{} is a callback: it puts the message away, or posts a call, and returns; it never waits and never "
     "repeats.",
@@ -124,7 +124,7 @@ def _owner(error: BaseException, frames: Sequence[FrameType]) -> tuple[Any, str]
 
 def slept(method: str) -> str:
     """Say what is wrong about a method that sleeps."""
-    return f"Leave out what sleeps or waits: {_returns(method) or f'the program goes on only when {method} returns.'}"
+    return f"Leave out what sleeps or waits: {_returns(method) or 'nothing else goes on until it returns.'}"
 
 
 def endless(method: str) -> str:
