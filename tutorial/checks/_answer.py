@@ -38,11 +38,9 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
     mend = f"Give the {'function' if base is None else 'class'} itself: {call}({name})."
     if isinstance(answer, str):
         return f"A text was given, {answer[:40]!r}. {mend}"
-    if base is None:
-        return f"{_called(answer)} was given. {mend}" if isinstance(answer, type) or not callable(answer) else ""
-    if not isinstance(answer, type):
+    if isinstance(answer, type) != (base is not None) or not callable(answer):
         return f"{_called(answer)} was given. {mend}"
-    if not issubclass(answer, base):
+    if base is not None and not issubclass(answer, base):
         return f"{answer.__name__} is not made from {base.__name__}. Begin it with: class {name}({base.__name__}):"
     return ""
 
