@@ -152,12 +152,12 @@ def no_self(function: Any) -> str:
 
 def _unset(answer: type, name: str) -> str:
     """Say why the learner's object does not have an attribute."""
-    codes = {each: getattr(vars(answer).get(each), "__code__", None) for each in vars(answer)}
+    codes = {each: value.__code__ for each, value in vars(answer).items() if inspect.isfunction(value)}
     for method, code in codes.items():
-        if code is not None and name in code.co_varnames[code.co_argcount :]:
+        if name in code.co_varnames[code.co_argcount :]:
             return f"Most likely self is missing in {method}: self.{name} = ..."
     life = _LIFE if issubclass(answer, SimpleController) else "let __init__ set it."
-    steps = [step for code in codes.values() if code is not None for step in dis.get_instructions(code)]
+    steps = [step for code in codes.values() for step in dis.get_instructions(code)]
     is_set = any(step.opname == "STORE_ATTR" and step.argval == name for step in steps)
     return f"Most likely {_UNSET + life if is_set else _KEEP.get(name, _UNSET + life)}"
 
