@@ -10,9 +10,12 @@ import json
 import pytest
 from steps import BESIDE
 
+from tutorial.checks import _cases
 from tutorial.checks._answer import is_empty
 from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, right, wrong
+from tutorial.checks._watch import watch
+from tutorial.checks.aim import aim
 from tutorial.checks.by_name import by_name
 from tutorial.checks.catalogue import exercises
 from tutorial.checks.drive import GentleTank, drive
@@ -142,6 +145,14 @@ FIRST_LOOK = [
 def test_what_cannot_be_run_is_said_at_once(exercise, answer, said, capsys):
     asyncio.run(exercise.check(answer))
     assert capsys.readouterr().out.startswith(said)
+
+
+def test_how_long_known_mistakes_take_is_not_the_answers_doing(monkeypatch):
+    seen = []
+    monkeypatch.setattr(_cases, "with_mistakes", lambda *_: seen.append(watch.explaining))
+    assert not aim.judge(Pushy).right
+    assert seen
+    assert all(seen)
 
 
 @every_exercise
