@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -21,6 +22,7 @@ __all__ = ["Cases", "blame", "call", "mistakes", "observed", "same"]
 
 TOLERANCE = 1e-4
 MOST = 2  # mistakes at once; three of them look like too much else
+LONGEST = 20.0  # [s] in which mistakes are tried, one and two at once; so that a busy machine comes to an end, too
 CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
 
 Case = Callable[[Any], Any]
@@ -103,8 +105,11 @@ class Cases:
         others = [label for label in seen if label != odd]
         alone = {each: observed(self.cases[odd], self.mistaken(each)) for each in self.mistakes}
         shows = {each: not same(alone[each], self.expected[odd]) for each in self.mistakes}
+        end = time.monotonic() + LONGEST
         for count in range(1, most + 1):
             for chosen in combinations(self.mistakes, count):
+                if time.monotonic() > end:
+                    return ()
                 if not all(shows[each] for each in chosen) and not any(same(alone[each], seen[odd]) for each in chosen):
                     continue  # what does not show by itself is taken to change nothing
                 twin = self.mistaken(*chosen)
