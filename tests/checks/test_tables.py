@@ -9,18 +9,14 @@ import pytest
 
 from tutorial.checks.catalogue import exercises
 
-TABLES = {
-    each: importlib.import_module(each.module).CASES
-    for those in exercises().values()
-    for each in those
-    if hasattr(importlib.import_module(each.module), "CASES")
-}
+MODULES = {each: importlib.import_module(each.module) for those in exercises().values() for each in those}
+TABLES = {each: module.CASES for each, module in MODULES.items() if hasattr(module, "CASES")}
+LISTS = {each: module.REQUIREMENTS for each, module in MODULES.items() if hasattr(module, "REQUIREMENTS")}
 every_table = pytest.mark.parametrize(("exercise", "cases"), TABLES.items(), ids=[each.name for each in TABLES])
 
 
 @every_table
 def test_each_mistake_is_diagnosed_as_itself(exercise, cases):
-    assert getattr(importlib.import_module(exercise.module), exercise.name) is exercise
     for mistake in cases.mistakes:
         twin = cases.mistaken(mistake)
         assert twin is not None, f"the solution has nothing that {mistake.edits} could change"
@@ -39,14 +35,6 @@ def test_any_two_mistakes_can_be_made_at_once_unless_one_takes_away_what_the_oth
 @every_table
 def test_what_no_known_mistakes_explain_names_a_case_of_the_table(exercise, cases):
     assert cases.otherwise.keys() <= cases.cases.keys() | {""}
-
-
-LISTS = {
-    each: importlib.import_module(each.module).REQUIREMENTS
-    for those in exercises().values()
-    for each in those
-    if hasattr(importlib.import_module(each.module), "REQUIREMENTS")
-}
 
 
 @pytest.mark.parametrize(("exercise", "requirements"), LISTS.items(), ids=[each.name for each in LISTS])

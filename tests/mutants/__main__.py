@@ -78,7 +78,7 @@ def show_all(outcomes: dict[str, Outcome]) -> int:
 @click.argument("names", metavar="[EXERCISE]...", nargs=-1, type=click.Choice(list(EXERCISES)))
 def main(names: tuple[str, ...]) -> None:
     """Do what the command line asks for, and exit with its status."""
-    _contain.subprocess = forks  # type: ignore[assignment]
+    _contain._start = forks.start  # type: ignore[assignment]
     outcomes: dict[str, Outcome] = {}
     try:
         asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES], outcomes))

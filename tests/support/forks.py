@@ -6,12 +6,12 @@ otherwise what a learner's answer is run with; that it begins in a fresh interpr
 
 from __future__ import annotations
 
+import asyncio
 import multiprocessing
 import os
 import random
-import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping
 from io import TextIOWrapper
 from multiprocessing.connection import Connection
 from typing import Any
@@ -19,54 +19,57 @@ from typing import Any
 from tutorial.checks import _child
 from tutorial.checks.catalogue import exercises
 
-PIPE, STDOUT = subprocess.PIPE, subprocess.STDOUT
-
 _server = multiprocessing.get_context("forkserver")
 _server.set_forkserver_preload([_child.__name__, *{each.module for those in exercises().values() for each in those}])
 
 
-class Popen:
-    """As much of `subprocess.Popen` as `tutorial.checks._contain` asks for; this module stands in for `subprocess`.
+class Process:
+    """As much of asyncio's process as `tutorial.checks._contain` asks for, which is given `start` for its own."""
 
-    Args:
-        command: of which only its program's is run, whatever it says.
-        pass_fds: the descriptors that the program is given.
-        env: the environment.
-    """
-
-    def __init__(self, command: Sequence[str], *, pass_fds: Sequence[int], env: dict[str, str], **_: Any) -> None:
-        stdin, job = os.pipe()
-        out, stdout = os.pipe()
-        given = [Connection(fd) for fd in (stdin, stdout, *map(os.dup, pass_fds))]
-        self._process = _server.Process(target=_judge, args=(env, *given))
+    def __init__(self, environment: Mapping[str, str]) -> None:
+        pipes = [os.pipe() for _ in range(3)]
+        (stdin, job), (told, stdout), (printed, stderr) = pipes
+        given = [Connection(fd) for fd in (stdin, stdout, stderr)]
+        self._process = _server.Process(target=_judge, args=(environment, *given))
         self._process.start()
         self.pid = self._process.pid
         for each in given:
             each.close()
-        self.stdin, self.stdout = os.fdopen(job, "wb", buffering=0), os.fdopen(out, "rb", buffering=0)
-        self.returncode: int | None = None
+        self.stdin = os.fdopen(job, "wb", buffering=0)
+        self.ends = [os.fdopen(end, "rb", buffering=0) for end in (told, printed)]
 
-    def __enter__(self) -> Popen:
-        return self
+    @property
+    def returncode(self) -> int | None:
+        """The status of its end."""
+        return self._process.exitcode
 
-    def __exit__(self, *_: object) -> None:
-        """Close the streams, and wait for the end."""
+    async def wait(self) -> None:
+        """Wait until it has ended."""
         self.stdin.close()
-        self.stdout.close()
-        self._process.join()
-        self.returncode = self._process.exitcode
+        await asyncio.to_thread(self._process.join)
 
 
-def _judge(environment: dict[str, str], stdin: Connection, stdout: Connection, *passed: Connection) -> None:
+async def start(environment: Mapping[str, str]) -> Process:
+    """Start a process that judges."""
+    process = Process(environment)
+    process.stdout, process.stderr = [await _reader(end) for end in process.ends]
+    return process
+
+
+async def _reader(pipe: Any) -> asyncio.StreamReader:
+    reader = asyncio.StreamReader()
+    await asyncio.get_running_loop().connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), pipe)
+    return reader
+
+
+def _judge(environment: Mapping[str, str], *given: Connection) -> None:
     """Be what a process is in the beginning that was started for it, and run the program, which ends it."""
     os.setsid()  # it is the whole session that will be killed
-    for given, at in ((stdin, 0), (stdout, 1), (stdout, 2)):
-        os.dup2(given.fileno(), at)
-    stdin.close()
-    stdout.close()
+    for at, each in enumerate(given):
+        os.dup2(each.fileno(), at)
+        each.close()
     sys.stdout, sys.stderr = (TextIOWrapper(open(at, "wb", 0), "utf-8", write_through=True) for at in (1, 2))  # noqa: SIM115, PTH123
     os.environ.clear()
     os.environ.update(environment)
     random.seed()
-    sys.argv[1:] = [str(each.fileno()) for each in passed]
     _child.main()

@@ -44,17 +44,12 @@ class Mutant:
 
 @cache
 def mutants_of(exercise: Exercise) -> tuple[Mutant, ...]:
-    """Make every mutant of an exercise's right answer, once."""
-    return tuple(mutants(listing(exercise.right_answer)))
-
-
-def mutants(source: str) -> list[Mutant]:
-    """Make every mutant of a class or function, each once, without those that are no Python.
+    """Make every mutant of an exercise's right answer, each once, without those that are no Python.
 
     Its operators are replaced by others of their kind, numbers and texts changed, signs and conditions turned round,
     what stands side by side is exchanged, statements and other parts are left out, and names stand for one another.
     """
-    tree = ast.parse(source)
+    tree = ast.parse(listing(exercise.right_answer))
     original = ast.unparse(tree)
     found: dict[str, Mutant] = {}
     times = Counter[str]()
@@ -72,7 +67,7 @@ def mutants(source: str) -> list[Mutant]:
             change = _change(original, mutated)
             times[change] += 1
             found[mutated] = Mutant(f"{change} ({times[change]})" if times[change] > 1 else change, mutated)
-    return list(found.values())
+    return tuple(found.values())
 
 
 def define(exercise: Exercise, mutant: Mutant) -> Any:

@@ -7,6 +7,7 @@ import inspect
 from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import partial
+from types import EllipsisType
 from typing import Any
 
 from tutorial.checks._diagnose import NO_ARGUMENTS
@@ -17,8 +18,9 @@ __all__ = ["is_empty", "misfit", "missing", "name_of", "unwritten"]
 
 _EMPTY = {
     *("RESUME", "NOP", "CACHE", "LOAD_CONST", "POP_TOP", "RETURN_VALUE", "RETURN_CONST", "PUSH_NULL"),
-    *("PRECALL", "CALL", "RAISE_VARARGS", "COPY_FREE_VARS"),
+    *("PRECALL", "CALL", "RAISE_VARARGS", "COPY_FREE_VARS", "LOAD_GLOBAL"),
 }
+"""The instructions of a function that does nothing, or raises something."""
 
 
 def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
@@ -36,11 +38,9 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
     mend = f"Give the {'function' if base is None else 'class'} itself: {call}({name})."
     if isinstance(answer, str):
         return f"A text was given, {answer[:40]!r}. {mend}"
-    if base is None:
-        return f"{_called(answer)} was given. {mend}" if isinstance(answer, type) or not callable(answer) else ""
-    if not isinstance(answer, type):
+    if isinstance(answer, type) != (base is not None) or not callable(answer):
         return f"{_called(answer)} was given. {mend}"
-    if not issubclass(answer, base):
+    if base is not None and not issubclass(answer, base):
         return f"{answer.__name__} is not made from {base.__name__}. Begin it with: class {name}({base.__name__}):"
     return ""
 
@@ -48,15 +48,10 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
 def is_empty(function: Any) -> bool:
     """Whether a function's body is only a docstring, ``...``, ``pass`` or ``raise NotImplementedError``."""
     code = getattr(function, "__code__", None)
-    if code is None:
+    if code is None or not {*code.co_names} <= {"NotImplementedError"}:
         return False
-    for instruction in dis.get_instructions(code):
-        if instruction.opname == "LOAD_GLOBAL" and instruction.argval == "NotImplementedError":
-            continue
-        returns = instruction.opname in ("RETURN_CONST", "LOAD_CONST") and instruction.argval not in (None, ...)
-        if instruction.opname not in _EMPTY or (returns and not isinstance(instruction.argval, str)):
-            return False
-    return True
+    has_text_only = all(isinstance(each, str | None | EllipsisType) for each in code.co_consts)
+    return has_text_only and all(instruction.opname in _EMPTY for instruction in dis.get_instructions(code))
 
 
 def unwritten(answer: Any, parts: Iterable[str]) -> bool:

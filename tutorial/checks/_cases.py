@@ -2,97 +2,30 @@
 
 from __future__ import annotations
 
-import inspect
-import re
-import sys
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cache, cached_property
-from itertools import combinations, product
+from functools import cached_property
+from itertools import combinations
 from math import isclose, isnan
 from numbers import Real
 from typing import Any
 
 from tutorial.checks._diagnose import Misuse
+from tutorial.checks._mistakes import Mistake, mistakes, with_mistakes
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, watch
 
-__all__ = ["Cases", "blame", "call", "mistakes"]
+__all__ = ["Cases", "blame", "call", "mistakes", "observed", "same"]
 
 TOLERANCE = 1e-4
 MOST = 2  # mistakes at once; three of them look like too much else
+LONGEST = 20.0  # [s] in which mistakes are tried, one and two at once; so that a busy machine comes to an end, too
 CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
-NEW_LINE = " // "
 
 Case = Callable[[Any], Any]
-
-
-@dataclass(frozen=True)
-class Mistake:
-    """A way to be wrong.
-
-    Attributes:
-        cause: what names it, after the words "Most likely".
-        edits: what in the solution's source is replaced, and by what: all that is like it, one after the other.
-    """
-
-    cause: str
-    edits: tuple[tuple[str, str], ...]
-
-    def made_in(self, source: str) -> str | None:
-        """Return the source with the mistake; None for one without what it changes."""
-        for old, new in self.edits:
-            if old not in source:
-                return None
-            line = next(line for line in source.splitlines() if old in line)
-            indent = line[: len(line) - len(line.lstrip())]
-            source = source.replace(old, new.replace(NEW_LINE, f"\n{indent}"))
-        return source
-
-
-@dataclass(frozen=True)
-class Raised:
-    """The observation that an answer raised. A `Misuse` has a cause, too."""
-
-    kind: type[BaseException]
-    cause: str = ""
-
-    @classmethod
-    def by(cls, failure: Failure) -> Raised:
-        """Return what is observed of a failure."""
-        return cls(type(failure.error), getattr(failure.error, "cause", ""))
-
-
-def mistakes(table: str) -> tuple[Mistake, ...]:
-    """Read mistakes, the root causes first.
-
-    Args:
-        table: one block for each mistake. Its cause stands at the margin. Below it stand its edits, indented, one a
-            line: ``what => what instead``. A `` // `` in an edit begins a new line, indented as the changed one.
-            ``what => this => that`` makes two mistakes with the same cause; the next line may go on with ``=>``. Change
-            as little as possible: two mistakes that change the same text cannot be found together.
-
-    Raises:
-        ValueError: a cause has no edit below it, or an edit no cause.
-    """
-    lines = re.sub(r"\n +=>", " =>", inspect.cleandoc(table)) + "\n"
-    block = r"((?:^\S.*\n)+)((?:^ .*=>.*\n)+)"
-    left = re.sub(block, "", lines, flags=re.MULTILINE).strip()
-    if left:
-        raise ValueError(f"this is no cause with its edits below it, indented, what => what instead: {left}")
-    blocks = re.findall(block, lines, re.MULTILINE)
-    return tuple(
-        Mistake(" ".join(cause.split()), chosen)
-        for cause, edits in blocks
-        for chosen in product(*map(_edits, edits.splitlines()))
-    )
-
-
-def _edits(line: str) -> list[tuple[str, str]]:
-    old, *new = line.split("=>")
-    return [(old.strip(), each.strip()) for each in new]
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,17 +60,16 @@ class Cases:
 
     def judge(self, answer: Any) -> Iterator[Finding]:
         """Try an answer, say of each case what was observed, and name each mistake where it shows first."""
-        shared, seen, failures = SharedState(answer), dict[str, Any](), dict[str, Failure]()
+        shared, seen, misused = SharedState(answer), dict[str, Any](), dict[str, Failure]()
         for label, case in self.cases.items():
-            try:
-                seen[label] = case(answer)
-            except Failure as failure:
-                seen[label], failures[label] = Raised.by(failure), failure
-                if isinstance(failure.error, Misuse):
-                    break
+            seen[label] = raised = observed(case, answer)
+            if isinstance(raised, Failure) and isinstance(raised.error, Misuse):
+                misused[label] = raised
+                break
+        watch.explaining = True
+        failures = {label: each for label, each in seen.items() if isinstance(each, Failure)}
         odd = [label for label in seen if not same(seen[label], self.expected[label])]
         by_the_clock = "clock" in watch.noted
-        misused = {label: each for label, each in failures.items() if isinstance(each.error, Misuse)}
         for raised in ({}, misused, failures):  # what speaks for itself need not be explained
             told = [label for label in odd if label not in raised]
             rest = {label: each for label, each in seen.items() if label not in raised}
@@ -167,14 +99,17 @@ class Cases:
 
         Of an answer that raises in the first case, or was tried in few of them, two at once would only be guessed.
         """
-        raises = isinstance(next(iter(seen.values())), Raised)
+        raises = isinstance(next(iter(seen.values())), Failure)
         most = 1 if raises or 2 * len(seen) < len(self.cases) else MOST
         odd = [label for label in seen if not same(seen[label], self.expected[label])][-1]
         others = [label for label in seen if label != odd]
         alone = {each: observed(self.cases[odd], self.mistaken(each)) for each in self.mistakes}
         shows = {each: not same(alone[each], self.expected[odd]) for each in self.mistakes}
+        end = time.monotonic() + LONGEST
         for count in range(1, most + 1):
             for chosen in combinations(self.mistakes, count):
+                if time.monotonic() > end:
+                    return ()
                 if not all(shows[each] for each in chosen) and not any(same(alone[each], seen[odd]) for each in chosen):
                     continue  # what does not show by itself is taken to change nothing
                 twin = self.mistaken(*chosen)
@@ -184,14 +119,7 @@ class Cases:
 
     def mistaken(self, *chosen: Mistake) -> Any:
         """Define the solution with mistakes in it; None where one leaves nothing for another to change."""
-        source: str | None = _source((*self.beside, self.solution))
-        for mistake in chosen:
-            source = source and mistake.made_in(source)
-        if source is None:
-            return None
-        names = dict(vars(sys.modules[self.solution.__module__]))
-        exec(compile(source, "<a mistake>", "exec"), names)
-        return names[self.solution.__name__]
+        return with_mistakes(self.solution, chosen, self.beside)
 
     @cached_property
     def expected(self) -> dict[str, Any]:
@@ -210,17 +138,12 @@ class Cases:
         return causes
 
 
-@cache
-def _source(parts: tuple[Any, ...]) -> str:
-    return "\n\n".join(map(inspect.getsource, parts))
-
-
 def observed(case: Case, answer: Any) -> Any:
-    """Return what comes of a case; of an answer that raises, what."""
+    """Return what comes of a case; of an answer that raises, the failure."""
     try:
         return case(answer)
     except Failure as failure:
-        return Raised.by(failure)
+        return failure
 
 
 def call(function: Callable[..., Any], *arguments: Any) -> Any:
@@ -245,7 +168,9 @@ def blame(cause: str, *kinds: type[Exception], words: str = "") -> Iterator[None
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two observations are the same, but for what floats lose."""
+    """Whether two observations are the same, but for what floats lose, and where a failure was."""
+    if isinstance(a, Failure) and isinstance(b, Failure):
+        return a.kind == b.kind
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
     if isinstance(a, list | tuple) and isinstance(b, list | tuple):

@@ -1,15 +1,15 @@
-"""The process that an answer is judged in: ``python -m tutorial.checks._child PIPE``, the number of a descriptor.
+"""The process that an answer is judged in: ``python -m tutorial.checks._child``.
 
-The job comes by stdin, its length first, and stdin stays open as long as whoever has asked lives. What is found goes to
-PIPE as lines of JSON, and ``done`` is the last of them; what Python itself has to say when it dies is written there,
-too, past every lock. A watchdog looks ten times a second whether one of the learner's methods does not return; it
-counts its own looks, not seconds, so that a machine with much else to do is not held against the learner.
+The job comes by stdin, as one line, and stdin stays open as long as whoever has asked lives. What is found goes to
+stdout as lines of JSON, and ``done`` is the last of them; what Python itself has to say when it dies is written there,
+too, past every lock. What the learner's code prints goes to stderr. A watchdog looks ten times a second whether one of
+the learner's methods does not return; it counts its own looks, not seconds, so that a machine with much else to do is
+not held against the learner.
 """
 
 from __future__ import annotations
 
 import faulthandler
-import gc
 import importlib
 import os
 import pickle
@@ -18,63 +18,50 @@ import signal
 import sys
 import threading
 from collections import Counter
-from typing import Any, NoReturn
+from traceback import walk_stack
+from typing import Any, BinaryIO, NoReturn
 
 import msgspec
 
-from tutorial.checks._contain import Job
-from tutorial.checks._verdict import Finding, Place, cut, wrong
+from tutorial.checks._contain import DONE, Job
+from tutorial.checks._diagnose import endless
+from tutorial.checks._instrument import instrumented
+from tutorial.checks._verdict import Finding, wrong
 from tutorial.checks._watch import watch
-from tutorial.checks._witness import witnessed
 from tutorial.ros.domains import reserved_domain
 
 LOOK = 0.1  # [s] between two looks of the watchdog
 PATIENCE = 15  # looks that a single call may take; it should take none
 BUDGET = 25  # looks that all calls of one method may take together
 HALT = 5.0  # [s] without a look, after which the watchdog itself is held up
-LONGEST = 2000  # characters of a text that is told
 
 _exit = os._exit
 _writing = threading.Lock()
-_CAUSES = {
-    "control": "control is called once for every step and returns at once; the loop is the simulation's.",
-    "initialize": "initialize only prepares the first step, and returns; what repeats belongs into control.",
-    "configure": "configure only makes publishers and subscriptions, and returns; the program spins its node already.",
-    "aim": "aim is called once for every step and returns at once; the loop is the simulation's.",
-}
 _CLINGS = "Most likely it uses an object of the notebook: let it take what it needs from config, io or its arguments."
-_CALLBACK = "A callback only puts the message away, or posts a call, and returns: it never waits and never repeats."
-_FUNCTION = "Most likely the condition of a loop never becomes false, or it waits for something."
 
 
 def main() -> NoReturn:
     """Judge the answer, and end the process."""
-    report = int(sys.argv[1])
-    os.set_inheritable(report, False)
-    faulthandler.enable(report)
-    parent = os.dup(0)
-    with open(0, "rb", closefd=False) as stdin:
-        job = msgspec.json.decode(stdin.read(int.from_bytes(stdin.read(8))), type=Job)
+    report = os.dup(1)
+    os.dup2(2, 1)
+    parent = open(os.dup(0), "rb")  # noqa: SIM115, PTH123 - it stays open to the end
+    job = msgspec.json.decode(parent.readline(), type=Job)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    faulthandler.enable(report)
     sys.path[:] = job.path
-    watch.files = set(job.files)
-    os._exit = lambda status: _end(report, status)
+    os._exit = sys.exit  # type: ignore[assignment] # which raises, and so is told with its place
     threading.Thread(target=_watchdog, args=(report, parent), name="watchdog", daemon=True).start()
     os.environ.update(ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
     os.environ.pop("ROS_STATIC_PEERS", None)
     with reserved_domain(avoid=os.environ.get("ROS_DOMAIN_ID")) as domain:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
-        with witnessed():  # before the answer is there, for it may have its own name for time.sleep
+        with instrumented():  # before the answer is there, for it may have its own name for time.sleep
             _judge(job, report)
-        _send(report, b"done")
-        _exit(0)
+        _end(report)
 
 
 def _judge(job: Job, report: int) -> None:
-    gc.disable()  # what is imported stays
     exercise = getattr(importlib.import_module(job.module), job.name)
-    gc.freeze()
-    gc.enable()
     try:
         answer: Any = pickle.loads(job.answer)
     except Exception as error:  # noqa: BLE001 - unpickling runs the learner's code
@@ -85,7 +72,7 @@ def _judge(job: Job, report: int) -> None:
         _find(report, finding)
 
 
-def _watchdog(report: int, parent: int) -> None:
+def _watchdog(report: int, parent: BinaryIO) -> None:
     """Look whether who has asked still lives, and whether a method of the learner's does not return."""
     looks: Counter[tuple[str, int]] = Counter()
     sums: Counter[str] = Counter()
@@ -93,7 +80,7 @@ def _watchdog(report: int, parent: int) -> None:
         faulthandler.dump_traceback_later(HALT, exit=True, file=report)
         running = dict(watch.running)
         looks = Counter({call: looks[call] + 1 for call in running.values()})
-        if not watch.interleaved:
+        if not (watch.interleaved or watch.explaining):
             sums.update({method for method, _ in running.values()})
         for ident, (method, number) in running.items():
             if looks[method, number] > PATIENCE or sums[method] > BUDGET:
@@ -104,38 +91,24 @@ def _watchdog(report: int, parent: int) -> None:
 def _give_up(report: int, ident: int, method: str, stuck: bool) -> NoReturn:
     """Say which method does not return, and where it is; then end the process."""
     text = f"{method} does not return" if stuck else f"{method} takes too long, at every call"
-    cause = _CAUSES.get(method, _CALLBACK if method.startswith("on_") or "back" in method else _FUNCTION)
-    _find(report, wrong(text, cause, watch.place(sys._current_frames().get(ident))))
-    _send(report, b"done")
+    _find(report, wrong(text, endless(method), watch.place(walk_stack(sys._current_frames().get(ident)))))
+    _end(report)
+
+
+def _end(report: int) -> NoReturn:
+    _send(report, DONE)
     _exit(0)
 
 
-def _end(report: int, status: int) -> NoReturn:
-    """Stand in for `os._exit`, and say who has called it."""
-    running = watch.running.get(threading.get_ident(), ("the code", 0))[0]
-    text = f"{running} ended the whole process, with exit status {status}"
-    _find(report, wrong(text, "A controller only returns; the program goes on.", watch.place(sys._getframe(1))))
-    _send(report, b"done")
-    _exit(status)
-
-
 def _find(report: int, finding: Finding) -> None:
-    """Tell a finding, at a length that the other end takes: a learner's exception may have a text of any length."""
-    place = finding.place and Place(_bounded(finding.place.file), finding.place.line, _bounded(finding.place.function))
-    _send(report, msgspec.json.encode(Finding(finding.right, _bounded(finding.text), _bounded(finding.cause), place)))
-
-
-def _bounded(text: str) -> str:
-    """Cut a text, and spell out what UTF-8 has no bytes for, such as a part of a file's name that is not decodable."""
-    return cut(text, LONGEST).encode(errors="backslashreplace").decode()
+    _send(report, msgspec.json.encode(finding) + b"\n")
 
 
 def _send(report: int, line: bytes) -> None:
     """Write a line; the watchdog and the code that is judged do it on different threads."""
-    left = line + b"\n"
     with _writing:
-        while left:  # a signal may come in between
-            left = left[os.write(report, left) :]
+        while line:  # a signal may come in between
+            line = line[os.write(report, line) :]
 
 
 if __name__ == "__main__":

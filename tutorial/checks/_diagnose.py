@@ -16,18 +16,21 @@ from typing import Any
 
 from tutorial.controller import SimpleController
 
-__all__ = ["AT_ONCE", "NO_ARGUMENTS", "Misuse", "lacks_self", "likely_cause", "no_self", "slept"]
+__all__ = ["AT_ONCE", "NO_ARGUMENTS", "Misuse", "endless", "lacks_self", "likely_cause", "no_self", "slept"]
 
 AT_ONCE = "Most likely the callback is called at once: give it without parentheses, self.{}."
 NO_ARGUMENTS = "__init__ is given nothing: config comes to configure(self, config), and io to initialize(self, io)."
-_SLEPT = {
-    "control": "control is called once for every step, and the simulation waits with it: count steps, io.step.",
-    "aim": "aim is called once for every step, and the simulation waits with it: simulated time goes on by itself.",
-    "update": "it runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
-    "callback": "it is a callback, and the executor's thread waits with it: put the message away, or post a call, and "
-    "return.",
-    "": "time passes by itself; who has called it waits with it, and all that comes after.",
+_RETURNS = {
+    "configure": "configure only makes publishers and subscriptions, and returns; the program spins its node already.",
+    "initialize": "initialize only prepares the first step, and returns; what repeats belongs into control.",
+    "control": "control is called once for every step and returns at once; the loop is the simulation's. To wait, "
+    "count steps, io.step.",
+    "aim": "aim is called once for every step and returns at once; simulated time goes on by itself.",
+    "update": "{} runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
+    "callback": "{} is a callback: it puts the message away, or posts a call, and returns; it never waits and never "
+    "repeats.",
 }
+"""Why a method returns at once, by its name."""
 _SPIN = "Leave it out: the program spins its node already, on a thread of its own, and spin never returns."
 _PROGRAMS = {
     "spin": _SPIN,
@@ -38,10 +41,10 @@ _PROGRAMS = {
     "create_node": "Leave it out: the program has a node already, config.node.",
 }
 """Why what a program calls once, for the whole of it, is not called by a controller."""
+_CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {
     "io": "initialize does not keep it: self.io = io.",
-    **{each: f"configure does not keep it: self.{each} = config.{each}." for each in ("body", "node", "call_later")},
-    "call_latest": "configure does not keep it: self.call_latest = config.call_latest.",
+    **{each: f"configure does not keep it: self.{each} = config.{each}." for each in _CONFIG},
 }
 _UNSET = "it is read before anything has set it: "
 _LIFE = "configure comes first, then initialize, then control; a message may come at any time after configure."
@@ -51,7 +54,6 @@ _CAUSES = {
     r"NameError": "Most likely its import or definition is missing: write it into the same cell as the class.",
     r"ImportError|ModuleNotFound": "Most likely the name is spelled differently, or the module is not installed.",
     r"SystemExit": "Most likely an exit() was left over; a controller only returns.",
-    r"KeyboardInterrupt": "A controller only returns; to interrupt is the user's business.",
     r"WrongThreadError": "The displayed body belongs to the main thread: post the call instead, self.call_later(...).",
     r"RuntimeError: .*event loop": "Most likely it asks for the event loop, or calls it, on another thread than the "
     "main one: a callback posts, self.call_later(self.update, message), and what is posted may ask for the loop.",
@@ -122,8 +124,17 @@ def _owner(error: BaseException, frames: Sequence[FrameType]) -> tuple[Any, str]
 
 def slept(method: str) -> str:
     """Say what is wrong about a method that sleeps."""
-    kind = "callback" if method.startswith("on_") or "back" in method else ""
-    return f"Leave out what sleeps or waits: {_SLEPT.get(method, _SLEPT[kind])}"
+    return f"Leave out what sleeps or waits: {_returns(method) or 'nothing else goes on until it returns.'}"
+
+
+def endless(method: str) -> str:
+    """Say what is wrong about a method that does not return."""
+    return _returns(method) or "Most likely the condition of a loop never becomes false, or it waits for something."
+
+
+def _returns(method: str) -> str:
+    kind = "callback" if method.startswith("on_") or "back" in method else method
+    return _RETURNS.get(kind, "").format(method)
 
 
 def lacks_self(function: Any) -> bool:
@@ -141,12 +152,12 @@ def no_self(function: Any) -> str:
 
 def _unset(answer: type, name: str) -> str:
     """Say why the learner's object does not have an attribute."""
-    codes = {each: getattr(vars(answer).get(each), "__code__", None) for each in vars(answer)}
+    codes = {each: value.__code__ for each, value in vars(answer).items() if inspect.isfunction(value)}
     for method, code in codes.items():
-        if code is not None and name in code.co_varnames[code.co_argcount :]:
+        if name in code.co_varnames[code.co_argcount :]:
             return f"Most likely self is missing in {method}: self.{name} = ..."
     life = _LIFE if issubclass(answer, SimpleController) else "let __init__ set it."
-    steps = [step for code in codes.values() if code is not None for step in dis.get_instructions(code)]
+    steps = [step for code in codes.values() for step in dis.get_instructions(code)]
     is_set = any(step.opname == "STORE_ATTR" and step.argval == name for step in steps)
     return f"Most likely {_UNSET + life if is_set else _KEEP.get(name, _UNSET + life)}"
 

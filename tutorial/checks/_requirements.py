@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tutorial.checks._cases import Cases, Mistake, Raised, mistakes, observed
+from tutorial.checks._cases import observed, same
+from tutorial.checks._mistakes import Mistake, mistakes, with_mistakes
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, files_of, watch
@@ -28,19 +29,14 @@ class Requirement:
         text: what is tried, as the learner is told.
         attempt: tries it; a function of the answer that returns what is observed, in words.
         expected: what is to be observed.
-        table: the mistakes that fail it, as `mistakes` reads them. The first one's cause is named where no other leads
-            to exactly what was observed. Empty where whatever fails it has its cause with it, as a `Misuse` has.
+        mistakes: those that fail it. The first one's cause is named where no other leads to exactly what was observed.
+            Empty where whatever fails it has its cause with it, as a `Misuse` has.
     """
 
     text: str
     attempt: Callable[[Any], str]
     expected: str
-    table: str
-
-    @property
-    def mistakes(self) -> Sequence[Mistake]:
-        """The mistakes that fail it."""
-        return mistakes(self.table)
+    mistakes: Sequence[Mistake]
 
 
 @dataclass(frozen=True)
@@ -65,11 +61,11 @@ class Requirements:
         """Try an answer, and say of each requirement what was observed."""
         shared = SharedState(answer)
         for one in self.each:
-            try:
-                with watch.clocks_stand():
-                    seen = one.attempt(answer)
-            except Failure as failure:
-                yield failure.finding(self._raised(one, failure, shared), one.text)
+            with watch.clocks_stand():
+                seen = observed(one.attempt, answer)
+            if isinstance(seen, Failure):
+                cause = self._cause(one, seen, shared) if isinstance(seen.error, self.odd) else None
+                yield seen.finding(cause, one.text)
                 return
             if seen != one.expected:
                 text, place = f"{one.text}: {seen}; expected: {one.expected}", next(iter(watch.noted.values()), None)
@@ -82,16 +78,13 @@ class Requirements:
 
     def mistaken(self, mistake: Mistake) -> Any:
         """Define the solution with a mistake in it."""
-        return Cases(self.solution, {}, (), str, {}).mistaken(mistake)
-
-    def _raised(self, one: Requirement, failure: Failure, shared: SharedState) -> str | None:
-        """Return the cause of an exception; None where it speaks for itself."""
-        return self._cause(one, Raised.by(failure), shared) if isinstance(failure.error, self.odd) else None
+        return with_mistakes(self.solution, [mistake])
 
     def _cause(self, one: Requirement, seen: Any, shared: SharedState) -> str:
         """Name the mistake that leads to what was observed."""
+        watch.explaining = True
         first, *others = one.mistakes
-        found = next((each for each in others if self._seen_of(one, each) == seen), None)
+        found = next((each for each in others if same(self._seen_of(one, each), seen)), None)
         cause = f"Most likely {(found or first).cause}"
         proposed = re.search(r"(\w+)\([^()]*\) is missing, or", cause)
         if proposed and proposed[1] in _calls(watch.answer):  # it is there
@@ -115,8 +108,8 @@ def listed(tried: Mapping[str, tuple[Callable[[Any], str], str]], table: str) ->
         table: the mistakes of all of them, each requirement's below a line with ``#`` and its text.
     """
     _, *parts = re.split(r"^# (.*)$", table, flags=re.MULTILINE)
-    tables = dict(zip(parts[::2], parts[1::2]))
-    return tuple(Requirement(text, *asked, tables.get(text, "")) for text, asked in tried.items())
+    known = {text: mistakes(each) for text, each in zip(parts[::2], parts[1::2])}
+    return tuple(Requirement(text, *asked, known.get(text, ())) for text, asked in tried.items())
 
 
 def _calls(answer: Any) -> set[str]:

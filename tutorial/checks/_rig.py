@@ -1,8 +1,7 @@
-"""What a controller is tried in without a middleware: a body that nothing moves, and a node in memory."""
+"""What a controller is tried in without a middleware: a body on which nothing moves by itself, step by step."""
 
 from __future__ import annotations
 
-import inspect
 import threading
 import time
 from collections.abc import Callable
@@ -13,175 +12,24 @@ from typing import Any, cast
 
 import mujoco
 from builtin_interfaces.msg import Time
-from rclpy.clock import Clock
 from rclpy.expand_topic_name import expand_topic_name
-from rclpy.logging import get_logger
 
 from tutorial.body import Body
 from tutorial.checks._answer import missing
 from tutorial.checks._cases import call
-from tutorial.checks._diagnose import AT_ONCE, Misuse, lacks_self, no_self
+from tutorial.checks._diagnose import Misuse
+from tutorial.checks._memory_node import Endpoint, MemoryNode
 from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.paths import HOME
 from tutorial.world import Placement, compose
 
-__all__ = ["APART", "MODELS", "Endpoint", "MemoryNode", "Rig", "Sent", "Watched", "check_has"]
+__all__ = ["APART", "MODELS", "MemoryNode", "Rig", "Sent", "Watched", "check_has"]
 
 MODELS = HOME / "project" / "models"
-NOTHING = "nothing is left"
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
 APART = "Most likely a timer or a thread publishes, by the wall clock: publish in control, and count steps, io.step."
-IN_STOP = "Most likely stop destroys what configure has made, and a restart finds none: do so in unconfigure."
-THE_NODE = "config.node belongs to the whole program: unconfigure destroys only the {0}, {1}."
-TOO_MANY = "Most likely one is made at every start, or by super().configure(config), too: make one {0}, in configure."
-LEFT = "Most likely unconfigure lacks {1}: a flag, None or self.{0}.destroy() does not tell the node."
-
-
-class Endpoint:
-    """A publisher or a subscription of a `MemoryNode`.
-
-    Attributes:
-        kind: the class of its messages.
-        topic_name: the topic's full name.
-        callback: a subscription's; None for a publisher.
-        depth: how many messages a subscription keeps while its thread is busy.
-        destroyed: whether the learner has destroyed it.
-    """
-
-    def __init__(self, node: MemoryNode, kind: type, topic: str, qos: Any, callback: Any = None) -> None:
-        self.topic_name = self.topic = expand_topic_name(topic, "tank", node.namespace)
-        self.kind, self.callback, self.destroyed = kind, callback, False
-        self.depth = getattr(qos, "depth", qos)
-        self._node = node
-
-    def publish(self, message: Any) -> None:
-        """Keep a message, as the node is told to."""
-        if self.destroyed:
-            raise Misuse(f"it publishes on {self.topic} with a publisher that is destroyed", IN_STOP)
-        if not isinstance(message, self.kind):
-            raise TypeError(f"Expected {self.kind}, got {type(message)}")
-        self._node.publish(self, message)
-
-    def destroy(self) -> None:
-        """Take it back; the node is not told."""
-        self.destroyed = True
-
-    def get_subscription_count(self) -> int:
-        """Say that somebody is there."""
-        return 1
-
-    get_publisher_count = get_subscription_count
-
-
-class MemoryNode:
-    """As much of rclpy's node as a controller uses. No message leaves it.
-
-    Args:
-        publish: takes a publisher and what it publishes.
-        namespace: of its topics.
-
-    Attributes:
-        publishers, subscriptions: those that it has; also one that was destroyed without telling it.
-        made: those that were ever made.
-        timers: what `create_timer` was given; none of them ever fires.
-        destroyed: whether the learner has destroyed the node itself.
-    """
-
-    def __init__(self, publish: Callable[[Endpoint, Any], None], namespace: str = "/") -> None:
-        self.publish, self.namespace, self.destroyed = publish, namespace, False
-        self.publishers, self.subscriptions, self.made = list[Endpoint](), list[Endpoint](), list[Endpoint]()
-        self.timers: list[tuple[Any, ...]] = []
-
-    def create_publisher(self, msg_type: type, topic: str, qos_profile: Any, **_: Any) -> Endpoint:
-        """Make a publisher."""
-        return self._keep(Endpoint(self, msg_type, topic, qos_profile), self.publishers)
-
-    def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any, **_: Any) -> Endpoint:
-        """Make a subscription; `Rig.hear` brings it messages."""
-        check_callback(callback, msg_type)
-        return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback), self.subscriptions)
-
-    def create_timer(self, *arguments: Any) -> None:
-        """Note that a timer was asked for."""
-        self.timers.append(arguments)
-
-    def destroy_publisher(self, endpoint: Endpoint) -> bool:
-        """Take a publisher or a subscription back; whether there was one."""
-        kept = self.publishers if endpoint in self.publishers else self.subscriptions
-        if endpoint not in kept:
-            return False
-        kept.remove(endpoint)
-        endpoint.destroy()
-        return True
-
-    destroy_subscription = destroy_publisher
-
-    def left(self) -> str:
-        """Say what the learner has left behind."""
-        if self.destroyed:
-            return "the program's node is gone"
-        kept = [*self.publishers, *self.subscriptions]
-        alone = " and was not told of its end" * any(each.destroyed for each in kept)
-        return f"the node still has {len(kept)} of {len(self.made)} topics{alone}" if kept else NOTHING
-
-    def check_left(self) -> str:
-        """Say that the learner has left nothing behind.
-
-        Raises:
-            Failure: something is left.
-        """
-        left, kind = self.left(), "subscription" if self.subscriptions else "publisher"
-        if left != NOTHING:
-            some = len(self.publishers + self.subscriptions) < len(self.made)
-            cause = THE_NODE if self.destroyed else TOO_MANY if some else LEFT
-            raise Failure(
-                "unconfigure", Misuse(left, cause.format(kind, f"self.node.destroy_{kind}(self.{kind})")), None
-            )
-        return left
-
-    def destroy_node(self) -> None:
-        """Note that the whole node was destroyed."""
-        self.destroyed = True
-
-    def get_clock(self) -> Clock:
-        """Return the computer's clock."""
-        return Clock()
-
-    def get_logger(self) -> Any:
-        """Return rclpy's logger."""
-        return get_logger("tank")
-
-    def get_name(self) -> str:
-        """Return its name."""
-        return "tank"
-
-    def get_namespace(self) -> str:
-        """Return its namespace."""
-        return self.namespace
-
-    def _keep(self, endpoint: Endpoint, kept: list[Endpoint]) -> Endpoint:
-        self.made.append(endpoint)
-        kept.append(endpoint)
-        return endpoint
-
-
-def check_callback(callback: Any, message_type: type) -> None:
-    """Refuse a callback that cannot work, in the learner's words.
-
-    Raises:
-        Misuse: it is not a function, or one that cannot take a message.
-    """
-    name = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in message_type.__name__)
-    if not callable(callback):
-        text = f"create_subscription is given {callback!r} in place of a function"
-        raise Misuse(text, AT_ONCE.format(f"on{name}"))
-    if inspect.iscoroutinefunction(callback):
-        text = f"{callback.__name__} is a coroutine function, async def, and nobody awaits it"
-        raise Misuse(text, "A callback is a plain function: it puts the message away, or posts a call, and returns.")
-    if inspect.ismethod(callback) and lacks_self(callback.__func__):
-        raise Misuse(f"{callback.__name__} cannot take a message", no_self(callback.__func__))
 
 
 class Watched:
@@ -274,7 +122,7 @@ class Rig:
         self.begun = self.io.step = step
         self.learner.initialize(self.io)
         if [*self.node.timers]:
-            raise Failure("configure", Misuse("it makes a timer", APART), None)
+            raise Failure("configure", Misuse("it makes a timer", APART))
         if "thread" in watch.noted and missing(self._answer, "control"):
             raise Failure("initialize", Misuse("it starts a thread of its own", APART), watch.noted["thread"])
         check_has(self._answer, "control")
@@ -335,7 +183,7 @@ def check_has(answer: type, method: str, misspelled: bool = False) -> None:
     """
     lacking = missing(answer, method)
     if lacking and ("misspelled" in lacking.cause or not misspelled):
-        raise Failure(method, Misuse(lacking.text, lacking.cause), None)
+        raise Failure(method, Misuse(lacking.text, lacking.cause))
 
 
 @cache

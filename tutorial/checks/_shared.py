@@ -5,16 +5,19 @@ from __future__ import annotations
 import inspect
 from collections import deque
 from collections.abc import Iterator, Mapping
+from types import CodeType, FunctionType
 from typing import Any
 
-from tutorial.checks._watch import watch
+from tutorial.checks._watch import classes_of, functions_of
 from tutorial.handoff import Latest
 
-__all__ = ["SharedState"]
+__all__ = ["SharedState", "outside"]
 
 DEEP = 4  # levels of containers and objects that are looked into
 
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
+_NEW = object()
+_DEFAULT = "the default of the argument "
 
 
 class SharedState:
@@ -26,12 +29,11 @@ class SharedState:
 
     def __init__(self, answer: Any) -> None:
         self._answer = answer
-        self._before = dict(_values(answer))
+        self._before = self._now()
 
     def changed(self) -> str:
         """Return the name of what has changed since, as the learner writes it; empty if nothing has."""
-        after = dict(_values(self._answer))
-        return next((name for name, value in after.items() if self._before.get(name, _NEW) != value), "")
+        return next((name for name, value in self._now().items() if self._before.get(name, _NEW) != value), "")
 
     def cause(self, otherwise: str) -> str:
         """Say what is shared and how to mend it, or something else where nothing is known to be."""
@@ -45,34 +47,33 @@ class SharedState:
             f"self.{name.rpartition('.')[2]} = ..., and make it in __init__, configure or initialize."
         )
 
+    def _now(self) -> dict[str, object]:
+        """Return what can be compared of what is outside of the answer's objects."""
+        return {name: _comparable(value) for name, value in outside(self._answer) if not _is_code(value)}
 
-_NEW = object()
-_DEFAULT = "the default of the argument "
 
-
-def _values(answer: Any) -> Iterator[tuple[str, object]]:
-    """Yield the names of what outlives the answer's objects, each with what can be compared of it."""
-    classes = [each for each in getattr(answer, "__mro__", ()) if _is_learners(each)]
-    for each in classes:
-        for name, value in vars(each).items():
-            if not name.startswith("__") and not inspect.isroutine(value) and not isinstance(value, property):
-                yield f"{each.__name__}.{name}", _comparable(value)
-    members = [member for each in classes for member in vars(each).values()]
-    for function in filter(inspect.isfunction, (answer, *members)):
-        if function.__code__.co_filename not in watch.files:
-            continue
+def outside(answer: Any) -> Iterator[tuple[str, Any]]:
+    """Yield what outlives an answer's objects, or belongs to the notebook, each with its name."""
+    for kind in classes_of(answer):
+        kept = ((name, each) for name, each in vars(kind).items() if not isinstance(each, FunctionType))
+        yield from ((f"{kind.__name__}.{name}", each) for name, each in kept if not name.startswith("__"))
+    for function in functions_of(answer):
         code, defaults = function.__code__, function.__defaults__ or ()
-        for value, name in zip(defaults, code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount]):
-            yield _DEFAULT + name, _comparable(value)
-        for name in function.__code__.co_names:
-            value = function.__globals__.get(name)
-            if not isinstance(value, type) and not inspect.isroutine(value) and not inspect.ismodule(value):
-                yield name, _comparable(value)
+        arguments = code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount]
+        yield from ((_DEFAULT + name, each) for name, each in zip(arguments, defaults))
+        yield from inspect.getclosurevars(function).nonlocals.items()
+        names = function.__globals__
+        yield from ((name, names[name]) for name in _names(code) if name in names)
 
 
-def _is_learners(kind: type) -> bool:
-    codes = (getattr(member, "__code__", None) for member in vars(kind).values())
-    return any(code is not None and code.co_filename in watch.files for code in codes)
+def _names(code: CodeType) -> list[str]:
+    """Collect the names in a function's code, and in that of the functions within."""
+    inner = [name for each in code.co_consts if isinstance(each, CodeType) for name in _names(each)]
+    return [*code.co_names, *inner]
+
+
+def _is_code(value: Any) -> bool:
+    return isinstance(value, type | property) or inspect.isroutine(value) or inspect.ismodule(value)
 
 
 def _comparable(value: Any, depth: int = DEEP) -> object:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import linecache
 import re
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-__all__ = ["Finding", "Place", "Verdict", "cut", "judged", "right", "wrong"]
+__all__ = ["Finding", "Place", "Verdict", "cut", "right", "wrong"]
 
 WRONG_SHOWN = 2  # one thing after the other; what is wrong further down often follows from the first
 OUTPUT_SHOWN = 20  # lines
@@ -53,7 +53,7 @@ class Finding:
 
     def lines(self) -> Iterator[str]:
         """Say it."""
-        yield f"{'✓' if self.right else '✗'} {cut(self.text)}"
+        yield f"{'✓' if self.right else '✗'} {self.text}"
         if self.place is not None:
             yield f"  {cut(str(self.place))}"
         if self.cause:
@@ -87,43 +87,31 @@ class Verdict:
         return tuple(dict.fromkeys(finding.cause for finding in self.findings if not finding.right))
 
     def __str__(self) -> str:
-        return "\n".join(self._lines())
-
-    def _lines(self) -> Iterator[str]:
-        shown = list(_without_repetition(self.findings))
-        for finding in shown:
-            yield from finding.lines()
+        lines = [line for finding in _without_repetition(self.findings) for line in finding.lines()]
         if self.right:
-            yield f"All right. {self.notice}"
-        elif sum(not finding.right for finding in shown) < len(self.causes):
-            yield "More is not right yet; mend this first."
-        yield from _quoted(self.output)
+            lines.append(f"All right. {self.notice}")
+        elif len(self.causes) > WRONG_SHOWN:
+            lines.append("More is not right yet; mend this first.")
+        lines += _quoted(self.output)
         if self.advice and not self.right:
-            yield self.advice
+            lines.append(self.advice)
+        return "\n".join(lines)
 
 
-def cut(text: str, width: int = WIDTH) -> str:
-    """Shorten a text that has more characters than ``width``; an ellipsis shows it."""
-    return text if len(text) <= width else f"{text[: width - 1]}…"
+def cut(text: str) -> str:
+    """Shorten a text to one line's width; an ellipsis shows it. What UTF-8 has no bytes for is spelled out."""
+    shown = text[: WIDTH + 1].encode(errors="backslashreplace").decode()
+    return shown if len(shown) <= WIDTH else f"{shown[: WIDTH - 1]}…"
 
 
 def right(text: str) -> Finding:
     """Make the finding that something is as it should be."""
-    return Finding(True, text)
+    return Finding(True, cut(text))
 
 
 def wrong(text: str, cause: str, place: Place | None = None) -> Finding:
     """Make the finding that something is not as it should be."""
-    return Finding(False, text, cause, place)
-
-
-def judged(findings: Iterable[Finding]) -> Generator[Finding, None, bool]:
-    """Yield findings as they come, and return whether all were right: ``all_right = yield from judged(...)``."""
-    all_right = True
-    for finding in findings:
-        all_right = all_right and finding.right
-        yield finding
-    return all_right
+    return Finding(False, cut(text), cause, place)
 
 
 def _without_repetition(findings: Iterable[Finding]) -> Iterator[Finding]:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import threading
-import traceback
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
-from types import FrameType
+from traceback import walk_stack, walk_tb
+from types import FrameType, FunctionType
 from typing import Any
 
 from tutorial.checks._diagnose import Misuse, likely_cause, slept
 from tutorial.checks._verdict import Finding, Place, wrong
 
-__all__ = ["Failure", "Watch", "files_of", "watch"]
+__all__ = ["Failure", "Watch", "classes_of", "files_of", "functions_of", "watch"]
 
 
 class Failure(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
@@ -25,11 +25,16 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
         place: the innermost line of the learner's code.
     """
 
-    def __init__(self, method: str, error: BaseException, place: Place | None) -> None:
+    def __init__(self, method: str, error: BaseException, place: Place | None = None) -> None:
         super().__init__(f"{method} raised {type(error).__name__}")
         self.method = method
         self.error = error
         self.place = place
+
+    @property
+    def kind(self) -> tuple[type[BaseException], str]:
+        """What two failures have in common that are the same observation; a `Misuse` has a cause, too."""
+        return type(self.error), getattr(self.error, "cause", "")
 
     def finding(self, cause: str | None = None, when: str = "") -> Finding:
         """Say what happened, and what most likely caused it.
@@ -38,12 +43,12 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
             cause: the most likely cause; None for what is known of this kind of exception in general.
             when: what was looked at.
         """
-        lines = str(self.error).strip().splitlines() or [""]
-        text = f"{self.method} raised {type(self.error).__name__}: {lines[0]}".removesuffix(": ")
+        first, *_ = [*str(self.error).strip().splitlines(), ""]
+        text = f"{self.method} raised {type(self.error).__name__}: {first}".removesuffix(": ")
         if isinstance(self.error, Misuse):
             text = f"{self.method}: {self.error}"
         cause = likely_cause(self.error, watch.answer) if cause is None else cause
-        return wrong(f"{when}{': ' * bool(when)}{text}", cause, self.place)
+        return wrong(f"{when}: {text}" if when else text, cause, self.place)
 
 
 class Watch:
@@ -57,6 +62,7 @@ class Watch:
         clocks: by name, what the clocks of `time` say to the learner's code while they stand still; else None.
         ahead: by how much they have been put ahead [s].
         interleaved: whether methods are being held up on purpose, so that how long they take says nothing.
+        explaining: whether mistakes are tried, and so all calls together may take long.
     """
 
     def __init__(self) -> None:
@@ -66,8 +72,13 @@ class Watch:
         self.noted: dict[str, Place | None] = {}
         self.clocks: dict[str, float] | None = None
         self.ahead = 0.0
-        self.interleaved = False
+        self.interleaved = self.explaining = False
         self._count = 0
+
+    def begin(self, answer: Any) -> None:
+        """Watch an answer: nothing of it has been run yet."""
+        self.answer, self.files, self.explaining = answer, files_of(answer), False
+        self.noted.clear()
 
     @contextmanager
     def call(self, method: str) -> Iterator[None]:
@@ -87,17 +98,17 @@ class Watch:
         except Failure:
             raise
         except BaseException as error:
-            raise Failure(method, error, self._place(error)) from error
+            stack = [*walk_tb(error.__traceback__)]
+            raise Failure(method, error, self.place(reversed(stack))) from error
         finally:
-            if outer is None:
-                del self.running[ident]
-            else:
+            del self.running[ident]
+            if outer is not None:
                 self.running[ident] = outer
 
     def note(self, what: str, frame: FrameType) -> None:
         """Note what the learner's code does; a sleep only on a thread that runs one of the methods."""
         if what != "sleep" or threading.get_ident() in self.running:
-            self.noted.setdefault(what, self.place(frame))
+            self.noted.setdefault(what, self.place(walk_stack(frame)))
 
     @contextmanager
     def clocks_stand(self, ahead: float = 0.0) -> Iterator[None]:
@@ -112,30 +123,34 @@ class Watch:
         finally:
             self.clocks = None
 
-    def place(self, frame: FrameType | None) -> Place | None:
-        """Find the innermost line of the learner's code on a stack."""
-        while frame is not None:
-            if frame.f_code.co_filename in self.files:
-                return Place(frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name)
-            frame = frame.f_back
-        return None
+    def place(self, stack: Iterable[tuple[FrameType, int]]) -> Place | None:
+        """Find the innermost line of the learner's code on a stack, the innermost frames first."""
+        found = ((frame.f_code, line) for frame, line in stack if frame.f_code.co_filename in self.files)
+        return next((Place(code.co_filename, line, code.co_name) for code, line in found), None)
 
-    def _place(self, error: BaseException) -> Place | None:
-        frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename in self.files]
-        return Place(frames[-1].filename, frames[-1].lineno or 0, frames[-1].name) if frames else None
-
-
-_OURS = ("builtins", "tutorial.controller")
 
 watch = Watch()
 """The one of this process."""
 
+_OURS = ("builtins", "tutorial.controller")
+
+
+def classes_of(answer: Any) -> list[type]:
+    """Return the classes that an answer is made of: a class itself, or that of an object, and those it is made from."""
+    kind = answer if isinstance(answer, type) else type(answer)
+    return [each for each in kind.__mro__ if each.__module__ not in _OURS]
+
+
+def functions_of(answer: Any) -> list[FunctionType]:
+    """Return the functions that an answer is made of, such as the methods of a class."""
+    if isinstance(answer, partial):
+        parts = answer.func, *answer.args, *answer.keywords.values()
+        return [function for part in parts for function in functions_of(part)]
+    members = (member for each in classes_of(answer) for member in vars(each).values())
+    found = (getattr(each, "__func__", each) for each in (answer, *members))
+    return [each for each in found if isinstance(each, FunctionType)]
+
 
 def files_of(answer: Any) -> set[str]:
     """Return the files, or notebook cells, that an answer's functions are written in."""
-    if isinstance(answer, partial):
-        return set[str]().union(*map(files_of, (answer.func, *answer.args, *answer.keywords.values())))
-    kind = answer if isinstance(answer, type) else type(answer)
-    members = [member for each in kind.__mro__ if each.__module__ not in _OURS for member in vars(each).values()]
-    codes = (getattr(getattr(member, "__func__", member), "__code__", None) for member in (answer, *members))
-    return {code.co_filename for code in codes if code is not None}
+    return {function.__code__.co_filename for function in functions_of(answer)}

@@ -9,10 +9,10 @@ from typing import Any
 
 from tutorial.checks._answer import misfit, missing, name_of, unwritten
 from tutorial.checks._contain import contain
+from tutorial.checks._instrument import instrumented
 from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
-from tutorial.checks._watch import Failure, files_of, watch
-from tutorial.checks._witness import witnessed
+from tutorial.checks._watch import Failure, watch
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.progress import remember
@@ -52,21 +52,16 @@ class Exercise:
         parts: Sequence[str] = (),
         imports: Sequence[str] = (),
     ) -> None:
-        if name == solution.__name__:
-            raise ValueError(f"the exercise {name!r} and its answer need two names: the answer would hide the exercise")
         _title, _, page = inspect.cleandoc(text or "").partition("\n\n")
         self.__doc__, *prose = _PARTS.split(page)
-        if len(prose) < 2:
-            raise ValueError(f"the text of the exercise {name!r} lacks a hint, or what to notice: {text!r}")
         *self._hints, self._notice = (" ".join(each.split()) for each in prose)
         self.name, self.module, self.right_answer = name, solution.__module__, solution
         self._judge, self._imports = judge, imports
         self._base: type | None = None
         if isinstance(solution, type):
             self._base = SimpleController if issubclass(solution, SimpleController) else object
-        own = [
-            each for each in vars(solution) if each[0] != "_" and (self._base is object or hasattr(self._base, each))
-        ]
+        written = [each for each in vars(solution) if each[0] != "_"]
+        own = [each for each in written if self._base is object or hasattr(SimpleController, each)]
         self._parts = parts or own
         self._requires = [each for each in own if self._base is object or each in ("configure", "initialize")]
 
@@ -88,7 +83,7 @@ class Exercise:
 
     async def examine(self, answer: Any) -> Verdict | str:
         """Run an answer in a process of its own; where there is nothing to run, a text says why."""
-        return self._first_look(answer) or await self._contained(answer)
+        return self._first_look(answer) or self._verdict(*await contain(self.module, self.name, answer))
 
     def judge(self, answer: Any) -> Verdict:
         """Judge an answer in this process, without containing it. It takes a ROS domain from the environment."""
@@ -96,11 +91,9 @@ class Exercise:
 
     def findings(self, answer: Any) -> Iterator[Finding]:
         """Judge an answer in this process, and yield what is found as it is found."""
-        watch.files = files_of(answer)
-        watch.answer = answer
-        watch.noted.clear()
+        watch.begin(answer)
         try:
-            with witnessed():
+            with instrumented():
                 lacking = missing(answer, *self._requires)
                 yield from [lacking] if lacking else self._judge(answer)
         except Failure as failure:
@@ -121,19 +114,14 @@ class Exercise:
         if number not in range(1, count + 1):
             _say(f"There are {count} hints: {self.name}.hint() to {self.name}.hint({count}).")
             return
-        more = (
-            f"{self.name}.hint({number + 1}) says more." if number < count else f"Then there is {self.name}.solution()."
-        )
-        _say(f"Hint {number} of {count}: {self._hints[number - 1]} {more}")
+        more = f"{self.name}.hint({number + 1}) says more."
+        last = f"Then there is {self.name}.solution()."
+        _say(f"Hint {number} of {count}: {self._hints[number - 1]} {more if number < count else last}")
 
     def solution(self) -> None:
         """Print the source of a right answer, ready to be pasted into the notebook's cell."""
         imports = ["\n".join(self._imports)] if self._imports else []
         _say("\n\n\n".join([*imports, listing(self.right_answer)]))
-
-    async def _contained(self, answer: Any) -> Verdict:
-        findings, output = await contain(self.module, self.name, answer)
-        return self._verdict(findings, output)
 
     def _verdict(self, findings: tuple[Finding, ...], output: tuple[str, ...] = ()) -> Verdict:
         hint = _fitting(findings)

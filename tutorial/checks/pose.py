@@ -5,4 +5,4 @@ from __future__ import annotations
 from tutorial.checks.pair import pair
 from tutorial.checks.where import where
 
-__all__ = ["pair", "where"]
+__all__ = ["where", "pair"]  # noqa: RUF022 - in the notebook's order

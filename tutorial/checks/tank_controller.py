@@ -5,4 +5,4 @@ from tutorial.checks.bound import bound
 from tutorial.checks.drive import drive
 from tutorial.checks.fire import fire
 
-__all__ = ["aim", "bound", "drive", "fire"]
+__all__ = ["fire", "bound", "aim", "drive"]  # noqa: RUF022 - in the notebook's order
