@@ -57,7 +57,6 @@ FAULTS = {
     "drop": "the message is lost",
     "burst": f"the message comes {BURST} times at once",
     "second": "a second publisher says that all joints are at 0",
-    "type": "a publisher sends another type on the topic",
 }
 """What each fault does, by name, in the order in which they are applied."""
 
@@ -66,12 +65,11 @@ class Action(NamedTuple):
     """What is to be done next.
 
     Attributes:
-        kind: ``"publish"`` the message; publish it as a ``"second"`` publisher; ``"restart"`` the publisher; publish
-            something of another ``"type"``.
+        kind: ``"publish"`` the message; publish it as a ``"second"`` publisher; ``"restart"`` the publisher.
         message: the `sensor_msgs/JointState` to publish, if it is one.
     """
 
-    kind: Literal["publish", "second", "restart", "type"]
+    kind: Literal["publish", "second", "restart"]
     message: Any = None
 
 
@@ -115,7 +113,7 @@ class Chaos:
             if name in hits and 0 < len(message.name) == len(message.position):
                 change(self._random[name], faulty)
                 self.made[name] += 1
-        for name in ("restart", "ahead", "drop", "second", "type"):
+        for name in ("restart", "ahead", "drop", "second"):
             self.made[name] += name in hits
         actions = []
         if "restart" in hits:
@@ -127,8 +125,6 @@ class Chaos:
         actions += self._in_time(faulty, hits)
         if "second" in hits:
             actions.append(Action("second", _at_zero(message)))
-        if "type" in hits:
-            actions.append(Action("type"))
         return actions
 
     def _in_time(self, message: Any, hits: list[str]) -> list[Action]:
