@@ -72,7 +72,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
         say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.\n", err=True)
         return INTERRUPTED
     fine = (Outcome.RIGHT, Outcome.NOT_TRIED)
-    return int(any(judged.outcome not in fine for each in submissions for judged in each.verdicts))
+    return int(any(judged.outcome not in fine for each in submissions for judged in each.verdicts.values()))
 
 
 def _found(given: Sequence[Path]) -> list[Path]:

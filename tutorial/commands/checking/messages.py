@@ -1,4 +1,4 @@
-"""What the process that judges a notebook tells the teacher's, a line of JSON each."""
+"""What a process that reads a notebook, or judges one of its answers, tells the teacher's: one line of JSON."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import StrEnum
 
 import msgspec
 
-__all__ = ["LONGEST", "Done", "Judged", "Message", "Opened", "Outcome", "Trying", "Unreadable", "clean"]
+__all__ = ["LONGEST", "Judged", "Opened", "Outcome", "clean"]
 
 LONGEST = 4000  # characters of a text that is told
 
@@ -20,39 +20,31 @@ class Outcome(StrEnum):
     NOT_JUDGED = "not judged"
 
 
-class Opened(msgspec.Struct, frozen=True, tag=True):
-    """The notebook is read: which exercises it has."""
+class Opened(msgspec.Struct):
+    """The notebook is read.
 
-    exercises: tuple[str, ...]
+    Attributes:
+        exercises: those that it has, in its order.
+        problem: why it cannot be read; else empty.
+    """
 
-
-class Unreadable(msgspec.Struct, tag=True):
-    """It is none that can be read, and why."""
-
-    why: str
+    exercises: list[str]
+    problem: str = ""
 
     def __post_init__(self) -> None:
         """Bring in nothing that a terminal would obey, made here or read."""
-        self.why = clean(self.why)[:200]
+        self.problem = clean(self.problem)[:200]
 
 
-class Trying(msgspec.Struct, frozen=True, tag=True):
-    """An answer is about to be run."""
-
-    exercise: str
-
-
-class Judged(msgspec.Struct, tag=True):
+class Judged(msgspec.Struct):
     """An answer was judged.
 
     Attributes:
-        exercise: the exercise's name.
         outcome: what became of it.
         cause: for one that is not right, the most likely cause, as a sentence.
         text: what a learner sees.
     """
 
-    exercise: str
     outcome: Outcome
     cause: str = ""
     text: str = ""
@@ -60,13 +52,6 @@ class Judged(msgspec.Struct, tag=True):
     def __post_init__(self) -> None:
         """Bring in nothing that a terminal would obey, made here or read."""
         self.cause, self.text = clean(self.cause), clean(self.text)
-
-
-class Done(msgspec.Struct, frozen=True, tag=True):
-    """There is no more."""
-
-
-Message = Opened | Unreadable | Trying | Judged | Done
 
 
 def clean(text: str) -> str:
