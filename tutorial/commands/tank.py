@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import gc
 import os
 import sys
@@ -31,7 +30,6 @@ from tutorial.commands.terminal import (
     progress_bar,
     say,
     until_asked,
-    with_bar,
 )
 from tutorial.commands.topic import topic
 from tutorial.commands.urdf import urdf
@@ -292,5 +290,6 @@ def _launch(step: str, duration: float | None, headless: bool, report: Path | No
     processes = load_launch_file(find_launch_file(step))
     above_the_bar: Any = DummyTqdmFile(sys.stdout)
     launcher = Launcher(processes, environment, above_the_bar)
-    status = asyncio.run(with_bar(launcher.run, duration))
+    with progress_bar(duration) as progress:
+        status = launcher.run(progress)
     return INTERRUPTED if launcher.interrupted and duration is not None and not status else status

@@ -8,7 +8,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
@@ -27,7 +26,6 @@ __all__ = [
     "say",
     "status_line",
     "until_asked",
-    "with_bar",
 ]
 
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
@@ -105,17 +103,6 @@ def until_asked(program: Awaitable[None], duration: float | None) -> int:
 
     asyncio.run(body())
     return INTERRUPTED if asked.is_set() and duration is not None else 0
-
-
-async def with_bar(job: Callable[[], Awaitable[int]], duration: float | None) -> int:
-    """Show a progress bar while a job runs."""
-    began = time.monotonic()
-    with progress_bar(duration) as progress:
-        task = asyncio.ensure_future(job())
-        while not task.done():
-            progress(time.monotonic() - began)
-            await asyncio.wait([task], timeout=0.5)
-        return task.result()
 
 
 @contextmanager
