@@ -69,19 +69,16 @@ def eventually(tank):
 
 
 def comparable(text: str) -> str:
-    """Hide identifiers and figures, the services, which the embedded ROS 2 lacks, and what Fast DDS does not tell."""
+    """Hide identifiers and figures, and what Fast DDS does not tell."""
     if "fastrtps" in get_rmw_implementation_identifier():
         text = re.sub(r"History \(Depth\): .*", "History (Depth): *", text)
-    services = r"  (Service|Action) (Servers|Clients):\n((    .*\n)+|\n)"
-    return re.sub(services, r"  \1 \2: *\n", masked(text))
+    return masked(text)
 
 
 @pytest.mark.parametrize(
     "command",
     [
         "node list",
-        "node info /simulation",
-        "node info /nobody",
         "topic list",
         "topic list -t",
         f"topic info {JOINT_STATE}",
@@ -125,7 +122,7 @@ def test_echo_takes_a_relative_name(heard, eventually):
 @pytest.mark.parametrize(
     ("command", "said"),
     [
-        (f"topic hz -w 50 {JOINT_STATE}", "std dev: "),
+        (f"topic hz {JOINT_STATE}", "std dev: "),
         (f"topic echo {JOINT_STATE}", "---\nheader:\n"),
         ("topic pub -r 2 /mine std_msgs/msg/String", "publishing #2: std_msgs.msg.String(data='')\n\n"),
     ],
@@ -160,10 +157,8 @@ def test_two_nodes_of_one_name(eventually):
         "WARNING: Be aware that there are nodes in the graph that share an exact name, "
         "which can have unintended side effects.\n"
     )
-    looked_at = 'There are 2 nodes in the graph with the exact name "/twin". You are seeing information about only one'
     with NodeThread("twin"), NodeThread("twin"):
         eventually("node list", ("/twin\n/twin\n", listed, 0))
-        eventually("node info /twin", f"{looked_at} of them.\n", form=attrgetter("stderr"))
 
 
 def test_ros_arguments_name_the_node_and_remap_its_topics(tank, eventually):

@@ -17,12 +17,11 @@ import click
 
 from tutorial.commands.terminal import say, until_asked
 from tutorial.errors import TutorialError
-from tutorial.printing import say_all
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["ask", "asks", "clear_ros_errors", "named_node", "say_all"]
+__all__ = ["ask", "asks", "clear_ros_errors", "named_node"]
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
 

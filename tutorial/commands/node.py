@@ -22,7 +22,7 @@ SAME_NAME = (
 )
 
 
-@click.group(short_help="List the nodes, or look at one, as ros2 node does.")
+@click.group(short_help="List the nodes, as ros2 node does.")
 def node() -> None:
     """Look at nodes, as ros2 node does."""
 
@@ -39,21 +39,3 @@ async def list_nodes(asker: MeteredNode) -> None:
     if len(set(names)) < len(names):
         say(f"{SAME_NAME}\n", err=True)
     say("".join(f"{escape_name(name)}\n" for name in names))
-
-
-@node.command()
-@click.argument("node_name")
-@asks
-async def info(asker: MeteredNode, node_name: str) -> None:
-    """Say what a node publishes, subscribes to and offers. NODE_NAME is its full name, such as /simulation."""
-    from tutorial.ros.topics import node_info, node_names, wait_for_graph
-
-    await wait_for_graph(asker, lambda: node_name in node_names(asker))
-    count = node_names(asker).count(node_name)
-    if count > 1:
-        say(
-            f'There are {count} nodes in the graph with the exact name "{node_name}". '
-            "You are seeing information about only one of them.\n",
-            err=True,
-        )
-    say(node_info(asker, node_name))

@@ -22,9 +22,9 @@ from std_msgs.msg import Empty, Float32MultiArray, String
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics import topic_echo, topic_hz, topic_info, topic_list, wait_for_graph
+from tutorial.ros.topics.endpoints import reader_qos
 from tutorial.ros.topics.message_yaml import field_text, message_to_yaml
 from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
-from tutorial.ros.topics.qos import reader_qos
 
 JOINT_STATE = "/Tank/joint_state"
 RATE = 50.0
@@ -57,10 +57,6 @@ def joint_state() -> JointState:
     return message
 
 
-def settle(node, **how) -> bool:
-    return asyncio.run(wait_for_graph(node, **how))
-
-
 async def first(texts) -> str:
     async with aclosing(texts):
         return await anext(texts)
@@ -75,8 +71,7 @@ def refusal(texts) -> str:
 
 @pytest.fixture
 def met(simulation, asker) -> Iterator[MeteredNode]:
-    """The node that asks, which knows the three others; in the end it has taken its subscriptions back."""
-    assert settle(asker)
+    """The node that asks, beside the three others; in the end it has taken its subscriptions back."""
     yield asker
     assert not list(asker.subscriptions)
 
@@ -85,14 +80,14 @@ class TestGraph:
     def test_hidden_topics_are_not_listed(self, asker):
         for topic in ("/_secret", "/Tank/_secret", "/Tank/plain_"):
             asker.create_publisher(String, topic, 1)
-        settle(asker)
-        assert "secret" not in topic_list(asker)
-        assert "/Tank/plain_" in topic_list(asker).splitlines()
+        listed = asyncio.run(topic_list(asker))
+        assert "secret" not in listed
+        assert "/Tank/plain_" in listed.splitlines()
 
     def test_the_wait_gives_up_when_the_graph_keeps_changing(self, asker, monkeypatch):
         nodes = iter(range(1000))
         monkeypatch.setattr(asker, "get_node_names_and_namespaces", lambda: [(f"node{next(nodes)}", "/")])
-        assert not settle(asker, patience=0.3)
+        assert not asyncio.run(wait_for_graph(asker, patience=0.3))
 
 
 class TestEcho:
@@ -115,12 +110,12 @@ class TestEcho:
         with NodeThread("_one") as one, NodeThread("_other") as other:  # Fast DDS refuses both of one participant
             one.node.create_publisher(String, "/both", 1)
             other.node.create_publisher(Joy, "/both", 1)
-            settle(asker)
             assert refusal(topic_echo(asker, "/both")) == (
                 "Cannot echo topic '/both', as it contains more than one type: "
                 "[sensor_msgs/msg/Joy, std_msgs/msg/String]"
             )
-            assert topic_info(asker, "/both").startswith("Type: ['sensor_msgs/msg/Joy', 'std_msgs/msg/String']\n")
+            text = asyncio.run(topic_info(asker, "/both"))
+            assert text.startswith("Type: ['sensor_msgs/msg/Joy', 'std_msgs/msg/String']\n")
 
 
 class TestHz:
@@ -161,7 +156,6 @@ class TestHz:
             async with aclosing(topic_hz(asker, "/now_and_then")) as texts:
                 return await anext(texts), await anext(texts)
 
-        assert settle(asker)
         figures = "average rate: {:.3f}\n\tmin: {:.3f}s max: {:.3f}s std dev: 0.00000s window: {}\n"
         assert asyncio.run(watch()) == (figures.format(2, 0.5, 0.5, 2), figures.format(4, 0.25, 0.25, 4))
 
