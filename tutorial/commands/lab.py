@@ -16,11 +16,10 @@ from nbformat.sign import NotebookNotary
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME, PACKAGE, SHIPPED, is_ours
 
-__all__ = ["NOTEBOOKS", "lab_command", "own_course", "trust"]
+__all__ = ["lab_command", "own_course", "trust"]
 
 _log = logging.getLogger(__name__)
 
-NOTEBOOKS = HOME / "notebooks"
 OWN = "tank-tutorial"
 """What a learner's own course folder is called."""
 
@@ -84,7 +83,7 @@ def _forwarded_origin() -> str:
     return rf"https://{re.escape(name)}-\d+\.{re.escape(domain)}" if name and domain else ""
 
 
-def trust(folder: Path = NOTEBOOKS, **settings: str) -> None:
+def trust(folder: Path, **settings: str) -> None:
     """Sign the course's notebooks as the user's own, as ``jupyter trust`` does. One that cannot be read is left out.
 
     JupyterLab shows no widget of a notebook that it does not trust when its page is loaded anew, and one that somebody

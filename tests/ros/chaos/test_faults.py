@@ -190,8 +190,3 @@ def test_what_is_no_fault_is_said(text, said):
     with pytest.raises(TutorialError) as error:
         parse_fault(text)
     assert said in str(error.value)
-
-
-def test_a_chaos_of_what_is_no_fault_is_none():
-    with pytest.raises(TutorialError, match=r"there is no fault 'nann'\. Did you mean 'nan'\?"):
-        Chaos({"nann": 1})

@@ -6,7 +6,9 @@ from enum import StrEnum
 
 import msgspec
 
-__all__ = ["LONGEST", "Judged", "Opened", "Outcome", "clean"]
+from tutorial.errors import printable_lines
+
+__all__ = ["Judged", "Opened", "Outcome", "clean"]
 
 LONGEST = 4000  # characters of a text that is told
 
@@ -55,6 +57,6 @@ class Judged(msgspec.Struct):
 
 
 def clean(text: str) -> str:
-    """Take from a text what is no character to be read: a terminal would obey it, and XML has no place for it."""
-    kept = "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+    """Make escapes of what is no visible character: a terminal would obey it, and XML has no place for it."""
+    kept = printable_lines(text)
     return kept if len(kept) <= LONGEST else f"{kept[: LONGEST - 1]}…"

@@ -83,15 +83,10 @@ class Chaos:
     Attributes:
         faults: as given; they may be replaced while the stream runs.
         made: how many messages each fault has hit so far, by name.
-
-    Raises:
-        TutorialError: there is no such fault, or no such share.
     """
 
     def __init__(self, faults: Mapping[str, float] | None = None, seed: int = 0) -> None:
         self.faults = dict(faults or {})
-        for name, share in self.faults.items():
-            _check(name, share)
         self.made = dict.fromkeys(FAULTS, 0)  # complete from the start: another thread may be reading
         self._random = {name: Random(f"{seed} {name}") for name in FAULTS}
         self._newest_ns = 0  # the stamp of the last message that was in time
@@ -158,7 +153,10 @@ def parse_fault(text: str) -> tuple[str, float]:
         share = float(given) if colon else 1.0
     except ValueError:
         share = nan
-    _check(name, share)
+    if name not in FAULTS:
+        raise TutorialError(f"there is no fault {printable(name)!r}.{did_you_mean(name, FAULTS)}")
+    if not 0 <= share <= 1:
+        raise TutorialError(f"of the messages {name!r} cannot hit a share of {share:g}: give a number from 0 to 1.")
     return name, share
 
 
@@ -171,14 +169,6 @@ def stamp_ns(message: Any) -> int:
 def set_stamp_ns(message: Any, ns: int) -> None:
     """Set a message's stamp [ns]."""
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(ns, SECOND_NS)
-
-
-def _check(name: str, share: float) -> None:
-    """See to it that there is such a fault, and that a share is one."""
-    if name not in FAULTS:
-        raise TutorialError(f"there is no fault {printable(name)!r}.{did_you_mean(name, FAULTS)}")
-    if not 0 <= share <= 1:
-        raise TutorialError(f"of the messages {name!r} cannot hit a share of {share:g}: give a number from 0 to 1.")
 
 
 def _at_zero(message: Any) -> Any:
