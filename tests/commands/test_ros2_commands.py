@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from functools import partial
 from operator import attrgetter
+from unittest.mock import Mock
 
 import pytest
 from click.testing import CliRunner
@@ -22,6 +23,7 @@ from std_msgs.msg import String
 
 from tutorial.commands import asking
 from tutorial.commands.topic import topic
+from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import NodeThread
 from tutorial.ros.topics.populate import passed_class, populated
 
@@ -133,11 +135,12 @@ def test_ctrl_c_ends_it_as_it_ends_ros2(heard, tank, command, said):
 
 
 def test_hz_by_simulated_time_has_a_node_that_uses_it(monkeypatch):
-    given = []
-    monkeypatch.setattr(asking, "ask", lambda ros_args, question: given.append(ros_args))
+    named_node = Mock(side_effect=TutorialError)
+    monkeypatch.setattr(asking, "named_node", named_node)
     for arguments in (["hz", "/x"], ["hz", "-s", "/x"]):
         CliRunner().invoke(topic, arguments, obj=["--ros-args", "-r", "a:=b"], catch_exceptions=False)
-    assert given[1] == [*given[0], "--ros-args", "-p", "use_sim_time:=true"]
+    plain, timed = (call.args[1] for call in named_node.call_args_list)
+    assert timed == [*plain, "--ros-args", "-p", "use_sim_time:=true"]
 
 
 @pytest.mark.process

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -63,7 +62,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
         need_sandbox()
     names = _names(paths)
     done: dict[Path, Submission] = {}
-    interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done), duration=math.inf)
+    interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done))
     submissions = [done[path] for path in paths if path in done]
     if junit is not None:
         junit.write(as_junit(submissions, names))

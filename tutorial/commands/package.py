@@ -37,9 +37,14 @@ def package(name: str, own: str | None, destination: Path) -> None:
 
     Without a controller it is made of an example, a node that needs nothing of the tutorial.
     """
-    from tutorial.commands.packaging.contents import controller_node, example_node, package_files
-    from tutorial.commands.packaging.maintainer import NOBODY, find_maintainer
-    from tutorial.commands.packaging.naming import check_name
+    from tutorial.commands.packaging.contents import (
+        NOBODY,
+        check_name,
+        controller_node,
+        example_node,
+        find_maintainer,
+        package_files,
+    )
 
     folder = destination / name
     check_name(name)

@@ -116,7 +116,8 @@ def run(
         loaded = loaded.with_robot(robot)
     for given in own:
         loaded = loaded.with_own(load_controllers(*part_class(given)))
-    return until_asked(_host(loaded, ros_args, duration, **how), duration)
+    asked = until_asked(_host(loaded, ros_args, duration, **how))
+    return INTERRUPTED if asked and duration is not None else 0
 
 
 @tank.command(short_help="Publish a gamepad, or a scripted drive, on /joy.")

@@ -82,8 +82,8 @@ def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[
         os._exit(128 + number)
 
 
-def until_asked(program: Awaitable[None], duration: float | None) -> int:
-    """Run a program on a fresh event loop until it ends or is asked to, by Ctrl-C or SIGTERM."""
+def until_asked(program: Awaitable[None]) -> bool:
+    """Run a program on a fresh event loop until it ends or is asked to, by Ctrl-C or SIGTERM; return whether it was."""
     asked = threading.Event()
 
     async def body() -> None:
@@ -102,7 +102,7 @@ def until_asked(program: Awaitable[None], duration: float | None) -> int:
                 raise
 
     asyncio.run(body())
-    return INTERRUPTED if asked.is_set() and duration is not None else 0
+    return asked.is_set()
 
 
 @contextmanager

@@ -1,24 +1,51 @@
-"""What is in a package: its files, with what they hold."""
+"""What a package is called, who maintains it, and what its files hold."""
 
 from __future__ import annotations
 
 import ast
+import re
+import subprocess
 from collections.abc import Mapping
+from importlib.util import find_spec
+from keyword import iskeyword
 from pathlib import Path
 from string import Template
 from typing import NamedTuple
 from xml.sax.saxutils import escape
 
-from tutorial.commands.packaging.maintainer import Maintainer
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.paths import HOME, PACKAGE, find_home
 from tutorial.project import Project, controller_names, load_controllers
 
-__all__ = ["Node", "controller_node", "example_node", "package_files"]
+__all__ = [
+    "NOBODY",
+    "Maintainer",
+    "Node",
+    "check_name",
+    "controller_node",
+    "example_node",
+    "find_maintainer",
+    "package_files",
+]
 
 TEMPLATES = Path(__file__).parent / "template"
 ROS_MODULES = ("_msgs", "_interfaces", "_srvs")
 """How the Python modules of ROS 2 packages end that a node sends messages of."""
+VALID = re.compile(r"[a-z](_?[a-z0-9])+")
+"""What ROS 2 takes for a package's name: REP 144."""
+EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Za-z]{2,}", re.ASCII)
+"""What catkin_pkg, with which colcon reads a package.xml, takes for an address."""
+
+
+class Maintainer(NamedTuple):
+    """A person with an address for mail."""
+
+    name: str
+    email: str
+
+
+NOBODY = Maintainer("Your Name", "you@example.com")
+"""Who stands there until the learner writes a name in its place."""
 
 
 class Node(NamedTuple):
@@ -37,6 +64,26 @@ class Node(NamedTuple):
     code: bytes
     main: str
     words: Mapping[str, str]
+
+
+def check_name(name: str) -> None:
+    """See to it that a package can have a name: one of REP 144's, which no Python module has yet.
+
+    Raises:
+        TutorialError: it cannot; the text says a name that is near.
+    """
+    if not VALID.fullmatch(name):
+        rule = "Use lowercase letters, digits and single _, a letter first, and two characters at least."
+        raise TutorialError(f"{name!r} cannot be a package's name.{_nearest(name)} {rule}")
+    if iskeyword(name) or find_spec(name) is not None:
+        mend = f"Take another name, such as {f'my_{name}'!r}."
+        raise TutorialError(f"Python has a module, or a keyword, {name!r} already: one would hide the other. {mend}")
+
+
+def find_maintainer() -> Maintainer:
+    """Ask git who works here; `NOBODY`, where it does not know, or what it says can stand in no package.xml."""
+    found = Maintainer(_ask_git("user.name"), _ask_git("user.email"))
+    return found if found.name.isprintable() and found.name and EMAIL.fullmatch(found.email) else NOBODY
 
 
 def example_node() -> Node:
@@ -142,3 +189,17 @@ def _needs(code: bytes) -> list[str]:
         elif isinstance(statement, ast.ImportFrom):
             imported.add((statement.module or "").partition(".")[0])
     return sorted({"rclpy", "ros2launch"} | {module for module in imported if module.endswith(ROS_MODULES)})
+
+
+def _nearest(name: str) -> str:
+    """Make a valid name of another one, and ask whether it was meant; empty where little of it would be left."""
+    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)  # between the words of CamelCase
+    near = re.sub(r"[^a-z0-9]+", "_", words.lower()).strip("_0123456789")
+    return f" Did you mean {near!r}?" if VALID.fullmatch(near) else ""
+
+
+def _ask_git(setting: str) -> str:
+    try:
+        return subprocess.run(["git", "config", setting], capture_output=True, text=True, check=False).stdout.strip()
+    except OSError:  # there is no git
+        return ""
