@@ -15,8 +15,8 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from programs import until
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
-from recorded import recorded
-from sensor_msgs.msg import Image, Imu, JointState, Joy
+from recorded import joint_state, recorded, recorded_nodes
+from sensor_msgs.msg import Image, Imu, Joy
 from std_msgs.msg import Empty, Float32MultiArray, String
 
 from tutorial.errors import TutorialError
@@ -27,20 +27,6 @@ from tutorial.ros.topics.message_yaml import field_text, message_to_yaml
 from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
 
 JOINT_STATE = "/Tank/joint_state"
-RATE = 50.0
-
-
-@pytest.fixture
-def simulation(domain: int) -> Iterator[MeteredNode]:
-    """The three nodes of the recording; this is the one that publishes joint states."""
-    with NodeThread("simulation") as simulation, NodeThread("viewer") as viewer, NodeThread("joystick") as joystick:
-        publisher = simulation.node.create_publisher(JointState, JOINT_STATE, 1)
-        simulation.node.create_subscription(Joy, "/joy", lambda _: None, 1)
-        viewer.node.create_subscription(JointState, JOINT_STATE, lambda _: None, 1)
-        joystick.node.create_publisher(Joy, "/joy", 1)
-        message = joint_state()
-        simulation.node.create_timer(1 / RATE, lambda: publisher.publish(message))
-        yield simulation.node
 
 
 @pytest.fixture
@@ -48,13 +34,6 @@ def asker(domain: int) -> Iterator[MeteredNode]:
     """The node that asks, hidden as that of ``ros2`` is."""
     with NodeThread("_asker") as thread:
         yield thread.node
-
-
-def joint_state() -> JointState:
-    message = JointState(name=["TURRET_Y", "TURRET_P"], position=[0.25, -0.00979])
-    message.velocity, message.effort = [0.0, 0.0], [0.0, 1.9613]
-    message.header.stamp.sec, message.header.stamp.nanosec = 8, 160_000_000
-    return message
 
 
 async def first(texts) -> str:
@@ -70,9 +49,10 @@ def refusal(texts) -> str:
 
 
 @pytest.fixture
-def met(simulation, asker) -> Iterator[MeteredNode]:
-    """The node that asks, beside the three others; in the end it has taken its subscriptions back."""
-    yield asker
+def met(asker) -> Iterator[MeteredNode]:
+    """The node that asks, beside those of the recording; in the end it has taken its subscriptions back."""
+    with recorded_nodes():
+        yield asker
     assert not list(asker.subscriptions)
 
 
