@@ -37,26 +37,15 @@ def package(name: str, own: str | None, destination: Path) -> None:
 
     Without a controller it is made of an example, a node that needs nothing of the tutorial.
     """
-    from tutorial.commands.packaging.contents import (
-        NOBODY,
-        check_name,
-        controller_node,
-        example_node,
-        find_maintainer,
-        package_files,
-    )
+    from tutorial.commands.packaging.contents import make_package
 
     folder = destination / name
-    check_name(name)
-    node = example_node() if own is None else controller_node(*part_class(own))
-    maintainer = find_maintainer()
-    files = package_files(name, node, maintainer)
-    _write(folder, files)
-    blanks = "license and maintainer" if maintainer == NOBODY else "license"
-    say("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
-    say(f"\nFill in its {blanks}, in package.xml and in setup.py. Its README.md says how to build and run it:\n\n")
+    made = make_package(name, None if own is None else part_class(own))
+    _write(folder, made.files)
+    say("".join(f"{printable(str(folder / path))}\n" for path in sorted(made.files)))
+    say(f"\nFill in its {made.blanks}, in package.xml and in setup.py. Its README.md says how to build and run it:\n\n")
     say(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")
-    say(f"    ros2 run {name} {node.module}\n    ros2 launch {name} {name}.launch.py\n")
+    say(f"    ros2 run {name} {made.executable}\n    ros2 launch {name} {name}.launch.py\n")
 
 
 def _write(folder: Path, files: Mapping[str, bytes]) -> None:

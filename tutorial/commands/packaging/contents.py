@@ -17,16 +17,7 @@ from tutorial.errors import TutorialError, did_you_mean
 from tutorial.paths import HOME, PACKAGE, find_home
 from tutorial.project import Project, controller_names, load_controllers
 
-__all__ = [
-    "NOBODY",
-    "Maintainer",
-    "Node",
-    "check_name",
-    "controller_node",
-    "example_node",
-    "find_maintainer",
-    "package_files",
-]
+__all__ = ["NOBODY", "Maintainer", "Package", "find_maintainer", "make_package"]
 
 TEMPLATES = Path(__file__).parent / "template"
 ROS_MODULES = ("_msgs", "_interfaces", "_srvs")
@@ -48,6 +39,20 @@ NOBODY = Maintainer("Your Name", "you@example.com")
 """Who stands there until the learner writes a name in its place."""
 
 
+class Package(NamedTuple):
+    """A package that is not written yet.
+
+    Attributes:
+        files: what each file holds, by its path within the package.
+        executable: what its node is started by.
+        blanks: what the learner has to fill in.
+    """
+
+    files: Mapping[str, bytes]
+    executable: str
+    blanks: str
+
+
 class Node(NamedTuple):
     """What the package is made around: the node, and the code in which the learner goes on.
 
@@ -66,7 +71,7 @@ class Node(NamedTuple):
     words: Mapping[str, str]
 
 
-def check_name(name: str) -> None:
+def _check_name(name: str) -> None:
     """See to it that a package can have a name: one of REP 144's, which no Python module has yet.
 
     Raises:
@@ -86,14 +91,14 @@ def find_maintainer() -> Maintainer:
     return found if found.name.isprintable() and found.name and EMAIL.fullmatch(found.email) else NOBODY
 
 
-def example_node() -> Node:
+def _example_node() -> Node:
     """A node without the course, the last of step 3's notebook."""
     code = (find_home(PACKAGE) / "notebooks" / "listener.py").read_bytes()
     description = "A node that listens to the tank's joints, and says once a second where they are."
     return Node("listener", "listener", code, "listener", {"node": "listener", "description": description})
 
 
-def controller_node(file: Path, only: str | None) -> Node:
+def _controller_node(file: Path, only: str | None) -> Node:
     """A node that runs a controller in the place of the course's own of the same name.
 
     Args:
@@ -122,17 +127,19 @@ def controller_node(file: Path, only: str | None) -> Node:
     return Node("controller", module, file.read_bytes(), "node", words)
 
 
-def package_files(name: str, node: Node, maintainer: Maintainer) -> dict[str, bytes]:
-    """Write the files of a package.
+def make_package(name: str, controller: tuple[Path, str | None] | None) -> Package:
+    """Make a package around a controller, or around the example.
 
     Args:
         name: the package's.
-        node: what it is made around.
-        maintainer: who maintains it.
+        controller: the Python file that defines it, and its class's name; None for the only one there.
 
-    Returns:
-        What each file holds, by its path within the package.
+    Raises:
+        TutorialError: a package cannot be called so, or the controller is not there.
     """
+    _check_name(name)
+    node = _example_node() if controller is None else _controller_node(*controller)
+    maintainer = find_maintainer()
     words = {
         **node.words,
         "package": name,
@@ -160,7 +167,7 @@ def package_files(name: str, node: Node, maintainer: Maintainer) -> dict[str, by
     }
     if node.main != node.module:
         files[f"{name}/{node.main}.py"] = filled(f"{node.kind}/{node.main}.py.in")
-    return files
+    return Package(files, node.module, "license and maintainer" if maintainer == NOBODY else "license")
 
 
 def _project_for(name: str) -> Project:
