@@ -19,7 +19,6 @@ from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.bag import bag
 from tutorial.commands.chaos import chaos
 from tutorial.commands.check import check
-from tutorial.commands.node import node
 from tutorial.commands.options import duration_option, headless_option, linger_option, part_class, report_option
 from tutorial.commands.package import package
 from tutorial.commands.progress import progress
@@ -31,7 +30,7 @@ from tutorial.commands.terminal import (
     say,
     until_asked,
 )
-from tutorial.commands.topic import topic
+from tutorial.commands.topic import node, topic
 from tutorial.commands.urdf import urdf
 from tutorial.errors import TutorialError, printable
 

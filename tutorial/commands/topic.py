@@ -1,4 +1,4 @@
-"""The commands ``tank topic``: what ``ros2 topic`` prints."""
+"""The commands ``tank topic`` and ``tank node``: what ``ros2 topic`` and ``ros2 node`` print."""
 
 # ruff: noqa: PLC0415 - rclpy takes a moment, and help is to come at once
 
@@ -15,7 +15,12 @@ from tutorial.printing import say, say_all
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode
 
-__all__ = ["topic"]
+__all__ = ["node", "topic"]
+
+SAME_NAME = (
+    "WARNING: Be aware that there are nodes in the graph that share an exact name, "
+    "which can have unintended side effects."
+)
 
 
 @click.group(short_help="List topics, look at one, or publish on it, as ros2 topic does.")
@@ -82,3 +87,22 @@ async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str
 
     message = populated(passed_class(message_type), values)
     await say_all(topic_pub(node, topic_name, message, rate, once))
+
+
+@click.group(short_help="List the nodes, as ros2 node does.")
+def node() -> None:
+    """Look at nodes, as ros2 node does."""
+
+
+@node.command("list")
+@asks
+async def list_nodes(asker: MeteredNode) -> None:
+    """List the nodes there are, in all programs."""
+    from tutorial.ros.topics import node_names, wait_for_graph
+    from tutorial.ros.topics.names import escape_name
+
+    await wait_for_graph(asker)
+    names = node_names(asker)
+    if len(set(names)) < len(names):
+        say(f"{SAME_NAME}\n", err=True)
+    say("".join(f"{escape_name(name)}\n" for name in names))
