@@ -80,7 +80,7 @@ def signal_group(pid: int, number: int) -> bool:
 
 
 def _begin(early: set[int]) -> None:
-    """Have the command take signals as any other, also those that came when it was not there yet: each once."""
+    """Restore the command's signals, and send it those that came before it was started, each once."""
     for asking in ASKING:
         signal.signal(asking, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ASKING)

@@ -1,6 +1,6 @@
 """A command's own node: made by ROS 2's arguments, and asked something until there is an answer or Ctrl-C."""
 
-# ruff: noqa: PLC0415 - rclpy takes a moment, and help is to come at once
+# ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
 from __future__ import annotations
 

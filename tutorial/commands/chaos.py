@@ -1,6 +1,6 @@
 """The command ``tank chaos``: a good stream of joint states with faults in it."""
 
-# ruff: noqa: PLC0415 - rclpy takes a moment, and help is to come at once
+# ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The command ``tank check``: the answers in other people's notebooks, judged."""
 
-# ruff: noqa: PLC0415 - help is to come at once
+# ruff: noqa: PLC0415 - help must be fast
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     from tutorial.commands.checking.sandbox import need_sandbox
 
     if junit is not None:
-        junit.open()  # click.utils.LazyFile; before all is judged in vain
+        junit.open()  # click.utils.LazyFile; if it cannot be written, nothing is judged
     paths = _found(notebooks)
     if not paths:
         raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")
@@ -90,7 +90,7 @@ def _found(given: Sequence[Path]) -> list[Path]:
 
 
 def _names(paths: Sequence[Path]) -> dict[Path, str]:
-    """Call each notebook by what is different in their paths, with nothing in it that a terminal would obey."""
+    """Name each notebook by the part of its path that the others do not share, with control characters as escapes."""
     from tutorial.commands.checking.messages import clean
 
     absolute = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100 - where a link leads is not its name

@@ -91,7 +91,7 @@ def _columns(label: str, text: str) -> str:
 
 
 def ask(question: str, patience: float = PATIENCE) -> Any:
-    """Have one of `QUESTIONS` answered in a process of its own.
+    """Answer one of `QUESTIONS` in a process of its own.
 
     Args:
         question: which one.

@@ -30,8 +30,8 @@ BROWSER_IS_ELSEWHERE = ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI")
 def own_course() -> Path:
     """Return the course folder that the learner works in; where there is none, make one in the current directory.
 
-    The notebooks of an installed package are not for opening: whoever changed them there would change them for
-    everybody, and lose them with the next version. So they are copied, with all that they refer to. What is in the
+    The notebooks of an installed package are not for opening: a change there would be a change for all users, and
+    would be lost with the next version. So they are copied, with all that they refer to. What is in the
     learner's folder already stays as it is; only what is missing is added, such as a later version's new notebook.
 
     Raises:

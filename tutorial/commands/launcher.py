@@ -41,8 +41,8 @@ COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue")
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
     """Read the list of processes from a launch file.
 
-    It is run with the tutorial's own `launch`, also beside a real ROS 2, so that what ``tank launch`` does does not
-    depend on what is installed.
+    It is run with the tutorial's own `launch`, also beside a real ROS 2, so that ``tank launch`` does the
+    same whatever is installed.
 
     Raises:
         TutorialError: it fails, uses more of `launch` than the tutorial has, or describes what cannot be started; the
@@ -186,7 +186,7 @@ class Launcher:
         try:
             self._output.write(f"{prefix}{line}\n")
             self._output.flush()
-        except BrokenPipeError:  # whoever read has gone, as head does
+        except BrokenPipeError:  # the reader has gone, as head does
             self._stop.set()
 
 

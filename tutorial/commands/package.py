@@ -1,6 +1,6 @@
 """The command ``tank package``: a controller, or a node, as a ROS 2 package of its own."""
 
-# ruff: noqa: PLC0415 - help is to come at once
+# ruff: noqa: PLC0415 - help must be fast
 
 from __future__ import annotations
 

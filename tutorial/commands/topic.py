@@ -1,6 +1,6 @@
 """The commands ``tank topic`` and ``tank node``: what ``ros2 topic`` and ``ros2 node`` print."""
 
-# ruff: noqa: PLC0415 - rclpy takes a moment, and help is to come at once
+# ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """The process that reads a notebook, or judges one of its answers: ``python -m tutorial.commands.checking._child``.
 
 It is given the descriptor of the notebook, the processor time [s] that a process may take, whether it is in a sandbox,
-and the name of the exercise; without one it says which there are. It tells one message on stdout. When whoever has
-started it is gone, it ends.
+and the name of the exercise. Without a name it lists the exercises. It writes one message to stdout. It ends when the
+process that started it is gone.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ UNDEFINED = "Most likely the answer needs something of a cell that only works in
 
 
 def main() -> NoReturn:
-    """Read a notebook, or judge an answer, say what is found, and end without running anything else."""
+    """Read a notebook or judge an answer, write the message, and end at once: no code of the answer runs after that."""
     notebook, seconds, is_sandboxed, *exercise = sys.argv[1:]
     os.set_inheritable(int(notebook), False)
     report = os.dup(1)
@@ -51,7 +51,7 @@ def main() -> NoReturn:
 
 
 def _end_with_the_teacher() -> None:
-    """Wait until the other end of stdin is closed, by whoever holds it or by his death."""
+    """Wait until the other end of stdin is closed: the teacher's process closes it, or has ended."""
     os.read(0, 1)
     os.killpg(0, signal.SIGKILL)
 

@@ -1,4 +1,4 @@
-"""What a process that reads a notebook, or judges one of its answers, tells the teacher's: one line of JSON."""
+"""Messages from the process that reads a notebook, or judges an answer, to the teacher's: one line of JSON each."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Opened(msgspec.Struct):
     problem: str = ""
 
     def __post_init__(self) -> None:
-        """Bring in nothing that a terminal would obey, made here or read."""
+        """Escape what a terminal would obey, in a message made here and in one that was read."""
         self.problem = clean(self.problem)[:200]
 
 
@@ -52,11 +52,11 @@ class Judged(msgspec.Struct):
     text: str = ""
 
     def __post_init__(self) -> None:
-        """Bring in nothing that a terminal would obey, made here or read."""
+        """Escape what a terminal would obey, in a message made here and in one that was read."""
         self.cause, self.text = clean(self.cause), clean(self.text)
 
 
 def clean(text: str) -> str:
-    """Make escapes of what is no visible character: a terminal would obey it, and XML has no place for it."""
+    """Write invisible characters as escapes: a terminal would obey them, and XML forbids them."""
     kept = printable_lines(text)
     return kept if len(kept) <= LONGEST else f"{kept[: LONGEST - 1]}…"

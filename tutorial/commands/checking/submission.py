@@ -87,7 +87,7 @@ async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> Submissi
 
 
 async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool) -> Judged:
-    """Have an answer judged; one that takes too long, or ends or disturbs the process, is charged with that."""
+    """Have an answer judged; if it takes too long, or ends or disturbs its process, the verdict says so."""
     try:
         return await _told(Judged, path, limit, is_sandboxed, exercise)
     except TimeoutError:
@@ -100,13 +100,13 @@ async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool
 
 
 async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *exercise: str) -> T:
-    """Start a process for a notebook, or for one of its answers, and return what it tells; nothing of it is left.
+    """Start a process for a notebook, or for one of its answers, and return its message. Kill what is left of it.
 
     Raises:
-        EOFError: it has told nothing.
+        EOFError: it has written nothing.
         OSError: the notebook cannot be opened.
         TimeoutError: it has taken too long.
-        ValueError, msgspec.MsgspecError: what it has told is not one message, and nothing else.
+        ValueError, msgspec.MsgspecError: it has written something other than one message.
     """
     with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder, path.open() as file:
         process = await asyncio.create_subprocess_exec(

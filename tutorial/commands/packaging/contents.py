@@ -72,7 +72,7 @@ class Node(NamedTuple):
 
 
 def _check_name(name: str) -> None:
-    """See to it that a package can have a name: one of REP 144's, which no Python module has yet.
+    """Check that a package can have a name: it follows REP 144, and no Python module has it yet.
 
     Raises:
         TutorialError: it cannot; the text says a name that is near.
