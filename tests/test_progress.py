@@ -90,12 +90,6 @@ def test_beside_an_odd_entry_the_others_count_and_all_stay(notebook):
     assert set(json.loads((notebook / FILE).read_text())["solved"]) == {"aim", "show", "hop", "drive"}
 
 
-def test_a_folder_that_cannot_be_written_to_is_no_error(notebook, monkeypatch):
-    monkeypatch.setenv("TANK_PROGRESS", "/proc/nothing/progress.json")
-    remember("aim")
-    assert read_progress() == ({}, "")
-
-
 def test_a_write_that_fails_leaves_the_file_as_it_was(notebook, monkeypatch):
     remember("aim")
 

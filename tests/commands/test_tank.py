@@ -27,7 +27,6 @@ class TankController(SimpleController):
         ("joy --drive tuor", 1, "there is no drive 'tuor'. Did you mean 'tour'?"),
         ("run step3 --headless --ros-args -r garbage", 1, "Couldn't parse remap rule: '-r garbage'"),
         ("topic echo x//y", 1, "topic name"),
-        ("topic hz a-b", 1, "topic name"),
         ("topic pub a-b std_msgs/msg/String", 1, "topic name"),
         ("topic pub /x std_msgs/msg/String data", 1, "The passed value needs to be a dictionary in YAML format\n"),
         ("topic list --ros-args --nonsense", 1, "ROS 2 does not know the arguments ['--nonsense']\n"),
