@@ -77,7 +77,8 @@ def _has_met_its_own(node: Node) -> bool:
     """Whether a node knows of all other nodes of its process that are in its domain."""
     met = {full_name(*each) for each in node.get_node_names_and_namespaces()}
     domain = node.context.get_domain_id()
-    return met.issuperset(each.full_name for each in NodeThread.alive if each.node.context.get_domain_id() == domain)
+    ours = (each for each in tuple(NodeThread.alive) if each.node.context.get_domain_id() == domain)
+    return met.issuperset(each.full_name for each in ours)
 
 
 def _is_fast_dds() -> bool:
