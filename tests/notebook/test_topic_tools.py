@@ -12,8 +12,9 @@ from tutorial.ros.node_thread import NodeThread
 
 
 async def test_they_wait_for_a_node_of_their_own_kernel_that_is_met_late(domain, monkeypatch, capsys):
+    monkeypatch.setattr(NodeThread, "alive", set())
     late = Mock(full_name="/late", node=open_node("early"))
-    monkeypatch.setattr(NodeThread, "alive", {late})
+    NodeThread.alive.add(late)
     asyncio.get_running_loop().call_later(1.0, lambda: open_node("late").create_publisher(String, "words", 1))
     await topic_list()
     close_all()
