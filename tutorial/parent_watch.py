@@ -1,8 +1,8 @@
-"""Runs a command that ends when its parent does, even when that is killed: ``python parent_watch.py COMMAND...``.
+"""Starts commands that end when their parent does, even when that is killed: ``python parent_watch.py COMMAND...``.
 
-Standard input is the watch: when who holds its other end is gone, whatever ended it, this process asks the command to
-stop, and kills it if it doesn't. The command and this process are one process group, which can be signalled as a whole;
-signals that ask are the command's business.
+Standard input is the watch: when its other end is closed, because the parent has gone, this process asks the command to
+stop, and kills it if it doesn't. The command and this process are one process group, which can be signalled as a whole.
+Signals that ask are left to the command.
 
 Standard library only, and run by its path: starting it costs next to nothing.
 """
@@ -14,7 +14,8 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 PATIENCE = 5.0  # [s] from asking to killing
 ASKING = {signal.SIGINT, signal.SIGTERM}
@@ -39,9 +40,30 @@ def main() -> int:
     return status if status >= 0 else 128 - status
 
 
-def watched(words: Sequence[str]) -> list[str]:
-    """Return the command line that runs a command so; its process has to begin a session, with a pipe for stdin."""
-    return [sys.executable, "-S", "-I", __file__, *words]
+def start_watched(
+    words: Sequence[str], environment: Mapping[str, str], folder: str | Path | None = None
+) -> subprocess.Popen[str]:
+    """Start a command that ends when this process does. What it prints, errors too, are lines of text from its stdout.
+
+    Args:
+        words: the command and its arguments.
+        environment: its variables.
+        folder: where it works; None for the current directory.
+
+    Raises:
+        OSError, TypeError, ValueError: it cannot be started so.
+    """
+    return subprocess.Popen(
+        [sys.executable, "-S", "-I", __file__, *words],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+        env={"PYTHONUNBUFFERED": "1", **environment},
+        cwd=folder,
+        encoding="utf-8",
+        errors="replace",
+    )
 
 
 def signal_group(pid: int, number: int) -> bool:
@@ -58,7 +80,7 @@ def signal_group(pid: int, number: int) -> bool:
 
 
 def _begin(early: set[int]) -> None:
-    """Have the command take signals as any other, also those that came when it was not there yet: each once."""
+    """Restore the command's signals, and send it those that came before it was started, each once."""
     for asking in ASKING:
         signal.signal(asking, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ASKING)

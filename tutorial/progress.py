@@ -16,11 +16,22 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 __all__ = ["FILE", "Overview", "read_progress", "remember"]
 
 FILE = ".tank_progress.json"
 VARIABLE = "TANK_PROGRESS"  # names another file, for tests
-LARGEST = 1_000_000  # [bytes] that are read
+
+
+class _File(msgspec.Struct):
+    """What the file looks like."""
+
+    solved: dict[str, Any]
+
+
+UNREADABLE = (OSError, RecursionError, msgspec.MsgspecError)
+"""What is raised for a file that cannot be read, or is not such a file."""
 
 
 def remember(exercise: str) -> None:
@@ -34,7 +45,7 @@ def remember(exercise: str) -> None:
     """
     path = _file(Path())
     if _in_notebook():
-        with suppress(OSError, ValueError):
+        with suppress(*UNREADABLE):
             entries = _read(path)
             if exercise not in entries:
                 _write(path, {**entries, exercise: date.today().isoformat()})
@@ -52,7 +63,7 @@ def read_progress(folder: Path | None = None) -> tuple[dict[str, str], str]:
     path = _file(Path()) if folder is None else folder / FILE
     try:
         entries = _read(path)
-    except (OSError, ValueError) as error:
+    except UNREADABLE as error:
         return {}, f"{path.name} cannot be read, so nothing counts as solved: {error}. Delete it to begin anew."
     solved = {name: day for name, day in entries.items() if _is_day(day)}
     odd = [name for name in entries if name not in solved]
@@ -123,19 +134,13 @@ def _read(path: Path) -> dict[str, Any]:
     """Return what a file has, whatever it is; nothing where there is none.
 
     Raises:
-        OSError, ValueError: it cannot be read, or is not such a file.
+        OSError, RecursionError, msgspec.MsgspecError: it cannot be read, or is not such a file.
     """
     if not path.exists():
         return {}
-    if not path.is_file() or path.stat().st_size > LARGEST:
-        raise ValueError(f"it is no file of at most {LARGEST:,} bytes")
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except RecursionError as error:
-        raise ValueError(str(error)) from None
-    if not isinstance(content, dict) or not isinstance(content.get("solved"), dict):
-        raise ValueError('it has no {"solved": {...}}')
-    return dict(content["solved"])
+    if not path.is_file():
+        raise OSError("it is no file")
+    return msgspec.json.decode(path.read_bytes(), type=_File).solved
 
 
 def _write(path: Path, solved: Mapping[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""`tank check` with a class in which somebody is up to everything: each gets what is his, and the teacher is safe."""
+"""`tank check` with a class whose answers try everything: each gets its own verdict, and the teacher is safe."""
 
 from __future__ import annotations
 

@@ -62,8 +62,6 @@ COMMANDS = [
     (("topic", "echo", "--once", JOINTS), 0, [r"frame_id: <img src=x onerror=window.pwned=1>", f"- {LONG[:128]}..."]),
     (("topic", "echo", "/type0"), 1, [r"The message type '\x1b[2J\x1b]0;mine\x07/msg/X' is invalid"]),
     (("node", "list"), 0, LISTED),
-    (("node", "info", f"/{ESCAPES}"), None, [escape_name(f"/{ESCAPES}")]),
-    (("node", "info", "//x/a/b"), None, ["//x/a/b"]),
     (("doctor",), None, [r"\x1b[2J\x1b]0;mine\x07", r"/forged\u2028\x85b"]),
     (("chaos", "-f", "shuffle", "--from", JOINTS, "/chaos", "--duration", "1"), 0, ["messages hit: "]),
 ]

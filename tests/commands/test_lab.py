@@ -20,9 +20,11 @@ from programs import PATIENCE, Program, answer, until
 from websocket import WebSocketBadStatusException, create_connection
 
 from tutorial.commands import lab
-from tutorial.commands.lab import NOTEBOOKS, lab_command, own_course, trust
+from tutorial.commands.lab import lab_command, own_course, trust
 from tutorial.errors import TutorialError
+from tutorial.paths import HOME
 
+NOTEBOOKS = HOME / "notebooks"
 JUPYTERS_FOLDERS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")
 ADDRESS = re.compile(r"http://127\.0\.0\.1:(\d+)/lab/tree/notebooks/0_setup\.ipynb\?token=(\w+)")
 CODESPACE = {"CODESPACE_NAME": "animated-tank", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN": "app.github.dev"}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import io
 import os
 import signal
 import subprocess
 import sys
+import threading
 from unittest.mock import Mock
 
 import pytest
@@ -44,21 +44,30 @@ class Process:
 
     def __init__(self, pid, says="", status=None, heeds=(INT, KILL)):
         self.pid, self.heeds, self.heard = pid, heeds, []
-        self.over = asyncio.Future()
-        self.stdout = asyncio.StreamReader(limit=100)
-        self.stdout.feed_data(says.encode())
+        self.status, self.over = status, threading.Event()
+        reads, self.writes = os.pipe()
+        self.stdout = os.fdopen(reads, encoding="utf-8")
+        os.write(self.writes, says.encode())
         if status is not None:
             self.end(status)
 
-    def end(self, status):
-        self.over.set_result(status)
-        self.stdout.feed_eof()
+    def __enter__(self):
+        return self
 
-    async def wait(self):
-        return await self.over
+    def __exit__(self, *_):
+        self.stdout.close()
+
+    def end(self, status):
+        self.status = status
+        self.over.set()
+        os.close(self.writes)
+
+    def wait(self):
+        self.over.wait()
+        return self.status
 
     def signal(self, number):
-        left = not self.over.done()
+        left = not self.over.is_set()
         if number:
             self.heard.append(number)
         if left and number in self.heeds:
@@ -71,7 +80,7 @@ KINDS = {
     "stubborn": {"says": "stubborn\n", "heeds": [KILL]},
     "failing": {"says": "oh\n", "status": 3},
     "killed": {"status": -9},
-    "echo": {"says": f"hello\n{'x' * 300}\n\x1b[2J\u202eb\tc\x85d\n", "status": 0},
+    "echo": {"says": f"hello\n{'x' * 30}\n\x1b[2J\u202eb\tc\x85d\n", "status": 0},
     "true": {"status": 0},
 }
 """What the processes are like, by their program."""
@@ -82,34 +91,26 @@ class Machine:
 
     def __init__(self, monkeypatch):
         self.processes, self.given, self.out, self.handle_signals = [], [], io.StringIO(), Mock()
-        monkeypatch.setattr(asyncio, "create_subprocess_exec", self.spawn)
+        monkeypatch.setattr(launcher.parent_watch, "start_watched", self.start)
         monkeypatch.setattr(launcher.parent_watch, "signal_group", lambda pid, n: self.processes[pid].signal(n))
         monkeypatch.setattr(launcher, "handle_signals", self.handle_signals)
 
-    def ask(self):
-        self.handle_signals.call_args.args[0]()
-
-    async def spawn(self, *words, stdin, start_new_session, **how):
-        assert (stdin, start_new_session) == (subprocess.PIPE, True)
-        if how["cwd"] is not None:
-            raise eval(how["cwd"])
+    def start(self, words, environment, folder):
+        if folder is not None:
+            raise eval(folder)
         self.processes.append(Process(len(self.processes), **KINDS[words[-1]]))
-        self.given.append(how["env"])
+        self.given.append(environment)
         return self.processes[-1]
 
-    def run(self, path, then=None, **environment):
-        """Run a launch file, and do something once each process has said something; return the exit status."""
+    def run(self, path, ask=False, **environment):
+        """Run a launch file, and ask it to end once each process has said something; return the exit status."""
         self.launcher = Launcher(load_launch_file(path), environment, self.out)
 
-        async def body():
-            running = asyncio.ensure_future(self.launcher.run())
-            while then is not None and (not self.processes or len(self.lines) < len(self.processes)):
-                await asyncio.sleep(0)
-            if then is not None:
-                then()
-            return await running
+        def look(_):
+            if ask and len(self.lines) >= len(self.processes):
+                self.handle_signals.call_args.args[0]()
 
-        return asyncio.run(body())
+        return self.launcher.run(look)
 
     @property
     def lines(self):
@@ -128,15 +129,16 @@ def machine(monkeypatch):
 def test_lines_have_the_process_in_front_and_reach_no_terminal_raw(machine, launch_file, monkeypatch):
     monkeypatch.setenv("LANG", "C")
     monkeypatch.setattr(launcher.shutil, "which", lambda word, path: None)
+    monkeypatch.setattr(launcher, "LONGEST", 20)
     more = ("", "additional_env={'B': '2'}", "env={'PATH': '/nowhere'}")
     path = launch_file(", ".join(f"ExecuteProcess(cmd=['echo'], {each})" for each in more))
     assert machine.run(path, A="1", B="1") == 0
-    texts = ("hello", "...", "\\x1b[2J\\u202eb\tc\\x85d")
+    texts = ("hello", "x" * 20, "x" * 10, "\\x1b[2J\\u202eb\tc\\x85d")
     assert sorted(machine.lines) == sorted(
         f"{name} | {text}" for name in ("echo  ", "echo-2", "echo-3") for text in texts
     )
-    wanted = [("1", "1", "1", "C"), ("1", "2", "1", "C"), ("1", "1", "1", None)]
-    assert [tuple(map(each.get, ("A", "B", "PYTHONUNBUFFERED", "LANG"))) for each in machine.given] == wanted
+    wanted = [("1", "1", "C"), ("1", "2", "C"), ("1", "1", None)]
+    assert [tuple(map(each.get, ("A", "B", "LANG"))) for each in machine.given] == wanted
     assert machine.given[2]["PATH"].endswith(os.pathsep + "/nowhere")
     assert not machine.launcher.interrupted
 
@@ -153,7 +155,7 @@ def test_when_one_fails_the_others_are_stopped_and_its_status_is_the_exit_status
 
 def test_asked_to_stop_it_stops_all_and_who_does_not_is_killed(machine, launch_file, monkeypatch):
     monkeypatch.setattr(launcher, "PATIENCE", 0.2)
-    assert machine.run(launch_file(sleeper=["sleeper"], stubborn=["stubborn"]), machine.ask) == 0
+    assert machine.run(launch_file(sleeper=["sleeper"], stubborn=["stubborn"]), ask=True) == 0
     assert machine.launcher.interrupted
     assert machine.lines[-1] == "stubborn | did not stop within 0.2 s and is killed"
     assert machine.heard[0] == [INT]
@@ -174,7 +176,7 @@ def test_what_was_started_is_stopped_when_another_cannot_be(machine, launch_file
     with pytest.raises(TutorialError) as info:
         machine.run(path)
     assert str(info.value) == f"other could not be started: {said}"
-    assert machine.heard == [[INT]]
+    assert (machine.heard, "failed" in machine.out.getvalue()) == ([[INT]], False)
 
 
 def test_when_nobody_reads_any_more_all_are_stopped(machine, launch_file, monkeypatch):

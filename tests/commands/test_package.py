@@ -9,8 +9,8 @@ from click.testing import CliRunner
 from packages import CONTROLLERS, install, run
 
 from tutorial.commands.package import package
-from tutorial.commands.packaging import maintainer
-from tutorial.commands.packaging.maintainer import NOBODY, Maintainer, find_maintainer
+from tutorial.commands.packaging import contents
+from tutorial.commands.packaging.contents import NOBODY, Maintainer, find_maintainer
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME
 
@@ -22,7 +22,7 @@ COMMON = {"README.md", "package.xml", "setup.cfg", "setup.py"}
 def here(tmp_path, monkeypatch):
     """The current directory, in which a learner's file with two controllers lies, on a machine that knows its user."""
     (tmp_path / "mine.py").write_text(CONTROLLERS)
-    monkeypatch.setattr(maintainer, "_ask_git", {"user.name": ANN.name, "user.email": ANN.email}.__getitem__)
+    monkeypatch.setattr(contents, "_ask_git", {"user.name": ANN.name, "user.email": ANN.email}.__getitem__)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -167,7 +167,7 @@ def test_what_is_there_stays_as_it_is(here):
 def test_whom_git_does_not_know_is_to_be_filled_in(here, monkeypatch, name, email):
     assert find_maintainer() == ANN
     assert "Fill in its license, in package.xml" in make("my_first")
-    monkeypatch.setattr(maintainer, "_ask_git", {"user.name": name, "user.email": email}.__getitem__)
+    monkeypatch.setattr(contents, "_ask_git", {"user.name": name, "user.email": email}.__getitem__)
     assert find_maintainer() == NOBODY
     assert "Fill in its license and maintainer, in package.xml" in make("my_tank")
 

@@ -44,18 +44,12 @@ def test_a_forgotten_await_is_named_and_python_does_not_complain_later(prepare):
         assert shown["text/plain"] == f"{name} has not run yet: this takes a while, so write await before it."
 
 
-def test_two_notebooks_do_not_hear_each_other_unless_they_are_told_to(prepare):
+def test_a_notebook_is_heard_on_its_own_machine_and_by_no_other_unless_it_is_told_otherwise(prepare):
     domains = [prepare() and os.environ["ROS_DOMAIN_ID"] for _ in range(2)]
     assert domains[0] != domains[1]
-    prepare(ROS_DOMAIN_ID="7")
-    assert os.environ["ROS_DOMAIN_ID"] == "7"
-
-
-def test_a_notebook_is_heard_on_its_own_machine_unless_it_is_told_otherwise(prepare):
-    prepare()
     assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
-    prepare(ROS_AUTOMATIC_DISCOVERY_RANGE="OFF")
-    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "OFF"
+    prepare(ROS_DOMAIN_ID="7", ROS_AUTOMATIC_DISCOVERY_RANGE="OFF")
+    assert (os.environ["ROS_DOMAIN_ID"], os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"]) == ("7", "OFF")
 
 
 def test_what_is_logged_goes_nowhere_else_and_everything_is_closed_at_the_end(prepare):

@@ -1,71 +1,56 @@
 """A command's own node: made by ROS 2's arguments, and asked something until there is an answer or Ctrl-C."""
 
-# ruff: noqa: PLC0415 - rclpy takes a moment, and help is to come at once
+# ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
 from __future__ import annotations
 
-import math
 import os
 import signal
 import sys
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import partial, wraps
+from functools import wraps
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from tutorial.commands.terminal import say, until_asked
 from tutorial.errors import TutorialError
-from tutorial.printing import say_all
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["ask", "asks", "clear_ros_errors", "named_node", "say_all"]
+__all__ = ["asks", "clear_ros_errors", "named_node"]
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
 
 
 def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
-    """Make a command's function of a question: what it is given, beside the node, are the command's options.
+    """Make a command's function of a question: it is given a node and the command's options, and prints the answer.
 
-    The option ``use_sim_time`` is the node's parameter.
+    The node is hidden, as that of ``ros2``. The option ``use_sim_time`` is the node's parameter. The exit status is
+    that of ``ros2``, too: 1 after an error, whose text is on stderr then; 2 after Ctrl-C.
     """
 
     @click.pass_obj
     @wraps(question)
     def command(ros_args: list[str], /, use_sim_time: bool = False, **options: Any) -> int:
+        async def program(node: MeteredNode) -> None:
+            with clear_ros_errors():
+                await question(node, **options)
+
         given = ["--ros-args", "-p", "use_sim_time:=true"] if use_sim_time else []
-        return ask([*ros_args, *given], partial(question, **options))
+        try:
+            with named_node(f"_tank_{os.getpid()}", [*ros_args, *given]) as thread:
+                return signal.SIGINT if until_asked(program(thread.node)) else 0
+        except TutorialError as error:
+            say(f"{error}\n", err=True)
+            return 1
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
+            return BROKEN_PIPE
 
     return command
-
-
-def ask(ros_args: Sequence[str], question: Callable[[MeteredNode], Awaitable[None]]) -> int:
-    """Make a node that is hidden, as that of ``ros2``, and run a question with it on a fresh event loop.
-
-    Args:
-        ros_args: ROS 2's arguments.
-        question: is given the node, and prints what there is to say.
-
-    Returns:
-        The exit status, which is that of ``ros2``: 1 after an error, whose text is on stderr then; 2 after Ctrl-C.
-    """
-
-    async def program(node: MeteredNode) -> None:
-        with clear_ros_errors():
-            await question(node)
-
-    try:
-        with named_node(f"_tank_{os.getpid()}", ros_args) as thread:
-            return signal.SIGINT if until_asked(program(thread.node), math.inf) else 0
-    except TutorialError as error:
-        say(f"{error}\n", err=True)
-        return 1
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
-        return BROKEN_PIPE
 
 
 @contextmanager

@@ -1,13 +1,12 @@
 """The command ``tank chaos``: a good stream of joint states with faults in it."""
 
-# ruff: noqa: PLC0415 - rclpy takes a moment, and help is to come at once
+# ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
 from __future__ import annotations
 
 import threading
 import time
 from collections.abc import Sequence
-from contextlib import closing
 
 import click
 
@@ -68,11 +67,11 @@ def chaos(
     handle_signals(stop.set)
     with named_node("chaos", ros_args) as thread:
         where, source = full_topic(thread.node, topic_name), full_topic(thread.node, good) if good else None
-        stream = ChaosStream(thread.node, faulty, where, source)
+        ChaosStream(thread.node, faulty, where, source)
         shares = ", ".join(f"{name} {100 * share:g} %" for name, share in faults.items())
         say(f"{shares or 'no fault'}\n")
         began = time.monotonic()
-        with closing(stream), progress_bar(duration) as progress:
+        with progress_bar(duration) as progress:
             while not stop.wait(LOOK) and (duration is None or time.monotonic() - began < duration):
                 progress(time.monotonic() - began)
     hits = ", ".join(f"{name} {count}" for name, count in faulty.made.items() if count)

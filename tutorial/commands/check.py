@@ -1,12 +1,11 @@
 """The command ``tank check``: the answers in other people's notebooks, judged."""
 
-# ruff: noqa: PLC0415 - help is to come at once
+# ruff: noqa: PLC0415 - help must be fast
 
 from __future__ import annotations
 
 import asyncio
 import json
-import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -55,7 +54,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     from tutorial.commands.checking.sandbox import need_sandbox
 
     if junit is not None:
-        junit.open()  # click.utils.LazyFile; before all is judged in vain
+        junit.open()  # click.utils.LazyFile; if it cannot be written, nothing is judged
     paths = _found(notebooks)
     if not paths:
         raise TutorialError(f"there is no notebook in {', '.join(map(str, notebooks))}")
@@ -63,7 +62,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
         need_sandbox()
     names = _names(paths)
     done: dict[Path, Submission] = {}
-    interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done), duration=math.inf)
+    interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done))
     submissions = [done[path] for path in paths if path in done]
     if junit is not None:
         junit.write(as_junit(submissions, names))
@@ -72,7 +71,7 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
         say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.\n", err=True)
         return INTERRUPTED
     fine = (Outcome.RIGHT, Outcome.NOT_TRIED)
-    return int(any(judged.outcome not in fine for each in submissions for judged in each.verdicts))
+    return int(any(judged.outcome not in fine for each in submissions for judged in each.verdicts.values()))
 
 
 def _found(given: Sequence[Path]) -> list[Path]:
@@ -91,7 +90,7 @@ def _found(given: Sequence[Path]) -> list[Path]:
 
 
 def _names(paths: Sequence[Path]) -> dict[Path, str]:
-    """Call each notebook by what is different in their paths, with nothing in it that a terminal would obey."""
+    """Name each notebook by the part of its path that the others do not share, with control characters as escapes."""
     from tutorial.commands.checking.messages import clean
 
     absolute = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100 - where a link leads is not its name

@@ -4,10 +4,11 @@ What may crash or hang is asked in a process of its own, ``python -m tutorial.co
 is the answer, as JSON.
 """
 
+# ruff: noqa: PLC0415 - what may crash is imported only by the process that is asked
+
 from __future__ import annotations
 
 import asyncio
-import importlib
 import json
 import os
 import platform
@@ -15,6 +16,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -23,7 +25,6 @@ from typing import Any, Literal, NamedTuple
 
 from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError, did_you_mean
-from tutorial.paths import PACKAGE
 from tutorial.ros.backend import install_backend
 from tutorial.ros.domains import LAST
 
@@ -32,7 +33,6 @@ __all__ = ["doctor"]
 WIDTH = 100  # columns, of which the first 20 are for subject and level
 PATIENCE = 45  # [s] that an answer may take: a loaded machine is slow to import
 FIRST_LOOK = 4.0  # [s] before the graph may count as known: nodes on Fast DDS show up after 1 to 4 s
-MOST_NAMES = 50
 
 PIP = "python -m pip install"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
@@ -91,7 +91,7 @@ def _columns(label: str, text: str) -> str:
 
 
 def ask(question: str, patience: float = PATIENCE) -> Any:
-    """Have one of `QUESTIONS` answered in a process of its own.
+    """Answer one of `QUESTIONS` in a process of its own.
 
     Args:
         question: which one.
@@ -100,17 +100,9 @@ def ask(question: str, patience: float = PATIENCE) -> Any:
     Raises:
         TutorialError: it crashed, failed or took too long; the text says so.
     """
-    path = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
+    command = [sys.executable, "-P", "-X", "utf8", "-m", __name__, question]
     try:
-        done = subprocess.run(
-            [sys.executable, "-P", "-m", __name__, question],
-            env={**os.environ, "PYTHONPATH": path, "PYTHONUTF8": "1"},
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=patience,
-            check=False,
-        )
+        done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=patience, check=False)
     except subprocess.TimeoutExpired:
         raise TutorialError(f"no answer within {patience:g} s") from None
     if done.returncode < 0:
@@ -207,8 +199,7 @@ def domain() -> Iterator[Diagnosis]:
         return
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
-    more = f", and {len(named) - MOST_NAMES:,} more" if len(named) > MOST_NAMES else ""
-    text = f"in domain {number}: {', '.join(named[:MOST_NAMES]) or 'nobody else'}{more}"
+    text = f"in domain {number}: {', '.join(named) or 'nobody else'}"
     if len(counts) < len(names):
         mend = "give each its own name: tank run step3 --ros-args -r __node:=viewer"
         yield Diagnosis("note", f"{text}. Nodes of one name cannot be told apart", mend)
@@ -231,39 +222,39 @@ PROBES: dict[str, Callable[[], Iterator[Diagnosis]]] = {
 
 def _mujoco() -> tuple[str, tuple[str, str] | None]:
     """Which MuJoCo can be imported, and why it does not render, with the mend."""
-    version = str(importlib.import_module("mujoco").__version__)
-    offscreen: Any = importlib.import_module("tutorial.view.offscreen")
+    import mujoco
+
+    from tutorial.view import offscreen
+
     try:
-        with offscreen.Offscreen(importlib.import_module("mujoco").MjModel.from_xml_string("<mujoco/>")):
-            return version, None
+        with offscreen.Offscreen(mujoco.MjModel.from_xml_string("<mujoco/>")):
+            return mujoco.__version__, None
     except Exception as error:  # noqa: BLE001 - PyOpenGL, MuJoCo and the driver raise what they like
-        return version, (f"{type(error).__name__}: {error}", offscreen.mend())
+        return mujoco.__version__, (f"{type(error).__name__}: {error}", offscreen.mend())
 
 
-def _rclpy() -> tuple[str, str, str]:
+def _rclpy() -> tuple[str, str | None, str]:
     """Which rclpy can be imported, where it is, and through which middleware it talks."""
-    module: Any = importlib.import_module("rclpy")
-    utilities: Any = importlib.import_module("rclpy.utilities")
+    import rclpy
+    from rclpy.utilities import get_rmw_implementation_identifier
+
     try:
         version = metadata.version("rclpy")
     except metadata.PackageNotFoundError:
         version = ""
-    return version, module.__file__, utilities.get_rmw_implementation_identifier()
+    return version, rclpy.__file__, get_rmw_implementation_identifier()
 
 
 def _nodes() -> tuple[bool, list[str]]:
     """Whether the graph is known, and who is in it, but for hidden nodes, which this one is."""
-    ros: Any = importlib.import_module("tutorial.ros.node_thread")
-    topics: Any = importlib.import_module("tutorial.ros.topics")
-    names: Any = importlib.import_module("tutorial.ros.topics.names")
+    from tutorial.ros.node_thread import NodeThread
+    from tutorial.ros.topics import node_names, wait_for_graph
+    from tutorial.ros.topics.names import escape_name
 
-    async def look(node: Any) -> bool:
-        await asyncio.sleep(FIRST_LOOK)
-        return bool(await topics.wait_for_graph(node))
-
-    with ros.NodeThread("_doctor") as thread:
-        is_known = asyncio.run(look(thread.node))
-        return is_known, [names.escape_name(name) for name in topics.node_names(thread.node)]
+    with NodeThread("_doctor") as thread:
+        time.sleep(FIRST_LOOK)
+        is_known = asyncio.run(wait_for_graph(thread.node))
+        return is_known, [escape_name(name) for name in node_names(thread.node)]
 
 
 QUESTIONS: dict[str, Callable[[], Any]] = {"mujoco": _mujoco, "rclpy": _rclpy, "nodes": _nodes}

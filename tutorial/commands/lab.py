@@ -16,11 +16,10 @@ from nbformat.sign import NotebookNotary
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME, PACKAGE, SHIPPED, is_ours
 
-__all__ = ["NOTEBOOKS", "lab_command", "own_course", "trust"]
+__all__ = ["lab_command", "own_course", "trust"]
 
 _log = logging.getLogger(__name__)
 
-NOTEBOOKS = HOME / "notebooks"
 OWN = "tank-tutorial"
 """What a learner's own course folder is called."""
 
@@ -31,8 +30,8 @@ BROWSER_IS_ELSEWHERE = ("WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI")
 def own_course() -> Path:
     """Return the course folder that the learner works in; where there is none, make one in the current directory.
 
-    The notebooks of an installed package are not for opening: whoever changed them there would change them for
-    everybody, and lose them with the next version. So they are copied, with all that they refer to. What is in the
+    The notebooks of an installed package are not for opening: a change there would be a change for all users, and
+    would be lost with the next version. So they are copied, with all that they refer to. What is in the
     learner's folder already stays as it is; only what is missing is added, such as a later version's new notebook.
 
     Raises:
@@ -84,7 +83,7 @@ def _forwarded_origin() -> str:
     return rf"https://{re.escape(name)}-\d+\.{re.escape(domain)}" if name and domain else ""
 
 
-def trust(folder: Path = NOTEBOOKS, **settings: str) -> None:
+def trust(folder: Path, **settings: str) -> None:
     """Sign the course's notebooks as the user's own, as ``jupyter trust`` does. One that cannot be read is left out.
 
     JupyterLab shows no widget of a notebook that it does not trust when its page is loaded anew, and one that somebody

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import asyncio
 import os
 import runpy
 import shutil
 import signal
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import datetime
 from importlib import import_module
 from itertools import chain, count, cycle
 from pathlib import Path
+from subprocess import Popen
 from types import ModuleType
 from typing import TYPE_CHECKING, TextIO
 
@@ -31,14 +33,16 @@ if TYPE_CHECKING:
 __all__ = ["Launcher", "load_launch_file"]
 
 PATIENCE = 8.0  # [s] from asking a process to stop to killing it
+LOOK_EVERY = 0.1  # [s] between two looks at what still runs
+LONGEST = 1 << 16  # characters of a line; a longer one is printed in parts
 COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue")
 
 
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
     """Read the list of processes from a launch file.
 
-    It is run with the tutorial's own `launch`, also beside a real ROS 2, so that what ``tank launch`` does does not
-    depend on what is installed.
+    It is run with the tutorial's own `launch`, also beside a real ROS 2, so that ``tank launch`` does the
+    same whatever is installed.
 
     Raises:
         TutorialError: it fails, uses more of `launch` than the tutorial has, or describes what cannot be started; the
@@ -79,7 +83,7 @@ def _is_fit(command: object) -> bool:
 
 
 class Launcher:
-    """Starts processes, prints their output with their names in front, and sees to it that they end together.
+    """Starts processes, prints their output with their names in front, and ends them together.
 
     When one fails, the others are stopped: asked first, killed if they don't, or at a second Ctrl-C at once. None
     outlives the launcher, even when it is killed: see `tutorial.parent_watch`.
@@ -96,66 +100,59 @@ class Launcher:
         self._output = output
         self._width = max(map(len, self._processes))
         self._colours = dict(zip(self._processes, cycle(COLOURS)))
-        self._running: dict[str, asyncio.subprocess.Process] = {}
-        self._stop = asyncio.Event()
+        self._running: dict[str, Popen[str]] = {}
+        self._readers: list[threading.Thread] = []
+        self._stop = threading.Event()
         self._status = 0
         self.interrupted = False
 
-    async def run(self) -> int:
+    def run(self, progress: Callable[[float], object]) -> int:
         """Run the processes to their end.
+
+        Args:
+            progress: called again and again with the seconds that have passed.
 
         Returns:
             The exit status: that of the process that failed first, 0 when none did.
         """
-        loop = asyncio.get_running_loop()
-        handle_signals(
-            lambda: loop.call_soon_threadsafe(self._interrupt),
-            at_once=lambda: self._signal_groups(signal.SIGKILL),
-        )
+        handle_signals(self._interrupt, at_once=lambda: self._signal_groups(signal.SIGKILL))
+        began = time.monotonic()
         try:
             for name, process in self._processes.items():
-                self._running[name] = await self._start(name, process)
-            ended = asyncio.create_task(self._follow_all())
-            await self._stop.wait()
+                self._start(name, process)
+            while any(reader.is_alive() for reader in self._readers) and not self._stop.wait(LOOK_EVERY):
+                progress(time.monotonic() - began)
         finally:
-            await self._stop_all()
-        await ended
+            self._stop_all()
+            for reader in self._readers:
+                reader.join()
         return self._status
 
     def _interrupt(self) -> None:
         self.interrupted = True
         self._stop.set()
 
-    async def _start(self, name: str, process: ExecuteProcess) -> asyncio.subprocess.Process:
+    def _start(self, name: str, process: ExecuteProcess) -> None:
+        """Start a process, and a thread that follows it."""
         command = [str(word) for word in process.cmd]
         try:
-            environment = {**(os.environ if process.env is None else process.env), "PYTHONUNBUFFERED": "1"}
+            environment = os.environ if process.env is None else process.env
             environment = with_own_commands({**environment, **self._environment, **(process.additional_env or {})})
             command[0] = shutil.which(command[0], path=environment["PATH"]) or command[0]
-            return await asyncio.create_subprocess_exec(
-                *parent_watch.watched(command),
-                stdin=asyncio.subprocess.PIPE,
-                stdout=asyncio.subprocess.PIPE,
-                stderr=asyncio.subprocess.STDOUT,
-                start_new_session=True,
-                env=environment,
-                cwd=process.cwd,
-            )
+            self._running[name] = started = parent_watch.start_watched(command, environment, process.cwd)
         except (OSError, TypeError, ValueError) as error:  # the last two: what no program can be given, as a zero byte
             raise TutorialError(f"{name} could not be started: {error}") from error
+        reader = threading.Thread(target=self._follow, args=(name, started), daemon=True)
+        self._readers.append(reader)
+        reader.start()
 
-    async def _follow_all(self) -> None:
-        try:
-            await asyncio.gather(*(self._follow(name, process) for name, process in self._running.items()))
-        finally:
-            self._stop.set()
-
-    async def _follow(self, name: str, process: asyncio.subprocess.Process) -> None:
+    def _follow(self, name: str, process: Popen[str]) -> None:
         """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
-        assert process.stdout is not None
-        while line := await _read_line(process.stdout):
-            self._say(name, printable_lines(line.rstrip("\n")))
-        status = await process.wait()
+        with process:
+            assert process.stdout is not None
+            while line := process.stdout.readline(LONGEST):
+                self._say(name, printable_lines(line.rstrip("\n")))
+            status = process.wait()
         if status >= 0:  # else there may be something left of its group, which is going to be stopped
             self._running.pop(name, None)
         if status and not self._stop.is_set():
@@ -163,13 +160,14 @@ class Launcher:
             self._say(name, f"failed with exit status {self._status}; the others are stopped")
             self._stop.set()
 
-    async def _stop_all(self) -> None:
+    def _stop_all(self) -> None:
         """Ask every process group that is left to stop, and kill what hasn't in time."""
+        self._stop.set()
         self._signal_groups(signal.SIGINT)
-        for _ in range(round(PATIENCE / 0.1)):
+        for _ in range(round(PATIENCE / LOOK_EVERY)):
             if not self._signal_groups(0):
                 return
-            await asyncio.sleep(0.1)
+            time.sleep(LOOK_EVERY)
         for name in self._running:
             self._say(name, f"did not stop within {PATIENCE:g} s and is killed")
         self._signal_groups(signal.SIGKILL)
@@ -188,16 +186,8 @@ class Launcher:
         try:
             self._output.write(f"{prefix}{line}\n")
             self._output.flush()
-        except BrokenPipeError:  # whoever read has gone, as head does
+        except BrokenPipeError:  # the reader has gone, as head does
             self._stop.set()
-
-
-async def _read_line(stream: asyncio.StreamReader) -> str:
-    """Read one line, or the part of an overlong one that fits; empty at the end."""
-    try:
-        return (await stream.readline()).decode("utf-8", "replace")
-    except ValueError:  # longer than the reader's buffer, which is emptied
-        return "..."
 
 
 def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:

@@ -1,6 +1,6 @@
 """The command ``tank package``: a controller, or a node, as a ROS 2 package of its own."""
 
-# ruff: noqa: PLC0415 - help is to come at once
+# ruff: noqa: PLC0415 - help must be fast
 
 from __future__ import annotations
 
@@ -37,21 +37,15 @@ def package(name: str, own: str | None, destination: Path) -> None:
 
     Without a controller it is made of an example, a node that needs nothing of the tutorial.
     """
-    from tutorial.commands.packaging.contents import controller_node, example_node, package_files
-    from tutorial.commands.packaging.maintainer import NOBODY, find_maintainer
-    from tutorial.commands.packaging.naming import check_name
+    from tutorial.commands.packaging.contents import make_package
 
     folder = destination / name
-    check_name(name)
-    node = example_node() if own is None else controller_node(*part_class(own))
-    maintainer = find_maintainer()
-    files = package_files(name, node, maintainer)
-    _write(folder, files)
-    blanks = "license and maintainer" if maintainer == NOBODY else "license"
-    say("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
-    say(f"\nFill in its {blanks}, in package.xml and in setup.py. Its README.md says how to build and run it:\n\n")
+    made = make_package(name, None if own is None else part_class(own))
+    _write(folder, made.files)
+    say("".join(f"{printable(str(folder / path))}\n" for path in sorted(made.files)))
+    say(f"\nFill in its {made.blanks}, in package.xml and in setup.py. Its README.md says how to build and run it:\n\n")
     say(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")
-    say(f"    ros2 run {name} {node.module}\n    ros2 launch {name} {name}.launch.py\n")
+    say(f"    ros2 run {name} {made.executable}\n    ros2 launch {name} {name}.launch.py\n")
 
 
 def _write(folder: Path, files: Mapping[str, bytes]) -> None:

@@ -1,6 +1,6 @@
 """The command ``tank progress``."""
 
-# ruff: noqa: PLC0415 - help is to come at once
+# ruff: noqa: PLC0415 - help must be fast
 
 from __future__ import annotations
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import gc
 import os
 import sys
@@ -20,7 +19,6 @@ from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.bag import bag
 from tutorial.commands.chaos import chaos
 from tutorial.commands.check import check
-from tutorial.commands.node import node
 from tutorial.commands.options import duration_option, headless_option, linger_option, part_class, report_option
 from tutorial.commands.package import package
 from tutorial.commands.progress import progress
@@ -31,9 +29,8 @@ from tutorial.commands.terminal import (
     progress_bar,
     say,
     until_asked,
-    with_bar,
 )
-from tutorial.commands.topic import topic
+from tutorial.commands.topic import node, topic
 from tutorial.commands.urdf import urdf
 from tutorial.errors import TutorialError, printable
 
@@ -119,7 +116,8 @@ def run(
         loaded = loaded.with_robot(robot)
     for given in own:
         loaded = loaded.with_own(load_controllers(*part_class(given)))
-    return until_asked(_host(loaded, ros_args, duration, **how), duration)
+    asked = until_asked(_host(loaded, ros_args, duration, **how))
+    return INTERRUPTED if asked and duration is not None else 0
 
 
 @tank.command(short_help="Publish a gamepad, or a scripted drive, on /joy.")
@@ -292,5 +290,6 @@ def _launch(step: str, duration: float | None, headless: bool, report: Path | No
     processes = load_launch_file(find_launch_file(step))
     above_the_bar: Any = DummyTqdmFile(sys.stdout)
     launcher = Launcher(processes, environment, above_the_bar)
-    status = asyncio.run(with_bar(launcher.run, duration))
+    with progress_bar(duration) as progress:
+        status = launcher.run(progress)
     return INTERRUPTED if launcher.interrupted and duration is not None and not status else status

@@ -8,7 +8,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
@@ -27,7 +26,6 @@ __all__ = [
     "say",
     "status_line",
     "until_asked",
-    "with_bar",
 ]
 
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
@@ -84,8 +82,8 @@ def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[
         os._exit(128 + number)
 
 
-def until_asked(program: Awaitable[None], duration: float | None) -> int:
-    """Run a program on a fresh event loop until it ends or is asked to, by Ctrl-C or SIGTERM."""
+def until_asked(program: Awaitable[None]) -> bool:
+    """Run a program on a fresh event loop until it ends or is asked to, by Ctrl-C or SIGTERM; return whether it was."""
     asked = threading.Event()
 
     async def body() -> None:
@@ -104,18 +102,7 @@ def until_asked(program: Awaitable[None], duration: float | None) -> int:
                 raise
 
     asyncio.run(body())
-    return INTERRUPTED if asked.is_set() and duration is not None else 0
-
-
-async def with_bar(job: Callable[[], Awaitable[int]], duration: float | None) -> int:
-    """Show a progress bar while a job runs."""
-    began = time.monotonic()
-    with progress_bar(duration) as progress:
-        task = asyncio.ensure_future(job())
-        while not task.done():
-            progress(time.monotonic() - began)
-            await asyncio.wait([task], timeout=0.5)
-        return task.result()
+    return asked.is_set()
 
 
 @contextmanager

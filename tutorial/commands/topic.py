@@ -1,6 +1,6 @@
-"""The commands ``tank topic``: what ``ros2 topic`` prints."""
+"""The commands ``tank topic`` and ``tank node``: what ``ros2 topic`` and ``ros2 node`` print."""
 
-# ruff: noqa: PLC0415 - rclpy takes a moment, and help is to come at once
+# ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
 from __future__ import annotations
 
@@ -8,14 +8,19 @@ from typing import TYPE_CHECKING
 
 import click
 
-from tutorial.commands.asking import asks, say_all
+from tutorial.commands.asking import asks
 from tutorial.commands.options import Finite
-from tutorial.commands.terminal import say
+from tutorial.printing import say, say_all
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode
 
-__all__ = ["topic"]
+__all__ = ["node", "topic"]
+
+SAME_NAME = (
+    "WARNING: Be aware that there are nodes in the graph that share an exact name, "
+    "which can have unintended side effects."
+)
 
 
 @click.group(short_help="List topics, look at one, or publish on it, as ros2 topic does.")
@@ -28,10 +33,9 @@ def topic() -> None:
 @asks
 async def list_topics(node: MeteredNode, show_types: bool) -> None:
     """List the topics there are."""
-    from tutorial.ros.topics import topic_list, wait_for_graph
+    from tutorial.ros.topics import topic_list
 
-    await wait_for_graph(node)
-    say(topic_list(node, show_types))
+    say(await topic_list(node, show_types))
 
 
 @topic.command()
@@ -40,11 +44,9 @@ async def list_topics(node: MeteredNode, show_types: bool) -> None:
 @asks
 async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
     """Say what type a topic has, and who publishes and subscribes."""
-    from tutorial.ros.topics import topic_info, wait_for_graph
-    from tutorial.ros.topics.listing import topics_with_types
+    from tutorial.ros.topics import topic_info
 
-    await wait_for_graph(node, lambda: topic_name in topics_with_types(node, include_hidden=True))
-    say(topic_info(node, topic_name, verbose))
+    say(await topic_info(node, topic_name, verbose))
 
 
 @topic.command()
@@ -57,22 +59,18 @@ async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None
     """Print the messages of a topic as they come, until Ctrl-C."""
     from tutorial.ros.topics import topic_echo
 
-    name = await _met(node, topic_name)
-    await say_all(topic_echo(node, name, count=1 if once else None, field=field, no_arr=no_arr))
+    await say_all(topic_echo(node, topic_name, count=1 if once else None, field=field, no_arr=no_arr))
 
 
 @topic.command()
 @click.argument("topic_name")
-@click.option(
-    "-w", "--window", type=click.IntRange(min=1), default=10_000, show_default=True, help="Of how many messages."
-)
 @click.option("-s", "--use-sim-time", is_flag=True, help="By simulated time, from /clock.")
 @asks
-async def hz(node: MeteredNode, topic_name: str, window: int) -> None:
+async def hz(node: MeteredNode, topic_name: str) -> None:
     """Measure how often messages come on a topic, until Ctrl-C."""
     from tutorial.ros.topics import topic_hz
 
-    await say_all(topic_hz(node, await _met(node, topic_name), window=window))
+    await say_all(topic_hz(node, topic_name))
 
 
 @topic.command()
@@ -91,12 +89,20 @@ async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str
     await say_all(topic_pub(node, topic_name, message, rate, once))
 
 
-async def _met(node: MeteredNode, topic_name: str) -> str:
-    """Wait for a topic, a little, and return its full name."""
-    from tutorial.ros.topics import wait_for_graph
-    from tutorial.ros.topics.listening import type_of
-    from tutorial.ros.topics.names import full_topic
+@click.group(short_help="List the nodes, as ros2 node does.")
+def node() -> None:
+    """Look at nodes, as ros2 node does."""
 
-    name = full_topic(node, topic_name)
-    await wait_for_graph(node, lambda: type_of(node, name))
-    return name
+
+@node.command("list")
+@asks
+async def list_nodes(asker: MeteredNode) -> None:
+    """List the nodes there are, in all programs."""
+    from tutorial.ros.topics import node_names, wait_for_graph
+    from tutorial.ros.topics.names import escape_name
+
+    await wait_for_graph(asker)
+    names = node_names(asker)
+    if len(set(names)) < len(names):
+        say(f"{SAME_NAME}\n", err=True)
+    say("".join(f"{escape_name(name)}\n" for name in names))

@@ -1,6 +1,6 @@
-"""The command ``tank urdf``: a robot's description, for whoever reads it from a file."""
+"""The command ``tank urdf``: a robot's description, for programs that read it from a file."""
 
-# ruff: noqa: PLC0415 - MuJoCo takes a moment, and help is to come at once
+# ruff: noqa: PLC0415 - MuJoCo is slow to import, and help must be fast
 
 from __future__ import annotations
 

@@ -85,14 +85,4 @@ def _start(line: str) -> subprocess.Popen[str]:
     environment = with_own_commands(os.environ)
     if not words or shutil.which(words[0], path=environment["PATH"]) is None:
         raise TutorialError(f"there is no command {line!r}. Write it as at a terminal: start_command('tank joy').")
-    return subprocess.Popen(
-        parent_watch.watched(words),
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        start_new_session=True,
-        env={**environment, "PYTHONUNBUFFERED": "1"},
-        cwd=HOME,
-        text=True,
-        errors="replace",
-    )
+    return parent_watch.start_watched(words, environment, HOME)

@@ -47,7 +47,7 @@ def install_backend() -> Backend:
 
 
 def promise() -> None:
-    """See to it that ``import rclpy`` works, or says what is wrong.
+    """Make ``import rclpy`` work, or say what is wrong.
 
     A wrong ``TUTORIAL_ROS`` is no error of ``import tutorial``: without rclpy, ``tank doctor`` can still say so.
     """

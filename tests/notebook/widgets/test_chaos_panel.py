@@ -40,8 +40,8 @@ async def test_a_slider_puts_a_fault_into_the_stream_and_the_button_takes_all_aw
 async def test_ended_or_closed_it_publishes_no_more_and_leaves_no_thread(domain, leave):
     threads = threading.active_count()
     panel = ChaosPanel()
-    move(panel.sliders["type"], 1.0)
-    await until(lambda: panel.made["type"], "another type")
+    move(panel.sliders["second"], 1.0)
+    await until(lambda: panel.made["second"], "a second publisher")
     leave(panel)
     leave(panel)
     assert panel.ended

@@ -10,13 +10,13 @@ from itertools import count, islice
 from pathlib import Path
 
 import pytest
-from comparison import COMPARED, RANGES, RATE
+from comparison import RANGES, RATE
 from programs import PATIENCE, until
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 from viewers import RobotStatePublisher
 
-from tutorial.ros.chaos import Chaos
+from tutorial.ros.chaos import FAULTS, Chaos
 from tutorial.ros.chaos.faults import stamp_ns
 from tutorial.ros.chaos.stream import swing
 from tutorial.ros.node_thread import NodeThread
@@ -81,7 +81,7 @@ def test_the_model_publishes_what_the_program_publishes():
         until(lambda: publisher.publish(swing(1, tuple(RANGES), RATE)) or published or time.sleep(0.1), "both ways")
         model.take(swing(1, tuple(RANGES), RATE))
         chaos, numbers = Chaos(), count(2)
-        for fault in sorted(COMPARED, key=LAST.__contains__):
+        for fault in sorted(FAULTS, key=LAST.__contains__):
             chaos.faults = {fault: 0.3}
             for number in islice(numbers, MESSAGES):
                 for action in chaos.apply(swing(number, tuple(RANGES), RATE)):

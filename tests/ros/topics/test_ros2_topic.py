@@ -15,32 +15,18 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from programs import until
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.time import Time
-from recorded import recorded
-from sensor_msgs.msg import Image, Imu, JointState, Joy
+from recorded import joint_state, recorded, recorded_nodes
+from sensor_msgs.msg import Image, Imu, Joy
 from std_msgs.msg import Empty, Float32MultiArray, String
 
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics import topic_echo, topic_hz, topic_info, topic_list, wait_for_graph
+from tutorial.ros.topics.endpoints import reader_qos
 from tutorial.ros.topics.message_yaml import field_text, message_to_yaml
 from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
-from tutorial.ros.topics.qos import reader_qos
 
 JOINT_STATE = "/Tank/joint_state"
-RATE = 50.0
-
-
-@pytest.fixture
-def simulation(domain: int) -> Iterator[MeteredNode]:
-    """The three nodes of the recording; this is the one that publishes joint states."""
-    with NodeThread("simulation") as simulation, NodeThread("viewer") as viewer, NodeThread("joystick") as joystick:
-        publisher = simulation.node.create_publisher(JointState, JOINT_STATE, 1)
-        simulation.node.create_subscription(Joy, "/joy", lambda _: None, 1)
-        viewer.node.create_subscription(JointState, JOINT_STATE, lambda _: None, 1)
-        joystick.node.create_publisher(Joy, "/joy", 1)
-        message = joint_state()
-        simulation.node.create_timer(1 / RATE, lambda: publisher.publish(message))
-        yield simulation.node
 
 
 @pytest.fixture
@@ -48,17 +34,6 @@ def asker(domain: int) -> Iterator[MeteredNode]:
     """The node that asks, hidden as that of ``ros2`` is."""
     with NodeThread("_asker") as thread:
         yield thread.node
-
-
-def joint_state() -> JointState:
-    message = JointState(name=["TURRET_Y", "TURRET_P"], position=[0.25, -0.00979])
-    message.velocity, message.effort = [0.0, 0.0], [0.0, 1.9613]
-    message.header.stamp.sec, message.header.stamp.nanosec = 8, 160_000_000
-    return message
-
-
-def settle(node, **how) -> bool:
-    return asyncio.run(wait_for_graph(node, **how))
 
 
 async def first(texts) -> str:
@@ -74,10 +49,10 @@ def refusal(texts) -> str:
 
 
 @pytest.fixture
-def met(simulation, asker) -> Iterator[MeteredNode]:
-    """The node that asks, which knows the three others; in the end it has taken its subscriptions back."""
-    assert settle(asker)
-    yield asker
+def met(asker) -> Iterator[MeteredNode]:
+    """The node that asks, beside those of the recording; in the end it has taken its subscriptions back."""
+    with recorded_nodes():
+        yield asker
     assert not list(asker.subscriptions)
 
 
@@ -85,14 +60,14 @@ class TestGraph:
     def test_hidden_topics_are_not_listed(self, asker):
         for topic in ("/_secret", "/Tank/_secret", "/Tank/plain_"):
             asker.create_publisher(String, topic, 1)
-        settle(asker)
-        assert "secret" not in topic_list(asker)
-        assert "/Tank/plain_" in topic_list(asker).splitlines()
+        listed = asyncio.run(topic_list(asker))
+        assert "secret" not in listed
+        assert "/Tank/plain_" in listed.splitlines()
 
     def test_the_wait_gives_up_when_the_graph_keeps_changing(self, asker, monkeypatch):
         nodes = iter(range(1000))
         monkeypatch.setattr(asker, "get_node_names_and_namespaces", lambda: [(f"node{next(nodes)}", "/")])
-        assert not settle(asker, patience=0.3)
+        assert not asyncio.run(wait_for_graph(asker, patience=0.3))
 
 
 class TestEcho:
@@ -115,12 +90,12 @@ class TestEcho:
         with NodeThread("_one") as one, NodeThread("_other") as other:  # Fast DDS refuses both of one participant
             one.node.create_publisher(String, "/both", 1)
             other.node.create_publisher(Joy, "/both", 1)
-            settle(asker)
             assert refusal(topic_echo(asker, "/both")) == (
                 "Cannot echo topic '/both', as it contains more than one type: "
                 "[sensor_msgs/msg/Joy, std_msgs/msg/String]"
             )
-            assert topic_info(asker, "/both").startswith("Type: ['sensor_msgs/msg/Joy', 'std_msgs/msg/String']\n")
+            text = asyncio.run(topic_info(asker, "/both"))
+            assert text.startswith("Type: ['sensor_msgs/msg/Joy', 'std_msgs/msg/String']\n")
 
 
 class TestHz:
@@ -161,7 +136,6 @@ class TestHz:
             async with aclosing(topic_hz(asker, "/now_and_then")) as texts:
                 return await anext(texts), await anext(texts)
 
-        assert settle(asker)
         figures = "average rate: {:.3f}\n\tmin: {:.3f}s max: {:.3f}s std dev: 0.00000s window: {}\n"
         assert asyncio.run(watch()) == (figures.format(2, 0.5, 0.5, 2), figures.format(4, 0.25, 0.25, 4))
 

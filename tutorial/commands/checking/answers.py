@@ -1,4 +1,4 @@
-"""Finding the answers in a notebook: what is given to a check, and the definitions that it needs, none else.
+"""Finding the answers in a notebook: what is given to a check, and only the definitions that it needs.
 
 A notebook is not run. Of its cells those statements are taken that bind a name which the answer uses, or which these
 use in turn: imports, functions, classes and assignments. So an answer can be judged though other cells fail, or wait
@@ -173,7 +173,7 @@ def _needed(names: Iterable[str], statements: Sequence[_Statement], position: in
 
 
 def _parsed(cell: str, name: str) -> list[ast.stmt]:
-    """Parse a cell, and keep its lines for whoever quotes them.
+    """Parse a cell, and keep its lines, so that they can be quoted.
 
     Raises:
         Exception: it is no Python.

@@ -1,4 +1,4 @@
-"""What the process that judges a notebook tells the teacher's, a line of JSON each."""
+"""Messages from the process that reads a notebook, or judges an answer, to the teacher's: one line of JSON each."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from enum import StrEnum
 
 import msgspec
 
-__all__ = ["LONGEST", "Done", "Judged", "Message", "Opened", "Outcome", "Trying", "Unreadable", "clean"]
+from tutorial.errors import printable_lines
+
+__all__ = ["Judged", "Opened", "Outcome", "clean"]
 
 LONGEST = 4000  # characters of a text that is told
 
@@ -20,56 +22,41 @@ class Outcome(StrEnum):
     NOT_JUDGED = "not judged"
 
 
-class Opened(msgspec.Struct, frozen=True, tag=True):
-    """The notebook is read: which exercises it has."""
+class Opened(msgspec.Struct):
+    """The notebook is read.
 
-    exercises: tuple[str, ...]
+    Attributes:
+        exercises: those that it has, in its order.
+        problem: why it cannot be read; else empty.
+    """
 
-
-class Unreadable(msgspec.Struct, tag=True):
-    """It is none that can be read, and why."""
-
-    why: str
+    exercises: list[str]
+    problem: str = ""
 
     def __post_init__(self) -> None:
-        """Bring in nothing that a terminal would obey, made here or read."""
-        self.why = clean(self.why)[:200]
+        """Escape what a terminal would obey, in a message made here and in one that was read."""
+        self.problem = clean(self.problem)[:200]
 
 
-class Trying(msgspec.Struct, frozen=True, tag=True):
-    """An answer is about to be run."""
-
-    exercise: str
-
-
-class Judged(msgspec.Struct, tag=True):
+class Judged(msgspec.Struct):
     """An answer was judged.
 
     Attributes:
-        exercise: the exercise's name.
         outcome: what became of it.
         cause: for one that is not right, the most likely cause, as a sentence.
         text: what a learner sees.
     """
 
-    exercise: str
     outcome: Outcome
     cause: str = ""
     text: str = ""
 
     def __post_init__(self) -> None:
-        """Bring in nothing that a terminal would obey, made here or read."""
+        """Escape what a terminal would obey, in a message made here and in one that was read."""
         self.cause, self.text = clean(self.cause), clean(self.text)
 
 
-class Done(msgspec.Struct, frozen=True, tag=True):
-    """There is no more."""
-
-
-Message = Opened | Unreadable | Trying | Judged | Done
-
-
 def clean(text: str) -> str:
-    """Take from a text what is no character to be read: a terminal would obey it, and XML has no place for it."""
-    kept = "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+    """Write invisible characters as escapes: a terminal would obey them, and XML forbids them."""
+    kept = printable_lines(text)
     return kept if len(kept) <= LONGEST else f"{kept[: LONGEST - 1]}…"

@@ -36,17 +36,17 @@ def table(submissions: Iterable[Submission], names: dict[Path, str]) -> Table:
         name = names[submission.path]
         if not submission.verdicts:
             columns.add_row(Text(name), "", Text("no exercise", "dim"), "")
-        for judged in submission.verdicts:
+        for exercise, judged in submission.verdicts.items():
             verdict = Text(judged.outcome, STYLES[judged.outcome])
-            columns.add_row(Text(name), Text(judged.exercise), verdict, Text(judged.cause))
+            columns.add_row(Text(name), Text(exercise), verdict, Text(judged.cause))
             name = ""
     return columns
 
 
 def summary(submissions: Sequence[Submission]) -> list[str]:
     """Sum it up: how many of which outcome, and the cause that is the most frequent."""
-    answers = [judged for submission in submissions for judged in submission.judged.values()]
-    counts = Counter(each.outcome for each in answers)
+    answers = [answer for submission in submissions for answer in submission.judged.items()]
+    counts = Counter(judged.outcome for _, judged in answers)
     parts = [f"{counts[outcome]} {outcome}" for outcome in Outcome if counts[outcome]]
     lines = [f"{count(len(submissions), 'notebook')}, {count(len(answers), 'answer')}: {', '.join(parts)}."]
     problems = sum(bool(each.problem) for each in submissions)
@@ -54,7 +54,7 @@ def summary(submissions: Sequence[Submission]) -> list[str]:
         lines = [f"{count(len(submissions), 'notebook')}, no answer."]
     if problems:
         lines.append(f"{count(problems, 'notebook')} could not be judged.")
-    causes = Counter((each.exercise, each.cause) for each in answers if each.cause)
+    causes = Counter((exercise, judged.cause) for exercise, judged in answers if judged.cause)
     if causes:
         (exercise, cause), times = causes.most_common(1)[0]
         lines.append(f"The most frequent cause ({count(times, 'answer')} to {exercise}): {cause}")
@@ -74,8 +74,8 @@ def as_json(submissions: Sequence[Submission], names: dict[Path, str]) -> dict[s
                 "notebook": names[each.path],
                 "problem": each.problem,
                 "answers": [
-                    {"exercise": a.exercise, "verdict": a.outcome, "cause": a.cause, "text": a.text}
-                    for a in each.judged.values()
+                    {"exercise": exercise, "verdict": judged.outcome, "cause": judged.cause, "text": judged.text}
+                    for exercise, judged in each.judged.items()
                 ],
             }
             for each in submissions
@@ -91,8 +91,8 @@ def as_junit(submissions: Iterable[Submission], names: dict[Path, str]) -> bytes
     for submission in submissions:
         name = names[submission.path]
         suite = ElementTree.SubElement(suites, "testsuite", name=name)
-        for judged in submission.verdicts:
-            case = ElementTree.SubElement(suite, "testcase", classname=name, name=judged.exercise or "notebook")
+        for exercise, judged in submission.verdicts.items():
+            case = ElementTree.SubElement(suite, "testcase", classname=name, name=exercise or "notebook")
             if judged.outcome in kinds:
                 ElementTree.SubElement(case, kinds[judged.outcome], message=judged.cause).text = judged.text
     ElementTree.indent(suites)

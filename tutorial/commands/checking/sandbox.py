@@ -51,7 +51,7 @@ def sandbox(folder: str) -> list[str]:
 
 
 def need_sandbox() -> None:
-    """See to it that there is a sandbox.
+    """Check that there is a sandbox.
 
     Raises:
         TutorialError: there is none; the text says why, and the mend.

@@ -1,4 +1,4 @@
-"""Having one notebook judged, in a process of its own that a sandbox holds."""
+"""Having one notebook judged, in processes of their own that a sandbox holds."""
 
 from __future__ import annotations
 
@@ -9,14 +9,13 @@ import signal
 import site
 import sys
 import tempfile
-from collections.abc import AsyncGenerator, Sequence
-from contextlib import aclosing
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 import msgspec
 
-from tutorial.commands.checking.messages import Done, Judged, Message, Opened, Outcome, Trying, Unreadable
+from tutorial.commands.checking.messages import Judged, Opened, Outcome
 from tutorial.commands.checking.sandbox import sandbox
 from tutorial.parent_watch import signal_group
 from tutorial.paths import PACKAGE
@@ -26,6 +25,7 @@ __all__ = ["Submission", "judge"]
 LARGEST = 50 << 20  # bytes of a notebook
 LINE = 1 << 16  # bytes of a message
 OUTLAST = 4  # times its limit that an answer may take of the processor: two threads and more may be at work
+UNREAD = "it could not be read: the process that reads it has ended, or taken too long"
 ENDLESS = "The answer did not come to its end within {limit:g} s."
 DISTURBED = "The answer has disturbed the process that judged it."
 BROKEN = "The answer ended the process that judged it."
@@ -34,6 +34,9 @@ KEPT = (
     *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_"),
 )
 """What variables begin with that a learner's code may see; others may hold keys and passwords."""
+
+
+T = TypeVar("T", Judged, Opened)
 
 
 @dataclass
@@ -51,16 +54,14 @@ class Submission:
     problem: str = ""
 
     @property
-    def verdicts(self) -> list[Judged]:
+    def verdicts(self) -> dict[str, Judged]:
         """What became of the answers; first of the whole, if that could not be judged, without an exercise's name."""
-        whole = [Judged("", Outcome.NOT_JUDGED, self.problem, self.problem)] if self.problem else []
-        return [*whole, *self.judged.values()]
+        whole = {"": Judged(Outcome.NOT_JUDGED, self.problem, self.problem)} if self.problem else {}
+        return whole | self.judged
 
 
 async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> Submission:
-    """Have a notebook's answers judged.
-
-    An answer that takes too long, or ends the process, is charged with that, and the others are judged in another one.
+    """Have a notebook's answers judged, each in a process of its own.
 
     Args:
         path: the file.
@@ -74,79 +75,66 @@ async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> Submissi
         submission.problem = f"it has more than {LARGEST >> 20} MB"
     else:
         try:
-            with path.open("rb", buffering=0) as notebook:
-                while await _judge_on(submission, notebook.fileno(), limit, is_sandboxed):
-                    notebook.seek(0)
+            opened = await _told(Opened, path, limit, is_sandboxed)
+            submission.problem = opened.problem
+            for exercise in opened.exercises:
+                submission.judged[exercise] = await _judge_one(path, exercise, limit, is_sandboxed)
+        except (EOFError, TimeoutError, ValueError, msgspec.MsgspecError):
+            submission.problem = UNREAD
         except OSError as error:
             submission.problem = f"it cannot be judged: {error.strerror}"
     return submission
 
 
-async def _judge_on(submission: Submission, notebook: int, limit: float, is_sandboxed: bool) -> bool:
-    """Judge what is not judged yet, in one process; return whether something is left that another one can do."""
-    left: set[str] | None = None  # the exercises that are not judged yet, when the notebook is read
-    tried, why = "", BROKEN
+async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool) -> Judged:
+    """Have an answer judged; if it takes too long, or ends or disturbs its process, the verdict says so."""
     try:
-        async with aclosing(_messages(notebook, tuple(submission.judged), limit, is_sandboxed)) as messages:
-            async for message in messages:
-                match message:
-                    case Unreadable() if left is None:
-                        submission.problem = message.why
-                        return False
-                    case Opened() if left is None:
-                        left = set(message.exercises) - submission.judged.keys()
-                    case Trying(exercise=name) if left and name in left and tried not in left:
-                        tried = name
-                    case Judged(exercise=name) if left and name in left and name == tried:
-                        submission.judged[name] = message
-                        left.remove(name)
-                    case Done() if left == set():
-                        return False
-                    case _:  # it is not its turn, so it is the answer's and not the process's
-                        raise ValueError(message)
+        return await _told(Judged, path, limit, is_sandboxed, exercise)
     except TimeoutError:
         why = ENDLESS.format(limit=limit)
+    except EOFError:
+        why = BROKEN
     except (ValueError, msgspec.MsgspecError):
         why = DISTURBED
-    if left is None or not tried:
-        submission.problem = "it could not be read: the process that reads it has ended, or taken too long"
-        return False
-    submission.judged[tried] = Judged(tried, Outcome.NOT_JUDGED, why, why)
-    return bool(left - {tried})
+    return Judged(Outcome.NOT_JUDGED, why, why)
 
 
-async def _messages(notebook: int, done: Sequence[str], limit: float, is_sandboxed: bool) -> AsyncGenerator[Message]:
-    """Start the process, and yield what it tells; nothing of it is left afterwards.
+async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *exercise: str) -> T:
+    """Start a process for a notebook, or for one of its answers, and return its message. Kill what is left of it.
 
     Raises:
-        TimeoutError: it has not told anything for too long.
-        ValueError, msgspec.MsgspecError: what it has told is no message.
+        EOFError: it has written nothing.
+        OSError: the notebook cannot be opened.
+        TimeoutError: it has taken too long.
+        ValueError, msgspec.MsgspecError: it has written something other than one message.
     """
-    with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder:
-        words = map(str, (notebook, math.ceil(OUTLAST * limit), is_sandboxed, *done))
+    with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder, path.open() as file:
         process = await asyncio.create_subprocess_exec(
             *(sandbox(folder) if is_sandboxed else ()),
-            *(sys.executable, "-P", "-m", "tutorial.commands.checking._child", *words),
+            *(sys.executable, "-P", "-m", "tutorial.commands.checking._child"),
+            *map(str, (file.fileno(), math.ceil(OUTLAST * limit), is_sandboxed, *exercise)),
             stdin=asyncio.subprocess.PIPE,  # its end tells the process that this one is gone
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
             limit=LINE,
-            pass_fds=[notebook],
+            pass_fds=[file.fileno()],
             start_new_session=True,
             cwd=folder,
             env=_environment(folder),
         )
         assert process.stdout is not None
         try:
-            while True:
-                async with asyncio.timeout(limit):
-                    line = await process.stdout.readline()
-                if not line:
-                    return
-                yield msgspec.json.decode(line, type=Message)
+            async with asyncio.timeout(limit):
+                line = await process.stdout.readline()
+                more = await process.stdout.read(1)
         finally:
             signal_group(process.pid, signal.SIGKILL)
             await process.wait()
+    if not line:
+        raise EOFError
+    if more:
+        raise ValueError(more)
+    return msgspec.json.decode(line, type=kind)
 
 
 def _environment(folder: str) -> dict[str, str]:

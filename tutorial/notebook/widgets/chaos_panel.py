@@ -60,7 +60,6 @@ class ChaosPanel(VBox):  # type: ignore[misc]
             return
         self.ended = True
         self._next.cancel()
-        self._stream.close()
         self._ros.close()
         for control in (*self.sliders.values(), self._reset):
             control.disabled = True

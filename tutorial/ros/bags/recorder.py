@@ -21,10 +21,9 @@ from tutorial.errors import TutorialError
 from tutorial.ros.bags.qos import qos_text
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel
 from tutorial.ros.bags.writer import BagWriter
-from tutorial.ros.topics.endpoints import publishers_on
+from tutorial.ros.topics.endpoints import publishers_on, reader_qos
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, message_class
-from tutorial.ros.topics.qos import reader_qos
 
 __all__ = ["Recorder"]
 

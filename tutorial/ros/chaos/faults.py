@@ -57,7 +57,6 @@ FAULTS = {
     "drop": "the message is lost",
     "burst": f"the message comes {BURST} times at once",
     "second": "a second publisher says that all joints are at 0",
-    "type": "a publisher sends another type on the topic",
 }
 """What each fault does, by name, in the order in which they are applied."""
 
@@ -66,12 +65,11 @@ class Action(NamedTuple):
     """What is to be done next.
 
     Attributes:
-        kind: ``"publish"`` the message; publish it as a ``"second"`` publisher; ``"restart"`` the publisher; publish
-            something of another ``"type"``.
+        kind: ``"publish"`` the message; publish it as a ``"second"`` publisher; ``"restart"`` the publisher.
         message: the `sensor_msgs/JointState` to publish, if it is one.
     """
 
-    kind: Literal["publish", "second", "restart", "type"]
+    kind: Literal["publish", "second", "restart"]
     message: Any = None
 
 
@@ -85,15 +83,10 @@ class Chaos:
     Attributes:
         faults: as given; they may be replaced while the stream runs.
         made: how many messages each fault has hit so far, by name.
-
-    Raises:
-        TutorialError: there is no such fault, or no such share.
     """
 
     def __init__(self, faults: Mapping[str, float] | None = None, seed: int = 0) -> None:
         self.faults = dict(faults or {})
-        for name, share in self.faults.items():
-            _check(name, share)
         self.made = dict.fromkeys(FAULTS, 0)  # complete from the start: another thread may be reading
         self._random = {name: Random(f"{seed} {name}") for name in FAULTS}
         self._newest_ns = 0  # the stamp of the last message that was in time
@@ -115,7 +108,7 @@ class Chaos:
             if name in hits and 0 < len(message.name) == len(message.position):
                 change(self._random[name], faulty)
                 self.made[name] += 1
-        for name in ("restart", "ahead", "drop", "second", "type"):
+        for name in ("restart", "ahead", "drop", "second"):
             self.made[name] += name in hits
         actions = []
         if "restart" in hits:
@@ -127,8 +120,6 @@ class Chaos:
         actions += self._in_time(faulty, hits)
         if "second" in hits:
             actions.append(Action("second", _at_zero(message)))
-        if "type" in hits:
-            actions.append(Action("type"))
         return actions
 
     def _in_time(self, message: Any, hits: list[str]) -> list[Action]:
@@ -162,7 +153,10 @@ def parse_fault(text: str) -> tuple[str, float]:
         share = float(given) if colon else 1.0
     except ValueError:
         share = nan
-    _check(name, share)
+    if name not in FAULTS:
+        raise TutorialError(f"there is no fault {printable(name)!r}.{did_you_mean(name, FAULTS)}")
+    if not 0 <= share <= 1:
+        raise TutorialError(f"of the messages {name!r} cannot hit a share of {share:g}: give a number from 0 to 1.")
     return name, share
 
 
@@ -175,14 +169,6 @@ def stamp_ns(message: Any) -> int:
 def set_stamp_ns(message: Any, ns: int) -> None:
     """Set a message's stamp [ns]."""
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(ns, SECOND_NS)
-
-
-def _check(name: str, share: float) -> None:
-    """See to it that there is such a fault, and that a share is one."""
-    if name not in FAULTS:
-        raise TutorialError(f"there is no fault {printable(name)!r}.{did_you_mean(name, FAULTS)}")
-    if not 0 <= share <= 1:
-        raise TutorialError(f"of the messages {name!r} cannot hit a share of {share:g}: give a number from 0 to 1.")
 
 
 def _at_zero(message: Any) -> Any:

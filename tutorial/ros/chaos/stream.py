@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Sequence
 from typing import Any
 
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
-from std_msgs.msg import String
 
 from tutorial.errors import TutorialError
-from tutorial.ros.chaos.faults import Action, Chaos, set_stamp_ns
-from tutorial.ros.node_thread import NodeThread
+from tutorial.ros.chaos.faults import Chaos, set_stamp_ns
 
 __all__ = ["JOINTS", "RATE", "TOPIC", "ChaosStream", "swing"]
 
@@ -42,7 +39,7 @@ def swing(number: int, joints: Sequence[str] = JOINTS, rate: float = RATE) -> Jo
 
 
 class ChaosStream:
-    """Publishes a good stream of joint states with faults in it, on the thread that spins its node.
+    """Publishes a good stream of joint states with faults in it, on the thread that spins its node, and as long.
 
     Args:
         node: that publishes.
@@ -61,9 +58,6 @@ class ChaosStream:
         self.chaos = chaos
         self._node: Any = node
         self._number = 0
-        self._sending = threading.Lock()
-        self._closed = False
-        self._stranger: NodeThread | None = None
         self._publishers: dict[str, Any] = {"publish": node.create_publisher(JointState, topic, DEPTH)}
         self._topic: str = self._publishers["publish"].topic_name
         if good is None:
@@ -76,38 +70,17 @@ class ChaosStream:
                 f"elsewhere, --ros-args -r {self._topic}:=/good, and take it from there: --from /good."
             )
 
-    def close(self) -> None:
-        """Publish no more, and end what does not end with the node. Idempotent, any thread but the node's."""
-        with self._sending:
-            self._closed = True
-        if self._stranger is not None:
-            self._stranger.close()
-
     def _swing(self) -> None:
         self._send(swing(self._number))
         self._number += 1
 
     def _send(self, message: JointState) -> None:
         """Put the faults into a message, and publish what comes of it."""
-        with self._sending:
-            if self._closed:
-                return
-            for action in self.chaos.apply(message):
-                self._do(action)
-
-    def _do(self, action: Action) -> None:
-        if action.kind == "restart":
-            self._node.destroy_publisher(self._publishers.pop("publish"))
-            self._publisher("publish")
-        else:
-            self._publisher(action.kind).publish(action.message or String(data="no joint state"))
-
-    def _publisher(self, kind: str) -> Any:
-        """Return the publisher for a kind of action, which is made when it is first needed."""
-        if kind not in self._publishers and kind == "type":
-            # A participant of its own, because Fast DDS has only one type on a topic in each.
-            self._stranger = NodeThread(f"{self._node.get_name()}_of_another_type")
-            self._publishers[kind] = self._stranger.node.create_publisher(String, self._topic, DEPTH)
-        elif kind not in self._publishers:
-            self._publishers[kind] = self._node.create_publisher(JointState, self._topic, DEPTH)
-        return self._publishers[kind]
+        for action in self.chaos.apply(message):
+            kind = "second" if action.kind == "second" else "publish"
+            if action.kind == "restart":
+                self._node.destroy_publisher(self._publishers.pop(kind))
+            if kind not in self._publishers:
+                self._publishers[kind] = self._node.create_publisher(JointState, self._topic, DEPTH)
+            if action.message is not None:
+                self._publishers[kind].publish(action.message)

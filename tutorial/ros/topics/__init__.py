@@ -2,12 +2,10 @@
 
 from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.listening import topic_echo, topic_hz
-from tutorial.ros.topics.listing import topic_info, topic_list
-from tutorial.ros.topics.nodes import node_info, node_names
+from tutorial.ros.topics.listing import node_names, topic_info, topic_list
 from tutorial.ros.topics.publishing import topic_pub
 
 __all__ = [
-    "node_info",
     "node_names",
     "topic_echo",
     "topic_hz",

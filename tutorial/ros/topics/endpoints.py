@@ -1,15 +1,18 @@
-"""Who is on a topic, whatever it is called."""
+"""Who is on a topic, whatever it is called, and what a subscription can ask of all publishers there."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from tutorial.ros.topics.names import is_valid_topic
 
-__all__ = ["publishers_on", "subscriptions_on"]
+__all__ = ["publishers_on", "reader_qos", "subscriptions_on"]
+
+SENSOR_DEPTH = 5  # of rclpy's qos_profile_sensor_data, which ros2 begins with
 
 
 def publishers_on(node: Node, topic: str) -> list[TopicEndpointInfo]:
@@ -30,3 +33,20 @@ def subscriptions_on(node: Node, topic: str) -> list[TopicEndpointInfo]:
 def _infos(ask: Callable[..., list[TopicEndpointInfo]], topic: str) -> list[TopicEndpointInfo]:
     """Ask by the topic's name; rclpy refuses one that breaks the rules, but takes the name that it has in DDS."""
     return ask(topic) if is_valid_topic(topic) else ask(f"rt{topic}", no_mangle=True)
+
+
+def reader_qos(node: Node, topic: str) -> QoSProfile:
+    """Choose what a subscription can ask for so that all publishers of a topic fit it, as ``ros2`` does.
+
+    Args:
+        node: that asks.
+        topic: its full name.
+    """
+    offered = [info.qos_profile for info in publishers_on(node, topic)]
+    reliable = bool(offered) and all(qos.reliability == ReliabilityPolicy.RELIABLE for qos in offered)
+    lasting = bool(offered) and all(qos.durability == DurabilityPolicy.TRANSIENT_LOCAL for qos in offered)
+    return QoSProfile(
+        depth=SENSOR_DEPTH,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if lasting else DurabilityPolicy.VOLATILE,
+    )

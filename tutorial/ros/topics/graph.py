@@ -13,6 +13,7 @@ from math import inf
 from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
 
+from tutorial.ros.node_thread import NodeThread
 from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name
 
@@ -33,6 +34,7 @@ NAMELESS = "_NODE_NAME_UNKNOWN_"  # whose name is still on its way
 async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True, patience: float = PATIENCE) -> bool:
     """Wait until all who were discovered have told what they have, and what is known has stopped changing.
 
+    Other nodes of this process are there for certain, so they are waited for, too: Fast DDS takes seconds to meet them.
     If that was in vain, a warning says so.
 
     Args:
@@ -51,7 +53,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
         before, seen = seen, _snapshot(node)
         agreeing = agreeing + 1 if seen == before else 0
         done, waited = agreeing >= _reads(node, seen), time.monotonic() - began
-        if done and (waited >= timeout or wanted()):
+        if done and (waited >= timeout or (_has_met_its_own(node) and wanted())):
             return True
         if waited >= patience:
             _log.warning("nodes still come and go: what is said of them may be incomplete")
@@ -69,6 +71,14 @@ def _reads(node: Node, seen: tuple[tuple[str, ...], ...]) -> float:
         return QUIET_READS if node.context.graph.is_complete() else inf
     alone = _is_fast_dds() and seen[:1] == ((full_name(node.get_name(), node.get_namespace()),),)
     return PATIENT_READS if alone or any(NAMELESS in names for names in seen) else QUIET_READS
+
+
+def _has_met_its_own(node: Node) -> bool:
+    """Whether a node knows of all other nodes of its process that are in its domain."""
+    met = {full_name(*each) for each in node.get_node_names_and_namespaces()}
+    domain = node.context.get_domain_id()
+    ours = (each for each in tuple(NodeThread.alive) if each.node.context.get_domain_id() == domain)
+    return met.issuperset(each.full_name for each in ours)
 
 
 def _is_fast_dds() -> bool:

@@ -17,11 +17,12 @@ from rclpy.node import Node
 
 from tutorial.errors import TutorialError
 from tutorial.handoff import CallQueue
+from tutorial.ros.topics.endpoints import reader_qos
+from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.message_yaml import field_text
-from tutorial.ros.topics.names import escape_name, message_class
-from tutorial.ros.topics.qos import reader_qos
+from tutorial.ros.topics.names import escape_name, full_topic, message_class
 
-__all__ = ["NO_TYPE", "not_published", "topic_echo", "topic_hz", "type_of"]
+__all__ = ["topic_echo", "topic_hz"]
 
 LOOK_EVERY = 0.1  # [s] for a topic that is not there yet
 HZ_EVERY = 1.0  # [s] between two texts of topic_hz
@@ -45,7 +46,7 @@ async def topic_echo(
 
     Args:
         node: that subscribes; its thread must spin.
-        topic: its full name.
+        topic: its name, which is waited for a little.
         count: how many messages; 1 is ``--once``, None goes on for ever.
         field: show only this field: ``"position"``, ``"header.stamp"``.
         no_arr: show of each array only what it is.
@@ -57,9 +58,10 @@ async def topic_echo(
     Raises:
         TutorialError: the topic or the field is unknown, with the text of ``ros2``; or no message came in time.
     """
-    type_name = type_of(node, topic)
+    topic = await _known(node, topic)
+    type_name = _type_of(node, topic)
     if type_name is None:
-        raise TutorialError(f"{not_published(topic)}\n{NO_TYPE}")
+        raise TutorialError(f"{_not_published(topic)}\n{NO_TYPE}")
     with closing(_Inbox(node, message_class(type_name), topic)) as inbox:
         while count is None or count > 0:
             _, message = await inbox.next(timeout)
@@ -76,7 +78,8 @@ async def topic_hz(
 
     Args:
         node: that subscribes; its thread must spin. Where it uses simulated time, that is what counts.
-        topic: its full name. If there is none, a warning is the first text, and the wait for it begins.
+        topic: its name, which is waited for a little. If there is none, a warning is the first text, and the wait goes
+            on.
         window: how many intervals between messages count, the newest.
         timeout: how long to wait for the topic, and then for each message, at most [s]; None for ever.
 
@@ -86,10 +89,11 @@ async def topic_hz(
     Raises:
         TutorialError: no message came in time.
     """
-    if type_of(node, topic) is None:
-        yield f"{not_published(topic)}\n"
+    topic = await _known(node, topic)
+    if _type_of(node, topic) is None:
+        yield f"{_not_published(topic)}\n"
     async with _in_time(node, topic, timeout):
-        while (type_name := type_of(node, topic)) is None:
+        while (type_name := _type_of(node, topic)) is None:
             await asyncio.sleep(LOOK_EVERY)
     intervals: deque[float] = deque(maxlen=window)
     with closing(_Inbox(node, message_class(type_name), topic, kept=window + 1, times_only=True)) as inbox:
@@ -180,7 +184,14 @@ async def _in_time(node: Node, topic: str, timeout: float | None) -> AsyncGenera
         ) from None
 
 
-def type_of(node: Node, topic: str) -> str | None:
+async def _known(node: Node, topic: str) -> str:
+    """Wait for a topic, a little, and return its full name."""
+    name = full_topic(node, topic)
+    await wait_for_graph(node, lambda: _type_of(node, name))
+    return name
+
+
+def _type_of(node: Node, topic: str) -> str | None:
     """Return the type of a topic; None if there is no such topic.
 
     Raises:
@@ -193,7 +204,7 @@ def type_of(node: Node, topic: str) -> str | None:
     return types[0] if types else None
 
 
-def not_published(topic: str) -> str:
+def _not_published(topic: str) -> str:
     """Say that there is no such topic, in the words of ``ros2``."""
     return f"WARNING: topic [{escape_name(topic)}] does not appear to be published yet"
 

@@ -1,7 +1,7 @@
-"""Which topics there are and who is on them: ``ros2 topic list`` and ``info``, as text.
+"""Which nodes and topics there are, and who is on a topic: ``ros2 node list``, ``topic list`` and ``topic info``.
 
-The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. Names stand in
-the texts as `escape_name`: ``ros2`` has them as they come.
+The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints. In the texts
+names are written by `escape_name`; ``ros2`` prints them as they come.
 """
 
 from __future__ import annotations
@@ -13,9 +13,20 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
-from tutorial.ros.topics.names import escape_name, is_hidden
+from tutorial.ros.topics.graph import wait_for_graph
+from tutorial.ros.topics.names import escape_name, full_name, is_hidden
 
-__all__ = ["topic_info", "topic_list", "topics_with_types"]
+__all__ = ["node_names", "topic_info", "topic_list", "topics_with_types"]
+
+
+def node_names(node: Node) -> list[str]:
+    """Return the full names of the nodes there are, but for hidden ones, sorted; one that several have comes as often.
+
+    Args:
+        node: that asks.
+    """
+    found = node.get_node_names_and_namespaces()
+    return sorted(full_name(name, space) for name, space in found if not name.startswith("_"))
 
 
 def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, list[str]]:
@@ -29,16 +40,17 @@ def topics_with_types(node: Node, include_hidden: bool = False) -> dict[str, lis
     return {topic: types for topic, types in found if include_hidden or not is_hidden(topic)}
 
 
-def topic_list(node: Node, show_types: bool = False) -> str:
-    """List the topics there are, as ``ros2 topic list``, which leaves hidden ones out.
+async def topic_list(node: Node, show_types: bool = False) -> str:
+    """List the topics there are, as ``ros2 topic list``, which leaves hidden ones out; first wait until they are known.
 
     Args:
-        node: that asks.
+        node: that asks; its thread must spin.
         show_types: add each topic's type, as with ``-t``.
 
     Returns:
         One line for each topic.
     """
+    await wait_for_graph(node)
     lines = (
         f"{escape_name(topic)} [{', '.join(map(escape_name, types))}]\n" if show_types else f"{escape_name(topic)}\n"
         for topic, types in topics_with_types(node).items()
@@ -46,17 +58,18 @@ def topic_list(node: Node, show_types: bool = False) -> str:
     return "".join(lines)
 
 
-def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
-    """Say who publishes and subscribes, as ``ros2 topic info``.
+async def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
+    """Say who publishes and subscribes, as ``ros2 topic info``; wait a little for the topic.
 
     Args:
-        node: that asks.
+        node: that asks; its thread must spin.
         topic: its full name.
         verbose: describe each publisher and subscription with its quality of service, as with ``-v``.
 
     Raises:
         TutorialError: there is no such topic; the text is that of ``ros2``.
     """
+    await wait_for_graph(node, lambda: topic in topics_with_types(node, include_hidden=True))
     types = topics_with_types(node, include_hidden=True).get(topic)
     if types is None:
         raise TutorialError(f"Unknown topic '{escape_name(topic)}'")

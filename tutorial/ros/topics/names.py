@@ -46,7 +46,7 @@ def escape_name(name: str) -> str:
     """Return a name as it may be printed: no more of it than ROS 2's longest, and what is not visible as escapes.
 
     Args:
-        name: of a node, a topic or a type, whoever has given it.
+        name: of a node, a topic or a type, from any program.
     """
     more = len(name) - LONGEST_NAME
     return printable(name[:LONGEST_NAME]) + (f"... and {more:,} more characters" if more > 0 else "")
