@@ -22,7 +22,7 @@ class TankController(SimpleController):
         ("run stp3", 1, "Error: there is no project 'stp3'. Did you mean 'step3'?"),
         ("run step3 --duration -1", 2, "-1.0 is not in the range 0<x<=1000000"),
         ("run step3 --duration nan", 2, "'nan' is not a number."),
-        ("run step3 --headless --duration 0.1 --report /dev/null/x", 1, "the report '/dev/null/x/tank.json' cannot be"),
+        ("run step3 --headless --duration 0.1 --report /dev/null/x", 1, "the report /dev/null/x/tank.json cannot be"),
         ("run step3 --durration 1", 2, "No such option '--durration'. Did you mean '--duration'?"),
         ("joy --drive tuor", 1, "there is no drive 'tuor'. Did you mean 'tour'?"),
         ("run step3 --headless --ros-args -r garbage", 1, "Couldn't parse remap rule: '-r garbage'"),
