@@ -82,7 +82,7 @@ def bursts(answer: type) -> str:
             waiting, keys = len(viewer.calls), set(viewer.keys)
             viewer.drain()
             if waiting > 1:
-                under = ", under the key None" if keys == {None} else ", under different keys" if keys else ""
+                under = ", under different keys" if keys else ""
                 return f"more than one call waits{under}"
             if viewer.where() == at(begin, 0):
                 return "the first is shown"
@@ -128,8 +128,8 @@ messages are dropped by time or by count, and the last one with them: post every
     $post => if self.__dict__.setdefault("some", count()).__next__() < 20: $post
 each message is posted with call_later, which keeps every call: call_latest keeps the newest of a key.
     self.call_latest = config.call_latest => self.call_latest = lambda _, *call: config.call_later(*call)
-the key is None, or differs from message to message: take one that says what the call is about, the body's name.
-    self.call_latest(self.body.name, => self.call_latest(None, => self.call_latest(message.header.stamp.nanosec,
+the key differs from message to message: take one that says what the call is about, the body's name.
+    self.call_latest(self.body.name, => self.call_latest(message.header.stamp.nanosec,
 all messages that wait are drawn, one after the other, so the main thread is as busy as with a call for each: draw only
 the newest, which call_latest keeps.
     self.node = config.node => self.node, self.inbox = config.node, []
