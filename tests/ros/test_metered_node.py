@@ -6,7 +6,7 @@ from functools import partial
 
 import pytest
 from programs import until
-from rclpy.exceptions import InvalidHandle, InvalidTopicNameException
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
@@ -100,14 +100,6 @@ def test_a_coroutine_function_is_left_to_rclpy(node, backend):
     until(lambda: got == ["a"], "the callback")
 
 
-def test_raw_messages_are_bytes(node):
-    got = []
-    node.create_subscription(String, "words", got.append, 1, raw=True)
-    send(node.create_publisher(String, "words", 1), 1, "a")
-    until(lambda: got, "the message")
-    assert isinstance(got[0], bytes)
-
-
 def test_what_is_created_is_rclpys(node):
     publisher = node.create_publisher(msg_type=String, topic="words", qos_profile=1)
     subscription = node.create_subscription(msg_type=String, topic="words", callback=print, qos_profile=1)
@@ -138,31 +130,6 @@ def test_a_program_may_bring_its_own_publisher(node):
     until(lambda: got == ["A"], "the message")
     with pytest.raises(TypeError, match="publisher_class"):
         node.create_subscription(String, "words", print, 1, publisher_class=Shouting)
-
-
-def test_what_the_node_destroys_is_gone(node):
-    publisher = node.create_publisher(String, "words", 1)
-    subscription = node.create_subscription(String, "words", print, 1)
-    assert node.destroy_publisher(publisher)
-    assert not node.destroy_publisher(publisher)
-    assert node.destroy_subscription(subscription)
-    assert not node.destroy_subscription(subscription)
-    assert publisher not in node.publishers
-    assert subscription not in node.subscriptions
-    with pytest.raises(InvalidHandle):
-        publisher.publish(String())
-    with pytest.raises(InvalidHandle):
-        _ = subscription.topic_name
-
-
-def test_a_timer_calls_back_until_it_is_destroyed(node):
-    calls = []
-    timer = node.create_timer(0.001, lambda: calls.append(None))
-    assert timer in node.timers
-    until(lambda: len(calls) > 1, "two calls")
-    assert node.destroy_timer(timer)
-    assert not node.destroy_timer(timer)
-    assert timer not in node.timers
 
 
 @pytest.mark.parametrize("failure", [SystemExit, KeyboardInterrupt, GeneratorExit, ValueError])
