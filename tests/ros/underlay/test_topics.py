@@ -11,9 +11,8 @@ from typing import Any
 import psutil
 import pytest
 from rclpy._rclpy_pybind11 import InvalidHandle
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from rclpy.task import Future
 from std_msgs.msg import String
@@ -59,16 +58,6 @@ def test_a_topic_without_messages_is_not_looked_at(node, spin_until, monkeypatch
         publisher.publish(String())
         spin_until(lambda count=count: len(received) == count)
     assert looked_at == {"x7"}
-
-
-def test_incompatible_qos_is_said_once_on_each_side(node, executor, capfd):
-    node.create_publisher(String, "x", QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT))
-    node.create_subscription(String, "x", print, 1)
-    for _ in range(10):
-        executor.spin_once(timeout_sec=0.02)
-    errors = capfd.readouterr().err
-    assert errors.count("requesting incompatible QoS") == 1
-    assert errors.count("offering incompatible QoS") == 1
 
 
 @pytest.mark.embedded
@@ -179,17 +168,6 @@ def test_a_callback_may_not_spin(node, executor, spin_until):
     node.create_timer(0.01, spin_again)
     spin_until(lambda: errors)
     assert errors[0] == "Executor is already spinning"
-
-
-def test_shutdown_from_outside_ends_the_spin(context, node, executor):
-    def asked_before_it_waits():
-        del context.ok
-        threading.Timer(0.1, context.shutdown).start()  # at once, a real executor may still collect what to wait for
-        return True
-
-    context.ok = asked_before_it_waits
-    with pytest.raises(ExternalShutdownException):
-        executor.spin()
 
 
 @pytest.mark.embedded  # in rclpy what a subscription is in DDS outlives its context; here the whole process leaves DDS
