@@ -39,14 +39,6 @@ c.shutdown()
 attempt(m.create_publisher, String, "x", 1)
 print(n.create_publisher(String, "x", 1).topic_name, rclpy.ok(), c.ok())
 
-# %% the default context ends, another one goes on
-c = Context()
-c.init(args=[])
-rclpy.init(args=[])
-rclpy.shutdown()
-m = Node("m", context=c)
-print(rclpy.ok(), c.ok(), m.get_name(), m.context is c)
-
 # %% a node of another context in the global executor
 c = Context()
 c.init(args=[])
