@@ -72,29 +72,6 @@ print([context.ok() for context in contexts])
     assert (output, errors) == ("[False, False]\n", "")
 
 
-def test_a_loop_that_publishes_ends_at_a_signal(start):
-    process = start("""
-import signal, rclpy
-from std_msgs.msg import String
-rclpy.init(args=[])
-node = rclpy.create_node("x")
-publisher = node.create_publisher(String, "words", 10)
-signal.raise_signal(signal.SIGTERM)
-for work in (lambda: publisher.publish(String()), publisher.get_subscription_count):
-    try:
-        while True:
-            work()
-    except RuntimeError as error:
-        print(str(error).partition(", at ")[0])
-""")
-    output, errors = process.communicate(timeout=60)
-    assert output.splitlines() == [
-        "Failed to publish: publisher's context is invalid",
-        "failed to get subscription count: publisher's context is invalid",
-    ]
-    assert errors == ""
-
-
 FORK = """
 import os, signal, sys, threading, rclpy
 from std_msgs.msg import String

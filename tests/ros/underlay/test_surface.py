@@ -7,7 +7,6 @@ import time
 
 import pytest
 import rclpy
-from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.publisher import Publisher
 from rclpy.task import Future
@@ -72,43 +71,6 @@ def test_cancelled_future_ends_the_spin(executor):
     executor.spin_until_future_complete(future, timeout_sec=60)
     assert time.monotonic() - began < 50
     assert not future.done()
-
-
-class Caller:
-    """Has a method to be called back."""
-
-    def __init__(self, calls: list[str], name: str) -> None:
-        self.calls, self.name = calls, name
-
-    def call(self) -> None:
-        self.calls.append(self.name)
-
-
-def test_a_context_calls_back_at_its_shutdown(domain):
-    calls: list[str] = []
-    context, kept = Context(), Caller(calls, "a method")
-    with pytest.raises(TypeError, match="callback should be a callable"):
-        context.on_shutdown(3)  # type: ignore[arg-type]
-    context.on_shutdown(kept.call)
-    context.try_shutdown()
-    context.init(args=[])
-    context.on_shutdown(lambda: calls.append("a function"))
-    context.on_shutdown(Caller(calls, "a method of what is gone").call)
-    assert calls == []
-    context.shutdown()
-    assert calls == ["a method", "a function"]
-    context.try_shutdown()
-    context.on_shutdown(kept.call)
-    assert calls == ["a method", "a function", "a method"]
-
-
-def test_a_failing_callback_is_an_error_of_the_shutdown(domain):
-    context = Context()
-    context.init(args=[])
-    context.on_shutdown(lambda: 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        context.shutdown()
-    assert not context.ok()
 
 
 def test_another_type_on_a_topic_is_said_once_and_others_go_on(node, executor, spin_until, capfd, backend):
