@@ -6,19 +6,24 @@
 from __future__ import annotations
 
 import os
+import shlex
 import statistics
-from collections.abc import Callable, Iterator
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from pathlib import Path
 
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
 from costs import joint_matching, simulation_loop
 from domains import reserved_domain
-from processes import REAL, measured
 from tables import console, show
 
 ROUNDS = 5
+REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
+"""A command that runs another one with a real ROS 2, where there is one."""
 
 Pair = tuple[Callable[[], float], Callable[[], float] | None]
 
@@ -32,6 +37,28 @@ def measure(pair: Pair) -> tuple[float, float | None]:
         if reference is not None:
             others.append(reference())
     return statistics.median(mine), statistics.median(others) if others else None
+
+
+def measured(program: str, *how: str, by: Sequence[str] = (), published_by: Sequence[str] | None = None) -> float:
+    """Run ``program publish`` and ``program subscribe``, and return what the latter prints [s].
+
+    Args:
+        program: the file's name.
+        how: further arguments of both.
+        by: a command that runs others, such as `REAL`.
+        published_by: the same for the publisher; None for that of both.
+    """
+    command = [sys.executable, str(Path(__file__).with_name(program))]
+    publishing = [*(by if published_by is None else published_by), *command, "publish", *how]
+    with (
+        subprocess.Popen(publishing) as publisher,
+        subprocess.Popen([*by, *command, "subscribe", *how], stdout=subprocess.PIPE, text=True) as subscriber,
+    ):
+        try:
+            return float(subscriber.communicate(timeout=120)[0])
+        finally:
+            subscriber.kill()
+            publisher.kill()
 
 
 def traffic(pace: str) -> Pair:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from contextlib import asynccontextmanager
 
 import pytest
-from controlled import stamps_ms
-from domains import reserved_domain
 from loops import in_a_loop, until
 from scenes import commands, lines
 from sensor_msgs.msg import JointState, Joy
@@ -87,21 +85,6 @@ async def test_two_nodes_of_one_name_are_said_in_plain_words(domain, caplog):
 
         await until(said)
         assert "--ros-args -r __node:=tank_2" in caplog.text
-
-
-@in_a_loop
-async def test_two_runs_at_once_do_not_hear_each_other(node, monkeypatch):
-    heard, step2 = [], Project.load(find_project("step2"))
-    node.create_subscription(JointState, "/Tank/joint_state", lambda message: heard.extend(stamps_ms([message])), 100)
-    with reserved_domain() as other:
-        async with Host(step2) as mine:
-            monkeypatch.setenv("ROS_DOMAIN_ID", str(other))
-            async with Host(step2) as another:
-                await until(mine.controllers["JointStatePublisher"].publisher.get_subscription_count)
-                another.simulation.advance(0.5)
-                mine.simulation.advance(1.0)
-                await until(lambda: heard and heard[-1] == 980)
-    assert len(set(heard)) == len(heard), "one simulation is heard, not two"
 
 
 @pytest.mark.parametrize("path", sorted((HOME / "launch_py").glob("*.launch.py")), ids=lambda path: path.name)

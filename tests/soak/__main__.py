@@ -105,11 +105,10 @@ def row(kind: str, sent: Result, got: Result) -> tuple[str, ...]:
 
 @click.command(help=__doc__)
 @click.argument("duration", metavar="[SECONDS]", type=click.IntRange(1, 86_400), default=60)
-@click.argument("asked", metavar="[KIND]...", nargs=-1, type=click.Choice(list(OTHER_ENDS)))
-def main(duration: int, asked: tuple[str, ...]) -> None:
+def main(duration: int) -> None:
     with reserved_domain() as domain:
         os.environ["ROS_DOMAIN_ID"] = str(domain)
-        outcomes = [run(kind, duration) for kind in asked or OTHER_ENDS]
+        outcomes = [run(kind, duration) for kind in OTHER_ENDS]
     show(
         ("messages", "sent/s", "sent", "received", "lost", "median", "p99 [ms]", "memory [MB]", "of the other end"),
         (row(*outcome) for outcome in outcomes),
