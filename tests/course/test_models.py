@@ -120,7 +120,7 @@ def test_nothing_in_the_laboratory_moves():
 # ------------------------------------------------------------------------------------------------- at rest
 
 
-def test_rest_pose_and_effort_are_those_the_original_prints():
+def test_rest_pose_and_effort_are_those_the_original_prints_and_the_tank_stays_there():
     drive = Drive().run(2)
     yaw, pitch = drive.data.qpos[drive.turret]
     effort = drive.data.actuator_force[drive.motors]
@@ -128,10 +128,6 @@ def test_rest_pose_and_effort_are_those_the_original_prints():
     assert effort[1] == pytest.approx(1 * 9.80665 * 0.2, rel=0.01)
     assert abs(yaw) < 1e-6
     assert abs(effort[0]) < 1e-6
-
-
-def test_the_tank_stays_where_it_is():
-    drive = Drive().run(1)
     before = drive.position
     drive.run(2)
     assert np.linalg.norm(drive.position - before) < 0.001 * 2

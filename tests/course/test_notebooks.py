@@ -22,7 +22,6 @@ def teaches(notebook, module):
 
 
 NOTEBOOKS = sorted((HOME / "notebooks").glob("*.ipynb"))
-LONGEST_CELL = 25  # lines
 FILES = sorted(path for path in Path(controllers.__path__[0]).glob("[!_]*.py") if path.stem not in BESIDE)
 LESSONS = [(path, module) for path in NOTEBOOKS for module in FILES if teaches(path, module)]
 OWN = controller_names()
@@ -70,16 +69,10 @@ def test_nothing_is_left_out_of_the_comparison_without_a_reason(notebook):
     assert len([cell for cell in with_output if cell.metadata.get("tags")]) <= len(with_output) / 4
 
 
-def test_it_is_laid_out_as_the_others(notebook):
-    first, *_ = notebook.cells
-    assert re.match(r"# Step \d: \S", first.source)
+def test_the_last_cell_closes_everything_and_pictures_have_descriptions(notebook):
     assert code_cells(notebook)[-1].source.endswith("close_all()")
-    for before, cell in zip(notebook.cells, notebook.cells[1:]):
-        assert cell.source.strip()
-        if cell.cell_type == "code":
-            assert len(cell.source.splitlines()) <= LONGEST_CELL, cell.source
-            assert not before.source.strip().splitlines()[-1].startswith("## "), f"words come first: {cell.source}"
-        else:
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
             assert all(alt.strip() for alt in re.findall(r"!\[(.*?)\]\(", cell.source)), cell.source
             assert all("alt=" in tag for tag in re.findall(r"<img[^>]*>", cell.source)), cell.source
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 from browser import AS_WITHOUT
-from desk import course_desk
+from desk import lab_desk
+from lab import copy_files
 
+from tutorial.commands.lab import trust
 from tutorial.paths import HOME
 
 LONGEST_FIRST = sorted((HOME / "notebooks").glob("*.ipynb"), key=lambda path: -path.stat().st_size)
@@ -16,7 +18,9 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(400)]
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory):
     folder = tmp_path_factory.mktemp("desk")
-    with course_desk(folder, "/user/ada/", width=640, height=480, arguments=AS_WITHOUT, scale=0.25) as desk:
+    with lab_desk(folder, "/user/ada/", width=640, height=480, arguments=AS_WITHOUT, scale=0.25) as desk:
+        copy_files(desk.lab, HOME / "notebooks", HOME / "project", HOME / "launch_py")
+        trust(desk.lab.notebooks / "notebooks", data_dir=str(folder / "data"))
         yield desk
 
 

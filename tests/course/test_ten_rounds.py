@@ -1,32 +1,17 @@
-"""Each program of the notebooks, opened and closed ten times while messages arrive: nothing of it is left."""
+"""The programs of the notebooks, opened and closed ten times in a kernel while messages arrive: nothing is left."""
 
 from __future__ import annotations
 
 import json
 import re
-import uuid
 
 import pytest
 from kernels import kernel
-from programs import marked, until
 
 pytestmark = pytest.mark.nightly
 
 ROUNDS = 10
 TROUBLE = re.compile("Traceback|InvalidHandle|ERROR")
-
-LINES = (
-    "tank joy --drive tour --ros-args -r __node:=joystick",
-    "tank run step2 --headless --ros-args -r __node:=simulation",
-)
-"""The notebooks' commands. There is also ``tank launch``, which starts these three, and takes as long as they do."""
-
-
-def answer(running, expression):
-    """What an expression is in a kernel, if nothing goes wrong meanwhile."""
-    said, _, text = running.run(f"print('=>', json.dumps({expression}))").partition("=> ")
-    assert not TROUBLE.search(said), said
-    return json.loads(text)
 
 
 PROGRAMS = """
@@ -63,39 +48,17 @@ async def go_round():
 
 @pytest.mark.timeout(300)
 def test_programs_within_a_kernel(domain):
+    def answer(expression):
+        said, _, text = running.run(f"print('=>', json.dumps({expression}))").partition("=> ")
+        assert not TROUBLE.search(said), said
+        return json.loads(text)
+
     with kernel() as running:
         assert running.run(PROGRAMS) == ""
-        before = answer(running, "left()")
-        rounds = [answer(running, "await go_round()") for _ in range(ROUNDS)]
+        before = answer("left()")
+        rounds = [answer("await go_round()") for _ in range(ROUNDS)]
     for after in rounds:
         assert after["threads"] == before["threads"]
     for what in ("native", "files"):
         grown = rounds[-1][what] - rounds[0][what]
         assert grown < ROUNDS - 1, f"each round leaves some: {[each[what] for each in rounds]}"
-
-
-COMMANDS = """
-import json
-from tutorial.notebook import *
-
-async def go_round():
-    commands = [start_command(line) for line in LINES]
-    for command in commands:
-        await command.says("scripted drive: tour" if " joy " in repr(command) else "+ Tank")
-    close_all()
-    log()
-    return [(command.status, command.output) for command in commands]
-"""
-
-
-@pytest.mark.timeout(300)
-def test_commands_beside_a_kernel(domain):
-    mark = uuid.uuid4().hex  # of what the kernel starts, not of itself: psutil sees what a process was started with
-    with kernel() as running:
-        assert running.run(f"import os\nos.environ['TANK_TEST_MARK'] = {mark!r}\nLINES = {LINES!r}\n{COMMANDS}") == ""
-        for _ in range(ROUNDS):
-            ended = answer(running, "await go_round()")
-            until(lambda: not marked(mark), f"the end of {marked(mark)}")
-            for line, (status, output) in zip(LINES, ended):
-                assert status == 0, f"{line}: {output}"
-                assert not TROUBLE.search(output), f"{line}: {output}"

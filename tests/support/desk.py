@@ -1,4 +1,4 @@
-"""A JupyterLab, with the course or empty, and a page that is watched, for all tests of a file."""
+"""A JupyterLab, and a page that is watched, for all tests of a file."""
 
 from __future__ import annotations
 
@@ -12,13 +12,8 @@ from typing import Any
 import pytest
 from browser import PATIENCE, Witness, chromium, open_browser
 from domains import reserved_domain
-from lab import Lab, copy_files, jupyter_lab
+from lab import Lab, jupyter_lab
 from playwright.async_api import Page
-
-from tutorial.commands.lab import trust
-from tutorial.paths import HOME
-
-__all__ = ["CourseDesk", "course_desk", "lab_desk"]
 
 
 @dataclass
@@ -36,15 +31,6 @@ class CourseDesk:
     page: Page
     witness: Witness
     run: Callable[[Awaitable[Any]], Any]
-
-
-@contextmanager
-def course_desk(folder: Path, base_url: str = "/", **browser: Any) -> Iterator[CourseDesk]:
-    """Open the course; see `lab_desk`."""
-    with lab_desk(folder, base_url, **browser) as desk:
-        copy_files(desk.lab, HOME / "notebooks", HOME / "project", HOME / "launch_py")
-        trust(desk.lab.notebooks / "notebooks", data_dir=str(folder / "data"))
-        yield desk
 
 
 @contextmanager

@@ -126,26 +126,13 @@ class Notebook:
         """Interrupt what the kernel does."""
         await self._do("sessionContext.session.kernel.interrupt()")
 
-    async def code_cells(self) -> list[int]:
-        """The numbers of the cells that hold code."""
-        kinds = await self._do("content.widgets.map((cell) => cell.model.type)")
-        return [cell for cell, kind in enumerate(kinds) if kind == "code"]
-
     async def count(self) -> int:
         """How many cells there are."""
         return int(await self._do("content.widgets.length"))
 
-    async def source(self, cell: int) -> str:
-        """What is written in a cell."""
-        return str(await self._do(f"content.widgets[{cell}].model.sharedModel.getSource()"))
-
-    async def outputs(self, cell: int) -> list[dict[str, Any]]:
-        """The outputs of a cell, as nbformat has them."""
-        return list(await self._do(f"content.widgets[{cell}].model.outputs?.toJSON() ?? []"))
-
     async def text(self, cell: int) -> str:
         """What a cell printed."""
-        outputs = await self.outputs(cell)
+        outputs = await self._do(f"content.widgets[{cell}].model.outputs?.toJSON() ?? []")
         return "".join("".join(output["text"]) for output in outputs if output["output_type"] == "stream")
 
     async def errors(self) -> list[str]:

@@ -16,14 +16,11 @@ from behaviours import EXPRESSIONS, RECORD, behaviours, outcomes, prelude, snipp
 
 from tutorial import ros_backend
 
-FIRST_ID = 201
-"""The 85 that were recorded before have lower ones."""
 
-
-def record(row_id: int, about: str, shows: str, code: str) -> dict[str, Any]:
+def record(about: str, shows: str, code: str) -> dict[str, Any]:
     """Run one snippet, and return its row."""
     (outcome,) = outcomes(prelude(), [code])
-    return {"id": row_id, "about": about, "shows": shows, "code": code, **outcome, "exit": 0}
+    return {"about": about, "shows": shows, "code": code, **outcome}
 
 
 def main() -> None:
@@ -31,7 +28,7 @@ def main() -> None:
         raise SystemExit("The embedded ROS 2 is in use: what is recorded here is what a real one does.")
     groups = json.loads(EXPRESSIONS.read_text(encoding="utf-8"))["groups"]
     with ThreadPoolExecutor(os.cpu_count()) as workers:
-        rows = list(workers.map(lambda given: record(given[0], *given[1]), enumerate(behaviours(), FIRST_ID)))
+        rows = list(workers.map(lambda given: record(*given), behaviours()))
         printed = list(workers.map(lambda group: outcomes(prelude(), snippets(group)), groups))
     for group, those in zip(groups, printed, strict=True):
         group["expressions"] = {

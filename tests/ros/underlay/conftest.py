@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -28,14 +27,6 @@ def context(domain: int) -> Iterator[Context]:
     context.init(args=[])
     yield context
     context.try_shutdown()
-
-
-@pytest.fixture
-def default_context(domain: int) -> Iterator[None]:
-    """The default context, running."""
-    rclpy.init(args=[])
-    yield
-    rclpy.try_shutdown()
 
 
 @pytest.fixture

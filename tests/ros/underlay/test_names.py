@@ -1,11 +1,13 @@
-"""Every public name of rclpy 7.1.3 is there, or says that it needs a real ROS 2."""
+"""Every public name of rclpy 7.1.3 is there with its signature, or says that it needs a real ROS 2."""
 
 from __future__ import annotations
 
+import inspect
 import json
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
 from rclpy.clock import Clock, ROSClock
@@ -17,10 +19,11 @@ from rclpy.task import Future
 from rclpy.time import Time
 from std_msgs.msg import String
 
-NAMES: dict[str, dict[str, list[str] | None]] = json.loads(
-    (Path(__file__).parent / "data/rclpy_names.json").read_text(encoding="utf-8")
-)
+DATA = Path(__file__).parent / "data"
+NAMES: dict[str, dict[str, list[str] | None]] = json.loads((DATA / "rclpy_names.json").read_text(encoding="utf-8"))
 """By module its names, and the members of those that are classes; as a real rclpy lists them."""
+SIGNATURES: dict[str, str] = json.loads((DATA / "rclpy_signatures.json").read_text(encoding="utf-8"))
+"""What each function and method that is there takes in a real rclpy, with the defaults."""
 
 
 @pytest.fixture
@@ -72,10 +75,15 @@ def test_every_name_answers(module, objects):
     assert [name for name, said in names.items() if said and "A real ROS 2 Jazzy has" not in said] == []
 
 
+@pytest.mark.parametrize("name", SIGNATURES)
+def test_signature(name):
+    parameters = inspect.signature(resolve_name(name)).parameters.values()
+    taken = (each.name if each.default is each.empty else f"{each.name}={each.default}" for each in parameters)
+    assert ", ".join(taken) == SIGNATURES[name]
+
+
 @pytest.mark.embedded
 def test_what_is_refused_is_not_there():
-    from pkgutil import resolve_name
-
     from rclpy._absent import TABLE, AbsentAttribute
 
     places = {owner: resolve_name(owner) for owner in TABLE["attributes"]}

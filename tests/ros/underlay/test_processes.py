@@ -6,8 +6,6 @@ import signal
 import time
 
 import pytest
-from rclpy.utilities import get_rmw_implementation_identifier
-from std_msgs.msg import String
 
 pytestmark = pytest.mark.process
 
@@ -24,24 +22,6 @@ try:
 except BaseException as error:
     print(type(error).__name__, rclpy.ok(), flush=True)
 """
-
-
-def test_messages_and_graph_across_processes(node, spin_until, start):
-    received: list[str] = []
-    node.create_subscription(String, "/words", lambda message: received.append(message.data), 10)
-    start(TALKER)
-    spin_until(lambda: len(received) > 3)
-    assert set(received) == {"hello"}
-    spin_until(lambda: ("talker", "/far") in node.get_node_names_and_namespaces())
-    assert node.count_publishers("/words") == 1
-    assert ("/words", ["std_msgs/msg/String"]) in node.get_topic_names_and_types()
-    spin_until(lambda: node.get_publishers_info_by_topic("/words")[0].node_name == "talker")
-    info = node.get_publishers_info_by_topic("/words")[0]
-    assert (info.node_namespace, info.topic_type) == ("/far", "std_msgs/msg/String")
-    assert str(info.topic_type_hash).startswith("RIHS01_df668c74")
-    assert info.qos_profile.depth == (0 if get_rmw_implementation_identifier() == "rmw_fastrtps_cpp" else 10)  # untold
-    topics = dict(node.get_publisher_names_and_types_by_node("talker", "/far"))
-    assert topics.keys() == {"/words", "/rosout", "/parameter_events"}
 
 
 @pytest.mark.parametrize(("number", "patience"), [(signal.SIGKILL, 30), (signal.SIGTERM, 5)], ids=["killed", "ends"])
@@ -90,29 +70,6 @@ print([context.ok() for context in contexts])
 """)
     output, errors = process.communicate(timeout=60)
     assert (output, errors) == ("[False, False]\n", "")
-
-
-def test_a_loop_that_publishes_ends_at_a_signal(start):
-    process = start("""
-import signal, rclpy
-from std_msgs.msg import String
-rclpy.init(args=[])
-node = rclpy.create_node("x")
-publisher = node.create_publisher(String, "words", 10)
-signal.raise_signal(signal.SIGTERM)
-for work in (lambda: publisher.publish(String()), publisher.get_subscription_count):
-    try:
-        while True:
-            work()
-    except RuntimeError as error:
-        print(str(error).partition(", at ")[0])
-""")
-    output, errors = process.communicate(timeout=60)
-    assert output.splitlines() == [
-        "Failed to publish: publisher's context is invalid",
-        "failed to get subscription count: publisher's context is invalid",
-    ]
-    assert errors == ""
 
 
 FORK = """

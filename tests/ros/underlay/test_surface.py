@@ -2,55 +2,18 @@
 
 from __future__ import annotations
 
-import inspect
 import threading
 import time
 
 import pytest
 import rclpy
-from rclpy.context import Context
-from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
-from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.task import Future
-from rclpy.time import Time
 from sensor_msgs.msg import Joy
 from std_msgs.msg import String
 
 import tutorial  # noqa: F401
-
-SIGNATURES = {
-    rclpy.init: "args=None, context=None, domain_id=None, signal_handler_options=None",
-    rclpy.spin: "node, executor=None",
-    rclpy.spin_once: "node, executor=None, timeout_sec=None",
-    rclpy.spin_until_future_complete: "node, future, executor=None, timeout_sec=None",
-    rclpy.shutdown: "context=None, uninstall_handlers=None",
-    Context.init: "self, args=None, initialize_logging=True, domain_id=None",
-    Node.create_timer: "self, timer_period_sec, callback, callback_group=None, clock=None, autostart=True",
-    Node.declare_parameter: "self, name, value=None, descriptor=None, ignore_override=False",
-    Node.get_parameter_or: "self, name, alternative_value=None",
-    Node.resolve_topic_name: "self, topic, only_expand=False",
-    Node.get_topic_names_and_types: "self, no_demangle=False",
-    Node.get_publishers_info_by_topic: "self, topic_name, no_mangle=False",
-    SingleThreadedExecutor.spin_once: "self, timeout_sec=None",
-    SingleThreadedExecutor.shutdown: "self, timeout_sec=None",
-    Time.__init__: "self, seconds=0, nanoseconds=0",
-    Time.from_msg: "msg",
-    Duration.__init__: "self, seconds=0, nanoseconds=0",
-    Parameter.__init__: "self, name, type_=None, value=None",
-    Future.add_done_callback: "self, callback",
-}
-
-
-@pytest.mark.parametrize("function", SIGNATURES, ids=lambda function: function.__qualname__)
-def test_signature(function):
-    parameters = inspect.signature(function).parameters.values()
-    written = [
-        p.name if p.default is p.empty else f"{p.name}={p.default}" for p in parameters if p.name != "clock_type"
-    ]
-    assert ", ".join(written) == SIGNATURES[function]
 
 
 @pytest.mark.embedded
@@ -108,43 +71,6 @@ def test_cancelled_future_ends_the_spin(executor):
     executor.spin_until_future_complete(future, timeout_sec=60)
     assert time.monotonic() - began < 50
     assert not future.done()
-
-
-class Caller:
-    """Has a method to be called back."""
-
-    def __init__(self, calls: list[str], name: str) -> None:
-        self.calls, self.name = calls, name
-
-    def call(self) -> None:
-        self.calls.append(self.name)
-
-
-def test_a_context_calls_back_at_its_shutdown(domain):
-    calls: list[str] = []
-    context, kept = Context(), Caller(calls, "a method")
-    with pytest.raises(TypeError, match="callback should be a callable"):
-        context.on_shutdown(3)  # type: ignore[arg-type]
-    context.on_shutdown(kept.call)
-    context.try_shutdown()
-    context.init(args=[])
-    context.on_shutdown(lambda: calls.append("a function"))
-    context.on_shutdown(Caller(calls, "a method of what is gone").call)
-    assert calls == []
-    context.shutdown()
-    assert calls == ["a method", "a function"]
-    context.try_shutdown()
-    context.on_shutdown(kept.call)
-    assert calls == ["a method", "a function", "a method"]
-
-
-def test_a_failing_callback_is_an_error_of_the_shutdown(domain):
-    context = Context()
-    context.init(args=[])
-    context.on_shutdown(lambda: 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        context.shutdown()
-    assert not context.ok()
 
 
 def test_another_type_on_a_topic_is_said_once_and_others_go_on(node, executor, spin_until, capfd, backend):

@@ -6,7 +6,6 @@ import json
 import tracemalloc
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
 import rclpy
@@ -26,46 +25,25 @@ LITTLE_ENDIAN = b"\0\1\0\0"
 MILLION = (2**20).to_bytes(4, "little")  # as a length: more than there is, and less than the computer's memory
 BILLIONS = b"\xff\xff\xff\xff"  # as a length: the greatest
 
-zeroed_padding = pytest.mark.skipif(
+each_sample = pytest.mark.parametrize("sample", GOLDEN["samples"], ids=lambda sample: sample["label"])
+
+
+@pytest.mark.skipif(
     rclpy.get_rmw_implementation_identifier() == "rmw_fastrtps_cpp", reason="this RMW leaves garbage in the padding"
 )
-
-
-def fill(message: Any, values: dict[str, Any]) -> Any:
-    """Set fields from plain values, in which infinities and NaN are strings."""
-    types = message.get_fields_and_field_types()
-    for name, value in values.items():
-        if isinstance(value, dict):
-            fill(getattr(message, name), value)
-        else:
-            setattr(message, name, plain(value, types[name].removeprefix("sequence<").rstrip(">")))
-    return message
-
-
-def plain(value: Any, field_type: str) -> Any:
-    if isinstance(value, list):
-        return [plain(item, field_type) for item in value]
-    if isinstance(value, dict):
-        return fill(message_class(field_type.replace("/", "/msg/"))(), value)
-    return float(value) if isinstance(value, str) and field_type.startswith(("double", "float")) else value
-
-
-@zeroed_padding
-@pytest.mark.parametrize("sample", GOLDEN["samples"], ids=lambda sample: sample["label"])
+@each_sample
 def test_recorded_bytes(sample):
-    cls = message_class(sample["type"])
     recorded = bytes.fromhex(sample["cdr_hex"])
-    assert len(recorded) == sample["nbytes"]
-    assert serialize_message(fill(cls(), sample["value"])).hex() == recorded.hex()
-    assert serialize_message(deserialize_message(recorded, cls)) == recorded
+    assert serialize_message(deserialize_message(recorded, message_class(sample["type"]))) == recorded
 
 
-@pytest.mark.parametrize("sample", GOLDEN["samples"], ids=lambda sample: sample["label"])
-@pytest.mark.parametrize("bytes_of", ["cdr_hex", "cdr_hex_fastrtps"])
-def test_recorded_values_whatever_is_in_the_padding_and_behind(sample, bytes_of):
-    cls = message_class(sample["type"])
-    received = deserialize_message(bytes.fromhex(sample[bytes_of]), cls)
-    assert repr(received) == repr(fill(cls(), sample["value"]))
+@each_sample
+def test_recorded_values_in_any_byte_order_and_whatever_is_in_the_padding(sample):
+    store, name = get_typestore(Stores.ROS2_JAZZY), sample["type"]
+    little, padded = (bytes.fromhex(sample[key]) for key in ("cdr_hex", "cdr_hex_fastrtps"))
+    big = store.serialize_cdr(store.deserialize_cdr(little, name), name, little_endian=False)
+    received = [repr(deserialize_message(data, message_class(name))) for data in (little, padded, bytes(big))]
+    assert received == [sample["repr"]] * 3
 
 
 @pytest.mark.parametrize("type_name", GOLDEN["fields"])
@@ -88,14 +66,6 @@ def test_recorded_type_names():
     assert {s["type"]: wire_name(s["type"]) for s in GOLDEN["samples"]} == {
         s["type"]: s["dds_type"] for s in GOLDEN["samples"]
     }
-
-
-@pytest.mark.parametrize("sample", GOLDEN["samples"], ids=lambda sample: sample["label"])
-def test_recorded_values_in_big_endian_bytes(sample):
-    store, name = get_typestore(Stores.ROS2_JAZZY), sample["type"]
-    message = store.deserialize_cdr(bytes.fromhex(sample["cdr_hex"]), name)
-    received = deserialize_message(bytes(store.serialize_cdr(message, name, little_endian=False)), message_class(name))
-    assert repr(received) == repr(fill(message_class(name)(), sample["value"]))
 
 
 @pytest.mark.embedded
@@ -131,10 +101,6 @@ def test_a_wrong_value_names_its_field(cls, field, value, member):
         (LITTLE_ENDIAN + bytes(8) + MILLION, UInt8MultiArray),
         (LITTLE_ENDIAN + bytes(8) + MILLION, ByteMultiArray),
         (LITTLE_ENDIAN + 2 * b"\1\0\0\0\0\0\0\0" + MILLION, NodeEntitiesInfo),
-        (LITTLE_ENDIAN + BILLIONS, String),
-        (LITTLE_ENDIAN + bytes(8) + BILLIONS, UInt8MultiArray),
-        (LITTLE_ENDIAN + bytes(8) + BILLIONS, ByteMultiArray),
-        (LITTLE_ENDIAN + 2 * b"\1\0\0\0\0\0\0\0" + BILLIONS, NodeEntitiesInfo),
         (LITTLE_ENDIAN + bytes(8) + b"\1\0\0\0\0\0\0\0" + BILLIONS, JointState),
         (LITTLE_ENDIAN + bytes(8) + b"\1\0\0\0\0\0\0\0\0\0\0\0" + BILLIONS, JointState),
         (b"\0\0\0\0" + bytes(8) + BILLIONS, UInt8MultiArray),

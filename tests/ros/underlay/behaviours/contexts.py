@@ -39,14 +39,6 @@ c.shutdown()
 attempt(m.create_publisher, String, "x", 1)
 print(n.create_publisher(String, "x", 1).topic_name, rclpy.ok(), c.ok())
 
-# %% the default context ends, another one goes on
-c = Context()
-c.init(args=[])
-rclpy.init(args=[])
-rclpy.shutdown()
-m = Node("m", context=c)
-print(rclpy.ok(), c.ok(), m.get_name(), m.context is c)
-
 # %% a node of another context in the global executor
 c = Context()
 c.init(args=[])
@@ -77,3 +69,32 @@ try:
     SingleThreadedExecutor(context=c)
 except RuntimeError as error:
     print("the given context is not valid" in str(error))
+
+
+# %% a context calls back at its shutdown, but no method of what is gone
+class Caller:
+    def __init__(self, name):
+        self.name = name
+
+    def call(self):
+        print(self.name)
+
+
+c, kept = Context(), Caller("a method")
+attempt(c.on_shutdown, 3)
+c.on_shutdown(kept.call)
+c.try_shutdown()
+c.init(args=[])
+c.on_shutdown(lambda: print("a function"))
+c.on_shutdown(Caller("a method of what is gone").call)
+print("running")
+c.shutdown()
+c.try_shutdown()
+c.on_shutdown(kept.call)
+
+# %% a failing callback is an error of the shutdown
+c = Context()
+c.init(args=[])
+c.on_shutdown(lambda: 1 / 0)
+attempt(c.shutdown)
+print(c.ok())

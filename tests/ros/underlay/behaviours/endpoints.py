@@ -111,3 +111,9 @@ print(got)
 # %% all is acknowledged where nobody listens
 p = n.create_publisher(String, "x", 1)
 print(p.wait_for_all_acked(Duration(seconds=1)))
+
+# %% a publisher after the shutdown
+p = n.create_publisher(String, "x", 1)
+rclpy.shutdown()
+attempt(p.publish, String())
+attempt(p.get_subscription_count)

@@ -38,10 +38,6 @@ print(n.has_parameter("a"))
 n.declare_parameter("a", 1)
 print(n.get_parameter_or("a", Parameter("b", value=3)).value)
 
-# %% a parameter is set
-n.declare_parameter("a", 1)
-print(n.set_parameters([Parameter("a", value=2)]), n.get_parameter("a").value)
-
 # %% several parameters are set
 n.declare_parameter("a", 1)
 n.declare_parameter("b", "x")
