@@ -4,14 +4,14 @@
 #   make test                 what needs no further process, browser or build, and the notebooks: some minutes
 #   make test-all             also what needs one
 #   make test-ros2            what meets a real ROS 2; TANK_REAL_ROS2 names a command that runs another one with it
-#   make nightly              ten rounds, soaks, mutants, other examples, and with TANK_REAL_ROS2 all on both its RMWs
+#   make nightly              ten rounds, soaks, floods, mutants, other examples, and with TANK_REAL_ROS2 all on both its RMWs
 #   make notebooks            run the notebooks and save their outputs, after a change to them; look at what git shows
 #   make nbval                only the notebooks: run from the top, outputs compared with those that are committed
 #   make lab                  JupyterLab on the first notebook
 #   make install              .venv with everything that these need; quick when nothing has changed
 #   make steps                the tables of steps, in the README, CONTRIBUTING and the book, after a change to their list
 #   make screenshots          the README's picture, which moves; it takes some minutes
-#   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency, memory and a bag
+#   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency, memory and a bag; then floods that mean harm
 #   make mutants              every small fault in the exercises' solutions: does the check find it; some three minutes
 #   make book                 the pages of book/ and the notebooks, as a site in book/_build/html
 #   make bench | lint | clean
@@ -74,6 +74,7 @@ bench: install
 
 soak: install
 	@PYTHONPATH=tests/support $(BIN)/python tests/soak $(DURATION)
+	@PYTHONPATH=tests/support $(BIN)/python tests/soak/floods.py $(DURATION)
 
 mutants: install
 	@PYTHONPATH=tests/support $(BIN)/python tests/mutants $(EXERCISES)

@@ -25,11 +25,11 @@ import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
 import numpy as np
-import psutil
 import rclpy
+from harness import Memory
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
@@ -42,36 +42,13 @@ from tutorial.ros.node_thread import NodeThread
 RATE = 1000  # [Hz]
 QUIET = 1.0  # [s] without a message, after which none is on its way any more
 PATIENCE = 60.0  # [s] that one end waits for the other
-EVERY = 0.1  # [s] between two samples of memory
-WARM_UP = 0.25  # of the run: allocators, DDS's buffers and the caches of an interpreter find their size
 TOPIC = "/Tank/joint_state"
+QOS = {"best effort": qos_profile_sensor_data}
 KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
 """Nothing is ever replaced by something newer: what the callback has not had yet waits with the subscription, and a
 publisher with too much that is not acknowledged is made to wait. So nothing is lost however busy the machine is: that
 shows in the rate, the latency and the memory instead. With a depth of N it would be lost once the callback is N
 messages behind: at the usual 10, after 10 ms."""
-
-
-class Memory:
-    """Samples of this process's resident memory [MB]."""
-
-    def __init__(self) -> None:
-        self._process = psutil.Process()
-        self._samples: list[float] = []
-        self._due = 0.0
-
-    def look(self) -> None:
-        """Take a sample, if it is time for one."""
-        if time.monotonic() >= self._due:
-            self._due = time.monotonic() + EVERY
-            self._samples.append(self._process.memory_info().rss / 1e6)
-
-    def trend(self) -> tuple[float, float]:
-        """Return start and end after the warm-up, each a median: a single sample may catch a moment's peak."""
-        samples = self._samples[int(WARM_UP * len(self._samples)) :]
-        tenth = len(samples) // 10 + 1
-        return statistics.median(samples[:tenth]), statistics.median(samples[-tenth:])
-
 
 stop = threading.Event()
 """Set when standard input ends."""
@@ -80,7 +57,7 @@ memory = Memory()
 
 def publish(kind: str, seconds: float) -> dict[str, Any]:
     """Send messages by a schedule: what is due is sent, so that a delay costs no message and no rate."""
-    publisher = rclpy.create_node("publisher").create_publisher(JointState, TOPIC, KEEP_ALL)
+    publisher = rclpy.create_node("publisher").create_publisher(JointState, TOPIC, QOS.get(kind, KEEP_ALL))
     joints = ["TURRET_Y", "TURRET_P"] if kind == "hand-off" else [f"JOINT_{i:02}" for i in range(40)]
     zeros = [0.0] * len(joints)
     message = JointState(name=joints, position=zeros, velocity=zeros, effort=zeros)
@@ -120,7 +97,7 @@ def subscribe(kind: str, seconds: float) -> dict[str, Any]:
         seen += 1
         memory.look()
 
-    subscription = node.create_subscription(JointState, TOPIC, callback, KEEP_ALL)
+    subscription = node.create_subscription(JointState, TOPIC, callback, QOS.get(kind, KEEP_ALL))
     with SingleThreadedExecutor() as executor:
         executor.add_node(node)
         while not stop.is_set() and time.monotonic() < heard_at + QUIET:

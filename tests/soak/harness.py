@@ -1,0 +1,103 @@
+"""What the soaks share: their command line and verdict, the processes that they start, and whether memory is flat."""
+
+from __future__ import annotations
+
+import os
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+import click
+import psutil
+from domains import reserved_domain
+from tables import console
+
+from tutorial.commands.terminal import INTERRUPTED
+
+GRACE = 10.0  # [s] from asking a process to stop to killing it
+EVERY = 0.1  # [s] between two samples of memory
+WARM_UP = 0.25  # of the run: allocators, DDS's buffers and the caches of an interpreter find their size
+GROWTH = 4.0
+"""How much memory may grow after the warm-up [MB]. In a run of 60 s, 45,000 messages are sent in that time, so 100
+bytes that stay behind of each are found: a copy of a message of 40 joints is 1,700. What is no leak is below it: the
+backlog of a second in which a busy machine did something else, of which malloc keeps the pages, and an arena that the
+interpreter adds."""
+MEMORY = "memory has grown by {:.1f} MB, at most {:g} are allowed"
+
+
+def soak(text: str | None, seconds: int, kinds: Sequence[str], job: Callable[[int, Sequence[str]], list[str]]) -> None:
+    """Be the command ``[SECONDS] [KIND]...``: do a job in a ROS domain of its own, say what does not hold, and exit.
+
+    Args:
+        text: what the command does.
+        seconds: how long each kind takes, unless another time is given [s].
+        kinds: all that there are.
+        job: takes the seconds and the kinds, and returns what does not hold.
+    """
+
+    @click.command(help=text)
+    @click.argument("duration", metavar="[SECONDS]", type=click.IntRange(1, 86_400), default=seconds)
+    @click.argument("asked", metavar="[KIND]...", nargs=-1, type=click.Choice(kinds))
+    def main(duration: int, asked: tuple[str, ...]) -> None:
+        try:
+            with reserved_domain() as domain:
+                os.environ["ROS_DOMAIN_ID"] = str(domain)
+                complaints = job(duration, asked or kinds)
+        except KeyboardInterrupt:
+            console.print("stopped")
+            sys.exit(INTERRUPTED)
+        for complaint in complaints:
+            console.print(f"does not hold: {complaint}", style="red", highlight=False)
+        console.print("" if complaints else "all holds", end="" if complaints else "\n")
+        sys.exit(bool(complaints))
+
+    main()
+
+
+def above(*limits: tuple[float, float, str]) -> list[str]:
+    """Say which values are above their bounds: each has a text with a place for the value and one for the bound."""
+    return [text.format(value, bound) for value, bound, text in limits if value > bound]
+
+
+@contextmanager
+def python(*command: object, grace: float = GRACE, **options: object) -> Iterator[subprocess.Popen[str]]:
+    """Run a Python program in a group of its own, which spares it the terminal's Ctrl-C.
+
+    The end of its input asks it to stop; what still runs after a time of grace [s] is killed.
+    """
+    options = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "process_group": 0, **options}
+    with subprocess.Popen([sys.executable, *map(str, command)], **options) as process:  # type: ignore[call-overload]
+        try:
+            yield process
+        finally:
+            try:
+                process.stdin.close()
+                process.wait(grace)
+            except subprocess.TimeoutExpired:
+                pass
+            finally:
+                process.kill()
+
+
+class Memory:
+    """Samples of this process's resident memory [MB]."""
+
+    def __init__(self) -> None:
+        self._process = psutil.Process()
+        self._samples: list[float] = []
+        self._due = 0.0
+
+    def look(self) -> None:
+        """Take a sample, if it is time for one."""
+        if time.monotonic() >= self._due:
+            self._due = time.monotonic() + EVERY
+            self._samples.append(self._process.memory_info().rss / 1e6)
+
+    def trend(self) -> tuple[float, float]:
+        """Return start and end after the warm-up, each a median: a single sample may catch a moment's peak."""
+        samples = self._samples[int(WARM_UP * len(self._samples)) :]
+        tenth = len(samples) // 10 + 1
+        return statistics.median(samples[:tenth]), statistics.median(samples[-tenth:])

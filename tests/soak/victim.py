@@ -1,0 +1,44 @@
+"""The program that is attacked: the command ``tank`` as it is, which also tells how long its main loop is held.
+
+Every tenth of a second it writes the longest hold of the past one [s] to the file descriptor ``HOLDS_FD``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import time
+from typing import Any
+
+from tutorial.__main__ import main
+from tutorial.host import Host
+
+EVERY = 0.1  # [s] between two lines
+NAP = 0.005  # [s] after which the main loop should have its turn again
+
+run = Host.run
+
+
+async def measure() -> None:
+    """Write the holds down."""
+    with os.fdopen(int(os.environ["HOLDS_FD"]), "w", buffering=1) as file:
+        while True:
+            longest, due = 0.0, time.monotonic() + EVERY
+            while (before := time.monotonic()) < due:
+                await asyncio.sleep(NAP)
+                longest = max(longest, time.monotonic() - before - NAP)
+            file.write(f"{longest}\n")
+
+
+async def measured_run(self: Host, *args: Any, **options: Any) -> None:
+    """Run as the command does, and measure meanwhile."""
+    measuring = asyncio.ensure_future(measure())
+    try:
+        await run(self, *args, **options)
+    finally:
+        measuring.cancel()
+
+
+if __name__ == "__main__":
+    Host.run = measured_run  # type: ignore[method-assign]
+    main()
