@@ -25,7 +25,7 @@ import tutorial  # noqa: F401
         "node.create_timer(1, print, callback_group=object())",
         "node.create_publisher(None, 'x', 1, event_callbacks=object())",
         "rclpy.create_node('x', context=node.context, allow_undeclared_parameters=True)",
-        "Context().init(args=['--ros-args', '--params-file', 'x'])",
+        "rclpy.Context().init(args=['--ros-args', '--params-file', 'x'])",
     ],
 )
 def test_what_is_not_there_says_what_to_do(code, node):
