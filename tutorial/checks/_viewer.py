@@ -40,27 +40,12 @@ TOLD = "its links follow, observers are told"
 
 KEY = "call_latest takes a key first: self.call_latest(self.body.name, self.update, message)."
 SECONDS = "config.call_later takes no seconds: the loop's does, asyncio.get_running_loop().call_later(0.5, self.land)."
-PARENTHESES = (
-    "Most likely the parentheses call it at once: give the function itself first, and then its arguments, self.update, "
-    "message."
-)
-TOUCHED = (
-    "Most likely the callback moves the body itself: all that touches it belongs into what is posted, and so to the "
-    "main thread; a lock does not help."
-)
-BESIDE = (
-    "Most likely a timer or a thread of its own posts, whether there is news or not: the callback itself posts, once "
-    "for each message, and returns."
-)
-COROUTINE = (
-    "What is posted, or called by a timer, is a plain function, def: to wait in it, it makes a task of the coroutine, "
-    "asyncio.create_task(...)."
-)
+PARENTHESES = "Most likely the parentheses call it at once: give the function itself first, then its arguments."
+TOUCHED = "Most likely the callback moves the body itself: post all that touches it; a lock does not help."
+BESIDE = "Most likely a timer or a thread of its own posts: the callback itself posts, once for each message."
+COROUTINE = "It has to be a plain function, def: to wait, it makes a task of a coroutine, asyncio.create_task(...)."
 ENDLESS = "Most likely what is posted posts itself: post the method that shows the message, such as self.update."
-ARGUMENTS = (
-    "Most likely what is posted gets too few arguments, or too many: behind the function come those that it takes, "
-    "besides self, as in self.call_later(self.{}, message)."
-)
+ARGUMENTS = "Most likely what is posted gets too few arguments, or too many: those of {} follow it, but not self."
 
 
 class _Guard(ThreadGuard):

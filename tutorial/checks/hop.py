@@ -292,8 +292,7 @@ the timer's seconds are not 0.5: asyncio.get_running_loop().call_later(0.5, self
     call_later(0.5 => call_later(0.3 => call_later(500
 nothing is to bring it back: asyncio.get_running_loop().call_later(0.5, self.land).
     self.timer = asyncio.get_running_loop().call_later(0.5, self.land) => pass
-a timer of rclpy's or a thread of its own is to bring it back, and the body belongs to the main thread. There it is
-asyncio.get_running_loop().call_later(0.5, self.land).
+a timer of rclpy's, or a thread, brings it back: it has to be asyncio.get_running_loop().call_later(0.5, self.land).
     self.timer = asyncio.get_running_loop().call_later(0.5, self.land) => self.node.create_timer(0.5, self.land)\
  => threading.Thread(target=int).start()
 the place is noted after the move up, or changed by it, as += changes an array itself: keep where it stood before.

@@ -89,6 +89,6 @@ WRONG = [
     (keeps, "the dict is kept from call to call"),
     (makes_one_dict, "the dict is kept from call to call"),
     (looks_up_all, "every joint is expected in every message"),
-    (in_whole_thousandths, "infinity is not expected"),
+    (in_whole_thousandths, "NaN or infinity is not expected"),
     (unpacks, "Mend this line first"),
 ]

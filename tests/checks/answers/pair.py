@@ -116,5 +116,5 @@ WRONG = [
     (StampAsKey, "the stamp itself is the key of a dict"),
     (TakesItForGranted, "a partner is taken for granted"),
     (NoSelf, "self is missing"),
-    (NeverBehind, "after a new start they begin at 0"),
+    (NeverBehind, "an older stamp than the last, or the newest, is refused"),
 ]

@@ -92,5 +92,5 @@ WRONG = [
     (whole, "an array of whole numbers is made"),
     (until_odom, "or a frame's name"),
     (wrong_matrix, "A turn about x, y or z is right"),
-    (lambda transforms, point: to_parent(transforms[-1], point), ["only the last transform is used", ""]),
+    (lambda transforms, point: to_parent(transforms[-1], point), ["not all transforms count", ""]),
 ]
