@@ -142,14 +142,12 @@ the stamps are told in seconds, milliseconds or microseconds: they are asked for
 the two stamps are exchanged: the newest one so far comes first, after a restart, too.
     newest, stamp)) => stamp, newest)) => *sorted([newest, stamp])))
 
-the bag's times are told: the stamps are asked for.
-    newest, stamp)) => *(messages[stamps_of(messages).index(each)][0] for each in [newest, stamp])))
-
 a stamp is missing, or the length is told: the three are what happened, the stamp before and the stamp after.
     newest, stamp)) => newest,)) => newest, stamp - newest)) => newest, stamp, stamp - newest))
 
-the last message's stamp is told: a late one is not where the gap begins.
-    newest, stamp)) => stamps_of(messages)[stamps_of(messages).index(stamp) - 1], stamp))
+the bag's times are told, or the last message's stamp, which may have been late: tell the newest one, and the message's.
+    newest, stamp)) => *(messages[stamps_of(messages).index(each)][0] for each in [newest, stamp])))
+    => stamps_of(messages)[stamps_of(messages).index(stamp) - 1], stamp))
 """)
 INDEX = "Most likely there is an index beyond the end: keep what came before in a variable, then no index is needed."
 NO_RETURN = "Most likely return is missing: give the list back, an empty one when there is nothing to tell."

@@ -174,24 +174,31 @@ def message_of(stream: str, stamp: int) -> Any:
     return message
 
 
-def add(pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]) -> list[Arrival] | None:
-    """Have a message arrive, and say what was returned, by the messages that are known."""
+def add(pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]) -> str:
+    """Have a message arrive, and name the pair that is returned, by the messages that are known; "" for none."""
     with watch.call("add"):
         with blame(ABSENT, LookupError, StopIteration), blame(UNHASHABLE, TypeError, words="unhashable"):
             returned = pairs.add(stream, message)
         if returned is None:
-            return None
+            return ""
         those = returned if isinstance(returned, (tuple, list)) else ()
         pair = [arrival for one in those for each, arrival in known if each is one]
         if len(pair) != 2:
             raise Misuse(f"it returns a {type(returned).__name__}", NO_PAIR)
-        return pair
+    (one, first), (another, second) = pair
+    text = time(first) if first == second else f"{time(first)} with {time(second)}"
+    return text if (one, another) == (JOINTS, POSE) else f"{text} as {one}, {another}"
 
 
-def tried(*arrivals: Arrival, one_stamp: bool = False) -> Callable[[type], list[Any]]:
+def time(stamp: int) -> str:
+    """Put a stamp [ns] into words."""
+    return f"{stamp // S} s {stamp % S} ns" if stamp % MS else f"{stamp // MS} ms"
+
+
+def tried(*arrivals: Arrival, one_stamp: bool = False) -> Callable[[type], list[str]]:
     """Observe what is returned for one message after the other, which may share one stamp, the object itself."""
 
-    def case(answer: type) -> list[Any]:
+    def case(answer: type) -> list[str]:
         messages = [message_of(*arrival) for arrival in arrivals]
         if one_stamp:
             for message in messages:
@@ -202,11 +209,11 @@ def tried(*arrivals: Arrival, one_stamp: bool = False) -> Callable[[type], list[
     return case
 
 
-def two(answer: type) -> list[Any]:
+def two(answer: type) -> list[str]:
     """Observe two objects, of which one is given joint states and the other one their pose."""
     known = [(message_of(*arrival), arrival) for arrival in in_turn(20)]
     returned = [add(call(answer), stream, message, known) for message, (stream, _) in known]
-    if returned[1] == in_turn(20):
+    if returned[1]:
         raise Failure("add", Misuse("what one object was given is there in another one", SHARED), None)
     return returned
 
@@ -251,21 +258,11 @@ OTHERWISE = {
 }
 
 
-def say(returned: Sequence[Any]) -> str:
-    """Name the pairs by their stamps."""
-    pairs = list(map(_pair_text, filter(None, returned)))
-    count, shown = len(pairs), ", ".join(pairs) if len(pairs) <= 3 else f"{pairs[0]} to {pairs[-1]}"
-    return f"{count} pair{'s' * (count != 1)}, {shown}" if pairs else "no pair"
-
-
-def _pair_text(pair: Sequence[Arrival]) -> str:
-    (one, first), (another, second) = pair
-    text = _time(first) if first == second else f"{_time(first)} with {_time(second)}"
-    return text if (one, another) == (JOINTS, POSE) else f"{text} as {one}, {another}"
-
-
-def _time(stamp: int) -> str:
-    return f"{stamp // S} s {stamp % S} ns" if stamp % MS else f"{stamp // MS} ms"
+def say(returned: Sequence[str]) -> str:
+    """Name the pairs, or the first and the last of many."""
+    pairs = [each for each in returned if each]
+    shown = ", ".join(pairs) if len(pairs) <= 3 else f"{pairs[0]} to {pairs[-1]}"
+    return f"{len(pairs)} pair{'s' * (len(pairs) != 1)}, {shown}" if pairs else "no pair"
 
 
 CASES = Cases(Pairs, TRIED, MISTAKES, say, OTHERWISE, crashes=dict.fromkeys(TRIED, ABSENT))

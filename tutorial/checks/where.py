@@ -73,27 +73,24 @@ it goes the wrong way, from the parent into the child: turn by the rotation, the
 the rotation is left out: turned(stamped.transform.rotation, point).
     turned(stamped.transform.rotation, point) => np.array(point)
 
-it is turned the wrong way round: x, y, z of the quaternion stay as they are.
-    [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
-
 x is taken for w: in ROS the order is x, y, z, w, and only MuJoCo has w first.
     [q.x, q.y, q.z] => [q.y, q.z, q.w]
     q.w * point => q.x * point
 
-two numbers of the axis are exchanged: it is x, y, z.
-    [q.x, q.y, q.z] => [q.y, q.x, q.z] => [q.x, q.z, q.y] => [q.z, q.y, q.x]
+the axis is another, its numbers exchanged, or their signs, which turns the wrong way round: it is x, y, z.
+    [q.x, q.y, q.z] => [-q.x, -q.y, -q.z] => [q.y, q.x, q.z] => [q.x, q.z, q.y] => [q.z, q.y, q.x]
 
 only the turn about z counts: a frame may be tilted as well.
     axis, point = => q = Quaternion(z=q.z, w=q.w) // axis, point =
     => q = about(UP, atan2(q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2)) // axis, point =
 
-a factor or a term of turned is missing: it is point + 2 * cross(axis, cross(axis, point) + w * point).
-    point + 2 * np.cross(axis, np.cross(axis, point) + q.w * point) => point + np.cross(axis, np.cross(axis, point)\
- + q.w * point) => point + 2 * np.cross(axis, np.cross(axis, point)) => point + 2 * np.cross(axis, q.w * point)\
- => 2 * np.cross(axis, np.cross(axis, point) + q.w * point)
-
-the factors of a cross product are exchanged: the axis comes first in both.
-    np.cross(axis, point) + q.w * point => np.cross(point, axis) + q.w * point => -np.cross(axis, point) - q.w * point
+a term of turned is missing, or the factors of a cross product are exchanged: the axis comes first in both of
+point + 2 * cross(axis, cross(axis, point) + w * point).
+    point + 2 * np.cross(axis, np.cross(axis, point) + q.w * point) => point + np.cross(axis, INNER)
+    => 2 * np.cross(axis, INNER) => point + 2 * np.cross(axis, INNER - q.w * point) => point + 2 * np.cross(INNER, axis)
+    => point + 2 * np.cross(axis, INNER - np.cross(axis, point))
+    => point + 2 * np.cross(axis, INNER - 2 * np.cross(axis, point))
+    INNER => (np.cross(axis, point) + q.w * point)
 
 w is taken for the angle, or acos(w), half of it: the angle is 2 * acos(w).
     axis, point = => q = about((q.x, q.y, q.z), q.w) // axis, point =
