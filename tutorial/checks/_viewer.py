@@ -51,7 +51,7 @@ ARGUMENTS = "Most likely what is posted gets too few arguments, or too many: tho
 class _Guard(ThreadGuard):
     """A guard that stops nobody: it has `watch` note who comes by on another thread than the main one, ``"touch"``.
 
-    So it is seen how code goes on that it would have stopped, as where what a method returns is posted.
+    So a check sees what such code does next, for example that it posts what a method has returned.
     """
 
     def check(self, action: str) -> None:
@@ -106,16 +106,11 @@ class Viewer:
             raise
 
     @classmethod
-    def tries(cls, *steps: Step, **how: Any) -> Attempt:
-        """Make an attempt of steps, each of which may say what is seen.
-
-        Args:
-            steps: functions of the viewer.
-            how: the viewer is made.
-        """
+    def tries(cls, *steps: Step) -> Attempt:
+        """Make an attempt of steps, functions of the viewer, each of which may say what is seen."""
 
         def attempt(answer: type) -> str:
-            with cls(answer, **how) as viewer:
+            with cls(answer) as viewer:
                 return ", ".join(filter(None, [step(viewer) for step in steps]))
 
         return attempt
@@ -166,7 +161,7 @@ class Viewer:
             )
 
     def leaves(self, *messages: Any) -> str:
-        """Have the controller leave its body, and say where that is left. What waits does not run any more.
+        """Have the controller leave its body, and say where the body is then. What waits does not run any more.
 
         Args:
             messages: come while the main thread is busy with that, just before.
@@ -209,7 +204,7 @@ class Viewer:
         return bool(np.allclose(data.xquat, self.body.data.xquat) and np.allclose(data.xpos, self.body.data.xpos))
 
     def _run(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Run something of the learner's that the main thread calls; what it raises, comes out in the end."""
+        """Call a function of the learner's, as the main thread does, and keep the failure that it raises."""
 
         def call() -> None:
             with watch.call(name_of(function)):
@@ -247,7 +242,7 @@ class Viewer:
         self._scope.call_latest(key, self._run, function, *arguments)
 
     def _tell(self) -> None:
-        """Raise what the learner's code has raised meanwhile; who touches the body on another thread, hears of that."""
+        """Raise what the learner's code has raised meanwhile, or say that it has touched the body on another thread."""
         failures, self._failures = self._failures, []
         for failure in failures[:1]:
             if "touch" not in watch.noted or isinstance(failure.error, Misuse):
@@ -276,7 +271,7 @@ def heard(*messages: Any) -> Step:
 
 
 def hands_over(least: int, *messages: Any) -> Step:
-    """Make a step: say what the callback does, of which messages at least some are to be posted."""
+    """Make a step: say whether the callback leaves the body alone, and posts at least so many of the messages."""
 
     def step(viewer: Viewer) -> str:
         for message in messages:

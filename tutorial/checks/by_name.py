@@ -79,8 +79,7 @@ the loop ends at an unknown name, or at NaN: leave out only that one and go on, 
     => zip(message.name, takewhile(isfinite, message.position))
     => takewhile(lambda pair: pair[0] in joint_names and isfinite(pair[1]), zip(message.name, message.position))
 
-the whole message is dropped for an unknown name, for NaN, or for a name or a position too few or too many: leave out
-only that, and go through the message's names, not the body's.
+the whole message is dropped for an unknown name, NaN, or too few or too many names or positions: leave out only that.
     return { => if not set(message.name) <= set(joint_names): return dict() // return {
     => if not set(joint_names) <= set(message.name): return dict() // return {
     => if not all(map(isfinite, message.position)): return dict() // return {

@@ -185,7 +185,7 @@ def bag(*stamps: float, cause: str = INDEX, of: type[Exception] = IndexError, **
         stamps: of its messages [s].
         cause: the most likely one of an exception.
         of: the kind of exception that it is the cause of.
-        how: the bag was recorded.
+        how: the other arguments of `recorded`.
     """
 
     def found_in(answer: Any) -> list[str]:

@@ -213,8 +213,7 @@ a message with an older stamp is dropped for ever: stamps begin anew when the pu
     self.body.set => self.newest = message.header.stamp.sec // self.body.set
 
 # a message that comes while the body is drawn
-a lock is held while the body is moved and drawn, so the callback waits for the main thread: hold it only to take the
-message, and draw when it is free again.
+a lock is held while the body is drawn, so the callback waits for that: hold it only to take the message.
     self.node = config.node => self.node, self.lock = config.node, threading.Lock()
     $post => with self.lock: $post
     self.body.notify_change(report) => with self.lock: self.body.notify_change(report)

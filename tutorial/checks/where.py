@@ -84,8 +84,7 @@ only the turn about z counts: a frame may be tilted as well.
     axis, point = => q = Quaternion(z=q.z, w=q.w) // axis, point =
     => q = about(UP, atan2(q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2)) // axis, point =
 
-a term of turned is missing, or the factors of a cross product are exchanged: the axis comes first in both of
-point + 2 * cross(axis, cross(axis, point) + w * point).
+a term of turned is missing, or two are exchanged: it is point + 2 * cross(axis, cross(axis, point) + w * point).
     point + 2 * np.cross(axis, np.cross(axis, point) + q.w * point) => point + np.cross(axis, INNER)
     => 2 * np.cross(axis, INNER) => point + 2 * np.cross(axis, INNER - q.w * point) => point + 2 * np.cross(INNER, axis)
     => point + 2 * np.cross(axis, INNER - np.cross(axis, point))
