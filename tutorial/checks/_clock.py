@@ -96,7 +96,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
 
     def _check(self) -> None:
         """Refuse other threads, as asyncio does where it debugs; else a call of theirs may never run."""
-        if threading.get_ident() != self._thread:
+        if threading.get_ident() != self._thread and not watch.interleaved:
             raise RuntimeError(OTHER_THREAD)
 
     def _done(self, task: asyncio.Task[Any]) -> None:

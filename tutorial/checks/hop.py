@@ -27,18 +27,15 @@ from __future__ import annotations
 
 import asyncio
 import threading  # noqa: F401 - what a mistake needs
-from collections.abc import Callable
-from functools import partial
 from math import hypot
+from typing import Any
 
 from geometry_msgs.msg import Vector3
 from numpy.typing import ArrayLike
 from sensor_msgs.msg import Imu, JointState  # noqa: F401
 
-from tutorial.checks._clock import ClockedLoop
-from tutorial.checks._node import ros_node, send
 from tutorial.checks._requirements import Requirements, listed
-from tutorial.checks._viewer import Viewer
+from tutorial.checks._viewer import LISTENS, POSTS, TOLD, Attempt, Viewer, hands_over, heard, over_ros
 from tutorial.checks._watch import Failure, watch
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
@@ -53,7 +50,6 @@ OTHER_PLACE = (-1.1, 0.7, 0.3)
 BLOW, HARMLESS = (25.0, 25.0, 9.8), (1.0, 2.0, 9.8)  # [m/s^2]
 STOOD = "where it stood"
 UP = "0.1 m higher"
-TOLD = "its links follow, observers are told"
 
 
 class HopViewer(SimpleController):
@@ -101,37 +97,19 @@ class HopViewer(SimpleController):
 
 
 class Hall(Viewer):
-    """A displayed body with the learner's controller, and a clock that stands still. Each method says what is seen."""
+    """A displayed body that may be put anywhere. Each method says what is seen."""
 
-    loop: ClockedLoop
     place: Vector = PLACE
 
-    def __init__(self, answer: type, model: str = "tank", name: str = "Rover", node: object = None) -> None:
-        loop = ClockedLoop()
-        loop.set_exception_handler(lambda _, context: self._raised.append(context["exception"]))
-        try:
-            super().__init__(answer, model, name, node, loop=loop)
-        except Failure:
-            loop.close()
-            raise
-        loop.wrap = lambda function: partial(self.run, function)
+    def __init__(self, answer: type, *body: Any, **how: Any) -> None:
+        super().__init__(answer, *body, **how)
         self.stand(PLACE)
-
-    def __exit__(self, *_: object) -> None:
-        super().__exit__()
-        self.loop.close()
 
     def stand(self, place: Vector) -> None:
         """Put the body somewhere [m]."""
         self.place = self.body.position = place
         self.body.calc_forward_kinematics()
         self.shown.clear()
-
-    def come(self, *accelerations: Vector) -> None:
-        """Have messages come [m/s^2]."""
-        self.shown.clear()
-        for each in accelerations:
-            self.receive(imu(*each))
 
     def advance(self, seconds: float) -> None:
         """Let the clock go on [s]."""
@@ -147,11 +125,6 @@ class Hall(Viewer):
             return "0.1 m aside"
         return "somewhere else" if x or y else f"{z:.3g} m higher"
 
-    def news(self) -> str:
-        """Say whether everything follows the last move."""
-        told = f"observers are told{' too early' * (self.shown[-1] != (self.where(), True))}" if self.shown else ""
-        return f"its links {'follow' if self.links_follow() else 'stay behind'}, {told or 'nobody is told'}"
-
     def falls(self) -> str:
         """Say when it is not up any more, however far away that is."""
         self.shown.clear()
@@ -165,17 +138,9 @@ class Hall(Viewer):
             if not rings and after > 1.0:
                 break
             self.advance(min(rings, default=1 / 64))
-        kinds = ("a timer on another thread", "no function posted", "a timer that moves it", "a timer", "no timer")
-        there = (self.node.timers or "thread" in watch.noted, self.uncallable, self.shown, timers, True)
+        kinds = ("a timer on another thread", "a timer that moves it", "a timer", "no timer")
+        there = (self.node.timers or "thread" in watch.noted, self.shown, timers, True)
         return f"up for ever, with {next(kind for kind, is_there in zip(kinds, there) if is_there)}"
-
-    def leaves(self, *messages: Imu) -> str:
-        """Say what the controller leaves behind, or how the body is left; with messages that come at the same time."""
-        self.shown.clear()
-        self.leave(*messages)
-        self.node.check_left()
-        self.advance(0.0)
-        return "a timer goes on" if self.loop.timers else self.where()
 
 
 def imu(x: float, y: float, z: float) -> Imu:
@@ -183,24 +148,7 @@ def imu(x: float, y: float, z: float) -> Imu:
     return Imu(linear_acceleration=Vector3(x=x, y=y, z=z))
 
 
-def tries(*steps: Callable[[Hall], str | None]) -> Callable[[type], str]:
-    """Make an attempt of steps, each of which may say what is seen."""
-
-    def attempt(answer: type) -> str:
-        with Hall(answer) as hall:
-            return ", ".join(filter(None, [step(hall) for step in steps]))
-
-    return attempt
-
-
-def hit(*accelerations: Vector) -> Callable[[Hall], None]:
-    """Have messages come, and what they post run."""
-
-    def step(hall: Hall) -> None:
-        hall.come(*accelerations)
-        hall.drain()
-
-    return step
+blow, harmless = heard(imu(*BLOW)), heard(imu(*HARMLESS))
 
 
 def land(hall: Hall) -> None:
@@ -213,29 +161,10 @@ def wait(hall: Hall) -> None:
     hall.advance(0.375)
 
 
-def listens(answer: type) -> str:
-    """Observe what it listens to."""
-    with Hall(answer) as hall:
-        return hall.listens()
-
-
-def hands_over(hall: Hall) -> str:
-    """Observe what the callback does itself."""
-    hall.guard.lenient = True
-    try:
-        hall.come(HARMLESS, BLOW)
-    except Failure:
-        if "touch" not in watch.noted:
-            raise
-    if "touch" in watch.noted:
-        then = "and no function is posted" if hall.uncallable else "and nowhere else"
-        return f"is touched on the executor's thread, {then}"
-    return "is left alone" if hall.loop.posted else "hears of nothing"
-
-
 def leaves_well(hall: Hall) -> str:
     """Observe what is left behind, and if that is nothing, whether everybody knows where the body is."""
     left = hall.leaves()
+    hall.left()
     return f"{left}, {hall.news()}" if left == STOOD else left
 
 
@@ -256,7 +185,7 @@ def mistaken(answer: type) -> str:
     odd = []
     for x, y, z in ACCELERATIONS:
         with Hall(answer) as hall:
-            hit((x, y, z))(hall)
+            heard(imu(x, y, z))(hall)
             moved = any(where != STOOD for where in (hall.where(), *(where for where, _ in hall.shown)))
             taken = moved or len(hall.loop.timers) + len(hall.node.timers) > 0
             if taken != (hypot(x, y) > 20):
@@ -267,8 +196,9 @@ def mistaken(answer: type) -> str:
 def in_a_crowd(hall: Hall) -> str:
     """Observe what comes of a blow among harmless messages, which come while both threads are busy."""
     crowd = (HARMLESS, BLOW, BLOW, HARMLESS)
-    kept = crowd[-next(each.depth for each in hall.node.subscriptions if each.kind is Imu) :]
-    hall.come(*kept)
+    kept = crowd[-hall.node.subscriptions[-1].depth :]
+    for each in kept:
+        hall.receive(imu(*each))
     calls = len(hall.calls)
     hall.drain()
     if hall.where() == UP:
@@ -281,7 +211,7 @@ def beside(answer: type) -> str:
     with Hall(answer) as tank, Hall(answer, "crane", "Lift") as lift:
         lift.stand(OTHER_PLACE)
         for each in (tank, lift):
-            hit(BLOW)(each)
+            blow(each)
         up = f"{tank.where()} and {lift.where()}"
         for each in (tank, lift):
             each.falls()
@@ -291,73 +221,56 @@ def beside(answer: type) -> str:
 def down_anyhow(answer: type) -> str:
     """Observe how it is left when no blow has come, and when it has landed."""
     try:
-        return ", ".join(tries(*steps, move_it, Hall.leaves)(answer) for steps in ((), (hit(BLOW), land)))
+        return ", ".join(Hall.tries(*steps, move_it, Hall.leaves)(answer) for steps in ((), (blow, land)))
     except Failure as failure:
         return f"{failure.method} raises {type(failure.error).__name__}: {failure.error}"
 
 
-def over_ros(answer: type) -> str:
-    """Observe what a blow from another node does."""
-    with ros_node() as node, Hall(answer, node=node) as hall:
-        send(node, "/Rover/imu", imu(*BLOW), lambda: hall.loop.posted)
-        hall.drain()
-        return f"a blow puts the body {hall.where()}"
-
-
-TRIED = {
-    "on a body called Rover it listens to": (listens, "/Rover/imu of Imu"),
-    "when messages come, the body": (tries(hands_over), "is left alone"),
+TRIED: dict[str, tuple[Attempt, str]] = {
+    LISTENS: (Hall.tries(Hall.listens), "/Rover/imu of Imu"),
+    "messages come": (Hall.tries(hands_over(1, imu(*HARMLESS), imu(*BLOW))), POSTS),
     "of accelerations x, y, z that are blows or not": (mistaken, "none is mistaken"),
-    "a blow puts the body": (tries(hit(BLOW), Hall.where), UP),
-    "when a blow has moved it": (tries(hit(BLOW), Hall.news), TOLD),
-    "the body is": (tries(hit(BLOW), Hall.falls), "down after 0.5 s"),
-    "then it stands": (tries(hit(BLOW), land, Hall.where), STOOD),
-    "when it is down again": (tries(hit(BLOW), land, Hall.news), TOLD),
+    "a blow puts the body": (Hall.tries(blow, Hall.where), UP),
+    "when a blow has moved it": (Hall.tries(blow, Hall.news), TOLD),
+    "the body is": (Hall.tries(blow, Hall.falls), "down after 0.5 s"),
+    "then it stands": (Hall.tries(blow, land, Hall.where), STOOD),
+    "when it is down again": (Hall.tries(blow, land, Hall.news), TOLD),
     "a second blow, when it has landed and been moved elsewhere": (
-        tries(hit(BLOW), land, move_it, hit(BLOW), *THEN),
+        Hall.tries(blow, land, move_it, blow, *THEN),
         f"{UP}, down after 0.5 s, {STOOD}",
     ),
-    "a second blow while it is up": (tries(hit(BLOW), wait, hit(BLOW), *THEN), f"{UP}, down after 0.5 s, {STOOD}"),
+    "a second blow while it is up": (Hall.tries(blow, wait, blow, *THEN), f"{UP}, down after 0.5 s, {STOOD}"),
     "a harmless message while it is up": (
-        tries(hit(BLOW), wait, hit(HARMLESS), *THEN),
+        Hall.tries(blow, wait, harmless, *THEN),
         f"{UP}, down after 0.125 s, {STOOD}",
     ),
-    "blows between harmless messages, both threads being busy": (tries(in_a_crowd), f"{UP}, down after 0.5 s"),
+    "blows between harmless messages, both threads being busy": (Hall.tries(in_a_crowd), f"{UP}, down after 0.5 s"),
     "the tank and the crane Lift": (beside, f"{UP} and {UP}, then {STOOD} and {STOOD}"),
-    "unconfigure, while it is up, leaves it": (tries(hit(BLOW), wait, leaves_well), f"{STOOD}, {TOLD}"),
+    "unconfigure, while it is up, leaves it": (Hall.tries(blow, wait, leaves_well), f"{STOOD}, {TOLD}"),
     "unconfigure, when it is not up, leaves it": (down_anyhow, f"{STOOD}, {STOOD}"),
-    "a blow that still waits then puts it": (tries(lambda hall: hall.leaves(imu(*BLOW)) and None, Hall.where), STOOD),
+    "a blow that still waits then puts it": (Hall.tries(lambda hall: hall.leaves(imu(*BLOW))), STOOD),
 }
 MISTAKES = """
 # on a body called Rover it listens to
-the topic's name is another: it is f"{config.body.name}/imu".
-    /imu" => /imus"
+the topic is another: it is f"{config.body.name}/imu".
+    {self.body.name}/imu" => {self.body.name}/imus" => Tank/imu"
 config.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10) is missing, or not reached.
     self.subscription = self.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10) => pass
-the body's name is typed: take it from config.body.name.
-    {self.body.name}/imu => Tank/imu
 
-# when messages come, the body
-the callback moves the body itself: post the call instead, self.call_later(self.update, message); a lock does not help.
-    self.call_later(self.update, message) => self.update(message)
+# messages come
 the callback posts nothing: self.call_later(self.update, message).
     self.call_later(self.update, message) => pass
-the parentheses call it at once, and post what it returns: give both apart, self.call_later(self.update, message).
-    self.update, message) => self.update(message))
 
 # of accelerations x, y, z that are blows or not
-the condition is another: hypot(a.x, a.y) > 20, where a is message.linear_acceleration.
-    > 20 => > 16 => > 200
+the condition is another: hypot(a.x, a.y) > 20, where a is message.linear_acceleration, and 20 itself is no blow.
+    > 20 => > 16 => > 200 => >= 20
 every message counts as a blow: if hypot(a.x, a.y) > 20.
     hypot(a.x, a.y) > 20 => True
-only x counts, only y, or the larger of the two: it is hypot(x, y), whichever way it is hit.
+x and y do not count together, as where one is left out, or their sum or squares are taken: it is hypot(a.x, a.y).
     hypot(a.x, a.y) => a.x => abs(a.x) => a.y => abs(a.y) => max(a.x, a.y) => max(abs(a.x), abs(a.y))
+    => a.x + a.y => abs(a.x) + abs(a.y) => a.x**2 + a.y**2
 z counts, too: gravity is in it, and a hard landing. Only x and y are horizontal.
     hypot(a.x, a.y) => hypot(a.x, a.y, a.z)
-the components, or their squares, are added up, and no root is taken: their length is hypot(x, y).
-    hypot(a.x, a.y) => a.x + a.y => abs(a.x) + abs(a.y) => a.x**2 + a.y**2
-20 m/s² is taken for more than 20: hypot(a.x, a.y) > 20.
-    > 20 => >= 20
 
 # a blow puts the body
 it is put somewhere else: 0.1 is added to z alone, x, y, z = self.place; self.body.position = x, y, z + 0.1.
@@ -378,10 +291,7 @@ the timer's seconds are not 0.5: asyncio.get_running_loop().call_later(0.5, self
     call_later(0.5 => call_later(0.3 => call_later(500
 nothing is to bring it back: asyncio.get_running_loop().call_later(0.5, self.land).
     self.timer = asyncio.get_running_loop().call_later(0.5, self.land) => pass
-config.call_later is called, which takes no seconds: asyncio.get_running_loop().call_later(0.5, self.land).
-    asyncio.get_running_loop().call => self.call
-a timer of rclpy's or a thread of its own is to bring it back, and the body belongs to the main thread. There it is
-asyncio.get_running_loop().call_later(0.5, self.land).
+a timer of rclpy's, or a thread, brings it back: it has to be asyncio.get_running_loop().call_later(0.5, self.land).
     self.timer = asyncio.get_running_loop().call_later(0.5, self.land) => self.node.create_timer(0.5, self.land)\
  => threading.Thread(target=int).start()
 the place is noted after the move up, or changed by it, as += changes an array itself: keep where it stood before.
@@ -460,6 +370,8 @@ the event loop itself runs what waits when the controller has left: self.call_la
     self.node = config.node => self.node = config.node // self.loop = asyncio.get_running_loop()
     self.call_later(self.update => self.loop.call_soon_threadsafe(self.update
 """
-REQUIREMENTS = Requirements(HopViewer, listed(TRIED, MISTAKES), clock="", odd=(), on_ros=over_ros)
+REQUIREMENTS = Requirements(
+    HopViewer, listed(TRIED, MISTAKES), clock="", odd=(), on_ros=over_ros(Hall, "/Rover/imu", imu(*BLOW))
+)
 
 hop = Exercise("hop", __doc__, REQUIREMENTS.judge, HopViewer)

@@ -32,7 +32,7 @@ from tutorial.checks._interleave import interleave
 from tutorial.checks._requirements import Requirements, listed
 from tutorial.checks._viewer import Viewer
 from tutorial.checks.exercise import Exercise
-from tutorial.checks.show import FIRST, LAST, MISTAKES, at, joint_state, over_ros
+from tutorial.checks.show import FIRST, LAST, MISTAKES, ON_ROS, at, joint_state
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
@@ -69,57 +69,51 @@ class CalmViewer(SimpleController):
         self.node.destroy_subscription(self.subscription)
 
 
-def bursts(answer: type) -> str:
+def bursts(viewer: Viewer) -> str:
     """Observe what waits, and what is shown, when many messages come while the main thread is busy; twice."""
-    with Viewer(answer) as viewer:
-        for begin in (0.0, 0.5):
-            viewer.keys.clear()
-            viewer.shown.clear()
-            for i in range(BURST):
-                viewer.receive(
-                    joint_state("Y P", (begin + 0.001 * i, 0.002 * i), 100_000 + round(1e5 * begin) + 401 * i)
-                )
-            waiting, keys = len(viewer.calls), set(viewer.keys)
-            viewer.drain()
-            if waiting > 1:
-                under = ", under different keys" if keys else ""
-                return f"more than one call waits{under}"
-            if viewer.where() == at(begin, 0):
-                return "the first is shown"
-            if viewer.where() != at(begin + 0.049, 0.098):
-                return "the newest is not shown"
-            if len(viewer.shown) > 1:
-                return "one call waits, and draws more than once"
+    for begin in (0, 500):
+        viewer.shown.clear()
+        for i in range(begin, begin + BURST):
+            viewer.receive(joint_state("Y P", (0.001 * i, 0.002 * (i - begin)), 100_000 + 401 * i))
+        waiting = len(viewer.calls)
+        viewer.drain()
+        if waiting > 1:
+            return "more than one call waits" + ", under different keys" * bool(viewer.keys)
+        if viewer.where() == at(0.001 * begin, 0):
+            return "the first is shown"
+        if viewer.where() != at(0.001 * begin + 0.049, 0.098):
+            return "the newest is not shown"
+        if len(viewer.shown) > 1:
+            return "one call waits, and draws more than once"
     return "one call waits, and draws the newest"
 
 
-def in_any_order(answer: type) -> str:
+def in_any_order(viewer: Viewer) -> str:
     """Observe what is shown when the turn of one thread comes at any instruction of the other."""
     stamps = count(100_000, 20)
-    with Viewer(answer) as viewer:
-        for interrupts_drawing in (True, False):
-            for instruction in (None, None, *range(MOST)):
-                first, second = (joint_state("Y P", (q, q), next(stamps)) for q in (0.3, 0.4))
-                viewer.shown.clear()
-                viewer.call_back(first)
-                come = partial(viewer.call_back, second)
-                turns: list[Callable[[], object]] = [viewer.drain, come] if interrupts_drawing else [come, viewer.drain]
-                if instruction is None:  # Python 3.13 stops between instructions only in code that was traced before
-                    turns[1] = bool
-                more = interleave(turns[0], turns[1], instruction)
-                viewer.drain()
-                if any(where not in (at(0.3, 0.3), at(0.4, 0.4)) for where, _ in viewer.shown):
-                    return "half of each is shown"
-                if not more:
-                    break
-                if instruction is not None and viewer.where() != at(0.4, 0.4):
-                    return "the second is never shown"
+    for interrupts_drawing in (True, False):
+        for instruction in (None, None, *range(MOST)):
+            first, second = (joint_state("Y P", (q, q), next(stamps)) for q in (0.3, 0.4))
+            viewer.shown.clear()
+            viewer.call_back(first)
+            come = partial(viewer.call_back, second)
+            turns: list[Callable[[], object]] = [viewer.drain, come] if interrupts_drawing else [come, viewer.drain]
+            if instruction is None:  # Python 3.13 stops between instructions only in code that was traced before
+                turns[1] = bool
+            more = interleave(turns[0], turns[1], instruction)
+            viewer.drain()
+            if any(where not in (at(0.3, 0.3), at(0.4, 0.4)) for where, _ in viewer.shown):
+                return "half of each is shown"
+            if not more:
+                break
+            if instruction is not None and viewer.where() != at(0.4, 0.4):
+                return "the second is never shown"
     return "the second is shown in the end"
 
 
 TRIED = {
-    "50 messages while the main thread is busy, twice": (bursts, "one call waits, and draws the newest"),
-    "a message that comes while another is drawn": (in_any_order, "the second is shown in the end"),
+    "50 messages while the main thread is busy, twice": (Viewer.tries(bursts), "one call waits, and draws the newest"),
+    "a message that comes while another is drawn": (Viewer.tries(in_any_order), "the second is shown in the end"),
 }
 
 MORE = """
@@ -130,8 +124,7 @@ each message is posted with call_later, which keeps every call: call_latest keep
     self.call_latest = config.call_latest => self.call_latest = lambda _, *call: config.call_later(*call)
 the key differs from message to message: take one that says what the call is about, the body's name.
     self.call_latest(self.body.name, => self.call_latest(message.header.stamp.nanosec,
-all messages that wait are drawn, one after the other, so the main thread is as busy as with a call for each: draw only
-the newest, which call_latest keeps.
+all messages that wait are drawn, one after the other: draw only the newest, which call_latest keeps.
     self.node = config.node => self.node, self.inbox = config.node, []
     $post => self.inbox.append(message) // $post
     self.body.calc_f => for _ in self.inbox: self.body.notify_change(report) // self.inbox.clear() // self.body.calc_f
@@ -141,14 +134,13 @@ the first of them is kept: the newest is what counts, and call_latest keeps that
     self.body.calc_f => self.busy = False // self.body.calc_f
 
 # a message that comes while another is drawn
-what says that a call waits is cleared too late, or asked too early: a message that comes between taking the newest and
-clearing it is kept, but no call is posted for it. Clear it first, and under one lock; or leave all that to call_latest.
+what says that a call waits is cleared after the message is taken, so no call is posted for one that comes in between:
+clear it first, and under one lock; or leave all that to call_latest.
     self.node = config.node => self.node, self.waits = config.node, False
     $post => self.message = message // if self.waits: return // $post // self.waits = True
     positions, report = => message = self.message // positions, report =
     self.body.notify_change(report) => self.body.notify_change(report) // self.waits = False
-the callback keeps the message piece by piece, while the main thread reads it: hand it over as a whole, as an argument
-of the posted call.
+the callback keeps the message piece by piece, while the main thread reads it: hand it over as a whole, with the call.
     self.node = config.node => self.node, self.kept = config.node, {}
     $post => for n, q in match_joints(self.body.joint_names, message)[0].items(): self.kept[n] = q // $post
     positions(positions) => positions(dict(self.kept))
@@ -157,11 +149,9 @@ REQUIREMENTS = Requirements(
     CalmViewer,
     listed(
         {**FIRST, **TRIED, **LAST},
-        Template(MISTAKES + MORE).substitute(
-            post="self.call_latest(self.body.name, self.update, message)", name="CalmViewer"
-        ),
+        Template(MISTAKES + MORE).substitute(post="self.call_latest(self.body.name, self.update, message)"),
     ),
-    on_ros=over_ros,
+    on_ros=ON_ROS,
 )
 
 keep_up = Exercise("keep_up", __doc__, REQUIREMENTS.judge, CalmViewer)

@@ -26,26 +26,23 @@ from __future__ import annotations
 
 import asyncio  # noqa: F401 - what some mistakes need
 import threading  # noqa: F401
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from math import degrees, isnan, nan, radians  # noqa: F401
 from string import Template
-from typing import Any
 
 from sensor_msgs.msg import Imu, JointState  # noqa: F401
 
-from tutorial.checks._node import ros_node, send
 from tutorial.checks._requirements import Requirements, listed
-from tutorial.checks._viewer import Viewer
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._viewer import LISTENS, POSTS, TOLD, Attempt, Viewer, hands_over, heard, over_ros
+from tutorial.checks._watch import Failure
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
-__all__ = ["FIRST", "LAST", "MISTAKES", "MyViewer", "at", "joint_state", "over_ros", "show"]
+__all__ = ["FIRST", "LAST", "MISTAKES", "ON_ROS", "MyViewer", "at", "joint_state", "show"]
 
 TRIES = 12  # messages, of which each is to be shown
-Attempt = Callable[[type], str]
 
 
 class MyViewer(SimpleController):
@@ -89,78 +86,27 @@ def at(y: float, p: float) -> str:
     return f"TURRET_Y at {y:g}, TURRET_P at {p:g}"
 
 
-def shows(
-    *said: tuple[str, Sequence[float]], stamps: Sequence[int] = range(100_000, 101_000, 20), **body: Any
-) -> Attempt:
+def shows(*said: tuple[str, Sequence[float]], stamps: Sequence[int] = range(100_000, 101_000, 20)) -> Attempt:
     """Observe where the joints are after messages, each some names and their positions; with stamps [ms]."""
-
-    def attempt(answer: type) -> str:
-        with Viewer(answer, **body) as viewer:
-            for (names, positions), stamp in zip(said, stamps):
-                viewer.receive(joint_state(names, positions, stamp))
-                viewer.drain()
-            return viewer.where()
-
-    return attempt
+    return Viewer.tries(heard(*(joint_state(*each, stamp) for each, stamp in zip(said, stamps))), Viewer.where)
 
 
-def listens(answer: type) -> str:
-    """Observe what it listens to."""
-    with Viewer(answer) as viewer:
-        return viewer.listens()
-
-
-def hands_over(answer: type) -> str:
-    """Observe what the callback does, and what it leaves to the main thread."""
-    posted = []
-    with Viewer(answer) as viewer:
-        viewer.guard.lenient = True
-        for i in range(1, TRIES + 1):
-            before = viewer.where()
-            viewer.receive(joint_state("Y P", (0.01 * i, 0.02 * i), 100_000 + 20 * i))
-            if "touch" in watch.noted:
-                rest = "something" if viewer.uncallable else "the rest" if len(viewer.calls) else "nothing"
-                return f"the body is touched on the executor's thread, and {rest} is posted"
-            if "thread" in watch.noted or viewer.node.timers:
-                return "a timer or a thread goes on beside the callback"
-            waits = len(viewer.calls) > 0
-            viewer.drain()
-            posted.append(waits or viewer.where() != before)  # by way of the loop
-    if all(posted):
-        return "the callback posts, and leaves the body alone"
-    return "some of them are not posted" if any(posted) else "nothing is posted"
-
-
-def tells(answer: type) -> str:
-    """Observe whether the links follow the joints, and what observers see."""
-    with Viewer(answer) as viewer:
-        viewer.receive(joint_state("Y P", (0.1, 0.2)))
-        viewer.drain()
-        if not viewer.links_follow():
-            return "the links are where they were"
-        when = "when" if (viewer.where(), True) in viewer.shown[-1:] else "before"
-        return f"observers are told {when} all is in its place" if viewer.shown else "nobody is told"
-
-
-def wait_together(answer: type) -> str:
+def wait_together(viewer: Viewer) -> str:
     """Observe where the joints are after five messages that wait together."""
-    with Viewer(answer) as viewer:
-        for i, (name, position) in enumerate((("Y", 0.12), ("P", 0.13), ("Y", 0.14), ("Y", 0.15), ("P", 0.16))):
-            viewer.receive(joint_state(name, [position], 100_000 + 20 * i))
-        viewer.drain()
-        return viewer.where() + f", drawn {len(viewer.shown)} times" * (viewer.where() != at(0.15, 0.16))
+    for i, (name, position) in enumerate((("Y", 0.12), ("P", 0.13), ("Y", 0.14), ("Y", 0.15), ("P", 0.16))):
+        viewer.receive(joint_state(name, [position], 100_000 + 20 * i))
+    viewer.drain()
+    return viewer.where() + f", drawn {len(viewer.shown)} times" * (viewer.where() != at(0.15, 0.16))
 
 
-def does_not_wait(answer: type) -> str:
+def does_not_wait(viewer: Viewer) -> str:
     """Observe what the callback does while the body is drawn."""
-    with Viewer(answer) as viewer:
-        viewer.while_drawn = partial(viewer.receive, joint_state("Y P", (0.22, 0.22), 100_020))
-        viewer.receive(joint_state("Y P", (0.21, 0.21)))
-        try:
-            viewer.drain()
-        except Failure as failure:
-            return f"{failure.method}: {failure.error}"
-        return "the callback does not wait for it"
+    viewer.while_drawn = partial(viewer.receive, joint_state("Y P", (0.22, 0.22), 100_020))
+    try:
+        heard(joint_state("Y P", (0.21, 0.21)))(viewer)
+    except Failure as failure:
+        return f"{failure.method}: {failure.error}"
+    return "the callback does not wait for it"
 
 
 def two(answer: type) -> str:
@@ -168,83 +114,48 @@ def two(answer: type) -> str:
     with Viewer(answer) as tank, Viewer(answer, "crane", "Lift") as lift:
         for i in (1, 2):
             tank.receive(joint_state("Y P", (0.1 * i, 0.2 * i), 100_000 + 20 * i))
-            lift.receive(joint_state("BRIDGE SLEW LUFF", (0.3 * i, 0.4 * i, 0.5 * i), 100_000 + 20 * i))
+            lift.receive(joint_state("LUFF BRIDGE", (0.3 * i, 0.4 * i), 100_000 + 20 * i))
             tank.drain()
             lift.drain()
         return f"{tank.where()}; {lift.where()}"
 
 
-def leaves(answer: type) -> str:
-    """Observe what is left after `unconfigure`."""
-    with Viewer(answer) as viewer:
-        viewer.leave()
-        return str(viewer.node.check_left())
-
-
-def leaves_while_one_waits(answer: type) -> str:
-    """Observe what comes of a message that waits."""
-    with Viewer(answer) as viewer:
-        viewer.leave(joint_state("Y P", (0.1, 0.2)))
-        viewer.drain()
-        return viewer.where()
-
-
-def over_ros(answer: type) -> str:
-    """Observe where the joints are after a message from another node."""
-    with ros_node() as node, Viewer(answer, node=node) as viewer:
-        before = viewer.where()
-
-        def is_shown() -> bool:
-            viewer.drain()
-            return viewer.where() != before
-
-        send(node, "/Tank/joint_state", joint_state("P Y", (0.2, 0.1)), is_shown)
-        return viewer.where()
-
-
-LIFT: dict[str, Any] = {"model": "crane", "name": "Lift", "namespace": "/lab"}
 STAMPS = (100_020, 100_000, 100_040, 5, 6)  # [ms]
 SWINGS = [("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i)) for i in range(1, 6)]
+MESSAGES = [joint_state("Y P", (0.01 * i, 0.02 * i), 100_000 + 20 * i) for i in range(1, TRIES + 1)]
 
 FIRST = {
-    "it listens to": (listens, "/Tank/joint_state of JointState"),
-    "messages come": (hands_over, "the callback posts, and leaves the body alone"),
+    LISTENS: (Viewer.tries(Viewer.listens), "/Rover/joint_state of JointState"),
+    "messages come": (Viewer.tries(hands_over(TRIES, *MESSAGES)), POSTS),
     "a message": (shows(("Y P", (0.1, 0.2))), at(0.1, 0.2)),
     "its joints in another order": (shows(("P Y", (0.2, 0.1))), at(0.1, 0.2)),
-    "the news of it": (tells, "observers are told when all is in its place"),
-    "a message with only TURRET_P": (shows(("Y P", (0.3, 0.2)), ("P", (0.05,))), at(0.3, 0.05)),
+    "the news of it": (Viewer.tries(heard(joint_state("Y P", (0.1, 0.2))), Viewer.news), TOLD),
+    "only TURRET_P, then only TURRET_Y": (shows(("Y P", (0.2, 0.3)), ("P", (-0.1,)), ("Y", (0.0,))), at(0, -0.1)),
     "the unknown name ANTENNA": (shows(("ANTENNA Y", (1.0, 0.2))), at(0.2, 0)),
-    "0, and less": (shows(("Y P", (0.1, 0.2)), ("Y P", (0.0, 0.05)), ("P", (-0.1,))), at(0, -0.1)),
     "NaN for one joint": (shows(("Y P", (nan, 0.07)), ("Y P", (0.06, nan))), at(0.06, 0.07)),
     "two names, one position or none": (shows(("P Y", (0.11,)), ("Y P", ())), at(0, 0.11)),
     "a late message, then a new start": (shows(*SWINGS, stamps=STAMPS), at(0.15, 0.25)),
-    "a message that comes while the body is drawn": (does_not_wait, "the callback does not wait for it"),
-    "one that waits when the controller leaves": (leaves_while_one_waits, at(0, 0)),
+    "a message that comes while the body is drawn": (Viewer.tries(does_not_wait), "the callback does not wait for it"),
+    "one that waits when the controller leaves": (Viewer.tries(lambda viewer: viewer.leaves(MESSAGES[0])), at(0, 0)),
 }
 LAST = {
-    "the crane Lift": (shows(("LUFF BRIDGE", (0.1, 0.2)), **LIFT), "BRIDGE at 0.2, SLEW at 0, LUFF at 0.1"),
-    "two viewers at once": (two, f"{at(0.2, 0.4)}; BRIDGE at 0.6, SLEW at 0.8, LUFF at 1"),
-    "after unconfigure": (leaves, "nothing is left"),
+    "two viewers at once, one of the crane": (two, f"{at(0.2, 0.4)}; BRIDGE at 0.8, SLEW at 0, LUFF at 0.6"),
+    "after unconfigure": (Viewer.tries(Viewer.leaves, Viewer.left), f"{at(0, 0)}, nothing is left"),
 }
+ON_ROS = over_ros(Viewer, "/Rover/joint_state", joint_state("P Y", (0.2, 0.1)))
 
 MISTAKES = """
-# it listens to
-the topic's name is another: it is f"{config.body.name}/joint_state".
-    /joint_state" => /joint_states"
+# on a body called Rover it listens to
+the topic is another: it is f"{config.body.name}/joint_state".
+    {self.body.name}/joint_state" => {self.body.name}/joint_states" => Tank/joint_state"
 config.node.create_subscription(JointState, topic, self.on_joint_state, 1) is missing, or not reached.
     self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1) => pass
 the type of the messages is another: give JointState first.
     (JointState, => (Imu,
 
 # messages come
-the callback moves the body itself: all that touches it belongs into what is posted, $post; a lock does not help.
-    $post => self.update(message) => self.update(message) // $post
-the parentheses call it at once, and post what it returns: give the function and its arguments apart, $post.
-    self.update, message) => self.update(message))
 $post is missing, or not reached: the callback posts nothing.
     $post => pass
-a timer or a thread of its own posts, whether there is news or not: the callback posts, once for each message, $post.
-    $post => threading.Thread(target=lambda: $post).start() => self.node.create_timer(0.1, print)
 messages are dropped by time or by count: post and show every one, whenever it comes.
     $post => if message.position[0] < 0.05: $post
 
@@ -270,22 +181,19 @@ notify_change comes too early: first the positions, then the kinematics, then th
     self.body.notify_change(report) => pass
     self.body.set_joint => self.body.notify_change() // self.body.set_joint
 
-# a message with only TURRET_P
+# only TURRET_P, then only TURRET_Y
 a joint that the message does not name is set to 0, or looked up: leave it where it is.
     positions(positions) => positions({name: positions.get(name, 0.0) for name in self.body.joint_names})\
  => positions({name: positions[name] for name in self.body.joint_names})
 a message that does not name all joints is dropped: show the joints that it names.
     self.body.set => if len(message.name) == len(self.body.joint_names): self.body.set
+positions below 0, or 0.0 as in `if position`, are left out or changed: they are positions like any other.
+    positions(positions) => positions({name: abs(q) for name, q in positions.items()})\
+ => positions({name: q for name, q in positions.items() if q})
 
 # the unknown name ANTENNA
 a name that the body does not have is looked up, or spoils the message: match_joints leaves such names out.
     positions(positions) => positions(dict(zip(message.name, message.position)))
-
-# 0, and less
-positions below 0 are left out, or changed: a joint turns both ways.
-    positions(positions) => positions({name: abs(q) for name, q in positions.items()})
-0.0 is taken for nothing, as in `if position`: it is a position like any other.
-    positions(positions) => positions({name: q for name, q in positions.items() if q})
 
 # NaN for one joint
 NaN is set as a position: leave out that joint, and it stays where it is. match_joints does.
@@ -304,27 +212,20 @@ a message with an older stamp is dropped for ever: stamps begin anew when the pu
     positions, report = => if message.header.stamp.sec < self.newest: return // positions, report =
     self.body.set => self.newest = message.header.stamp.sec // self.body.set
 
-# one that waits when the controller leaves
-it goes to the event loop by itself: $post is asked for, and drops what still waits when the controller leaves its body.
-    self.node = config.node => self.node, self.loop = config.node, asyncio.get_running_loop()
-    $post => self.loop.call_soon_threadsafe(self.update, message)
-
 # a message that comes while the body is drawn
-a lock is held while the body is moved and drawn, so the callback waits for the main thread: hold it only to take the
-message, and draw when it is free again.
+a lock is held while the body is drawn, so the callback waits for that: hold it only to take the message.
     self.node = config.node => self.node, self.lock = config.node, threading.Lock()
     $post => with self.lock: $post
     self.body.notify_change(report) => with self.lock: self.body.notify_change(report)
 
-# the crane Lift
+# two viewers at once, one of the crane
 the body's name or its joints are typed: take them from config.body.
-    {self.body.name}/joint_state => Tank/joint_state
     match_joints(self.body.joint_names, => match_joints(("TURRET_Y", "TURRET_P"),
 
-# two viewers at once
-$name.body is shared by all objects of the class: keep in each what is its own, self.body = ..., and make it in
-__init__, configure or initialize.
-    self.body = config.body => type(self).body = config.body
+# one that waits when the controller leaves
+it goes to the event loop by itself: $post is asked for, and drops what still waits when the controller leaves its body.
+    self.node = config.node => self.node, self.loop = config.node, asyncio.get_running_loop()
+    $post => self.loop.call_soon_threadsafe(self.update, message)
 """
 
 MORE = """
@@ -346,10 +247,10 @@ the newest of those that wait is taken first: the oldest comes first, and the ne
 REQUIREMENTS = Requirements(
     MyViewer,
     listed(
-        {**FIRST, "five messages that wait together": (wait_together, at(0.15, 0.16)), **LAST},
-        Template(MISTAKES + MORE).substitute(post="self.call_later(self.update, message)", name="MyViewer"),
+        {**FIRST, "five messages that wait together": (Viewer.tries(wait_together), at(0.15, 0.16)), **LAST},
+        Template(MISTAKES + MORE).substitute(post="self.call_later(self.update, message)"),
     ),
-    on_ros=over_ros,
+    on_ros=ON_ROS,
 )
 
 show = Exercise("show", __doc__, REQUIREMENTS.judge, MyViewer)

@@ -69,7 +69,17 @@ def calls_the_callback(self, config):
     self.subscription = config.node.create_subscription(JointState, "joint_state", self.on_joint_state(None), 1)
 
 
+def shares_its_body(self, config):
+    MyViewer.configure(self, config)
+    del self.body
+    type(self).body = config.body
+
+
 WRONG = [
+    (changed(on_joint_state=lambda self, message: self.update(message)), "the callback moves the body itself"),
+    (changed(on_joint_state=lambda self, m: self.call_later(self.update(m))), "the parentheses call it at once"),
+    (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "a timer or a thread of its own"),
+    (changed(configure=shares_its_body), "Changed.body is shared by all objects of the class"),
     (changed(on_joint_state=waits), "Leave out what sleeps or waits"),
     (changed(update=in_the_wrong_order), "calc_forward_kinematics() is called before set_joint"),
     (changed(update=lambda message: None), "self is missing"),
