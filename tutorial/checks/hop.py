@@ -266,9 +266,10 @@ the condition is another: hypot(a.x, a.y) > 20, where a is message.linear_accele
     > 20 => > 16 => > 200 => >= 20
 every message counts as a blow: if hypot(a.x, a.y) > 20.
     hypot(a.x, a.y) > 20 => True
-x and y do not count together, as where one is left out, or their sum or squares are taken: it is hypot(a.x, a.y).
+only x counts, only y, or the larger of the two: it is hypot(a.x, a.y), whichever way it is hit.
     hypot(a.x, a.y) => a.x => abs(a.x) => a.y => abs(a.y) => max(a.x, a.y) => max(abs(a.x), abs(a.y))
-    => a.x + a.y => abs(a.x) + abs(a.y) => a.x**2 + a.y**2
+x and y, or their squares, are added up, and no root is taken: their length is hypot(a.x, a.y).
+    hypot(a.x, a.y) => a.x + a.y => abs(a.x) + abs(a.y) => a.x**2 + a.y**2
 z counts, too: gravity is in it, and a hard landing. Only x and y are horizontal.
     hypot(a.x, a.y) => hypot(a.x, a.y, a.z)
 
