@@ -7,6 +7,7 @@ DDS knows participants, writers and readers, not nodes. In ROS 2 every participa
 import ctypes
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -43,6 +44,8 @@ TOPIC_NAME, TYPE_NAME, QOS = 5, 6, 7
 """Where Cyclone DDS's ``dds_builtintopic_endpoint_t`` has these pointers [words of 8 bytes], behind two guids and a
 handle. What it lists of a participant begins with a guid, too, with these policies behind it."""
 PARTICIPANT_QOS = 2
+MADE_FOR = "11."
+"""The versions of the package cyclonedds in which all this is so."""
 
 _announced = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _WRITER_QOS, _base = (to_dds(_announced, ParticipantEntitiesInfo, writer=writer) for writer in (True, False))
@@ -58,9 +61,13 @@ class Graph:
     Attributes:
         participant: that one.
         changes: what the executor waits on for :meth:`listen`.
+
+    Raises:
+        RuntimeError: the package cyclonedds has another version than those that this module is made for.
     """
 
     def __init__(self, participant: DomainParticipant) -> None:
+        _check_version()
         self.participant = participant
         self._local: list[NodeEntitiesInfo] = []
         self._remote: dict[bytes, list[NodeEntitiesInfo]] = {}
@@ -195,6 +202,18 @@ class Graph:
             finally:
                 dds.dds_return_loan(reader._ref, entries, count)
                 close(reader)
+
+
+@cache
+def _check_version() -> None:
+    from importlib.metadata import version  # noqa: PLC0415 - it takes 10 ms, which `import rclpy` need not
+
+    found = version("cyclonedds")
+    if not found.startswith(MADE_FOR):
+        raise RuntimeError(
+            f"the nodes of others are read from structures of Cyclone DDS {MADE_FOR}x, and this is {found}, which may "
+            "have others. Install the one that fits: pip install 'cyclonedds>=11,<12'."
+        )
 
 
 def _is_ros(entry: Any) -> bool:
