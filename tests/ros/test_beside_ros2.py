@@ -124,6 +124,9 @@ def test_nobody_has_anything_to_complain_of(beside):
 
 
 def test_its_topics_are_its_own(beside):
+    if beside.ros2[-1] != "ros2":
+        pytest.skip("`tank` has no `node info`; what a topic says of its nodes is the next test's")
+
     def has_them():
         subscribers, _, publishers = beside.say("node", "info", "/tank").partition("Publishers:")
         published = {f"{JOINTS}: {JOINT_STATE}", "/rosout: rcl_interfaces/msg/Log"}
@@ -143,7 +146,7 @@ def test_a_topic_says_who_publishes_it_and_how(beside):
 
 def test_the_rate_is_measured(beside):
     rate = re.compile(r"average rate: (\d+\.\d+)\n")
-    with beside.going_on("topic", "hz", "--window", "50", JOINTS) as process:
+    with beside.going_on("topic", "hz", JOINTS) as process:
         rates = (float(said[1]) for said in map(rate.match, process.stdout) if said)
         assert any(10 < each < 60 for each in rates)  # it is 50 where the machine keeps up
 
