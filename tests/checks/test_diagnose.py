@@ -39,13 +39,6 @@ def set_what_there_is_not():
     slotted.sped = 1
 
 
-def spun():
-    try:
-        rclpy.spin_once(None)
-    finally:
-        gc.collect()  # the real rclpy leaves half an executor, which complains as it goes
-
-
 SENTENCES = {
     "Most likely self is missing: def control(self):": lambda: Answer().control(),
     "Most likely parentheses are missing: Answer alone is the class": lambda: Answer.on_joy(message=1),
@@ -56,7 +49,7 @@ SENTENCES = {
     "Most likely configure does not keep it: self.node = config.node.": lambda: Answer().node,
     "Most likely it is read before anything has set it: configure comes first": lambda: Answer().message,
     "Most likely it asks for the event loop": asyncio.get_running_loop,
-    "Leave it out: the program spins its node already": spun,
+    "Leave it out: the program spins its node already": lambda: rclpy.spin_once(None),
     "Did you mean 'speed'?": set_what_there_is_not,
 }
 
@@ -67,3 +60,5 @@ def test_pythons_sentence_is_understood(sentence):
     with pytest.raises((AttributeError, TypeError, RuntimeError)) as info:
         SENTENCES[sentence]()
     assert likely_cause(info.value, Answer).startswith(sentence)
+    del info
+    gc.collect()  # spin_once of the real rclpy leaves half an executor, which complains as it goes
