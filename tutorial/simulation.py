@@ -54,20 +54,11 @@ class Simulation(SteppedWorld):
     controller raises becomes a `ControllerError`, also where it wants to end the program. If one does not return, the
     simulation waits a few seconds for it; then it is abandoned, and nobody touches it any more.
 
-    The methods may be called on any thread, except by a controller.
-
-    Args:
-        placements: the bodies.
-        controllers: pairs of a body's name ("" for the world) and a controller, in the order in which they are asked.
-        time_step: [s].
-        find_camera: see `Body`.
+    The methods may be called on any thread, except by a controller. The arguments are those of `SteppedWorld`.
 
     Attributes:
         state: what it does now.
         error: what a controller raised last, since the last start; None when none did.
-
-    Raises:
-        TutorialError: the bodies do not make a world.
     """
 
     def __init__(

@@ -102,7 +102,7 @@ class SteppedWorld:
         placements: the bodies.
         controllers: pairs of a body's name ("" for the world) and a controller, in the order in which they are asked.
         time_step: [s].
-        find_camera: see `Body`.
+        find_camera: what finds a camera of a simulated body, see `Body`; None for a world without pictures.
 
     Attributes:
         model: the composed MuJoCo model.
