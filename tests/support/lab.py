@@ -157,8 +157,18 @@ class Notebook:
         await self.is_ready()
 
     async def reconnect(self) -> None:
-        """Have the page drop its connection to the kernel and make a new one; wait until that is there."""
+        """Have the page drop its connection to the kernel and make a new one; wait until that carries messages.
+
+        The server drops what the kernel says while it tries a new connection. So ask until an answer is there; the
+        control channel answers beside a busy cell.
+        """
         await self._do("sessionContext.session.kernel.reconnect()")
+        ask = """({kernel}) => Promise.race([
+            kernel.requestListSubshell({}).done.then(() => true),
+            new Promise((resolve) => setTimeout(resolve, 1000, false)),
+        ])"""
+        session = await self.page.evaluate_handle(f"{NOTEBOOK}.sessionContext.session")
+        await until(lambda: session.evaluate(ask), "the new connection to the kernel carries messages")
 
     async def restart(self) -> None:
         """Restart the kernel, and wait until it is ready."""
