@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from tutorial.joints import JointReport
 
     Observer = Callable[[JointReport | None], object]
-    FindCamera = Callable[["Body", str], Any]
+
+FindCamera = Callable[["Body", str], Any]
 
 __all__ = ["Actuator", "Body", "Joint", "Sensor"]
 

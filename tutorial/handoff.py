@@ -50,8 +50,6 @@ class Latest(Generic[T]):
         value: what `get` returns until something is put.
     """
 
-    __slots__ = ("_lock", "_value")
-
     def __init__(self, value: T) -> None:
         self._lock = threading.Lock()
         self._value = value
@@ -218,13 +216,8 @@ class _Call:
             self.function(*self.args)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, the other calls go on
             self.scope.error = error
-            _log.exception(
-                "%s: a call that was posted at %s:%d on the thread %r failed",
-                self.scope.owner,
-                self.frame_code.co_filename,
-                self.frame_line,
-                self.thread,
-            )
+            posted = f"{self.frame_code.co_filename}:{self.frame_line} on the thread {self.thread!r}"
+            _log.exception("%s: a call that was posted at %s failed", self.scope.owner, posted)
 
 
 class ThreadGuard:
@@ -233,8 +226,6 @@ class ThreadGuard:
     Args:
         what: what is guarded, as it should appear in the error, for instance ``"the body 'Tank'"``.
     """
-
-    __slots__ = ("_ident", "_thread", "_what")
 
     def __init__(self, what: str) -> None:
         self._what = what

@@ -107,11 +107,6 @@ class JointReport(NamedTuple):
     known: tuple[str, ...] = ()  #: the joints of the body, if a name is unknown
 
     @property
-    def matched(self) -> int:
-        """How many joints got a position."""
-        return len(self.joints)
-
-    @property
     def dropped(self) -> bool:
         """Whether the message moved nothing: it was late, or of another publisher."""
         return self.arrival in (Arrival.LATE, Arrival.ANOTHER)
@@ -126,13 +121,13 @@ class JointReport(NamedTuple):
         arrivals = {each.name.lower(): int(each is self.arrival) for each in Arrival if each is not Arrival.NEXT}
         kinds = ((kind, getattr(self, kind)) for kind in self._fields[2:-1])
         found = {kind: each.total if isinstance(each, NameList) else each for kind, each in kinds}
-        return {"matched": self.matched, **arrivals, **found}
+        return {"matched": len(self.joints), **arrivals, **found}
 
     def __str__(self) -> str:
         """One line for the log and for below the 3D view."""
         if self.dropped:
             return self.arrival.value
-        shown = f"{self.matched} joint{'s' * (self.matched != 1)} shown"
+        shown = f"{len(self.joints)} joint{'s' * (len(self.joints) != 1)} shown"
         if self.clean:
             return shown
         hint = did_you_mean(self.unknown.names[0], self.known) if self.unknown.total else ""

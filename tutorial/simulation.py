@@ -8,17 +8,13 @@ import threading
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING
 
+from tutorial.body import FindCamera
 from tutorial.controller import SimpleController
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, where
 from tutorial.stepped_world import ControllerError, Run, Snapshot, SteppedWorld
 from tutorial.world import Placement
-
-if TYPE_CHECKING:
-    from tutorial.body import FindCamera
 
 __all__ = ["ControllerError", "Simulation", "Snapshot", "State"]
 
@@ -150,7 +146,7 @@ class Simulation(SteppedWorld):
             self._stop_all()
             self._check_abandoned()
             self._reset()
-            if was_running and isinstance(run, _RealTimeRun):
+            if was_running and run.is_own:
                 self._start(run.duration)
 
     def release(self, body: str) -> None:
@@ -174,19 +170,15 @@ class Simulation(SteppedWorld):
 
     @contextmanager
     def _turn(self, caller: str) -> Iterator[None]:
-        """Have one caller after the other start, stop or change something."""
-        self._check_caller(caller)
+        """Have one caller after the other start, stop or change something; a controller would wait for itself."""
+        if self._run.is_mine() or self._leaving.is_mine():
+            raise TutorialError(f"{caller} was called by a controller, and would wait for it. Call it elsewhere.")
         if not self._turns.acquire(timeout=2.5 * STUCK):  # a turn waits for controllers, at most twice
             raise TutorialError(f"{caller}: another thread is still stopping this simulation. Call it again later.")
         try:
             yield
         finally:
             self._turns.release()
-
-    def _check_caller(self, caller: str) -> None:
-        """Refuse a controller, which would wait for itself."""
-        if self._run.is_mine() or self._leaving.is_mine():
-            raise TutorialError(f"{caller} was called by a controller, and would wait for it. Call it elsewhere.")
 
     def _check_abandoned(self) -> None:
         if self.state is State.ABANDONED:
@@ -216,7 +208,9 @@ class Simulation(SteppedWorld):
         with self._lock:
             if stuck.finished.is_set():
                 return
-            text = f"{stuck.complaint()}. Mend it, and make the simulation anew: open its program again."
+            name, file = stuck.at_work()
+            stands = f"{name} does not return{where(stuck.thread, file)}"
+            text = f"{stands}. Mend it, and make the simulation anew: open its program again."
             self.state, self.error = State.ABANDONED, ControllerError(text)
             stuck.abandon()
             if not self._run.finished.is_set():
@@ -227,7 +221,7 @@ class Simulation(SteppedWorld):
         """Begin a thread of its own."""
         last_step = None if duration is None else self.step + round(duration / self.time_step)
         thread = threading.Thread(target=lambda: self._main(run, last_step), name="simulation", daemon=True)
-        run = _RealTimeRun(thread, duration=duration)
+        run = Run(thread, is_own=True, duration=duration)
         self._begin(run)
         try:
             thread.start()
@@ -238,11 +232,14 @@ class Simulation(SteppedWorld):
 
     def _halt(self) -> None:
         """Have the run come to its end, or give it up."""
-        run = self._run
-        run.stopping.set()
+        self._run.stopping.set()
+        self._wait_for(self._run)
+
+    def _wait_for(self, run: Run) -> None:
+        """Wait for the end of a run, or give it up."""
         if not run.finished.wait(STUCK):
             self._abandon(run)
-        if isinstance(run, _RealTimeRun) and not run.abandoned:
+        if run.is_own and not run.abandoned:
             run.thread.join(STUCK)  # it has nothing more to do
 
     def _stop_all(self) -> None:
@@ -253,12 +250,9 @@ class Simulation(SteppedWorld):
     def _stop_controllers(self, controllers: list[SimpleController]) -> None:
         """Stop controllers on a thread that can be given up, as any of them may keep it."""
         thread = threading.Thread(target=lambda: self._stop_main(run, controllers), name="simulation", daemon=True)
-        self._leaving = run = Run(thread)
+        self._leaving = run = Run(thread, is_own=True)
         thread.start()
-        if not run.finished.wait(STUCK):
-            self._abandon(run)
-        if not run.abandoned:
-            thread.join(STUCK)
+        self._wait_for(run)
 
     def _stop_main(self, run: Run, controllers: list[SimpleController]) -> None:
         """The thread on which controllers are stopped."""
@@ -297,17 +291,6 @@ class Simulation(SteppedWorld):
             time.sleep(REST)
 
 
-@dataclass(eq=False)
-class _RealTimeRun(Run):
-    """A run on a thread of the simulation's own.
-
-    Attributes:
-        duration: for how long it was started [s]; None for ever.
-    """
-
-    duration: float | None = None
-
-
 class _SwitchInterval:
     """Python's switch interval, which is short as long as there is a thread that steps in real time."""
 
@@ -340,6 +323,7 @@ class _Pace:
         self._lost, self._since = 0.0, time.perf_counter()
 
     def steps_due(self, step: int) -> int:
+        """How many steps to take now, after so many."""
         now = time.perf_counter()
         debt = now - self._origin - step * self._time_step
         if debt > LONGEST_DEBT:
@@ -347,11 +331,8 @@ class _Pace:
             self._lost += debt - LONGEST_DEBT
             debt = LONGEST_DEBT
         if now - self._since > REPORT_EVERY:
-            self._report(now)
+            ratio = 1.0 - self._lost / (now - self._since)
+            if ratio < SLOW:
+                _log.warning("this machine can't keep up: the simulation runs at %.2f of real time", ratio)
+            self._lost, self._since = 0.0, now
         return int(min(debt, 10 * REST) / self._time_step)  # few enough to notice a stop at once
-
-    def _report(self, now: float) -> None:
-        ratio = 1.0 - self._lost / (now - self._since)
-        if ratio < SLOW:
-            _log.warning("this machine can't keep up: the simulation runs at %.2f of real time", ratio)
-        self._lost, self._since = 0.0, now

@@ -11,17 +11,15 @@ from typing import TYPE_CHECKING
 
 import mujoco
 
-from tutorial.body import Body
+from tutorial.body import Body, FindCamera
 from tutorial.controller import ControllerIO, SimpleController
-from tutorial.errors import TutorialError, file_of, tell, where
+from tutorial.errors import TutorialError, file_of, tell
 from tutorial.handoff import Latest
 from tutorial.world import Placement, compose
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-    from tutorial.body import FindCamera
 
 __all__ = ["ControllerError", "Run", "Snapshot", "SteppedWorld"]
 
@@ -52,6 +50,8 @@ class Run:
 
     Attributes:
         thread: the thread.
+        is_own: whether the thread was made for the run, and ends with it.
+        duration: for how long it was started [s]; None for ever.
         controller: the controller that is at work, or was last; None while MuJoCo is.
         laps: grows after each step, when no controller is at work.
         stopping: set to ask the run to end.
@@ -60,6 +60,8 @@ class Run:
     """
 
     thread: threading.Thread
+    is_own: bool = False
+    duration: float | None = None
     controller: SimpleController | None = None
     laps: int = 0
     stopping: threading.Event = field(default_factory=threading.Event)
@@ -88,11 +90,6 @@ class Run:
         """Return the name of the controller's class, and the file that it is written in."""
         kind = type(self.controller)
         return ("MuJoCo", "") if self.controller is None else (kind.__name__, file_of(kind))
-
-    def complaint(self) -> str:
-        """Say which controller does not return, and where it is."""
-        name, file = self.at_work()
-        return f"{name} does not return{where(self.thread, file)}"
 
 
 class SteppedWorld:
