@@ -342,7 +342,11 @@ def test_messages_come_in_the_order_of_time(tmp_path, storage):
     assert [time - START for _, time, _ in Bag(tmp_path / "bag").raw_messages()] == list(range(20))
 
 
-@pytest.mark.parametrize("spoilt", ["", "a: [", "[]", "rosbag2_bagfile_information: 3", "&a [*a, *a]"])
+MERGED = "a0: &a0 {x: 1}\n" + "".join(f"a{i + 1}: &a{i + 1} {{<<: [{f'*a{i}, ' * 9}]}}\n" for i in range(20))
+SPOILT = ["", "a: [", "[]", "rosbag2_bagfile_information: 3", "&a [*a, *a]", "[" * 200_000, "!!bool x", MERGED]
+
+
+@pytest.mark.parametrize("spoilt", SPOILT, ids=lambda text: text[:10])
 def test_metadata_that_say_nothing_are_no_more_than_damage(tmp_path, spoilt):
     written = write(tmp_path / "bag")
     (tmp_path / "bag" / "metadata.yaml").write_text(spoilt)

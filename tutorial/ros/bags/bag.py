@@ -15,7 +15,7 @@ from tutorial.errors import TutorialError, did_you_mean, printable
 from tutorial.paths import is_file, is_folder
 from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.sqlite import SqliteReader
-from tutorial.ros.bags.storage import Channel, Damaged, FileReader, Span
+from tutorial.ros.bags.storage import Channel, Damaged, FileReader, Span, read_yaml
 from tutorial.ros.topics.names import escape_name, message_class
 
 __all__ = ["Bag", "BagTopic"]
@@ -194,14 +194,14 @@ class Bag:
     def _read_metadata(self) -> _Information:
         try:
             data = (self.path / "metadata.yaml").read_bytes()
-            return msgspec.yaml.decode(data, type=_Metadata).rosbag2_bagfile_information
+            return msgspec.convert(read_yaml(data), _Metadata).rosbag2_bagfile_information
         except FileNotFoundError:
             self._say("its metadata.yaml is missing, as of a recording that was killed")
         except OSError as error:
             self._say(f"metadata.yaml cannot be read: {error.strerror}")
         except msgspec.ValidationError as error:
             self._say(f"metadata.yaml: it is not that of a bag: {printable(str(error))}")
-        except (msgspec.DecodeError, ValueError, RecursionError):
+        except Exception:  # noqa: BLE001 - what a stranger has written may be anything
             self._say("metadata.yaml: it is no YAML")
         return _Information()
 

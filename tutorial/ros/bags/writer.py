@@ -12,7 +12,7 @@ import msgspec
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.ros.bags.mcap import McapWriter
 from tutorial.ros.bags.sqlite import SqliteWriter
-from tutorial.ros.bags.storage import Channel, Span
+from tutorial.ros.bags.storage import Channel, Span, read_yaml
 
 __all__ = ["BagWriter"]
 
@@ -117,7 +117,7 @@ class BagWriter:
                     "name": channel.topic,
                     "type": channel.type_name,
                     "serialization_format": channel.encoding,
-                    "offered_qos_profiles": msgspec.yaml.decode(channel.qos) or [],
+                    "offered_qos_profiles": read_yaml(channel.qos) or [],
                     "type_description_hash": channel.type_hash,
                 },
                 "message_count": self.counts[channel.topic],
