@@ -76,10 +76,11 @@ def test_a_broken_file_is_said_and_left_as_it_is(notebook, text):
     assert (notebook / FILE).read_text(encoding="latin-1") == text
 
 
-def test_what_is_no_file_is_not_waited_for(notebook):
-    os.mkfifo(notebook / FILE)
+@pytest.mark.parametrize("make", [os.mkfifo, lambda path: path.touch() or os.truncate(path, 3 * 10**9)])
+def test_what_is_no_small_file_is_not_read(notebook, make):
+    make(notebook / FILE)
     remember("aim")
-    assert "it is no file." in read_progress()[1]
+    assert "it is no file of at most 1 MB." in read_progress()[1]
 
 
 def test_beside_an_odd_entry_the_others_count_and_all_stay(notebook):

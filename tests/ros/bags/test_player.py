@@ -124,6 +124,15 @@ def test_it_loops_until_it_is_stopped_also_within_a_long_pause(nodes, heard, tmp
         until(lambda: texts(heard, "/a").count("2") > 3, "some rounds")
 
 
+def test_a_loop_of_a_single_message_pauses_in_between(nodes, tmp_path):
+    player = Player(nodes[0], make(tmp_path / "bag", count=1), topics=["/b"], loop=True)
+    with playing(player):
+        until(lambda: player.played, "the first round")
+        began, before = time.monotonic(), player.played
+        until(lambda: player.played >= before + 10, "some rounds")
+        assert time.monotonic() - began > 9 * 0.02
+
+
 def test_centuries_between_two_messages_can_be_interrupted(nodes, heard, tmp_path):
     with playing(Player(nodes[0], make(tmp_path / "bag", count=3, last=7e9), rate=1e-9)):
         until(lambda: texts(heard, "/a") == ["first", "0"], "the first messages")

@@ -29,6 +29,7 @@ CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as
 MEET_FOR = 2.0  # [s] at most, that subscriptions are waited for which are there already
 SETTLE_FOR = 0.3  # [s] that a subscription needs longer than the publisher to know of the other, on Fast DDS
 LOOK_EVERY = 0.02  # [s] for these subscriptions
+LOOP_PAUSE = 0.02  # [s] before a bag is played again: one of a single message would keep a whole core busy
 LONGEST_WAIT = 1.0  # [s] between two looks at how far it is
 LAST_SECOND = 2**31 - 1  # that a time stamp can say
 ACKNOWLEDGED_IN = 1.0  # [s] at most
@@ -101,7 +102,7 @@ class Player:
                 self._publishers[CLOCK] = self._node.create_publisher(Clock, CLOCK, CLOCK_QOS)
             self._meet(stop)
             self._play(stop, progress)
-            while self._loop and not stop.is_set():
+            while self._loop and not stop.wait(LOOP_PAUSE):
                 self._play(stop, progress)
         finally:
             self._close(stop)
