@@ -88,7 +88,8 @@ def school(tmp_path_factory):
     with (room / "hans.ipynb").open("wb") as file:
         file.truncate(submission.LARGEST + 1)
     os.mkfifo(room / "ida.ipynb")
-    notebook(room / "jack.ipynb", IMPORTS, SHOUT, AT_ONCE.format("shout()"), "await aim.check(HeldJoint)", RIGHT, CHECK)
+    deep = SHOUT.replace("all right", r"{\"x\": " + "[" * 30_000)
+    notebook(room / "jack.ipynb", IMPORTS, deep, AT_ONCE.format("shout(); os._exit(0)"), RIGHT, CHECK)
     command = f"[sys.executable, '-c', {SLEEPER.format(room)!r}], start_new_session=True"
     leave = f"import os, subprocess, sys; subprocess.Popen({command}); os._exit(0)"
     notebook(room / "kim.ipynb", IMPORTS, AT_ONCE.format(leave), RIGHT, CHECK)

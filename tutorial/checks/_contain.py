@@ -127,7 +127,7 @@ def _findings(told: Sequence[bytes], files: Collection[str], status: int | None)
     for line in told:
         try:
             findings.append(msgspec.json.decode(line, type=Finding))
-        except ValueError:  # what Python itself has said when it died, or that it is done
+        except (ValueError, RecursionError):  # what Python itself has said when it died, or that it is done
             trace += line.decode(errors="replace")
     if DONE not in told:
         findings.append(_bad_end(trace, files, status or 0))

@@ -79,7 +79,7 @@ async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> Submissi
             submission.problem = opened.problem
             for exercise in opened.exercises:
                 submission.judged[exercise] = await _judge_one(path, exercise, limit, is_sandboxed)
-        except (EOFError, TimeoutError, ValueError, msgspec.MsgspecError):
+        except (EOFError, TimeoutError, ValueError, RecursionError):
             submission.problem = UNREAD
         except OSError as error:
             submission.problem = f"it cannot be judged: {error.strerror}"
@@ -94,7 +94,7 @@ async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool
         why = ENDLESS.format(limit=limit)
     except EOFError:
         why = BROKEN
-    except (ValueError, msgspec.MsgspecError):
+    except (ValueError, RecursionError):
         why = DISTURBED
     return Judged(Outcome.NOT_JUDGED, why, why)
 
@@ -106,7 +106,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
         EOFError: it has written nothing.
         OSError: the notebook cannot be opened.
         TimeoutError: it has taken too long.
-        ValueError, msgspec.MsgspecError: it has written something other than one message.
+        ValueError, RecursionError: it has written something other than one message.
     """
     with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder, path.open() as file:
         process = await asyncio.create_subprocess_exec(
