@@ -182,9 +182,8 @@ class JointMatcher:
             if plan.names != message.name or plan.length != len(message.position):
                 plan = self._plan = _Plan.of(self._ranges, message)
             positions = plan.positions(message.position)
-            if positions is not None and self._followed.check_alone():
+            if positions is not None and self._followed.follow_alone(positions):
                 self._newest_ns = stamp_ns
-                self._followed.follow(positions)
                 return positions, plan.report
         return self._judge(message, stamp_ns, ahead)
 
@@ -222,12 +221,13 @@ class _FollowedPublisher:
         self._alone_for = 0  # messages until it is looked whether there are any
         self._dropped = 0  # messages in a row that were another's
 
-    def check_alone(self) -> bool:
-        """Whether nobody else publishes; it is looked at every few messages."""
-        if self._alone_for:
-            self._alone_for -= 1
-            return True
-        return self._look()
+    def follow_alone(self, positions: Mapping[str, float]) -> bool:
+        """Go on from a usual message and return True, if nobody else publishes; it is looked at every few messages."""
+        if not self._alone_for and not self._look():
+            return False
+        self._alone_for -= 1
+        self._shown, self._dropped = positions, 0
+        return True
 
     def judge(self, ahead: float, positions: Mapping[str, float]) -> Arrival:
         """Decide who sent an unusual message, and count it if it is dropped.
@@ -256,7 +256,7 @@ class _FollowedPublisher:
 
     def _look(self) -> bool:
         self._others = max(self._count() - 1, 0)
-        self._alone_for = 0 if self._others else LOOK_EVERY - 1
+        self._alone_for = 0 if self._others else LOOK_EVERY
         return not self._others
 
     def _goes_on(self, ahead: float, positions: Mapping[str, float]) -> bool:
