@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tutorial.errors import TutorialError
 from tutorial.ros import domains
 from tutorial.ros.domains import reserved_domain
 
@@ -12,9 +13,9 @@ def test_nobody_else_has_it_until_it_is_given_back(monkeypatch):
     with reserved_domain() as mine:
         monkeypatch.setattr(domains, "FIRST", mine)
         monkeypatch.setattr(domains, "LAST", mine)
-        with pytest.raises(RuntimeError, match=f"all ROS domains from {mine} to {mine} are taken"):
+        with pytest.raises(TutorialError, match=f"all ROS domains from {mine} to {mine} are taken"):
             reserved_domain().__enter__()
     with reserved_domain() as again:
         assert again == mine
-    with pytest.raises(RuntimeError):
+    with pytest.raises(TutorialError):
         reserved_domain(avoid=f"{mine} ").__enter__()

@@ -28,7 +28,6 @@ from tutorial.checks._diagnose import endless
 from tutorial.checks._instrument import instrumented
 from tutorial.checks._verdict import Finding, wrong
 from tutorial.checks._watch import watch
-from tutorial.ros.domains import reserved_domain
 
 LOOK = 0.1  # [s] between two looks of the watchdog
 PATIENCE = 15  # looks that a single call may take; it should take none
@@ -51,13 +50,9 @@ def main() -> NoReturn:
     sys.path[:] = job.path
     os._exit = sys.exit  # type: ignore[assignment] # which raises, and so is told with its place
     threading.Thread(target=_watchdog, args=(report, parent), name="watchdog", daemon=True).start()
-    os.environ.update(ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST")
-    os.environ.pop("ROS_STATIC_PEERS", None)
-    with reserved_domain(avoid=os.environ.get("ROS_DOMAIN_ID")) as domain:
-        os.environ["ROS_DOMAIN_ID"] = str(domain)
-        with instrumented():  # before the answer is there, for it may have its own name for time.sleep
-            _judge(job, report)
-        _end(report)
+    with instrumented():  # before the answer is there, for it may have its own name for time.sleep
+        _judge(job, report)
+    _end(report)
 
 
 def _judge(job: Job, report: int) -> None:

@@ -12,7 +12,7 @@ import sys
 import threading
 from asyncio.subprocess import PIPE, Process
 from collections import ChainMap
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import cloudpickle  # type: ignore[import-untyped, unused-ignore]
@@ -22,6 +22,7 @@ from tutorial.checks._shared import outside
 from tutorial.checks._verdict import Finding, Place, wrong
 from tutorial.checks._watch import files_of
 from tutorial.paths import PACKAGE
+from tutorial.ros.domains import reserved_domain
 
 __all__ = ["DONE", "Job", "contain"]
 
@@ -70,6 +71,9 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
 
     Returns:
         What was found, and the lines that the learner's code has printed.
+
+    Raises:
+        TutorialError: no ROS domain is free.
     """
     try:
         pickled = _pickled(answer)
@@ -77,8 +81,14 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
         return (_clinging(answer, error),), ()
     path = [os.path.abspath(entry) for entry in sys.path]  # noqa: PTH100
     job = Job(module, name, path, pickled)
-    home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
-    process = await _start({**os.environ, "PYTHONPATH": home, "PYTHONUTF8": "1"})
+    with reserved_domain(avoid=os.environ.get("ROS_DOMAIN_ID")) as domain:
+        told, output, status = await _run(job, domain)
+    return _findings(told, files_of(answer), status), tuple(output.decode(errors="replace").splitlines())
+
+
+async def _run(job: Job, domain: int) -> tuple[list[bytes], bytearray, int | None]:
+    """Run the process to its end. Returns the lines that it has told, what was printed, and the exit status."""
+    process = await _start(domain)
     assert process.stdin is not None
     assert process.stdout is not None
     told, output = list[bytes](), bytearray()
@@ -98,11 +108,15 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
         await process.wait()
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(printing, REST)
-    return _findings(told, files_of(answer), process.returncode), tuple(output.decode(errors="replace").splitlines())
+    return told, output, process.returncode
 
 
-async def _start(environment: Mapping[str, str]) -> Process:
+async def _start(domain: int) -> Process:
     """Start the process. Its stdout is for what is found; what the learner's code prints comes by stderr."""
+    home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
+    kept = {name: value for name, value in os.environ.items() if name != "ROS_STATIC_PEERS"}
+    ros = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    environment = {**kept, **ros, "PYTHONPATH": home, "PYTHONUTF8": "1"}
     command = sys.executable, "-P", "-u", "-m", "tutorial.checks._child"
     return await asyncio.create_subprocess_exec(
         *command, stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True, env=environment

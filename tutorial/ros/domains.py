@@ -7,6 +7,8 @@ import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from tutorial.errors import TutorialError
+
 __all__ = ["FIRST", "LAST", "reserved_domain"]
 
 FIRST, LAST = 1, 101  # those whose ports ROS 2 says are free on every system
@@ -23,7 +25,7 @@ def reserved_domain(avoid: str | None = None) -> Iterator[int]:
         avoid: a ROS_DOMAIN_ID that is in use without being held, if there is one.
 
     Raises:
-        RuntimeError: all of them are taken.
+        TutorialError: all of them are taken; the text says the mend.
     """
     for number in random.sample(range(FIRST, LAST + 1), LAST - FIRST + 1):
         if str(number) == (avoid or "").strip():
@@ -35,4 +37,4 @@ def reserved_domain(avoid: str | None = None) -> Iterator[int]:
                 continue
             yield number
             return
-    raise RuntimeError(f"all ROS domains from {FIRST} to {LAST} are taken")
+    raise TutorialError(f"all ROS domains from {FIRST} to {LAST} are taken: shut down kernels that you no longer use")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import shutil
 import socket
 import subprocess
@@ -136,6 +137,16 @@ def test_files_memory_and_processes_have_an_end(inside):
     found = inside(ENDS)
     assert (found["large"], found["many"], found["memory"]) == ("OSError", "OSError", "'refused'")
     assert found["processes"] == ("BlockingIOError" if os.getuid() else "None")  # no limit holds root
+
+
+@pytest.mark.process
+@pytest.mark.skipif(not sandbox._keyring(), reason="there is no keyctl that works: apt-get install keyutils")
+def test_keys_of_my_session_are_not_there(tmp_path):
+    need_sandbox_here()
+    look = shlex.join([*sandbox.sandbox(str(tmp_path)), "sh", "-c", "keyctl show @s; keyctl show @u"])
+    script = f"keyctl add user mine secret @s && keyctl add user mine secret @u && {look}; keyctl show @s"
+    done = subprocess.run(["keyctl", "session", "-", "sh", "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.count("user: mine") == 1
 
 
 @pytest.mark.process

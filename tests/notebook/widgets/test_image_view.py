@@ -7,6 +7,7 @@ from array import array
 
 import numpy as np
 import pytest
+from rclpy.qos import ReliabilityPolicy, qos_profile_sensor_data
 from sensor_msgs.msg import Image
 
 from tutorial.controllers.camera_publisher import image
@@ -37,17 +38,25 @@ def shown(sent):
     return [buffers[0][0] if buffers[0] else None for _, buffers in sent]
 
 
+def requested(node):
+    """What each subscription asks for."""
+    return [info.qos_profile.reliability for info in node.get_subscriptions_info_by_topic(TOPIC)]
+
+
 async def test_a_picture_that_is_published_comes_to_the_page(sent):
     widget = image_view(TOPIC)
     await say(widget, "hello")
     assert sent.pop()[0]["line"] == f"nothing has come on {TOPIC} yet"
     await say(widget, "seen", frame=0)
-    publisher = open_node("camera").create_publisher(Image, TOPIC, 1)
-    await until(publisher.get_subscription_count)
+    camera = open_node("camera")
+    publisher = camera.create_publisher(Image, TOPIC, 1)
+    await until(lambda: requested(camera) == [ReliabilityPolicy.RELIABLE] and publisher.get_subscription_count())
     publisher.publish(picture(7))
     await until(lambda: sent)
     size = {"width": 4, "height": 3, "encoding": "rgb8", "line": "4 x 3, rgb8, 0.0 kB, at 1.500 s"}
     assert sent == [({"type": "frame", "frame": 1, **size}, [bytes([7]) * 36])]
+    camera.create_publisher(Image, TOPIC, qos_profile_sensor_data)
+    await until(lambda: requested(camera) == [ReliabilityPolicy.BEST_EFFORT])
 
 
 async def test_who_is_slow_misses_pictures(sent):

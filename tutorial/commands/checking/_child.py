@@ -23,6 +23,7 @@ from tutorial.checks.exercise import NOT_YET, Exercise
 from tutorial.commands.checking.answers import Answer, cells_of, find_answers
 from tutorial.commands.checking.messages import Judged, Opened, Outcome
 from tutorial.commands.checking.sandbox import limit
+from tutorial.errors import TutorialError
 
 UNDEFINED = "Most likely the answer needs something of a cell that only works in a running notebook."
 
@@ -76,7 +77,10 @@ def _judge(exercise: Exercise, answer: Answer) -> Judged:
     except BaseException as error:  # noqa: BLE001 - it is a learner's code, which may call sys.exit
         text = f"The answer cannot be defined: {type(error).__name__}: {error}".removesuffix(": ")
         return Judged(Outcome.WRONG, UNDEFINED, f"{text}\n  {UNDEFINED}")
-    seen = asyncio.run(exercise.examine(given))
+    try:
+        seen = asyncio.run(exercise.examine(given))
+    except TutorialError as error:  # no ROS domain is free
+        return Judged(Outcome.NOT_JUDGED, str(error), str(error))
     if isinstance(seen, Verdict):
         return Judged(Outcome.RIGHT if seen.right else Outcome.WRONG, " ".join(seen.causes[:1]), str(seen))
     if str(seen).startswith(NOT_YET):

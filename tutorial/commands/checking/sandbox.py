@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import cache
 
 from tutorial.errors import TutorialError
 from tutorial.paths import COURSE, PACKAGE, is_course
@@ -45,6 +46,7 @@ def sandbox(folder: str) -> list[str]:
     course = [word for path in _course() for word in ("--dir", path)]
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
     return [
+        *_keyring(),
         *("bwrap", "--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
         *(*readable, *course, "--proc", "/proc", "--dev", "/dev", *bounded, "--chdir", folder, "--"),
     ]
@@ -74,6 +76,16 @@ def limit(seconds: int, is_sandboxed: bool) -> None:
     for what, most in {**LIMITS, **processes, resource.RLIMIT_CPU: seconds}.items():
         with suppress(ValueError, OSError):  # macOS knows no limit of address space; a lower one may hold already
             resource.setrlimit(what, (most, most))
+
+
+@cache
+def _keyring() -> tuple[str, ...]:
+    """Return the words that give a command a session keyring of its own, where that can be: bubblewrap leaves mine."""
+    words = ("keyctl", "session", "-")
+    works = (
+        shutil.which("keyctl") and subprocess.run([*words, "true"], capture_output=True, check=False).returncode == 0
+    )
+    return words if works else ()
 
 
 def _readable() -> Iterator[str]:

@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import numpy as np
-from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import Image
 
 from tutorial.errors import printable
 from tutorial.notebook.widgets.cell_widget import NodeWidget
 from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
+from tutorial.ros.topics.endpoints import reader_qos
 from tutorial.view.assets import read_static
 
 __all__ = ["ImageView"]
 
 CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1}  # what is shown, with the bytes of a pixel
 LARGEST = 1920 * 1080  # [pixels]
+LOOK_EVERY = 0.5  # [s] from one look at who publishes to the next
 
 
 class ImageView(FrameWidget, NodeWidget):
     """Shows the newest picture of a topic. Make it on the main thread, while its loop runs.
 
-    It has a node of its own, ``image_view``, and takes what comes best effort, one at a time. A page is sent the next
-    picture when it has drawn the last one, so a slow page misses pictures, and nothing piles up.
+    It has a node of its own, ``image_view``, and takes one picture at a time: reliably if all publishers offer that,
+    else best effort, which loses a large picture with any of its pieces. A page is sent the next picture when it has
+    drawn the last one, so a slow page misses pictures, and nothing piles up.
 
     Args:
         topic: of type ``sensor_msgs/msg/Image``.
@@ -42,12 +47,27 @@ class ImageView(FrameWidget, NodeWidget):
     def __init__(self, topic: str = "/Tank/camera/image") -> None:
         super().__init__(topic)
         self.newest = _no_picture(f"nothing has come on {topic} yet")
-        qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # fits every publisher
-        self.open_node("image_view", lambda node: node.create_subscription(Image, topic, self._on_image, qos))
+        self._topic = topic
+        self._subscription: Subscription | None = None
+        self.open_node("image_view", self._set_up)
 
     def whole(self) -> Frame:
         """The newest picture."""
         return self.newest
+
+    def _set_up(self, node: Node) -> None:
+        self._look(node)
+        node.create_timer(LOOK_EVERY, lambda: self._look(node))
+
+    def _look(self, node: Node) -> None:
+        """Subscribe with what all publishers offer, anew if that has changed. After the first time a timer calls it."""
+        offered = reader_qos(node, self._topic).reliability
+        if self._subscription is not None:
+            if self._subscription.qos_profile.reliability == offered:
+                return
+            node.destroy_subscription(self._subscription)
+        qos = QoSProfile(depth=1, reliability=offered)
+        self._subscription = node.create_subscription(Image, self._topic, self._on_image, qos)
 
     def _on_image(self, message: Image) -> None:
         """Take a picture, on the executor's thread."""

@@ -1,0 +1,18 @@
+"""What becomes of an answer that cannot be judged."""
+
+from __future__ import annotations
+
+from tutorial.checks.tank_controller import aim
+from tutorial.commands.checking._child import _judge
+from tutorial.commands.checking.answers import find_answers
+from tutorial.commands.checking.messages import Outcome
+from tutorial.ros import domains
+
+
+def test_without_a_free_ros_domain_nobody_is_charged(monkeypatch):
+    monkeypatch.setattr(domains, "FIRST", domains.LAST + 1)
+    cells = ["from tutorial.checks.tank_controller import aim", "HeldJoint = aim.right_answer"]
+    (answer,) = find_answers(cells, {"aim": "HeldJoint"})
+    judged = _judge(aim, answer)
+    assert judged.outcome is Outcome.NOT_JUDGED
+    assert judged.cause.startswith("all ROS domains from 102 to 101 are taken: ")
