@@ -175,6 +175,9 @@ def test_nothing_is_overwritten(tmp_path):
     with pytest.raises(TutorialError, match="a bag overwrites nothing"):
         BagWriter(tmp_path / "bag")
     assert list((tmp_path / "bag").iterdir()) == []
+    with pytest.raises(TutorialError, match="is no UTF-8. Give another name"):
+        BagWriter(tmp_path / "bad\udcff")
+    assert [path.name for path in tmp_path.iterdir()] == ["bag"]
 
 
 def test_a_recording_that_was_killed_is_read_up_to_its_last_flush(tmp_path, storage):

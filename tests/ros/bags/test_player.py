@@ -150,6 +150,9 @@ def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, he
     assert player.played == 102
     assert times == sorted(set(times))
     assert set(times) <= set(range(0, 10**9, 80_000_000))
+    fast = Player(nodes[0], make(tmp_path / "other", count=100), rate=1e308, clock=1e-308)
+    fast.run(threading.Event())
+    assert fast.played == 102
 
 
 def test_its_publishers_offer_what_was_offered_then(nodes, heard, tmp_path):

@@ -126,7 +126,8 @@ class Player:
     def _ticks(self, begin: int) -> Iterator[tuple[str, int, Clock]]:
         """Yield the time of the bag, as often as it is wanted on ``/clock``: (topic, time [ns], message)."""
         if self._clock:
-            for time_ns in range(begin, self._bag.end + 1, max(1, round(1e9 * self._rate / self._clock))):
+            step = min(max(1.0, 1e9 * self._rate / self._clock), 1e18)  # [ns] the two may be any numbers above 0
+            for time_ns in range(begin, self._bag.end + 1, round(step)):
                 seconds, rest = divmod(time_ns, 10**9)
                 yield CLOCK, time_ns, Clock(clock=Time(sec=min(max(0, seconds), LAST_SECOND), nanosec=rest))
 

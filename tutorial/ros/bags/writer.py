@@ -35,7 +35,7 @@ class BagWriter:
         counts: how many messages of each topic are written.
 
     Raises:
-        TutorialError: there is something of this name, or it cannot be made.
+        TutorialError: there is something of this name, it is no UTF-8, or it cannot be made.
     """
 
     def __init__(self, path: Path, storage: str = "mcap", max_duration: float = math.inf) -> None:
@@ -49,8 +49,11 @@ class BagWriter:
         self._span = Span()
         self._files: dict[str, Span] = {}
         try:
+            str(path).encode()  # the bag has its own name in it
             path.mkdir(parents=True)
             self._begin_file()
+        except UnicodeEncodeError:
+            raise TutorialError(f"the bag's name, {str(path)!r}, is no UTF-8. Give another name.") from None
         except FileExistsError:
             raise TutorialError(
                 f"there is a {str(path)!r} already, and a bag overwrites nothing. Give another name."
