@@ -14,7 +14,7 @@ from programs import until
 from tutorial.commands import terminal
 from tutorial.commands.terminal import prepare_output, progress_bar, say
 
-INT, TERM = signal.SIGINT, signal.SIGTERM
+INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 IN_C = (
     "    def configure(self, config):\n"
     "        import mujoco\n"
@@ -64,6 +64,12 @@ def test_the_first_signal_asks_and_the_second_ends_it_at_once(monkeypatch, heard
     with pytest.raises(RuntimeError, match="at once"):
         terminal._end(iter(heard).__next__, lambda: fail("asked"), lambda: fail("at once"))
     assert happened == ["asked", "at once", status]
+
+
+@pytest.mark.parametrize(("before", "heeded"), [(signal.SIG_DFL, [INT, TERM, HUP]), (signal.SIG_IGN, [INT, TERM])])
+def test_a_closed_terminal_asks_unless_nohup_was_there_before(monkeypatch, before, heeded):
+    monkeypatch.setattr(signal, "getsignal", lambda _: before)
+    assert terminal._heeded() == heeded
 
 
 @pytest.mark.process

@@ -12,7 +12,7 @@ import sys
 import threading
 from asyncio.subprocess import PIPE, Process
 from collections import ChainMap
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import cloudpickle  # type: ignore[import-untyped, unused-ignore]
@@ -88,7 +88,10 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
 
 async def _run(job: Job, domain: int) -> tuple[list[bytes], bytearray, int | None]:
     """Run the process to its end. Returns the lines that it has told, what was printed, and the exit status."""
-    process = await _start(domain)
+    home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
+    kept = {name: value for name, value in os.environ.items() if name != "ROS_STATIC_PEERS"}
+    ros = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    process = await _start({**kept, **ros, "PYTHONPATH": home, "PYTHONUTF8": "1"})
     assert process.stdin is not None
     assert process.stdout is not None
     told, output = list[bytes](), bytearray()
@@ -111,12 +114,8 @@ async def _run(job: Job, domain: int) -> tuple[list[bytes], bytearray, int | Non
     return told, output, process.returncode
 
 
-async def _start(domain: int) -> Process:
+async def _start(environment: Mapping[str, str]) -> Process:
     """Start the process. Its stdout is for what is found; what the learner's code prints comes by stderr."""
-    home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
-    kept = {name: value for name, value in os.environ.items() if name != "ROS_STATIC_PEERS"}
-    ros = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-    environment = {**kept, **ros, "PYTHONPATH": home, "PYTHONUTF8": "1"}
     command = sys.executable, "-P", "-u", "-m", "tutorial.checks._child"
     return await asyncio.create_subprocess_exec(
         *command, stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True, env=environment

@@ -15,7 +15,7 @@ import click
 
 from tutorial.commands.options import Seconds
 from tutorial.commands.terminal import INTERRUPTED, say, until_asked
-from tutorial.errors import TutorialError
+from tutorial.errors import TutorialError, printable
 from tutorial.paths import is_file, is_folder
 
 if TYPE_CHECKING:
@@ -91,11 +91,9 @@ def _found(given: Sequence[Path]) -> list[Path]:
 
 def _names(paths: Sequence[Path]) -> dict[Path, str]:
     """Name each notebook by the part of its path that the others do not share, with control characters as escapes."""
-    from tutorial.commands.checking.messages import clean
-
     absolute = [Path(os.path.abspath(path)) for path in paths]  # noqa: PTH100 - where a link leads is not its name
     common = Path(os.path.commonpath([path.parent for path in absolute]))
-    return {path: clean(str(whole.relative_to(common))) for path, whole in zip(paths, absolute)}
+    return {path: printable(str(whole.relative_to(common))) for path, whole in zip(paths, absolute)}
 
 
 async def _judge_all(

@@ -28,7 +28,7 @@ __all__ = [
     "until_asked",
 ]
 
-ENDINGS = (signal.SIGINT, signal.SIGTERM)
+ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C
 
 
@@ -52,6 +52,8 @@ def prepare_output() -> None:
 def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = lambda: None) -> None:
     """From now on the first Ctrl-C or SIGTERM asks this process to end, and the second ends it at once. Main thread.
 
+    So does SIGHUP, which comes when the terminal is closed, unless ``nohup`` has this process ignore it.
+
     A thread of its own waits for them, for the main thread may be in a loop, or in a call that does not return. It
     waits until the process has ended, for the code that closes everything may be in a loop, too.
 
@@ -62,10 +64,15 @@ def handle_signals(ask: Callable[[], object], at_once: Callable[[], object] = la
     read_end, write_end = os.pipe()
     os.set_blocking(write_end, False)
     signal.set_wakeup_fd(write_end, warn_on_full_buffer=False)  # Python writes the number of each signal there
-    for number in ENDINGS:
+    for number in _heeded():
         signal.signal(number, lambda *_: None)
     heard = (lambda: os.read(read_end, 1)[0], ask, at_once)
     threading.Thread(target=_end, args=heard, name="endings", daemon=True).start()
+
+
+def _heeded() -> list[signal.Signals]:
+    """Return the signals that end this process."""
+    return [each for each in ENDINGS if each != signal.SIGHUP or signal.getsignal(each) != signal.SIG_IGN]
 
 
 def _end(hear: Callable[[], int], ask: Callable[[], object], at_once: Callable[[], object]) -> None:

@@ -1,8 +1,11 @@
-"""What becomes of an answer that cannot be judged."""
+"""What is reported of an answer that cannot be judged, and by what name."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from tutorial.checks.tank_controller import aim
+from tutorial.commands.check import _names
 from tutorial.commands.checking._child import _judge
 from tutorial.commands.checking.answers import find_answers
 from tutorial.commands.checking.messages import Outcome
@@ -16,3 +19,8 @@ def test_without_a_free_ros_domain_nobody_is_charged(monkeypatch):
     judged = _judge(aim, answer)
     assert judged.outcome is Outcome.NOT_JUDGED
     assert judged.cause.startswith("all ROS domains from 102 to 101 are taken: ")
+
+
+def test_the_name_of_a_notebook_adds_no_line_to_the_table():
+    first, second = Path("class/a\nben.ipynb"), Path("class/b\x1b.ipynb")
+    assert _names([first, second]) == {first: "a\\nben.ipynb", second: "b\\x1b.ipynb"}
