@@ -270,10 +270,8 @@ class _Plan(NamedTuple):
 
     names: Sequence[str] = ()  # in the message
     length: int = 0  # how many positions it has
-    joints: tuple[str, ...] = ()  # those that get a position
+    limits: tuple[tuple[str, float, float], ...] = ()  # each joint that gets one, and its range, with slack and finite
     indices: tuple[int, ...] = ()  # where their positions are; empty when they are the first ones, in order
-    lows: tuple[float, ...] = ()  # what they may be, with slack, and finite
-    highs: tuple[float, ...] = ()
     report: JointReport = JointReport()  # where every position is within its range
 
     @classmethod
@@ -281,19 +279,18 @@ class _Plan(NamedTuple):
         """Look every name of a message up."""
         names, length = list(message.name), len(message.position)
         places = {name: i for i, name in enumerate(names[:length]) if name in ranges}
-        limits = [_widened(ranges[joint]) for joint in places]
-        lows, highs = zip(*limits) if limits else ((), ())
+        limits = tuple((joint, *_widened(ranges[joint])) for joint in places)
         _, report = match_joints(ranges, message)
         usual = report._replace(joints=tuple(places), non_finite=NameList(), huge=NameList(), outside=NameList())
         indices = () if list(places.values()) == list(range(len(places))) else tuple(places.values())
-        return cls(names, length, usual.joints, indices, lows, highs, usual)
+        return cls(names, length, limits, indices, usual)
 
     def positions(self, received: Sequence[float]) -> dict[str, float] | None:
         """Return the position of each joint, or None where one is not within its range."""
         if self.indices:
             received = [received[i] for i in self.indices]
         found = {}
-        for joint, low, high, position in zip(self.joints, self.lows, self.highs, received):
+        for (joint, low, high), position in zip(self.limits, received):
             if not low <= position <= high:
                 return None
             found[joint] = position
