@@ -13,6 +13,7 @@
 #   make screenshots          the README's picture, which moves; it takes some minutes
 #   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency, memory and a bag; then floods that mean harm
 #   make mutants              every small fault in the exercises' solutions: does the check find it; some three minutes
+#   make wheel                the wheels of tank-tutorial and pocket-ros2, in dist/
 #   make book                 the pages of book/ and the notebooks, as a site in book/_build/html
 #   make bench | lint | clean
 
@@ -20,6 +21,7 @@ PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3 python; do \
 	$$p -c 'import ensurepip, sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && echo $$p && break; done)
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
+POCKET := tutorial/ros/pocket
 DURATION ?=
 EXERCISES ?=
 PYTEST_ARGS ?=
@@ -30,7 +32,7 @@ APART := ros2 or nightly
 RMWS := rmw_cyclonedds_cpp rmw_fastrtps_cpp
 export PYTHONDONTWRITEBYTECODE :=  # modules are compiled once, not by each of hundreds of processes
 
-.PHONY: book demo test test-all test-slow test-ros2 nightly nbval notebooks steps screenshots lab install bench soak mutants lint clean
+.PHONY: book wheel demo test test-all test-slow test-ros2 nightly nbval notebooks steps screenshots lab install bench soak mutants lint clean
 
 demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
@@ -47,7 +49,7 @@ test-slow: install
 test-ros2: install
 	@test -n "$(TANK_REAL_ROS2)" || { echo "Set TANK_REAL_ROS2 to a command that runs another one with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
 	$(PYTEST) $(SIDE_BY_SIDE) -m ros2 tests
-	for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket || exit 1; done
+	for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) -n auto --dist loadfile --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket || exit 1; done
 
 nightly: soak mutants
 	$(PYTEST) -m nightly tests
@@ -83,26 +85,30 @@ book: install
 	$(BIN)/python -m sphinx -W --keep-going -b html -d book/_build/trees book book/_build/html
 	@echo "The book is in book/_build/html/index.html"
 
+wheel: install
+	@$(PIP) wheel -q --no-deps -w dist . ./$(POCKET)
+	@ls dist/*.whl
+
 lint: .venv/lint
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	PYTHONPATH=tutorial/ros/pocket $(BIN)/lint-imports --no-logo --no-cache
+	PYTHONPATH=tutorial/ros/pocket/pocket_ros2/packages $(BIN)/lint-imports --no-logo --no-cache
 	$(BIN)/check-jsonschema -q --builtin-schema vendor.github-workflows .github/workflows/*.yml
 	$(BIN)/check-jsonschema -q --builtin-schema custom.github-workflows-require-timeout .github/workflows/*.yml
 
 install: .venv/install
 
-.venv/install: pyproject.toml constraints.txt
+.venv/install: pyproject.toml $(POCKET)/pyproject.toml constraints.txt
 	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 is needed, on Debian and Ubuntu with its package python3-venv, and none was found. Install one, or say which: make PYTHON=/path/to/python3.12"; exit 1; }
 	@echo "Installing into .venv: about 700 MB, which takes some minutes the first time."
 	@$(PYTHON) -m venv --clear .venv
-	@$(PIP) install --progress-bar off -q -c constraints.txt -e ".[gamepad,test,book]"
+	@$(PIP) install --progress-bar off -q -c constraints.txt -e ".[gamepad,test,book]" -e $(POCKET)
 	@touch $@
 
 .venv/lint: .venv/install
-	$(PIP) install --progress-bar off -q -c constraints.txt -e ".[lint]"
+	$(PIP) install --progress-bar off -q -c constraints.txt -e ".[lint]" -e $(POCKET)
 	@touch $@
 
 clean:
-	rm -rf .venv .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv dist .hypothesis .mypy_cache .pytest_cache .ruff_cache

@@ -8,15 +8,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from domains import reserved_domain
-from hypothesis import HealthCheck, settings
 from programs import Program
 
-from tutorial import ros_backend
-
-settings.register_profile("random", deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.register_profile("the same every time", settings.get_profile("random"), derandomize=True)
-settings.load_profile("the same every time")
+import tutorial  # noqa: F401
 
 JUPYTERS_FOLDERS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")
 
@@ -62,32 +56,6 @@ def pytest_configure() -> None:
     """
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-@pytest.fixture(scope="session")
-def backend() -> str:
-    """Which ROS 2 the tests run on: ``rclpy``, a real one, or ``pocket``."""
-    return ros_backend()
-
-
-@pytest.fixture(autouse=True)
-def _pocket_only(request: pytest.FixtureRequest, backend: str) -> None:
-    """Skip what is about the pocket ROS 2 alone."""
-    if backend != "pocket" and request.node.get_closest_marker("pocket"):
-        pytest.skip("a real ROS 2 is in use: this is about the pocket one")
-
-
-def pytest_report_header() -> str:
-    """Say it at the top of a test run, too."""
-    return f"ROS 2: {ros_backend()}"
-
-
-@pytest.fixture
-def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
-    """A ROS domain that nobody else uses; processes started by the test inherit it."""
-    with reserved_domain() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        yield number
 
 
 @pytest.fixture

@@ -15,9 +15,10 @@ import tutorial  # noqa: F401 - promises an rclpy
 # isort: split
 from cell_view import cell_frame
 from costs import import_time, joint_matching, simulation_loop
-from domains import reserved_domain
 from processes import REAL, measured
 from tables import console, show
+
+from tutorial.ros.domains import reserved_domain
 
 ROUNDS = 5
 

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from domains import reserved_domain
 from hostile_peer import BACKWARDS, ESCAPES, FORGED, JOINTS, LONG, NODES, SAID, hostile_peer
 from programs import until
 
 from tutorial import ros_backend
+from tutorial.ros.domains import reserved_domain
 from tutorial.ros.topics.names import escape_name, full_name
 
 pytestmark = [

@@ -13,7 +13,6 @@ from unittest.mock import Mock
 
 import pytest
 from click.testing import CliRunner
-from domains import reserved_domain
 from programs import PATIENCE, TANK, until
 from rclpy.utilities import get_rmw_implementation_identifier
 from recorded import masked, recorded, recorded_nodes, recorded_status
@@ -22,6 +21,7 @@ from std_msgs.msg import String
 from tutorial.commands import asking
 from tutorial.commands.topic import topic
 from tutorial.errors import TutorialError
+from tutorial.ros.domains import reserved_domain
 from tutorial.ros.node_thread import NodeThread
 from tutorial.ros.topics.populate import passed_class, populated
 

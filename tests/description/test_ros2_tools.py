@@ -16,7 +16,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from domains import reserved_domain
 from programs import PATIENCE, until
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.time import Time
@@ -28,6 +27,7 @@ from tutorial.controllers.robot_description_publisher import RobotDescriptionPub
 from tutorial.description.poses import pose
 from tutorial.description.urdf import robot_description
 from tutorial.paths import HOME
+from tutorial.ros.domains import reserved_domain
 from tutorial.ros.node_thread import NodeThread
 from tutorial.world import Placement
 

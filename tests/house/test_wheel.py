@@ -14,13 +14,15 @@ from packages import run
 from tutorial.paths import PACKAGE
 
 CHECKOUT = PACKAGE.parent
+POCKET = PACKAGE / "ros/pocket"
 COURSE = ("launch_py", "notebooks", "project")
 PAGES = ("bags", "comparison", "fleet", "glossary", "own_package", "teaching", "tools")
 JUNK = {"__pycache__", ".ipynb_checkpoints", "MUJOCO_LOG.TXT"}
 NO_OTHER = """
 import sys
 from pathlib import Path
-sys.path[:] = [entry for entry in sys.path if entry == {site!r} or not (Path(entry) / "tutorial/__init__.py").exists()]
+checkout = {{entry for entry in sys.path for name in ("tutorial", "pocket_ros2") if (Path(entry) / name).is_dir()}}
+sys.path[:] = [entry for entry in sys.path if entry == {site!r} or entry not in checkout]
 """
 
 pytestmark = pytest.mark.build
@@ -38,14 +40,20 @@ def wheel(tmp_path_factory):
     return build("wheel", CHECKOUT, tmp_path_factory.mktemp("wheel"))
 
 
+@pytest.fixture(scope="module")
+def pocket_wheel(tmp_path_factory):
+    return build("wheel", POCKET, tmp_path_factory.mktemp("pocket_wheel"))
+
+
 @pytest.fixture
-def installed(wheel, tmp_path, monkeypatch, domain):
-    """The environment of a process that finds the wheel's tutorial, and is started where there is no checkout."""
+def installed(wheel, pocket_wheel, tmp_path, monkeypatch, domain):
+    """The environment of a process that finds what is in the wheels, and is started where there is no checkout."""
     here, site, without = (tmp_path / name for name in ("here", "site", "without_checkout"))
     here.mkdir()
     without.mkdir()
-    with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(site)
+    for each in (wheel, pocket_wheel):
+        with zipfile.ZipFile(each) as archive:
+            archive.extractall(site)
     (without / "sitecustomize.py").write_text(NO_OTHER.format(site=str(site)))
     monkeypatch.chdir(here)
     return {"PYTHONPATH": f"{site}{os.pathsep}{without}"}
@@ -62,30 +70,49 @@ def files(wheel):
     return {name: data for name, data in contents(wheel).items() if ".dist-info/" not in name}
 
 
+def checked_out(folder, *parts):
+    """Say what files of a folder hold, by their names in it."""
+    paths = [path for part in parts for path in (folder / part, *(folder / part).rglob("*"))]
+    wanted = [path for path in paths if path.is_file() and not JUNK & set(path.parts)]
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in wanted}
+
+
 def test_it_holds_the_package_and_the_course_and_nothing_else(wheel):
-    expected = {}
-    for part in ("tutorial", *COURSE, *(f"book/{page}.md" for page in PAGES)):
-        to = "" if part == "tutorial" else "tutorial/_files/"
-        for path in (CHECKOUT / part, *(CHECKOUT / part).rglob("*")):
-            if path.is_file() and not JUNK & set(path.parts):
-                expected[to + path.relative_to(CHECKOUT).as_posix()] = path.read_bytes()
+    course = checked_out(CHECKOUT, *COURSE, *(f"book/{page}.md" for page in PAGES))
+    expected = {f"tutorial/_files/{name}": data for name, data in course.items()}
+    package = checked_out(CHECKOUT, "tutorial")
+    expected |= {name: data for name, data in package.items() if not name.startswith("tutorial/ros/pocket/")}
     found = files(wheel)
     assert found.keys() == expected.keys()
     assert found == expected
 
 
-def test_the_sdist_has_what_the_wheel_is_built_from_and_the_tests(wheel, tmp_path):
-    sdist = build("sdist", CHECKOUT, tmp_path)
+def test_the_pocket_ros_2_is_in_a_wheel_of_its_own(pocket_wheel):
+    assert files(pocket_wheel) == checked_out(POCKET, "pocket_ros2")
+
+
+@pytest.mark.parametrize(
+    ("source", "names"),
+    [
+        (CHECKOUT, ["README.md", "LICENSE", "Makefile", "constraints.txt", "tests/house/test_wheel.py"]),
+        (POCKET, ["README.md", "LICENSE", "CHANGELOG.md"]),
+    ],
+    ids=["tutorial", "pocket"],
+)
+def test_the_sdist_has_what_the_wheel_is_built_from_and_the_tests(source, names, tmp_path):
+    sdist = build("sdist", source, tmp_path)
     with tarfile.open(sdist) as archive:
         archive.extractall(tmp_path, filter="data")
     unpacked = tmp_path / sdist.name.removesuffix(".tar.gz")
-    assert contents(build("wheel", unpacked, tmp_path / "wheel")) == contents(wheel)
-    for name in ("README.md", "LICENSE", "Makefile", "constraints.txt", "tests/house/test_wheel.py"):
-        assert (unpacked / name).read_bytes() == (CHECKOUT / name).read_bytes()
+    assert contents(build("wheel", unpacked, tmp_path / "wheel")) == contents(build("wheel", source, tmp_path))
+    for name in names:
+        assert (unpacked / name).read_bytes() == (source / name).read_bytes()
+    assert list(unpacked.glob("tests/**/test_*.py"))
 
 
-def test_an_editable_install_takes_the_course_from_the_checkout(tmp_path):
-    assert files(build("editable", CHECKOUT, tmp_path)) == {"_tank_tutorial.pth": str(CHECKOUT).encode()}
+@pytest.mark.parametrize(("source", "name"), [(CHECKOUT, "tank_tutorial"), (POCKET, "pocket_ros2")])
+def test_an_editable_install_takes_all_from_the_checkout(source, name, tmp_path):
+    assert files(build("editable", source, tmp_path)) == {f"_{name}.pth": str(source).encode()}
 
 
 def test_the_demo_runs(installed, program):

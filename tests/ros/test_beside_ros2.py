@@ -17,10 +17,11 @@ from dataclasses import dataclass
 
 import pytest
 import yaml
-from domains import reserved_domain
 from packages import CONTROLLERS, install
 from pictures import need_pictures
 from programs import PATIENCE, TANK, until
+
+from tutorial.ros.domains import reserved_domain
 
 REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
 JOINTS, JOY = "/Tank/joint_state", "/joy"

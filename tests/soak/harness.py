@@ -12,10 +12,10 @@ from contextlib import contextmanager
 
 import click
 import psutil
-from domains import reserved_domain
 from tables import console
 
 from tutorial.commands.terminal import INTERRUPTED
+from tutorial.ros.domains import reserved_domain
 
 GRACE = 10.0  # [s] from asking a process to stop to killing it
 EVERY = 0.1  # [s] between two samples of memory

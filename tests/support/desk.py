@@ -11,9 +11,10 @@ from typing import Any
 
 import pytest
 from browser import PATIENCE, Witness, chromium, open_browser
-from domains import reserved_domain
 from lab import Lab, jupyter_lab
 from playwright.async_api import Page
+
+from tutorial.ros.domains import reserved_domain
 
 
 @dataclass

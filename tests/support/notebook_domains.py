@@ -9,11 +9,11 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from domains import reserved_domain
 from nbval.plugin import IPyNbFile
 from pictures import need_pictures
 
 from tutorial import ros_backend
+from tutorial.ros.domains import reserved_domain
 
 FAST_DDS = ("rmw_fastrtps_cpp", "rmw_fastrtps_dynamic_cpp")
 WITH_PICTURES = ("6_camera_publisher",)

@@ -139,7 +139,8 @@ def packages() -> Iterator[Diagnosis]:
     if done.returncode == 0:
         yield Diagnosis("ok", text)
     else:
-        yield Diagnosis("problem", text, f"in the tutorial's folder: {PIP} -c constraints.txt -e .")
+        mend = f"in the tutorial's folder: {PIP} -c constraints.txt -e . -e tutorial/ros/pocket"
+        yield Diagnosis("problem", text, mend)
 
 
 def backend() -> Iterator[Diagnosis]:
@@ -156,7 +157,7 @@ def backend() -> Iterator[Diagnosis]:
     try:
         version, file, rmw = ask("rclpy")
     except TutorialError as error:
-        mend = f"{PIP} cyclonedds rosbags; where there is no cyclonedds, a real ROS 2"
+        mend = f"{PIP} cyclonedds; where there is no cyclonedds, a real ROS 2"
         if is_real:
             mend = ". /opt/ros/jazzy/setup.bash, with Python 3.12; the pocket ROS 2: export TUTORIAL_ROS=pocket"
         yield Diagnosis("problem", f"{text}; but it is broken: {error}", mend)

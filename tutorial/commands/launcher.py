@@ -21,11 +21,11 @@ from typing import TYPE_CHECKING, TextIO
 
 import click
 
+import pocket_ros2
 from tutorial import parent_watch
 from tutorial.commands.terminal import handle_signals
 from tutorial.errors import TutorialError, printable, printable_lines, tell
 from tutorial.paths import with_own_commands
-from tutorial.ros.backend import POCKET
 
 if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
@@ -204,12 +204,12 @@ def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
 def _own_launch() -> Iterator[ModuleType]:
     """Make ``import launch`` mean that of the pocket ROS 2, for a while."""
     hidden = {name: sys.modules.pop(name) for name in tuple(sys.modules) if name.split(".")[0] == "launch"}
-    sys.path.insert(0, str(POCKET))
+    sys.path.insert(0, str(pocket_ros2.PATH))
     try:
         import_module("launch.actions")
         yield sys.modules["launch"]
     finally:
-        sys.path.remove(str(POCKET))
+        sys.path.remove(str(pocket_ros2.PATH))
         for name in tuple(sys.modules):
             if name.split(".")[0] == "launch":
                 del sys.modules[name]

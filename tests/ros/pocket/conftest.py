@@ -6,16 +6,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-import tutorial  # noqa: F401  (promises an rclpy)
-
-REPOSITORY = Path(__file__).parents[3]
 PATIENCE = 30.0
 """How long a condition may take to come true [s]: long, for both cores may be busy. Only a failing test waits so."""
 
@@ -65,8 +61,7 @@ def start(domain: int) -> Iterator[Callable[..., subprocess.Popen[str]]]:
 
     def start(code: str, *arguments: str) -> subprocess.Popen[str]:
         process = subprocess.Popen(
-            [sys.executable, "-c", f"import tutorial\n{code}", *arguments],
-            cwd=REPOSITORY,
+            [sys.executable, "-c", f"import pocket_ros2\n{code}", *arguments],
             text=True,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from behaviours import EXPRESSIONS, RECORD, behaviours, outcome, outcomes, prelude, snippets
 
-from tutorial import ros_backend
+import pocket_ros2
 
 RECORDS = [json.loads(file.read_text()) for file in (Path(__file__).parent / "data/rclpy_behaviour.json", RECORD)]
 ROWS = [row | {"prelude": record["prelude"]} for record in RECORDS for row in record["rows"]]
@@ -20,7 +20,7 @@ ROWS += [
     for (code, printed), snippet in zip(group["expressions"].items(), snippets(group), strict=True)
 ]
 
-pytestmark = pytest.mark.process if ros_backend() == "rclpy" else []
+pytestmark = [] if pocket_ros2.install() else pytest.mark.process
 """Where a real ROS 2 is in use, the snippets run in processes of their own."""
 
 
@@ -50,7 +50,7 @@ def seen(backend):
 def test_the_record_is_of_these_snippets():
     record = RECORDS[1]
     recorded = [(row["about"], row["shows"], row["code"]) for row in record["rows"]]
-    assert (record["prelude"], recorded) == (prelude(), list(behaviours())), "run tests/support/record_behaviours.py"
+    assert (record["prelude"], recorded) == (prelude(), list(behaviours())), "run support/record_behaviours.py"
 
 
 @pytest.fixture(scope="module", autouse=True)

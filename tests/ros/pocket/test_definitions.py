@@ -7,4 +7,4 @@ import pytest
 def test_they_are_what_the_store_says():
     from record_definitions import RECORDED, written
 
-    assert RECORDED.read_text(encoding="utf-8") == written(), "python tests/support/record_definitions.py writes it"
+    assert RECORDED.read_text(encoding="utf-8") == written(), "support/record_definitions.py writes it"

@@ -8,8 +8,6 @@ from unittest.mock import Mock
 import pytest
 from rmw_dds_common.msg import ParticipantEntitiesInfo
 
-import tutorial  # noqa: F401
-
 pytestmark = pytest.mark.pocket  # these look behind the scenes
 
 

@@ -14,12 +14,11 @@ import pytest
 from builtin_interfaces.msg import Time
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from message_types import message_class
 from rclpy.serialization import deserialize_message, serialize_message
 from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import Imu, JointState
 from std_msgs.msg import Header
-
-from tutorial import ros_backend
 
 ALL_TYPES = sorted(get_typestore(Stores.ROS2_JAZZY).fielddefs)
 NUMBER_CODES = {"float": "f", "double": "d"} | {
@@ -27,14 +26,6 @@ NUMBER_CODES = {"float": "f", "double": "d"} | {
     for bits, code in ((8, "b"), (16, "h"), (32, "i"), (64, "q"))
     for sign in ("", "u")
 }
-
-
-def message_class(type_name: str) -> type[Any]:
-    """Import a class; a small installation of a real ROS 2 has not every package."""
-    package, _, name = type_name.split("/")
-    module = pytest.importorskip(f"{package}.msg") if ros_backend() == "rclpy" else import_module(f"{package}.msg")
-    found: type[Any] = getattr(module, name)
-    return found
 
 
 def parts(field_type: str) -> tuple[str, str, int]:

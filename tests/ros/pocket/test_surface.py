@@ -13,8 +13,6 @@ from rclpy.task import Future
 from sensor_msgs.msg import Joy
 from std_msgs.msg import String
 
-import tutorial  # noqa: F401
-
 
 @pytest.mark.pocket
 @pytest.mark.parametrize(

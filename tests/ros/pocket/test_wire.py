@@ -11,14 +11,13 @@ import pytest
 import rclpy
 from hypothesis import given
 from hypothesis import strategies as st
+from message_types import message_class
 from rclpy.serialization import deserialize_message, serialize_message
 from rmw_dds_common.msg import NodeEntitiesInfo
 from rosbags.typesys import Stores, get_typestore
 from sensor_msgs.msg import Image, Imu, JointState, Joy
 from std_msgs.msg import ByteMultiArray, Empty, Int8, String, UInt8MultiArray
 from unique_identifier_msgs.msg import UUID
-
-from tutorial.ros.topics.names import message_class
 
 GOLDEN = json.loads((Path(__file__).parent / "data/golden_cdr.json").read_text())
 LITTLE_ENDIAN = b"\0\1\0\0"

@@ -1,7 +1,7 @@
 """What a message consists of: the definitions of ROS 2 Jazzy's common interfaces.
 
-They are in ``jazzy.json``, as rosbags' store has them: ``tests/support/record_definitions.py`` writes it. To read the
-store itself takes every program 0.1 s, for it makes the classes of all messages of all distributions up to Jazzy.
+They are in ``jazzy.json``, as rosbags' store has them: the tests' ``support/record_definitions.py`` writes it. To read
+the store itself takes every program 0.1 s, for it makes the classes of all messages of all distributions up to Jazzy.
 """
 
 from __future__ import annotations

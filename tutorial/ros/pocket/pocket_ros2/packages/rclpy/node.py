@@ -244,13 +244,13 @@ class Node(NodeGraph, NodeParameters):
     def destroy_node(self) -> None:
         """Destroy the node with all that belongs to it; may be called again."""
         with self._lock:
-            if self._destroyed:
-                return
             self._destroyed = True
             entities, self._entities = self._entities, ()
             rosout, self._rosout = self._rosout, None
-        listeners.pop(self._logger.name, None)
-        for entity in (*entities, *([rosout] if rosout else [])):
+        if rosout:
+            listeners.pop(self._logger.name, None)
+            rosout.close()
+        for entity in entities:
             entity.close()
         self._leave_graph()
         self.wake_executor()
@@ -301,7 +301,7 @@ class Node(NodeGraph, NodeParameters):
 
     def _add(self, entity: Entity) -> Entity:
         with self._lock:
-            if self._destroyed:
+            if self._destroyed and not isinstance(entity, Timer):  # rclpy makes timers also then, and calls them
                 entity.close()
                 raise InvalidHandle
             self._entities = (*self._entities, entity)

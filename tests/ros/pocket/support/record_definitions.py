@@ -1,6 +1,6 @@
 """Write the definitions of messages that the pocket ROS 2 has, from rosbags' store of those of ROS 2 Jazzy.
 
-Run it when rosbags has others: ``python tests/support/record_definitions.py``. Then look at what git shows.
+Run it when rosbags has others, then look at what git shows.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-import tutorial  # noqa: F401  (it makes _rosidl importable)
+import pocket_ros2  # noqa: F401  (it makes _rosidl importable)
 
 # isort: split
 from _rosidl.definitions import RECORDED

@@ -1,11 +1,10 @@
-"""What tests of the node graph share."""
+"""A program that is DDS alone and announces nodes as ROS 2 does, to the pocket ROS 2."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
-import pytest
+from rclpy._graph import _WRITER_QOS, DataWriter, Topic, payload_type
 from rclpy.serialization import serialize_message
 from rmw_dds_common.msg import Gid, NodeEntitiesInfo, ParticipantEntitiesInfo
 
@@ -14,8 +13,6 @@ class Stranger:
     """Another program in the domain: no more than a participant, which announces nodes as it likes."""
 
     def __init__(self, participant: Any) -> None:
-        from rclpy._graph import _WRITER_QOS, DataWriter, Topic, payload_type
-
         self._payload = payload_type(ParticipantEntitiesInfo._definition.type_name)
         self._gid = Gid(data=list(participant.guid.bytes))
         self.writer = DataWriter(participant, Topic(participant, "ros_discovery_info", self._payload), _WRITER_QOS)
@@ -29,13 +26,3 @@ class Stranger:
     def announce(self, data: bytes) -> None:
         """Send bytes as an announcement."""
         self.writer.write(self._payload(data))
-
-
-@pytest.fixture
-def stranger(domain: int) -> Iterator[Stranger]:
-    """A stranger in the test's domain, to the pocket ROS 2."""
-    from rclpy._domain import join, leave
-
-    participant = join(domain)
-    yield Stranger(participant)
-    leave(participant, domain)

@@ -1,6 +1,6 @@
-"""Record what a real rclpy does with the snippets of tests/ros/pocket/behaviours, each in a fresh process.
+"""Record what a real rclpy does with the snippets of the folder behaviours, each in a fresh process.
 
-Run it where a real ROS 2 is in use: ``python tests/support/record_behaviours.py``. Then look at what git shows.
+Run it where a real ROS 2 is in use, then look at what git shows.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 from behaviours import EXPRESSIONS, RECORD, behaviours, outcomes, prelude, snippets
 
-from tutorial import ros_backend
+import pocket_ros2
 
 
 def record(about: str, shows: str, code: str) -> dict[str, Any]:
@@ -24,7 +24,7 @@ def record(about: str, shows: str, code: str) -> dict[str, Any]:
 
 
 def main() -> None:
-    if ros_backend() != "rclpy":
+    if pocket_ros2.install():
         raise SystemExit("The pocket ROS 2 is in use: what is recorded here is what a real one does.")
     groups = json.loads(EXPRESSIONS.read_text(encoding="utf-8"))["groups"]
     with ThreadPoolExecutor(os.cpu_count()) as workers:
@@ -36,14 +36,14 @@ def main() -> None:
         }
     where = f"{os.environ.get('RMW_IMPLEMENTATION', 'default rmw')}, Python {platform.python_version()}"
     note = (
-        "Recorded by tests/support/record_behaviours.py: each snippet, after the prelude, in a fresh process on a real "
+        "Recorded by support/record_behaviours.py: each snippet, after the prelude, in a fresh process on a real "
         f"ROS 2 Jazzy ({where}). "
         "'raises' is the exception's type and text; 'logged' the log lines on stderr, sorted, with the time replaced "
         "by [T]. Paths are cut."
     )
     _write(RECORD, {"note": note, "prelude": prelude(), "rows": rows})
     note = (
-        "Expressions are written here by hand; their outcomes are recorded by tests/support/record_behaviours.py on a "
+        "Expressions are written here by hand; their outcomes are recorded by support/record_behaviours.py on a "
         f"real ROS 2 Jazzy ({where}). The prelude, and the lines of the group's setup, come before each."
     )
     _write(EXPRESSIONS, {"note": note, "groups": groups})

@@ -21,14 +21,10 @@ ONLY_IN_REAL_ROS = ("example_interfaces", "std_srvs")
 """What the tutorials of ROS 2 import as well: mostly services and actions, and not in the store."""
 
 
-def install(*, first: bool = False) -> None:
-    """Add the finder to the import system, once.
-
-    Args:
-        first: before anything installed; else behind, so that real message packages win.
-    """
+def install() -> None:
+    """Add the finder to the import system, once, before the others: our rclpy can send no other messages than these."""
     if not any(isinstance(finder, InterfaceFinder) for finder in sys.meta_path):
-        sys.meta_path.insert(0 if first else len(sys.meta_path), InterfaceFinder())
+        sys.meta_path.insert(0, InterfaceFinder())
 
 
 class InterfaceFinder(MetaPathFinder, Loader):

@@ -20,7 +20,7 @@ from unittest.mock import patch
 
 from domains import reserved_domain
 
-FOLDER = Path(__file__).parents[1] / "ros/pocket/behaviours"
+FOLDER = Path(__file__).parents[1] / "behaviours"
 """One file a theme, one cell (``# %% what it shows``) a behaviour; ``prelude.py`` comes before each, and what stands
 above the file's first cell."""
 
@@ -124,7 +124,7 @@ def outcomes(prelude: str, snippets: Sequence[str]) -> list[dict[str, Any]]:
 
 
 if __name__ == "__main__":
-    import tutorial  # noqa: F401
+    import pocket_ros2  # noqa: F401
 
     given, several = json.load(sys.stdin)
     print(json.dumps([outcome(given, snippet) for snippet in several]))
