@@ -6,7 +6,10 @@ import ast
 import json
 import re
 import shlex
+import subprocess
+import sys
 import tomllib
+from contextlib import ExitStack
 from itertools import dropwhile, takewhile
 from pathlib import Path
 
@@ -18,6 +21,7 @@ from tutorial.paths import HOME, find_drive, find_launch_file, find_model, find_
 
 NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
 PAGES = [HOME / "README.md", HOME / "CONTRIBUTING.md", *sorted((HOME / "book").glob("*.md"))]
+POCKET = HOME / "tutorial/ros/pocket/README.md"
 PROJECT = tomllib.loads((HOME / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 FOREIGN = {".", "bash", "cd", "colcon", "export", "pixi", "python", "python3", "ros2", "rviz2", "source", "sudo"}
 """Programs that are not the tutorial's: of their commands only the files that they name are looked for."""
@@ -62,7 +66,7 @@ def is_understood(arguments):
             find(values[option])
 
 
-@pytest.mark.parametrize("page", [*PAGES, *NOTEBOOKS], ids=lambda page: page.name)
+@pytest.mark.parametrize("page", [*PAGES, *NOTEBOOKS, POCKET], ids=lambda page: page.name)
 def test_every_link_leads_somewhere(page):
     text = read(page)
     if page in NOTEBOOKS:
@@ -102,3 +106,16 @@ def test_the_lines_of_step_3_are_the_librarys(page):
 
     (block,) = re.findall(r"^```python\n(.*?)^```", read(HOME / page), re.MULTILINE | re.DOTALL)
     assert statements(block) <= statements(read(HOME / "tutorial/controllers/joint_state_subscriber.py"))
+
+
+@pytest.mark.process
+def test_the_talker_and_the_listener_of_the_pocket_ros_2_hear_each_other(domain):
+    programs = re.findall(r"^```python\n(.*?)^```", read(POCKET), re.MULTILINE | re.DOTALL)
+    with ExitStack() as stack:
+        talker, listener = (
+            stack.enter_context(subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True))
+            for program in programs
+        )
+        stack.callback(talker.kill)
+        stack.callback(listener.kill)
+        assert listener.stdout.readline() == "I heard hello\n"
