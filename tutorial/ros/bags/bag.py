@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
+from itertools import chain
+from math import inf
+from operator import itemgetter
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
@@ -15,12 +18,12 @@ from tutorial.errors import TutorialError, did_you_mean, printable
 from tutorial.paths import is_file, is_folder
 from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.sqlite import SqliteReader
-from tutorial.ros.bags.storage import Channel, Damaged, FileReader, Span, read_yaml
+from tutorial.ros.bags.storage import Channel, Damaged, RawMessage, Span, read_yaml
 from tutorial.ros.topics.names import escape_name, message_class
 
 __all__ = ["Bag", "BagTopic"]
 
-READERS: dict[str, Callable[..., FileReader]] = {".mcap": McapReader, ".db3": SqliteReader}
+READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
 MOST_FAULTS = 5  # of a bag, that are told
 CDR_HEAD = 4  # bytes that every payload begins with
 
@@ -72,13 +75,13 @@ class Bag:
         self.distro = printable(told.ros_distro[:60])
         self.channels: dict[str, Channel] = {}
         self._counts: Counter[str] = Counter()
-        span = Span()
         self._readers = [reader for file in self.files if (reader := self._opened(file)) is not None]
+        span = Span()
+        for topic, time, _ in self._in_order():
+            self._counts[topic] += 1
+            span.add(time)
         for reader in self._readers:
             self.channels = {channel.topic: channel for channel in reader.channels.values()} | self.channels
-            self._counts += reader.counts
-            if reader.span.count:
-                span.add(reader.span.count, reader.span.start, reader.span.end)
         self.start, self.end = span.start, span.end
         if told.message_count not in (None, span.count):
             self._say(f"metadata.yaml tells of {told.message_count:,} messages, and {span.count:,} are there")
@@ -148,14 +151,24 @@ class Bag:
         """Yield the messages as they travelled, in CDR; the arguments are those of `messages`."""
         wanted = {self.channel(name).topic for name in (self.channels if topics is None else topics)}
         since = self.start + round(start_offset * 1e9)
-        for reader in self._readers:
-            for name, time, payload in reader.messages(wanted, since):
+        for name, time, payload in self._in_order(since):
+            if name in wanted and time >= since:
                 if len(payload) >= CDR_HEAD:
                     yield name, time, payload
                 else:
                     self._say(f"a message on {escape_name(name)} is empty")
 
-    def _opened(self, file: Path) -> FileReader | None:
+    def _in_order(self, since: float = -inf) -> Iterator[RawMessage]:
+        """Yield the messages in the order of time. One that was written late, by no more than a batch, is put there."""
+        waiting: list[RawMessage] = []
+        for batch in chain.from_iterable(reader.batches(since) for reader in self._readers):
+            found = list(batch)
+            known = sorted(waiting + found, key=itemgetter(1))
+            yield from known[: len(waiting)]
+            waiting = known[len(waiting) :]
+        yield from waiting
+
+    def _opened(self, file: Path) -> McapReader | SqliteReader | None:
         """Look into a file; None where nothing can be read."""
         name = escape_name(file.name)
         try:

@@ -85,8 +85,8 @@ class BagWriter:
             self._file.close(_yaml(self._information()))
             self._begin_file()
         self._file.write(topic, received_ns, sent_ns, payload)
-        self._file_span.add(1, received_ns, received_ns)
-        self._span.add(1, received_ns, received_ns)
+        self._file_span.add(received_ns)
+        self._span.add(received_ns)
         self.counts[topic] += 1
 
     def flush(self) -> None:
