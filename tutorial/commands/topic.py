@@ -59,7 +59,7 @@ async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None
     """Print the messages of a topic as they come, until Ctrl-C."""
     from tutorial.ros.topics import topic_echo
 
-    await say_all(topic_echo(node, topic_name, count=1 if once else None, field=field, no_arr=no_arr))
+    await say_all(topic_echo(node, topic_name, once=once, field=field, no_arr=no_arr))
 
 
 @topic.command()
