@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import click
 
-from tutorial.commands.asking import named_node
+from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.options import duration_option
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, say
 from tutorial.errors import TutorialError
@@ -30,7 +30,6 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
 
 
 @click.command(short_help="Publish joint states with faults in them, and see who can bear it.", epilog=EPILOG)
-@click.argument("topic_name", default="/Tank/joint_state")
 @click.option(
     "-f",
     "--fault",
@@ -49,25 +48,23 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
 def chaos(
     ros_args: list[str],
     /,
-    topic_name: str,
     faults: dict[str, float],
     good: str | None,
     seed: int,
     duration: float | None,
 ) -> int:
-    """Publish joint states with faults on TOPIC_NAME, by default /Tank/joint_state: who listens, and can bear it?
+    """Publish joint states with faults on /Tank/joint_state: who listens, and can bear it?
 
     Without any fault it is a good stream.
     """
     from tutorial.ros.chaos.stream import ChaosStream
-    from tutorial.ros.topics.names import full_topic
 
     faulty = Chaos(faults, seed)
     stop = threading.Event()
     handle_signals(stop.set)
     with named_node("chaos", ros_args) as thread:
-        where, source = full_topic(thread.node, topic_name), full_topic(thread.node, good) if good else None
-        ChaosStream(thread.node, faulty, where, source)
+        with clear_ros_errors():
+            ChaosStream(thread.node, faulty, good)
         shares = ", ".join(f"{name} {100 * share:g} %" for name, share in faults.items())
         say(f"{shares or 'no fault'}\n")
         began = time.monotonic()
