@@ -20,7 +20,6 @@ from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 
 from tutorial.errors import where
 from tutorial.trace import HandoffTrace
@@ -120,18 +119,16 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
         super().__init__(*args, **kwargs)
         self.meters.clear()  # rclpy's own topics, such as /parameter_events
 
-    def create_publisher(
-        self, msg_type: type, topic: str, *args: Any, publisher_class: type[Publisher] = Publisher, **kwargs: Any
-    ) -> Any:
+    def create_publisher(self, msg_type: type, topic: str, *args: Any, **kwargs: Any) -> Any:
         """Create a publisher, as rclpy does, whose messages are counted."""
-        meter = TopicMeter(msg_type, topic, "published")
+        publisher = super().create_publisher(msg_type, topic, *args, **kwargs)
+        meter, publish = TopicMeter(msg_type, topic, "published"), publisher.publish
 
-        class MeteredPublisher(publisher_class):  # type: ignore[misc, valid-type]
-            def publish(self, msg: Any) -> None:
-                super().publish(msg)
-                meter.add(msg)
+        def counted(msg: Any) -> None:
+            publish(msg)
+            meter.add(msg)
 
-        publisher = super().create_publisher(msg_type, topic, *args, publisher_class=MeteredPublisher, **kwargs)
+        publisher.publish = counted
         return self._metered(meter, publisher)
 
     def create_subscription(
