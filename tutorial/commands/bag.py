@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import threading
 import time
@@ -23,12 +22,9 @@ if TYPE_CHECKING:
 __all__ = ["bag"]
 
 LOOK_EVERY = 0.2  # [s] for how far a recording is
-MISSING_AFTER = 2.0  # [s] after which the log names the topics that nobody publishes
 CLOCK_RATE = 40.0  # [Hz], as of ros2 bag
 
 AboveZero = Finite(min=0, min_open=True)
-
-_log = logging.getLogger(__name__)
 
 bag_argument = click.argument("bag", type=click.Path(path_type=Path), metavar="BAG")
 
@@ -39,8 +35,7 @@ def bag() -> None:
 
 
 @bag.command(short_help="Record topics into a bag.")
-@click.argument("named", nargs=-1, metavar="[TOPICS]...")
-@click.option("--topics", "also", multiple=True, metavar="TOPIC", help="The same as TOPICS. May be repeated.")
+@click.argument("topics", nargs=-1, metavar="[TOPICS]...")
 @click.option("-a", "--all", "everything", is_flag=True, help="All topics, also those that appear later.")
 @click.option("-o", "--output", type=Path, metavar="NAME", help="Its folder, a new one; else called after the time.")
 @click.option("-s", "--storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap", show_default=True)
@@ -52,8 +47,7 @@ def bag() -> None:
 def record(
     ros_args: list[str],
     /,
-    named: tuple[str, ...],
-    also: tuple[str, ...],
+    topics: tuple[str, ...],
     everything: bool,
     output: Path | None,
     storage: str,
@@ -63,7 +57,6 @@ def record(
     """Record TOPICS, or with -a all of them, until Ctrl-C."""
     from tutorial.ros.bags import Recorder
 
-    topics = (*named, *also)
     if bool(topics) == everything:
         raise click.UsageError("name topics, or give -a for all of them.")
     path = output or Path(time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
@@ -140,16 +133,11 @@ def play(
 def _watch(recorder: Recorder, duration: float | None, stop: threading.Event) -> None:
     """Show how far a recording is, until it is time to stop."""
     began = time.monotonic()
-    said: tuple[str, ...] = ()
     with progress_bar(duration) as progress, status_line(shown=duration is None) as status:
         while recorder.error is None and not stop.wait(LOOK_EVERY):
             seconds = time.monotonic() - began
             if duration is not None and seconds >= duration:
                 return
-            if seconds >= MISSING_AFTER and recorder.missing != said:
-                said = recorder.missing
-                if said:
-                    _log.warning("waiting for %s, which nobody publishes yet", ", ".join(said))
             progress(seconds)
             status(f"{seconds:.0f} s, {sum(recorder.counts.values()):,} messages of {len(recorder.topics):,} topics")
 

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator
 from itertools import chain
 from math import inf
 from operator import itemgetter
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
@@ -39,7 +39,6 @@ class BagTopic(NamedTuple):
 class _Information(msgspec.Struct):
     """What is read of a bag's ``metadata.yaml``: the rest is in its files, too."""
 
-    relative_file_paths: list[str] = []
     message_count: int | None = None
     compression_mode: str = ""
     ros_distro: str = ""
@@ -86,7 +85,10 @@ class Bag:
         if told.message_count not in (None, span.count):
             self._say(f"metadata.yaml tells of {told.message_count:,} messages, and {span.count:,} are there")
         if not self._readers:
-            raise TutorialError(f"nothing in the bag {_named(self.path)} can be read: {'; '.join(self._faults)}.")
+            raise TutorialError(
+                f"nothing in the bag {_named(self.path)} can be read: {'; '.join(self._faults)}. 'ros2 bag reindex' or "
+                "'mcap recover' may get more out of it."
+            )
 
     @property
     def topics(self) -> list[BagTopic]:
@@ -123,21 +125,18 @@ class Bag:
             raise TutorialError(f"there is no topic '{escape_name(topic)}' in this bag.{did_you_mean(topic, known)}")
         return self.channels[topic]
 
-    def messages(
-        self, topics: Collection[str] | None = None, start_offset: float = 0.0
-    ) -> Iterator[tuple[str, int, Any]]:
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, Any]]:
         """Yield the messages in the order in which they were received: (topic, time [ns], message).
 
         Args:
             topics: only those; None for all.
-            start_offset: how much to leave out at the beginning [s].
 
         Raises:
             TutorialError: there is no such topic, or its messages are of a type that is not known here.
         """
         channels = [self.channel(name) for name in (self.channels if topics is None else topics)]
         kinds = {each.topic: message_class(each.type_name) for each in channels if self._counts[each.topic]}
-        for name, time, payload in self.raw_messages(kinds, start_offset):
+        for name, time, payload in self.raw_messages(kinds):
             try:
                 message = deserialize_message(payload, kinds[name])
             except Exception as error:  # noqa: BLE001 - a real rclpy raises of many kinds
@@ -145,10 +144,16 @@ class Bag:
                 continue
             yield name, time, message
 
-    def raw_messages(
-        self, topics: Collection[str] | None = None, start_offset: float = 0.0
-    ) -> Iterator[tuple[str, int, bytes]]:
-        """Yield the messages as they travelled, in CDR; the arguments are those of `messages`."""
+    def raw_messages(self, topics: Collection[str] | None = None, start_offset: float = 0.0) -> Iterator[RawMessage]:
+        """Yield the messages as they travelled, in CDR.
+
+        Args:
+            topics: only those; None for all.
+            start_offset: how much to leave out at the beginning [s].
+
+        Raises:
+            TutorialError: there is no such topic.
+        """
         wanted = {self.channel(name).topic for name in (self.channels if topics is None else topics)}
         since = self.start + round(start_offset * 1e9)
         for name, time, payload in self._in_order(since):
@@ -199,9 +204,6 @@ class Bag:
         files = sorted((path for path in self.path.iterdir() if path.suffix in READERS and is_file(path)), key=_number)
         if not files:
             raise TutorialError(f"the folder {_named(self.path)} is no bag: there is no .mcap or .db3 file in it.")
-        names = {file.name for file in files}
-        if missing := [name for path in told.relative_file_paths if (name := PurePath(path).name) not in names]:
-            self._say(f"{len(missing):,} of its files are missing, the first is {escape_name(missing[0])}")
         return [file for file in files if file.suffix == files[0].suffix], told
 
     def _read_metadata(self) -> _Information:
@@ -210,10 +212,8 @@ class Bag:
             return msgspec.convert(read_yaml(data), _Metadata).rosbag2_bagfile_information
         except FileNotFoundError:
             self._say("its metadata.yaml is missing, as of a recording that was killed")
-        except OSError as error:
-            self._say(f"metadata.yaml cannot be read: {error.strerror}")
-        except msgspec.ValidationError as error:
-            self._say(f"metadata.yaml: it is not that of a bag: {printable(str(error))}")
+        except (OSError, msgspec.ValidationError) as error:
+            self._say(f"metadata.yaml: {printable(str(error))}")
         except Exception:  # noqa: BLE001 - what a stranger has written may be anything
             self._say("metadata.yaml: it is no YAML")
         return _Information()

@@ -98,11 +98,6 @@ class Recorder:
         """The topics that are being recorded."""
         return tuple(self._subscriptions)
 
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """The topics that were asked for by name and that nobody publishes so far."""
-        return tuple(sorted((self._wanted or set()) - self._subscriptions.keys()))
-
     def hears(self, topic: str) -> bool:
         """Whether the recorder has met who publishes a topic: from now on nothing of it is missing."""
         subscription = self._subscriptions.get(topic)
