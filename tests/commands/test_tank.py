@@ -41,7 +41,7 @@ class TankController(SimpleController):
         ("bag play a b", 2, "'b' is too much: one bag is played at a time."),
         ("bag play a --rate 0", 2, "0.0 is not in the range"),
         ("bag play a --clock often", 2, "'often' is not a valid number"),
-        ("chaos a-b", 1, "topic name"),
+        ("chaos --from a-b", 1, "topic name"),
         ("chaos -f shufle", 2, "there is no fault 'shufle'. Did you mean 'shuffle'?"),
         (
             "run step1 --headless --controller mine.py",

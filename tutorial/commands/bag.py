@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from tutorial.commands.asking import clear_ros_errors, named_node
-from tutorial.commands.options import Finite, Seconds, duration_option
+from tutorial.commands.options import Finite, Seconds
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, say, status_line
 
 if TYPE_CHECKING:
@@ -42,7 +42,6 @@ def bag() -> None:
 @click.option(
     "-d", "--max-bag-duration", "longest", type=AboveZero, metavar="SECONDS", help="A new file after so long."
 )
-@duration_option
 @click.pass_obj
 def record(
     ros_args: list[str],
@@ -52,8 +51,7 @@ def record(
     output: Path | None,
     storage: str,
     longest: float | None,
-    duration: float | None,
-) -> int:
+) -> None:
     """Record TOPICS, or with -a all of them, until Ctrl-C."""
     from tutorial.ros.bags import Recorder
 
@@ -65,13 +63,12 @@ def record(
     with named_node("rosbag2_recorder", ros_args) as thread:
         with clear_ros_errors():
             recorder = Recorder(thread.node, path, None if everything else topics, storage, longest or math.inf)
-        with recorder:
-            say(f"recording into {path}; {'it ends by itself' if duration else 'Ctrl-C ends it'}\n")
-            _watch(recorder, duration, stop)
-    count = sum(recorder.counts.values())
+        with recorder, status_line() as status:
+            say(f"recording into {path}; Ctrl-C ends it\n")
+            while recorder.error is None and not stop.wait(LOOK_EVERY):
+                status(_so_far(recorder))
     lost = f"; {recorder.lost:,} were lost" if recorder.lost else ""
-    say(f"{count:,} messages of {len(recorder.topics):,} topics in {recorder.duration:.1f} s{lost}\n")
-    return INTERRUPTED if stop.is_set() and duration is not None else 0
+    say(f"{_so_far(recorder)}{lost}\n")
 
 
 @bag.command(short_help="Say what a bag holds.")
@@ -130,16 +127,9 @@ def play(
     return INTERRUPTED if stop.is_set() and not loop else 0
 
 
-def _watch(recorder: Recorder, duration: float | None, stop: threading.Event) -> None:
-    """Show how far a recording is, until it is time to stop."""
-    began = time.monotonic()
-    with progress_bar(duration) as progress, status_line(shown=duration is None) as status:
-        while recorder.error is None and not stop.wait(LOOK_EVERY):
-            seconds = time.monotonic() - began
-            if duration is not None and seconds >= duration:
-                return
-            progress(seconds)
-            status(f"{seconds:.0f} s, {sum(recorder.counts.values()):,} messages of {len(recorder.topics):,} topics")
+def _so_far(recorder: Recorder) -> str:
+    count = sum(recorder.counts.values())
+    return f"{count:,} messages of {len(recorder.topics):,} topics in {recorder.duration:.1f} s"
 
 
 def _say_damage(bag: Bag) -> None:
