@@ -129,7 +129,7 @@ def play(
 
 def _so_far(recorder: Recorder) -> str:
     count = sum(recorder.counts.values())
-    return f"{count:,} messages of {len(recorder.topics):,} topics in {recorder.duration:.1f} s"
+    return f"{count:,} messages of {len(recorder.counts):,} topics in {recorder.duration:.1f} s"
 
 
 def _say_damage(bag: Bag) -> None:

@@ -201,7 +201,6 @@ class SpinThread(Generic[AnyNode]):
             self._context.try_shutdown()
             raise
         self._stopping = threading.Event()
-        self._closed = False
         self._failure: list[str] = []  # that was logged last, in words
         self._failed_at = 0.0
         self._unsaid = 0
@@ -220,7 +219,7 @@ class SpinThread(Generic[AnyNode]):
 
         A callback that does not return is not waited for: the node leaves when it does, at the latest with the process.
         """
-        if self._closed:
+        if self not in self.alive:
             return
         self._stopping.set()
         self._thread.join(self.patience)
@@ -229,7 +228,6 @@ class SpinThread(Generic[AnyNode]):
             threading.Thread(target=self._leave, name="leaving", daemon=True).start()
         else:
             self._leave()
-        self._closed = True
         self.alive.discard(self)
 
     def _leave(self) -> None:
