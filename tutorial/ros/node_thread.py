@@ -121,7 +121,7 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
 
     def create_publisher(self, msg_type: type, topic: str, *args: Any, **kwargs: Any) -> Any:
         """Create a publisher, as rclpy does, whose messages are counted."""
-        publisher = super().create_publisher(msg_type, topic, *args, **kwargs)
+        publisher: Any = super().create_publisher(msg_type, topic, *args, **kwargs)
         meter, publish = TopicMeter(msg_type, topic, "published"), publisher.publish
 
         def counted(msg: Any) -> None:
