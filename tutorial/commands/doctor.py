@@ -155,18 +155,19 @@ def backend() -> Diagnosis:
         if is_real:
             mend = ". /opt/ros/jazzy/setup.bash, with Python 3.12; the tutorial's own: export TUTORIAL_ROS=underlay"
         return Diagnosis("problem", f"{text}; but it is broken: {error}", mend)
-    if not is_real:
-        if wanted or not distro:
-            return Diagnosis("ok", text)
+    mend = ""
+    if is_real:
+        text += f": rclpy {version}, {file}, on {rmw}"
+    elif distro and not wanted:
+        text += f", although ROS 2 {distro} is set up in this shell"
         mend = "with the Python that ROS 2 is made for: python3.12 -m venv --system-site-packages ~/tank-ros"
-        return Diagnosis("note", f"{text}, although ROS 2 {distro} is set up in this shell", mend)
-    text += f": rclpy {version}, {file}, on {rmw}"
     if rmw == "rmw_zenoh_cpp":
+        text += ", which does not speak DDS: it hears none of the others"
         mend = "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
-        return Diagnosis("note", f"{text}, which does not speak DDS: it hears none of the others", mend)
-    if distro != "jazzy":
-        return Diagnosis("note", f"{text}. The tutorial is made for jazzy", ". /opt/ros/jazzy/setup.bash")
-    return Diagnosis("ok", text)
+    elif is_real and distro != "jazzy":
+        text += ". The tutorial is made for jazzy"
+        mend = ". /opt/ros/jazzy/setup.bash"
+    return Diagnosis("note" if mend else "ok", text, mend)
 
 
 def discovery() -> Diagnosis:
