@@ -153,7 +153,7 @@ def backend() -> Diagnosis:
     except TutorialError as error:
         mend = f"{PIP} cyclonedds rosbags; where there is no cyclonedds, a real ROS 2"
         if is_real:
-            mend = ". /opt/ros/jazzy/setup.bash, with Python 3.12; the tutorial's own: export TUTORIAL_ROS=underlay"
+            mend = ". /opt/ros/jazzy/setup.bash, with Python 3.12; the pocket ROS 2: export TUTORIAL_ROS=pocket"
         return Diagnosis("problem", f"{text}; but it is broken: {error}", mend)
     mend = ""
     if is_real:
