@@ -145,7 +145,7 @@ def backend() -> Diagnosis:
         is_real = install_backend() == "rclpy"
     except TutorialError as error:
         return Diagnosis("problem", str(error), "unset TUTORIAL_ROS")
-    name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if is_real else "the tutorial's own, on Cyclone DDS"
+    name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if is_real else "the pocket ROS 2, on Cyclone DDS"
     finds = "it" if is_real else "no rclpy"
     text = f"{name}, because {f'TUTORIAL_ROS={wanted}' if wanted else f'this Python finds {finds}'}"
     try:
