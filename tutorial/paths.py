@@ -74,14 +74,7 @@ def is_ours(folder: Path) -> bool:
     return folder.stat().st_uid in (os.getuid(), ROOT)
 
 
-def _current_directory() -> Path:
-    try:
-        return Path.cwd()
-    except FileNotFoundError:  # it has been deleted
-        return PACKAGE
-
-
-HOME = find_home(_current_directory())
+HOME = find_home(Path.cwd())
 """The course folder of this process."""
 
 

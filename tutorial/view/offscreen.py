@@ -8,7 +8,7 @@ import importlib
 import os
 import platform
 from contextlib import AbstractContextManager, suppress
-from typing import Any, Self
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -50,9 +50,6 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         self._option = mujoco.MjvOption()
         self._view = mujoco.MjvCamera()
         self._view.type = mujoco.mjtCamera.mjCAMERA_FIXED
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._context.free()
