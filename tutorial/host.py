@@ -6,6 +6,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractAsyncContextManager
 from typing import TYPE_CHECKING, Any
 
 from tutorial.body import Body
@@ -44,7 +45,7 @@ CLOCKS = (
 _log = logging.getLogger(__name__)
 
 
-class Host:
+class Host(AbstractAsyncContextManager["Host"]):
     """A program that runs a project: it simulates, or displays, as the project says.
 
     It belongs to the thread that makes it, the main thread, whose event loop must be running: ``async with
@@ -100,9 +101,6 @@ class Host:
         except BaseException:
             self.close()
             raise
-
-    async def __aenter__(self) -> Host:
-        return self
 
     async def __aexit__(self, *_: object) -> None:
         self.close()

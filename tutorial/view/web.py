@@ -76,6 +76,7 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
         listener = _listen(PORTS if port is None else [port])
         self.url = f"http://{ADDRESS}:{listener.getsockname()[1]}/"
         self._http = HTTPServer(application, max_body_size=LARGEST_BODY)
+        listener.setblocking(False)
         self._http.add_socket(listener)
 
     async def __aexit__(self, *_: object) -> None:
@@ -94,9 +95,7 @@ def _listen(ports: Sequence[int]) -> socket.socket:
     reason = ""
     for port in ports:
         try:
-            listener = socket.create_server((ADDRESS, port))
-            listener.setblocking(False)
-            return listener
+            return socket.create_server((ADDRESS, port))
         except OSError as error:
             reason = os.strerror(error.errno or 0).lower()
     which = f"port {ports[0]}" if len(ports) == 1 else f"any of the ports {ports[0]} to {ports[-1]}"
