@@ -76,7 +76,7 @@ async def test_without_a_port_each_takes_the_first_that_is_free_on_this_machine_
     async with SceneServer(Scene()) as first, SceneServer(Scene()) as second:
         assert 7000 <= port_of(first) != port_of(second) >= 7000
         assert first.url == f"http://127.0.0.1:{port_of(first)}/"
-        with pytest.raises(OSError, match="refused|assign"):
+        with pytest.raises(OSError, match=r"refused|assign"):
             socket.create_connection(("127.0.0.2", port_of(first)))
 
 
