@@ -25,7 +25,7 @@ from tutorial import parent_watch
 from tutorial.commands.terminal import handle_signals
 from tutorial.errors import TutorialError, printable, printable_lines, tell
 from tutorial.paths import with_own_commands
-from tutorial.ros.backend import UNDERLAY
+from tutorial.ros.backend import POCKET
 
 if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
@@ -41,8 +41,8 @@ COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue")
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
     """Read the list of processes from a launch file.
 
-    It is run with the tutorial's own `launch`, also beside a real ROS 2, so that ``tank launch`` does the
-    same whatever is installed.
+    It is run with the `launch` of the pocket ROS 2, also beside a real ROS 2, so that ``tank launch`` does the same
+    whatever is installed.
 
     Raises:
         TutorialError: it fails, uses more of `launch` than the tutorial has, or describes what cannot be started; the
@@ -63,23 +63,16 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
             raise TutorialError(f"{path} failed: {tell(error, str(path))}") from error
     if not isinstance(description, launch.LaunchDescription):
         raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription.")
-    entities = list(description.entities)
-    if not entities:
+    if not description.entities:
         raise TutorialError(f"{path} describes no process. Give its LaunchDescription an ExecuteProcess.")
-    for entity in entities:
+    for entity in description.entities:
         if not isinstance(entity, launch.actions.ExecuteProcess):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
-        if not _is_fit(entity.cmd):
+        words = entity.cmd if isinstance(entity.cmd, list | tuple) else []
+        if not words or not words[0] or not all(isinstance(word, str | Path) for word in words):
             mend = "Give a list of words, such as cmd=['tank', 'joy']."
             raise TutorialError(f"{path} has a process that cannot be started: its cmd is {entity.cmd!r:.100}. {mend}")
-    return entities
-
-
-def _is_fit(command: object) -> bool:
-    """Whether something is the words of a command."""
-    if not isinstance(command, list | tuple) or not command:
-        return False
-    return all(isinstance(word, str | Path) for word in command) and str(command[0]) != ""
+    return list(description.entities)
 
 
 class Launcher:
@@ -202,14 +195,14 @@ def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
 
 @contextmanager
 def _own_launch() -> Iterator[ModuleType]:
-    """Make ``import launch`` mean the tutorial's own, for a while."""
+    """Make ``import launch`` mean that of the pocket ROS 2, for a while."""
     hidden = {name: sys.modules.pop(name) for name in tuple(sys.modules) if name.split(".")[0] == "launch"}
-    sys.path.insert(0, str(UNDERLAY))
+    sys.path.insert(0, str(POCKET))
     try:
         import_module("launch.actions")
         yield sys.modules["launch"]
     finally:
-        sys.path.remove(str(UNDERLAY))
+        sys.path.remove(str(POCKET))
         for name in tuple(sys.modules):
             if name.split(".")[0] == "launch":
                 del sys.modules[name]
