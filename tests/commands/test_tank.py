@@ -63,7 +63,7 @@ def test_a_port_that_is_in_use_is_said(tank):
         port = taken.getsockname()[1]
         run = tank("run step3 --port", port)
     assert run.status == 1
-    assert f"the 3D view cannot have port {port}: another program uses it already" in run.stderr
+    assert f"the 3D view cannot have port {port}: address already in use" in run.stderr
 
 
 @pytest.mark.process

@@ -14,6 +14,7 @@ from typing import Annotated, Any
 import msgspec
 from sensor_msgs.msg import Joy
 
+from tutorial.errors import TutorialError
 from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.ros.node_thread import MeteredNode
 from tutorial.yamlfile import YamlFile
@@ -48,9 +49,9 @@ class ScriptedDrive:
         self._times = [moment.time for moment in file.data.drive]
         self._axes = [moment.axes for moment in file.data.drive]
         for i, (before, after) in enumerate(pairwise(self._times), start=1):
-            if after <= before:
-                text = f"{after} is not later than {before}. Put the moments in order."
-                raise file.error(("drive", i, "time"), text)
+            with file.at("drive", i, "time"):
+                if after <= before:
+                    raise TutorialError(f"{after} is not later than {before}. Put the moments in order.")
         self._period = self._times[-1] if file.data.repeat else 0.0
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:
