@@ -43,7 +43,6 @@ def instrumented() -> Iterator[None]:
 
 def _noting(what: str, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
     """Wrap a function, so that it notes the learner's calls. A clock stands still for them while `watch` says so."""
-    unit = 1_000_000_000 if name.endswith("_ns") else 1  # in a second
 
     @functools.wraps(function)
     def noting(*args: Any, **kwargs: Any) -> Any:
@@ -53,7 +52,8 @@ def _noting(what: str, name: str, function: Callable[..., Any]) -> Callable[...,
         if frame.f_code.co_filename in watch.files:
             watch.note(what, frame)
             if what == "clock" and watch.clocks is not None:
-                return watch.clocks.setdefault(name, function() + round(watch.ahead * unit))
+                ahead = round(watch.ahead * 1e9) if name.endswith("_ns") else watch.ahead
+                return watch.clocks.setdefault(name, function()) + ahead
         return function(*args, **kwargs)
 
     return noting

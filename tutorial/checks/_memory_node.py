@@ -73,7 +73,7 @@ class MemoryNode:
         destroyed: whether the learner has destroyed the node itself.
     """
 
-    def __init__(self, publish: Callable[[Endpoint, Any], None], namespace: str = "/") -> None:
+    def __init__(self, publish: Callable[[Endpoint, Any], object] = lambda *_: None, namespace: str = "/") -> None:
         self.publish, self.namespace, self.destroyed = publish, namespace, False
         self.publishers, self.subscriptions, self.made = list[Endpoint](), list[Endpoint](), list[Endpoint]()
         self.timers: list[tuple[Any, ...]] = []
@@ -86,6 +86,10 @@ class MemoryNode:
         """Make a subscription; `Rig.hear` brings it messages."""
         check_callback(callback, msg_type)
         return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback), self.subscriptions)
+
+    def callbacks(self, message: Any) -> list[Any]:
+        """Return the callbacks of whatever subscribes to a message's kind."""
+        return [each.callback for each in self.subscriptions if each.kind is type(message)]
 
     def create_timer(self, *arguments: Any) -> None:
         """Note that a timer was asked for."""

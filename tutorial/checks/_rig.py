@@ -137,9 +137,8 @@ class Rig:
 
     def hear(self, message: Any) -> None:
         """Bring a message to whatever subscribes to its kind."""
-        for each in self.node.subscriptions:
-            if each.kind is type(message):
-                call(each.callback, message)
+        for callback in self.node.callbacks(message):
+            call(callback, message)
 
     def on(self, kind: type, topic: str) -> str:
         """Say on which topic messages of this kind are sent or heard: on this one, where it is among them."""

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import asyncio
 import inspect
 import sys
 import threading
 from collections.abc import Callable, Hashable, Mapping
+from contextlib import closing
 from functools import cache, partial
 from numbers import Real
-from typing import Any, Self, cast
+from typing import Any, cast
 
 import mujoco
 import numpy as np
@@ -19,7 +19,7 @@ from tutorial.checks._answer import name_of
 from tutorial.checks._clock import ClockedLoop
 from tutorial.checks._diagnose import Misuse, lacks_self, no_self, slept
 from tutorial.checks._node import ros_node, send
-from tutorial.checks._rig import MODELS, MemoryNode, Watched, check_has
+from tutorial.checks._rig import MODELS, MemoryNode, check_has
 from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig
 from tutorial.errors import WrongThreadError
@@ -31,8 +31,7 @@ __all__ = ["LISTENS", "POSTS", "TOLD", "Attempt", "Viewer", "hands_over", "heard
 Attempt = Callable[[type], str]
 Step = Callable[[Any], str | None]
 
-TURNS = 1000  # of the loop; many more than there are calls in any check
-LOOKS = 100  # a hundredth of a second each, after which a callback that has not returned waits for something
+PATIENCE = 1.0  # [s], after which a callback that has not returned waits for something
 
 LISTENS = "on a body called Rover it listens to"
 POSTS = "the callback posts, and leaves the body alone"
@@ -77,88 +76,60 @@ class Viewer:
         calls: the main thread's queue. Its length says how many calls wait.
         keys: those of what was posted with `call_latest`.
         shown: what observers of the body saw at each change: where it was, and whether the links were there.
-        while_drawn: what is called, once, while the body is being drawn.
 
     Raises:
         Failure: one of the learner's methods raised. So does every method.
     """
 
     def __init__(self, answer: type, model: str = "tank", name: str = "Rover", node: Any = None) -> None:
-        compiled = _model(model, name)
-        self._fresh = mujoco.MjData(compiled)
+        compiled, self._fresh = _model(model, name)
         self.body = Body(name, compiled, mujoco.MjData(compiled), _Guard(f"the body {name!r}"))
         self.body.calc_forward_kinematics()
-        self.body.on_change(self._observe)
-        self.node = node or cast("Any", MemoryNode(lambda *_: None))
+        self.body.on_change(lambda _: self.shown.append((self.where(), self._links_follow())))
+        self.node = node or cast("Any", MemoryNode())
         self.loop = ClockedLoop()
         self.loop.wrap = lambda function: partial(self._run, function)
-        self.loop.set_exception_handler(lambda _, context: self._keep(_raise, context))
+        self.loop.set_exception_handler(self._failed)
         self.calls = CallQueue(self.loop)
         self.keys, self.shown = list[Hashable](), list[tuple[str, bool]]()
-        self.while_drawn: Callable[[], object] = lambda: None
         self._answer, self._scope, self._failures = answer, self.calls.scope(name), list[Failure]()
-        try:
-            self.learner = Watched(answer)
-            post: tuple[Any, Any] = self._later, self._latest
-            self.within(self.learner.configure, ControllerConfig(self.body, self.node, *post))
-        except Failure:
-            self.loop.close()
-            raise
+        with watch.call("__init__"):
+            self._learner = answer()
+        post: tuple[Any, Any] = self._later, self._latest
+        self.loop.call_soon(self._run, self._learner.configure, ControllerConfig(self.body, self.node, *post))
+        self.drain()
 
     @classmethod
     def tries(cls, *steps: Step) -> Attempt:
         """Make an attempt of steps, functions of the viewer, each of which may say what is seen."""
 
         def attempt(answer: type) -> str:
-            with cls(answer) as viewer:
+            with closing(cls(answer)) as viewer:
                 return ", ".join(filter(None, [step(viewer) for step in steps]))
 
         return attempt
 
-    def within(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Call a function as a cell of a notebook does: on the main thread, while its loop is running."""
-
-        async def call() -> None:
-            self._keep(function, *arguments)
-
-        self.loop.run_until_complete(call())
-        self._tell()
-
     def receive(self, message: Any) -> None:
         """Have a message come, on a thread of its own, and wait until the callbacks have returned."""
-        thread = threading.Thread(target=self._keep, args=(self.call_back, message), daemon=True)
+        thread = threading.Thread(target=self.call_back, args=(message,), daemon=True)
         thread.start()
-        looks = 0
-        while thread.is_alive() and looks < LOOKS and "sleep" not in watch.noted:
-            thread.join(0.01)
-            looks += 1
+        thread.join(PATIENCE)
         if thread.is_alive():
-            name = name_of(self._callbacks(message)[-1])
+            name, _ = watch.running[thread.ident]
             raise Failure(name, Misuse("it waits", slept(name)), watch.noted.pop("sleep", None))
         self._tell()
 
     def call_back(self, message: Any) -> None:
         """Have a message come on this thread."""
-        for callback in self._callbacks(message):
-            with watch.call(name_of(callback)):
-                callback(message)
+        for callback in self.node.callbacks(message):
+            self._run(callback, message)
 
     def drain(self) -> None:
         """Run what was posted."""
-
-        async def turns() -> None:
-            for _ in range(TURNS):
-                await asyncio.sleep(0)
-                if not len(self.calls):
-                    break
-            await asyncio.sleep(0)
-
-        self.loop.run_until_complete(turns())
+        self.loop.advance()
         self._tell()
         if len(self.calls):
-            raise Failure(
-                "what is posted", Misuse("it posts another call whenever it runs, without end", ENDLESS), None
-            )
+            raise Failure("what is posted", Misuse("it posts another call whenever it runs, without end", ENDLESS))
 
     def leaves(self, *messages: Any) -> str:
         """Have the controller leave its body, and say where the body is then. What waits does not run any more.
@@ -173,9 +144,9 @@ class Viewer:
             for message in messages:
                 self.receive(message)
             self._scope.close()
-            self.learner.unconfigure()
+            self._run(self._learner.unconfigure)
 
-        self.within(leave)
+        self.loop.call_soon(leave)
         self.drain()
         return "a timer goes on" if self.loop.timers else self.where()
 
@@ -196,39 +167,32 @@ class Viewer:
         told = f"observers are told{' too early' * (self.shown[-1] != (self.where(), True))}" if self.shown else ""
         return f"its links {'follow' if self._links_follow() else 'stay behind'}, {told or 'nobody is told'}"
 
+    def close(self) -> None:
+        """Drop what waits."""
+        self.calls.close()
+        self.loop.close()
+
     def _links_follow(self) -> bool:
         """Whether the links are where the joints' positions put them."""
-        data = self._fresh
-        data.qpos[:] = self.body.data.qpos
-        mujoco.mj_kinematics(self.body.model, data)
-        return bool(np.allclose(data.xquat, self.body.data.xquat) and np.allclose(data.xpos, self.body.data.xpos))
+        self._fresh.qpos[:] = self.body.data.qpos
+        mujoco.mj_kinematics(self.body.model, self._fresh)
+        return all(np.allclose(getattr(self._fresh, name), getattr(self.body.data, name)) for name in ("xpos", "xquat"))
 
     def _run(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Call a function of the learner's, as the main thread does, and keep the failure that it raises."""
-
-        def call() -> None:
+        """Call a function of the learner's, and keep the failure that it raises."""
+        try:
             with watch.call(name_of(function)):
                 made = function(*arguments)
                 if inspect.iscoroutine(made):
                     made.close()
                     raise Misuse("it is a coroutine function, async def, and nobody awaits it", COROUTINE)
-
-        self._keep(call)
-
-    def _keep(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Call a function, and keep the failure that it raises."""
-        try:
-            function(*arguments)
         except Failure as failure:
             self._failures.append(failure)
 
-    def _callbacks(self, message: Any) -> list[Any]:
-        return [each.callback for each in self.node.subscriptions if each.kind is type(message)]
-
-    def _observe(self, _report: object) -> None:
-        self.shown.append((self.where(), self._links_follow()))
-        meanwhile, self.while_drawn = self.while_drawn, lambda: None
-        meanwhile()
+    def _failed(self, _loop: object, context: Mapping[str, Any]) -> None:
+        """Keep what asyncio says of something that runs on the loop."""
+        error = context.get("exception") or RuntimeError(context["message"])
+        self._failures.append(error if isinstance(error, Failure) else watch.failure("what runs on the loop", error))
 
     def _later(self, function: Any, *arguments: Any) -> None:
         _check_call(function, arguments)
@@ -248,15 +212,8 @@ class Viewer:
             if "touch" not in watch.noted or isinstance(failure.error, Misuse):
                 raise failure
         if "touch" in watch.noted:
-            name = name_of(self.node.subscriptions[-1].callback)
-            raise Failure(name, Misuse("the body is touched on another thread", TOUCHED), watch.noted["touch"])
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.calls.close()
-        self.loop.close()
+            touched = Misuse("the body is touched on another thread", TOUCHED)
+            raise Failure("the callback", touched, watch.noted["touch"])
 
 
 def heard(*messages: Any) -> Step:
@@ -290,7 +247,7 @@ def over_ros(viewers: type[Viewer], topic: str, message: Any) -> Attempt:
     """Make an attempt with rclpy's own node: say where the body is after a message from another node."""
 
     def attempt(answer: type) -> str:
-        with ros_node() as node, viewers(answer, node=node) as viewer:
+        with ros_node() as node, closing(viewers(answer, node=node)) as viewer:
             send(node, topic, message, lambda: viewer.loop.posted)
             viewer.drain()
             return viewer.where()
@@ -316,12 +273,8 @@ def _check_call(function: Any, arguments: tuple[Any, ...]) -> None:
         raise Misuse(f"{name_of(function)} is posted with {count}, it cannot begin: {error}", cause) from error
 
 
-def _raise(context: Mapping[str, Any]) -> None:
-    """Raise what asyncio says of something that runs on the loop."""
-    with watch.call("what runs on the loop"):
-        raise context.get("exception") or RuntimeError(context["message"])
-
-
 @cache
-def _model(model: str, name: str) -> mujoco.MjModel:
-    return compose([Placement(name, MODELS / f"{model}.xml")])
+def _model(model: str, name: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Make a body's model, and a state of it to compute with."""
+    made = compose([Placement(name, MODELS / f"{model}.xml")])
+    return made, mujoco.MjData(made)

@@ -59,8 +59,8 @@ class Watch:
         files: where the learner's code is.
         running: by thread, the method and a number that is different for every call.
         noted: what the learner's code has done beside its work, and where: ``"sleep"``, ``"clock"``, ``"thread"``.
-        clocks: by name, what the clocks of `time` say to the learner's code while they stand still; else None.
-        ahead: by how much they have been put ahead [s].
+        clocks: by name, where the clocks of `time` stand still for the learner's code; None while they go.
+        ahead: by how much they have been put ahead since [s].
         interleaved: whether methods are being held up on purpose, so that how long they take says nothing.
         explaining: whether mistakes are tried, and so all calls together may take long.
     """
@@ -98,12 +98,15 @@ class Watch:
         except Failure:
             raise
         except BaseException as error:
-            stack = [*walk_tb(error.__traceback__)]
-            raise Failure(method, error, self.place(reversed(stack))) from error
+            raise self.failure(method, error) from error
         finally:
             del self.running[ident]
             if outer is not None:
                 self.running[ident] = outer
+
+    def failure(self, method: str, error: BaseException) -> Failure:
+        """Tell with an exception where in the learner's code it was raised."""
+        return Failure(method, error, self.place(reversed([*walk_tb(error.__traceback__)])))
 
     def note(self, what: str, frame: FrameType) -> None:
         """Note what the learner's code does; a sleep only on a thread that runs one of the methods."""

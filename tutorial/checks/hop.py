@@ -27,6 +27,7 @@ from __future__ import annotations
 
 import asyncio
 import threading  # noqa: F401 - what a mistake needs
+from contextlib import closing
 from math import hypot
 from typing import Any
 
@@ -184,7 +185,7 @@ def mistaken(answer: type) -> str:
     """Observe which accelerations are mistaken for blows, and which blows are not taken for such."""
     odd = []
     for x, y, z in ACCELERATIONS:
-        with Hall(answer) as hall:
+        with closing(Hall(answer)) as hall:
             heard(imu(x, y, z))(hall)
             moved = any(where != STOOD for where in (hall.where(), *(where for where, _ in hall.shown)))
             taken = moved or len(hall.loop.timers) + len(hall.node.timers) > 0
@@ -208,7 +209,7 @@ def in_a_crowd(hall: Hall) -> str:
 
 def beside(answer: type) -> str:
     """Observe the crane Lift and the tank at the same time."""
-    with Hall(answer) as tank, Hall(answer, "crane", "Lift") as lift:
+    with closing(Hall(answer)) as tank, closing(Hall(answer, "crane", "Lift")) as lift:
         lift.stand(OTHER_PLACE)
         for each in (tank, lift):
             blow(each)

@@ -27,7 +27,7 @@ from __future__ import annotations
 import asyncio  # noqa: F401 - what some mistakes need
 import threading  # noqa: F401
 from collections.abc import Sequence
-from functools import partial
+from contextlib import closing
 from math import degrees, isnan, nan, radians  # noqa: F401
 from string import Template
 
@@ -101,7 +101,8 @@ def wait_together(viewer: Viewer) -> str:
 
 def does_not_wait(viewer: Viewer) -> str:
     """Observe what the callback does while the body is drawn."""
-    viewer.while_drawn = partial(viewer.receive, joint_state("Y P", (0.22, 0.22), 100_020))
+    late = [joint_state("Y P", (0.22, 0.22), 100_020)]
+    viewer.body.on_change(lambda _: late and viewer.receive(late.pop()))
     try:
         heard(joint_state("Y P", (0.21, 0.21)))(viewer)
     except Failure as failure:
@@ -111,7 +112,7 @@ def does_not_wait(viewer: Viewer) -> str:
 
 def two(answer: type) -> str:
     """Observe two viewers at the same time, each of a body of its own."""
-    with Viewer(answer) as tank, Viewer(answer, "crane", "Lift") as lift:
+    with closing(Viewer(answer)) as tank, closing(Viewer(answer, "crane", "Lift")) as lift:
         for i in (1, 2):
             tank.receive(joint_state("Y P", (0.1 * i, 0.2 * i), 100_000 + 20 * i))
             lift.receive(joint_state("LUFF BRIDGE", (0.3 * i, 0.4 * i), 100_000 + 20 * i))
