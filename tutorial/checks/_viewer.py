@@ -6,10 +6,9 @@ import inspect
 import sys
 import threading
 from collections.abc import Callable, Hashable, Mapping
-from contextlib import closing
 from functools import cache, partial
 from numbers import Real
-from typing import Any, cast
+from typing import Any, Self, cast
 
 import mujoco
 import numpy as np
@@ -18,7 +17,6 @@ from tutorial.body import Body
 from tutorial.checks._answer import name_of
 from tutorial.checks._clock import ClockedLoop
 from tutorial.checks._diagnose import Misuse, lacks_self, no_self, slept
-from tutorial.checks._node import ros_node, send
 from tutorial.checks._rig import MODELS, MemoryNode, check_has
 from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig
@@ -26,16 +24,11 @@ from tutorial.errors import WrongThreadError
 from tutorial.handoff import CallQueue, ThreadGuard
 from tutorial.world import Placement, compose
 
-__all__ = ["LISTENS", "POSTS", "TOLD", "Attempt", "Viewer", "hands_over", "heard", "over_ros"]
+__all__ = ["Step", "Viewer", "hands_over", "heard"]
 
-Attempt = Callable[[type], str]
 Step = Callable[[Any], str | None]
 
 PATIENCE = 1.0  # [s], after which a callback that has not returned waits for something
-
-LISTENS = "on a body called Rover it listens to"
-POSTS = "the callback posts, and leaves the body alone"
-TOLD = "its links follow, observers are told"
 
 KEY = "call_latest takes a key first: self.call_latest(self.body.name, self.update, message)."
 SECONDS = "config.call_later takes no seconds: the loop's does, asyncio.get_running_loop().call_later(0.5, self.land)."
@@ -93,21 +86,19 @@ class Viewer:
         self.calls = CallQueue(self.loop)
         self.keys, self.shown = list[Hashable](), list[tuple[str, bool]]()
         self._answer, self._scope, self._failures = answer, self.calls.scope(name), list[Failure]()
-        with watch.call("__init__"):
-            self._learner = answer()
         post: tuple[Any, Any] = self._later, self._latest
-        self.loop.call_soon(self._run, self._learner.configure, ControllerConfig(self.body, self.node, *post))
-        self.drain()
+        try:
+            with watch.call("__init__"):
+                self._learner = answer()
+            self.loop.call_soon(self._run, self._learner.configure, ControllerConfig(self.body, self.node, *post))
+            self.drain()
+        except Failure:
+            self.close()
+            raise
 
-    @classmethod
-    def tries(cls, *steps: Step) -> Attempt:
-        """Make an attempt of steps, functions of the viewer, each of which may say what is seen."""
-
-        def attempt(answer: type) -> str:
-            with closing(cls(answer)) as viewer:
-                return ", ".join(filter(None, [step(viewer) for step in steps]))
-
-        return attempt
+    def another(self, model: str = "tank", name: str = "Rover") -> Self:
+        """Make another one for the same answer."""
+        return type(self)(self._answer, model, name)
 
     def receive(self, message: Any) -> None:
         """Have a message come, on a thread of its own, and wait until the callbacks have returned."""
@@ -115,7 +106,7 @@ class Viewer:
         thread.start()
         thread.join(PATIENCE)
         if thread.is_alive():
-            name, _ = watch.running[thread.ident]
+            name, _ = watch.running[thread.ident or 0]
             raise Failure(name, Misuse("it waits", slept(name)), watch.noted.pop("sleep", None))
         self._tell()
 
@@ -124,9 +115,9 @@ class Viewer:
         for callback in self.node.callbacks(message):
             self._run(callback, message)
 
-    def drain(self) -> None:
-        """Run what was posted."""
-        self.loop.advance()
+    def drain(self, seconds: float = 0.0) -> None:
+        """Let time pass [s], and run what was posted."""
+        self.loop.advance(seconds)
         self._tell()
         if len(self.calls):
             raise Failure("what is posted", Misuse("it posts another call whenever it runs, without end", ENDLESS))
@@ -238,21 +229,11 @@ def hands_over(least: int, *messages: Any) -> Step:
                 raise Failure("the callback", Misuse("a timer or a thread goes on beside it", BESIDE), where)
             viewer.drain()
         posted = viewer.loop.posted
-        return POSTS if posted >= least else "some messages are not posted" if posted else "nothing is posted"
+        if posted >= least:
+            return "the callback posts, and leaves the body alone"
+        return "some messages are not posted" if posted else "nothing is posted"
 
     return step
-
-
-def over_ros(viewers: type[Viewer], topic: str, message: Any) -> Attempt:
-    """Make an attempt with rclpy's own node: say where the body is after a message from another node."""
-
-    def attempt(answer: type) -> str:
-        with ros_node() as node, closing(viewers(answer, node=node)) as viewer:
-            send(node, topic, message, lambda: viewer.loop.posted)
-            viewer.drain()
-            return viewer.where()
-
-    return attempt
 
 
 def _check_call(function: Any, arguments: tuple[Any, ...]) -> None:

@@ -24,15 +24,14 @@ from collections.abc import Callable
 from functools import partial
 from itertools import count
 from math import degrees, isnan, radians  # noqa: F401
-from string import Template
 
-from sensor_msgs.msg import Imu, JointState  # noqa: F401
+from sensor_msgs.msg import JointState, Joy  # noqa: F401
 
 from tutorial.checks._interleave import interleave
-from tutorial.checks._requirements import Requirements, listed
+from tutorial.checks._requirements import Requirements, by_text
 from tutorial.checks._viewer import Viewer
 from tutorial.checks.exercise import Exercise
-from tutorial.checks.show import FIRST, LAST, MISTAKES, ON_ROS, at, joint_state
+from tutorial.checks.show import FIRST, LAST, MISTAKES, MOVE, at, joint_state
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
@@ -112,8 +111,8 @@ def in_any_order(viewer: Viewer) -> str:
 
 
 TRIED = {
-    "50 messages while the main thread is busy, twice": (Viewer.tries(bursts), "one call waits, and draws the newest"),
-    "a message that comes while another is drawn": (Viewer.tries(in_any_order), "the second is shown in the end"),
+    "50 messages while the main thread is busy, twice": [bursts],
+    "a message that comes while another is drawn": [in_any_order],
 }
 
 MORE = """
@@ -145,13 +144,13 @@ the callback keeps the message piece by piece, while the main thread reads it: h
     $post => for n, q in match_joints(self.body.joint_names, message)[0].items(): self.kept[n] = q // $post
     positions(positions) => positions(dict(self.kept))
 """
+POST = "self.call_latest(self.body.name, self.update, message)"
 REQUIREMENTS = Requirements(
     CalmViewer,
-    listed(
-        {**FIRST, **TRIED, **LAST},
-        Template(MISTAKES + MORE).substitute(post="self.call_latest(self.body.name, self.update, message)"),
-    ),
-    on_ros=ON_ROS,
+    "joint_state",
+    joint_state("P Y", (0.2, 0.1)),
+    {**FIRST, **TRIED, **LAST},
+    by_text(MISTAKES + MORE, topic="joint_state", kind="JointState", move=MOVE, post=POST),
 )
 
 keep_up = Exercise("keep_up", __doc__, REQUIREMENTS.judge, CalmViewer)
