@@ -25,10 +25,12 @@ SHARED = """
 # on a body called Rover it listens to
 the topic is another: it is f"{config.body.name}/$topic".
     {self.body.name}/$topic" => {self.body.name}/${topic}s" => Tank/$topic"
-the type of the messages is another: give $kind first.
-    ($kind, => (Joy,
 config.node.create_subscription($kind, ...) is missing, or not reached.
     self.node.create_subscription( => (
+
+# for messages of the type
+the type of the messages is another: give $kind first.
+    ($kind, => (Joy,
 
 # messages come
 $post is missing, or not reached: the callback posts nothing.

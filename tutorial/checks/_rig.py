@@ -15,16 +15,16 @@ from builtin_interfaces.msg import Time
 from rclpy.expand_topic_name import expand_topic_name
 
 from tutorial.body import Body
-from tutorial.checks._answer import missing
+from tutorial.checks._answer import check_has, has
 from tutorial.checks._cases import call
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._memory_node import Endpoint, MemoryNode
+from tutorial.checks._node import Endpoint, MemoryNode
 from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.paths import HOME
 from tutorial.world import Placement, compose
 
-__all__ = ["APART", "MODELS", "MemoryNode", "Rig", "Sent", "Watched", "check_has"]
+__all__ = ["APART", "Rig", "Sent", "model_of"]
 
 MODELS = HOME / "project" / "models"
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
@@ -123,7 +123,7 @@ class Rig:
         self.learner.initialize(self.io)
         if [*self.node.timers]:
             raise Failure("configure", Misuse("it makes a timer", APART))
-        if "thread" in watch.noted and missing(self._answer, "control"):
+        if "thread" in watch.noted and not has(self._answer, "control"):
             raise Failure("initialize", Misuse("it starts a thread of its own", APART), watch.noted["thread"])
         check_has(self._answer, "control")
 
@@ -137,12 +137,12 @@ class Rig:
 
     def hear(self, message: Any) -> None:
         """Bring a message to whatever subscribes to its kind."""
-        for callback in self.node.callbacks(message):
+        for callback in self.node.listeners(message):
             call(callback, message)
 
     def on(self, kind: type, topic: str) -> str:
         """Say on which topic messages of this kind are sent or heard: on this one, where it is among them."""
-        made = [each.topic for each in self.node.made if each.kind is kind]
+        made = [each.topic_name for each in self.node.made if each.kind is kind]
         wanted = expand_topic_name(topic, "tank", self.node.namespace)
         return f"{kind.__name__} on {wanted if wanted in made else ', '.join(made) or 'no topic'}"
 
@@ -166,34 +166,22 @@ class Rig:
         stamp_ns, step = stamp.sec * 1_000_000_000 + stamp.nanosec, self.io.step
         if threading.current_thread() is not self._thread:
             step = round(stamp_ns / 1e9 / self.io.time_step)
-        self.sent.append(Sent(publisher.topic, step, stamp_ns, deepcopy(message)))
+        self.sent.append(Sent(publisher.topic_name, step, stamp_ns, deepcopy(message)))
 
 
-def check_has(answer: type, method: str, misspelled: bool = False) -> None:
-    """Look whether a method is there.
-
-    Args:
-        answer: the learner's class.
-        method: its name.
-        misspelled: whether it may be missing, but not misspelled.
-
-    Raises:
-        Failure: it is not.
-    """
-    lacking = missing(answer, method)
-    if lacking and ("misspelled" in lacking.cause or not misspelled):
-        raise Failure(method, Misuse(lacking.text, lacking.cause))
+@cache
+def model_of(model: str, name: str) -> mujoco.MjModel:
+    """Make a body's model."""
+    if model.startswith("<"):
+        return mujoco.MjModel.from_xml_string(model)
+    return compose([Placement(name, MODELS / f"{model}.xml")])
 
 
 @cache
 def _bodies(model: str, name: str) -> tuple[Body, Body]:
     """Make a displayed body and a simulated one."""
-    if model.startswith("<"):
-        made = mujoco.MjModel.from_xml_string(model)
-        return Body(name, made, mujoco.MjData(made)), Body(name, made, mujoco.MjData(made))
-    placement = Placement(name, MODELS / f"{model}.xml")
-    composed = compose([placement])
-    return Body.displayed(placement), Body(name, composed, mujoco.MjData(composed))
+    made = model_of(model, name)
+    return Body(name, made, mujoco.MjData(made)), Body(name, made, mujoco.MjData(made))
 
 
 def _drop(*_: object) -> None:

@@ -14,15 +14,15 @@ import mujoco
 import numpy as np
 
 from tutorial.body import Body
-from tutorial.checks._answer import name_of
+from tutorial.checks._answer import check_has, name_of
 from tutorial.checks._clock import ClockedLoop
 from tutorial.checks._diagnose import Misuse, lacks_self, no_self, slept
-from tutorial.checks._rig import MODELS, MemoryNode, check_has
+from tutorial.checks._node import MemoryNode
+from tutorial.checks._rig import model_of
 from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig
 from tutorial.errors import WrongThreadError
 from tutorial.handoff import CallQueue, ThreadGuard
-from tutorial.world import Placement, compose
 
 __all__ = ["Step", "Viewer", "hands_over", "heard"]
 
@@ -112,7 +112,7 @@ class Viewer:
 
     def call_back(self, message: Any) -> None:
         """Have a message come on this thread."""
-        for callback in self.node.callbacks(message):
+        for callback in self.node.listeners(message):
             self._run(callback, message)
 
     def drain(self, seconds: float = 0.0) -> None:
@@ -147,7 +147,11 @@ class Viewer:
 
     def listens(self) -> str:
         """Say what it listens to."""
-        return ", ".join(f"{each.topic} of {each.kind.__name__}" for each in self.node.subscriptions) or "nothing"
+        return ", ".join(each.topic_name for each in self.node.subscriptions) or "nothing"
+
+    def kinds(self) -> str:
+        """Say of what type the messages are."""
+        return ", ".join(each.kind.__name__ for each in self.node.subscriptions)
 
     def where(self) -> str:
         """Say where the joints are [rad or m]."""
@@ -257,5 +261,5 @@ def _check_call(function: Any, arguments: tuple[Any, ...]) -> None:
 @cache
 def _model(model: str, name: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """Make a body's model, and a state of it to compute with."""
-    made = compose([Placement(name, MODELS / f"{model}.xml")])
+    made = model_of(model, name)
     return made, mujoco.MjData(made)

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from tutorial.checks._answer import misfit, missing, name_of, unwritten
+from tutorial.checks._answer import check_has, misfit, name_of, unwritten
 from tutorial.checks._contain import contain
 from tutorial.checks._instrument import instrumented
 from tutorial.checks._listing import listing
@@ -94,8 +94,8 @@ class Exercise:
         watch.begin(answer)
         try:
             with instrumented():
-                lacking = missing(answer, *self._requires)
-                yield from [lacking] if lacking else self._judge(answer)
+                check_has(answer, *self._requires)
+                yield from self._judge(answer)
         except Failure as failure:
             yield failure.finding()
         except TutorialError as error:

@@ -210,6 +210,7 @@ def beside(tank: Hall) -> str:
 THEN = Hall.where, Hall.falls, Hall.where  # what is asked after a message
 TRIED: dict[str, Sequence[Step]] = {
     "on a body called Rover it listens to": [Hall.listens],
+    "for messages of the type": [Hall.kinds],
     "messages come": [hands_over(1, imu(*HARMLESS), imu(*BLOW))],
     "of accelerations x, y, z that are blows or not": [mistaken],
     "a blow puts the body": [blow, Hall.where],
@@ -270,6 +271,8 @@ the place is typed, or noted too early, in configure: note it when the blow come
 # the news of it
 the way down does not end as the way up: with self.body.calc_forward_kinematics(), and then self.body.notify_change().
     self.move(self.place) => self.body.position = self.place
+    => self.body.position = self.place // self.body.calc_forward_kinematics()
+    => self.body.position = self.place // self.body.notify_change()
 
 # a second blow, when it has landed and been moved elsewhere
 what says that the body is up is still set when it has landed: set self.timer = None there.

@@ -28,6 +28,7 @@ import asyncio  # noqa: F401 - what some mistakes need
 import threading  # noqa: F401
 from collections.abc import Sequence
 from contextlib import closing
+from itertools import count
 from math import degrees, isnan, nan, radians  # noqa: F401
 
 from sensor_msgs.msg import JointState, Joy  # noqa: F401
@@ -41,6 +42,7 @@ from tutorial.joints import match_joints
 __all__ = ["FIRST", "LAST", "MISTAKES", "MOVE", "MyViewer", "at", "joint_state", "show"]
 
 TRIES = 12  # messages, of which each is to be shown
+LATER = count(100_000, 20)  # [ms]
 
 
 class MyViewer(SimpleController):
@@ -80,8 +82,8 @@ def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_
 
 
 def state(names: str, positions: Sequence[float]) -> Step:
-    """Make a step: a message comes, and is shown."""
-    return heard(joint_state(names, positions))
+    """Make a step: a message comes, later than those before, and is shown."""
+    return heard(joint_state(names, positions, next(LATER)))
 
 
 def at(y: float, p: float) -> str:
@@ -125,6 +127,7 @@ LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in en
 
 FIRST: dict[str, Sequence[Step]] = {
     "on a body called Rover it listens to": [Viewer.listens],
+    "for messages of the type": [Viewer.kinds],
     "messages come": [hands_over(TRIES, *MESSAGES)],
     "a message": [state("Y P", (0.1, 0.2)), Viewer.where],
     "its joints in another order": [state("P Y", (0.2, 0.1)), Viewer.where],
