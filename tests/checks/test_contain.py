@@ -94,13 +94,13 @@ def test_what_two_threads_tell_at_once_does_not_mix():
 
     def tell(letter):
         for _ in range(200):
-            _child._find(writing, wrong(letter * 300_000, letter * 300_000))
+            _child._tell(told, wrong(letter * 300_000, letter * 300_000))
 
     threads = [threading.Thread(target=tell, args=(letter,)) for letter in "äö"]
-    with os.fdopen(reading, "rb") as told, os.fdopen(writing, "wb"):
+    with os.fdopen(reading, "rb") as heard, os.fdopen(writing, "wb") as told:
         for thread in threads:
             thread.start()
-        findings = [msgspec.json.decode(told.readline(), type=Finding) for _ in range(400)]
+        findings = [msgspec.json.decode(heard.readline(), type=Finding) for _ in range(400)]
         for thread in threads:
             thread.join()
     assert all(len(set(finding.cause)) == 1 for finding in findings)

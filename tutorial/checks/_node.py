@@ -6,6 +6,7 @@ import inspect
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 from rclpy.clock import Clock
@@ -72,6 +73,7 @@ class MemoryNode:
         namespace: of its topics.
 
     Attributes:
+        get_clock, get_logger, get_name, get_namespace: as rclpy's.
         made: the publishers and subscriptions that were ever made.
         kept: those that it has; also one that was destroyed without telling it.
         timers: what `create_timer` was given; none of them ever fires.
@@ -81,6 +83,8 @@ class MemoryNode:
     def __init__(self, publish: Callable[[Endpoint, Any], object] = lambda *_: None, namespace: str = "/") -> None:
         self.publish, self.namespace, self.destroyed = publish, namespace, False
         self.made, self.kept, self.timers = list[Endpoint](), list[Endpoint](), list[tuple[Any, ...]]()
+        self.get_clock, self.get_logger = Clock, partial(get_logger, "tank")
+        self.get_name, self.get_namespace = (lambda: "tank"), (lambda: namespace)
 
     def create_publisher(self, msg_type: type, topic: str, qos_profile: Any, **_: Any) -> Endpoint:
         """Make a publisher."""
@@ -133,22 +137,6 @@ class MemoryNode:
     def destroy_node(self) -> None:
         """Note that the whole node was destroyed."""
         self.destroyed = True
-
-    def get_clock(self) -> Clock:
-        """Return the computer's clock."""
-        return Clock()
-
-    def get_logger(self) -> Any:
-        """Return rclpy's logger."""
-        return get_logger("tank")
-
-    def get_name(self) -> str:
-        """Return its name."""
-        return "tank"
-
-    def get_namespace(self) -> str:
-        """Return its namespace."""
-        return self.namespace
 
     def _keep(self, endpoint: Endpoint) -> Endpoint:
         self.made.append(endpoint)

@@ -15,7 +15,7 @@ from tutorial.checks._node import ros_node, send
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._viewer import Step, Viewer
-from tutorial.checks._watch import Failure, files_of, watch
+from tutorial.checks._watch import Failure, watch
 from tutorial.errors import TutorialError
 
 __all__ = ["Requirements", "by_text"]
@@ -90,12 +90,12 @@ class Requirements:
                 yield right(f"{text}: {seen}")
                 continue
             place = next(iter(watch.noted.values()), None)
-            throttled = self.clock if "clock" in watch.noted else ""
+            by_the_clock = self.clock if "clock" in watch.noted else ""
             cause = self._cause(text, seen, shared)
             if isinstance(seen, Failure):
                 yield seen.finding(cause, text)
             else:
-                yield wrong(f"{text}: {seen}; expected: {expected}", throttled or cause or "", place)
+                yield wrong(f"{text}: {seen}; expected: {expected}", by_the_clock or cause or "", place)
             return
         with ros_node() as node, closing(self.viewer(answer, node=node)) as viewer:
             send(node, f"/Rover/{self.topic}", self.message, lambda: viewer.loop.posted)
@@ -104,7 +104,6 @@ class Requirements:
 
     def seen(self, text: str, answer: Any) -> Any:
         """Observe what an answer does; of one that raises, the failure."""
-
         watch.noted.clear()
 
         def attempt(answer: Any) -> str:
@@ -120,18 +119,13 @@ class Requirements:
     def _cause(self, text: str, seen: Any, shared: SharedState) -> str | None:
         """Name the mistake that leads to what was observed; None for what speaks for itself."""
         watch.explaining = True
+        watch.files.add("<a mistake>")  # as if the learner had written that
         known = self.mistakes.get(text, ())
-        found = next((each for each in known if same(self._of_twin(text, each), seen)), None)
+        found = next((each for each in known if same(self.seen(text, self.mistaken(each)), seen)), None)
         if isinstance(seen, Failure) and not (found or isinstance(seen.error, self.odd)):
             return None
         cause = f"Most likely {(found or known[0]).cause}"
         return cause if found and "." not in shared.changed() else shared.cause(cause)
-
-    def _of_twin(self, text: str, mistake: Mistake) -> Any:
-        """Observe the solution with a mistake in it, as if the learner had written that."""
-        twin = self.mistaken(mistake)
-        watch.files |= files_of(twin)
-        return self.seen(text, twin)
 
 
 def by_text(table: str, **words: str) -> dict[str, tuple[Mistake, ...]]:

@@ -20,7 +20,7 @@ from tutorial.checks._cases import call
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._node import Endpoint, MemoryNode
 from tutorial.checks._watch import Failure, watch
-from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+from tutorial.controller import ControllerConfig, ControllerIO
 from tutorial.paths import HOME
 from tutorial.world import Placement, compose
 
@@ -30,28 +30,6 @@ MODELS = HOME / "project" / "models"
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
 APART = "Most likely a timer or a thread publishes, by the wall clock: publish in control, and count steps, io.step."
-
-
-class Watched:
-    """The learner's controller, each call of which is watched.
-
-    Args:
-        controller_class: the learner's class.
-
-    Attributes:
-        inner: the learner's controller.
-    """
-
-    def __init__(self, controller_class: type[SimpleController]) -> None:
-        with watch.call("__init__"):
-            self.inner = controller_class()
-
-    def __getattr__(self, method: str) -> Callable[..., None]:
-        def call(*arguments: Any) -> None:
-            with watch.call(method):
-                getattr(self.inner, method)(*arguments)
-
-        return call
 
 
 @dataclass(frozen=True)
@@ -85,7 +63,8 @@ class Rig:
         node: a real one; None for one in memory.
 
     Attributes:
-        io: what the controller is given; it knows the step.
+        learner: the learner's controller.
+        io: what it is given; it knows the step.
         displayed, body: the displayed body, and the simulated one.
         node: the learner's.
         sent: what was published.
@@ -114,13 +93,19 @@ class Rig:
         self.node = node or cast("Any", MemoryNode(self._publish, namespace))
         self._answer = answer
         self._thread, self._threads = threading.current_thread(), set(threading.enumerate())
-        self.learner = Watched(answer)
-        self.learner.configure(ControllerConfig(self.displayed, self.node, _drop, _drop))
+        with watch.call("__init__"):
+            self.learner = answer()
+        self.do("configure", ControllerConfig(self.displayed, self.node, _drop, _drop))
+
+    def do(self, method: str, *arguments: Any) -> None:
+        """Call one of the learner's methods."""
+        with watch.call(method):
+            getattr(self.learner, method)(*arguments)
 
     def start(self, step: int = 0) -> None:
         """Begin to simulate, at a step; also again, after `stop`."""
         self.begun = self.io.step = step
-        self.learner.initialize(self.io)
+        self.do("initialize", self.io)
         if [*self.node.timers]:
             raise Failure("configure", Misuse("it makes a timer", APART))
         if "thread" in watch.noted and not has(self._answer, "control"):
@@ -131,7 +116,7 @@ class Rig:
         """Simulate some steps."""
         for _ in range(steps):
             self.before()
-            self.learner.control()
+            self.do("control")
             self.after()
             self.io.step += 1
 
@@ -149,7 +134,7 @@ class Rig:
     def stop(self) -> None:
         """Simulate no more; wait for what threads of the learner's still publish."""
         self.has_threads = bool(set(threading.enumerate()) - self._threads)
-        self.learner.stop()
+        self.do("stop")
         before = -1
         while len(self.sent) > before and set(threading.enumerate()) - self._threads:
             before = len(self.sent)
@@ -158,7 +143,7 @@ class Rig:
     def leave(self) -> str:
         """Have the controller leave its body, and say that it has left nothing behind."""
         check_has(self._answer, "unconfigure", misspelled=True)
-        self.learner.unconfigure()
+        self.do("unconfigure")
         return str(self.node.check_left())
 
     def _publish(self, publisher: Endpoint, message: Any) -> None:

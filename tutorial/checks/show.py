@@ -128,7 +128,7 @@ LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in en
 FIRST: dict[str, Sequence[Step]] = {
     "on a body called Rover it listens to": [Viewer.listens],
     "for messages of the type": [Viewer.kinds],
-    "messages come": [hands_over(TRIES, *MESSAGES)],
+    "messages come": [hands_over(*MESSAGES)],
     "a message": [state("Y P", (0.1, 0.2)), Viewer.where],
     "its joints in another order": [state("P Y", (0.2, 0.1)), Viewer.where],
     "the news of it": [state("Y P", (0.1, 0.2)), Viewer.news] * 2,
