@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
+from functools import cached_property
 from string import Template
 from typing import Any
 
@@ -18,7 +19,7 @@ from tutorial.checks._viewer import Step, Viewer
 from tutorial.checks._watch import Failure, watch
 from tutorial.errors import TutorialError
 
-__all__ = ["Requirements", "by_text"]
+__all__ = ["Requirements"]
 
 THROTTLED = "Most likely messages are dropped by time or by count: post and show every one, whenever it comes."
 SHARED = """
@@ -63,10 +64,12 @@ class Requirements:
         solution: the right answer. What is observed of it is what is expected, and mistakes change its source.
         topic: that it listens to, without the body's name.
         message: what it is sent by another program in the end, with rclpy's own node.
+        move: the solution's statement that moves the body.
         tried: by text, in the order in which they are tried, steps: functions of the viewer, of which each may return
             what is observed, in words. The first text whose steps do not see what is expected ends it.
-        mistakes: by text, those that fail it. The first one's cause is named where no other leads to exactly what was
-            observed.
+        table: the mistakes, those that fail a requirement below a line with ``#`` and its text. To them come those that
+            all viewers share. The first one's cause is named where no other leads to exactly what was observed.
+        post: the solution's statement that posts.
         viewer: makes what an answer is tried in.
         clock: the cause to name where the computer's clock is asked; "" where that may be right.
         odd: exceptions that odd messages lead to: a requirement's cause is named. Any other speaks for itself.
@@ -75,8 +78,10 @@ class Requirements:
     solution: type
     topic: str
     message: Any
+    move: str
     tried: Mapping[str, Sequence[Step]]
-    mistakes: Mapping[str, Sequence[Mistake]]
+    table: str
+    post: str = "self.call_later(self.update, message)"
     viewer: type[Viewer] = Viewer
     clock: str = THROTTLED
     odd: tuple[type[Exception], ...] = (LookupError, ValueError, ArithmeticError, TutorialError)
@@ -112,6 +117,16 @@ class Requirements:
 
         return observed(attempt, answer)
 
+    @cached_property
+    def mistakes(self) -> dict[str, tuple[Mistake, ...]]:
+        """By requirement, the mistakes that fail it."""
+        known: dict[str, tuple[Mistake, ...]] = {}
+        for each in (SHARED, self.table):
+            table = Template(each).substitute(vars(self), kind=type(self.message).__name__)
+            _, *parts = re.split(r"^# (.*)$", table, flags=re.MULTILINE)
+            known |= {text: known.get(text, ()) + mistakes(rows) for text, rows in zip(parts[::2], parts[1::2])}
+        return known
+
     def mistaken(self, mistake: Mistake) -> Any:
         """Define the solution with a mistake in it."""
         return with_mistakes(self.solution, [mistake])
@@ -126,17 +141,3 @@ class Requirements:
             return None
         cause = f"Most likely {(found or known[0]).cause}"
         return cause if found and "." not in shared.changed() else shared.cause(cause)
-
-
-def by_text(table: str, **words: str) -> dict[str, tuple[Mistake, ...]]:
-    """Read mistakes by what they fail: each requirement's below a line with ``#`` and its text.
-
-    Args:
-        table: those of one exercise; to them come those that all viewers share, first or last.
-        words: what stands for names with a ``$``.
-    """
-    known: dict[str, tuple[Mistake, ...]] = {}
-    for each in (SHARED, table):
-        _, *parts = re.split(r"^# (.*)$", Template(each).substitute(words), flags=re.MULTILINE)
-        known |= {text: known.get(text, ()) + mistakes(rows) for text, rows in zip(parts[::2], parts[1::2])}
-    return known

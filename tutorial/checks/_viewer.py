@@ -6,6 +6,7 @@ import inspect
 import sys
 import threading
 from collections.abc import Callable, Hashable, Mapping
+from contextlib import closing
 from functools import cache, partial
 from numbers import Real
 from typing import Any, Self, cast
@@ -23,7 +24,7 @@ from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig
 from tutorial.handoff import CallQueue, ThreadGuard
 
-__all__ = ["Step", "Viewer", "hands_over", "heard"]
+__all__ = ["Step", "Viewer", "hands_over", "heard", "side_by_side"]
 
 Step = Callable[[Any], str | None]
 
@@ -222,14 +223,26 @@ def hands_over(*messages: Any) -> Step:
     """Make a step: say how many messages the callback posts, and whether it leaves the body alone."""
 
     def step(viewer: Viewer) -> str:
+        before = viewer.loop.posted
         for message in messages:
             viewer.receive(message)
             if "thread" in watch.noted or viewer.node.timers:
                 beside = Misuse("a timer or a thread goes on beside it", BESIDE)
                 raise Failure("the callback", beside, watch.noted.get("thread"))
             viewer.drain()
-        posted = viewer.loop.posted
+        posted = viewer.loop.posted - before
         return "none is posted" if not posted else "some are posted" if posted < len(messages) else "all are posted"
+
+    return step
+
+
+def side_by_side(*steps: Step) -> Step:
+    """Make a step: a tank and the crane Lift do steps in turns."""
+
+    def step(tank: Viewer) -> str:
+        with closing(tank.another("crane", "Lift")) as lift:
+            seen = [[each(viewer) for viewer in (tank, lift)] for each in steps]
+        return "; ".join(f"{one} and {other}" for one, other in seen if one)
 
     return step
 

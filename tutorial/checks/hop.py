@@ -36,8 +36,8 @@ from geometry_msgs.msg import Vector3
 from numpy.typing import ArrayLike
 from sensor_msgs.msg import Imu, Joy  # noqa: F401
 
-from tutorial.checks._requirements import Requirements, by_text
-from tutorial.checks._viewer import Step, Viewer, hands_over, heard
+from tutorial.checks._requirements import Requirements
+from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side
 from tutorial.checks._watch import watch
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
@@ -101,11 +101,11 @@ class HopViewer(SimpleController):
 class Hall(Viewer):
     """A displayed body that may be put anywhere. Each method says what is seen."""
 
-    place: Vector = PLACE
+    place: Vector
 
     def __init__(self, answer: type, *body: Any, **how: Any) -> None:
         super().__init__(answer, *body, **how)
-        self.stand(PLACE)
+        self.stand(PLACE if self.body.name == "Rover" else OTHER_PLACE)
 
     def stand(self, place: Vector) -> None:
         """Put the body somewhere [m]."""
@@ -195,23 +195,11 @@ def in_a_crowd(hall: Hall) -> str:
     return f"{hall.where()}; {len(kept)} of 4 have come, {calls} have waited{' under a key' * bool(hall.keys)}"
 
 
-def beside(tank: Hall) -> str:
-    """Observe the crane Lift and the tank at the same time."""
-    with closing(tank.another("crane", "Lift")) as lift:
-        lift.stand(OTHER_PLACE)
-        for each in (tank, lift):
-            blow(each)
-        up = f"{tank.where()} and {lift.where()}"
-        for each in (tank, lift):
-            each.falls()
-        return f"{up}, then {tank.where()} and {lift.where()}"
-
-
 THEN = Hall.where, Hall.falls, Hall.where  # what is asked after a message
 TRIED: dict[str, Sequence[Step]] = {
     "on a body called Rover it listens to": [Hall.listens],
     "for messages of the type": [Hall.kinds],
-    "messages come": [hands_over(imu(*BLOW))],
+    "messages come": [harmless, hands_over(imu(*BLOW))],
     "of accelerations x, y, z that are blows or not": [mistaken],
     "a blow puts the body": [blow, Hall.where],
     "the body is": [blow, Hall.falls],
@@ -221,7 +209,7 @@ TRIED: dict[str, Sequence[Step]] = {
     "a second blow while it is up": [blow, wait, blow, *THEN],
     "a harmless message while it is up": [blow, wait, harmless, *THEN],
     "blows between harmless messages, both threads being busy": [in_a_crowd],
-    "the tank and the crane Lift": [beside],
+    "the tank and the crane Lift": [side_by_side(blow, Hall.where, land, Hall.where)],
     "unconfigure, while it is up, leaves it": [blow, wait, Hall.leaves, Hall.left],
     "the news of that": [blow, wait, Hall.leaves, Hall.news],
     "unconfigure, when no blow has come, leaves it": [move_it, Hall.leaves],
@@ -335,21 +323,7 @@ unconfigure puts it back although it never was up: ask first whether it is, if s
 unconfigure puts it back although it is down: ask first whether it is up, if self.timer is not None.
     self.node.destroy => if hasattr(self, "place"): self.move(self.place) // self.node.destroy
 """
-REQUIREMENTS = Requirements(
-    HopViewer,
-    "imu",
-    imu(*BLOW),
-    TRIED,
-    by_text(
-        MISTAKES,
-        topic="imu",
-        kind="Imu",
-        move="self.body.position = position",
-        post="self.call_later(self.update, message)",
-    ),
-    Hall,
-    clock="",
-    odd=(),
-)
+MOVE = "self.body.position = position"
+REQUIREMENTS = Requirements(HopViewer, "imu", imu(*BLOW), MOVE, TRIED, MISTAKES, viewer=Hall, clock="", odd=())
 
 hop = Exercise("hop", __doc__, REQUIREMENTS.judge, HopViewer)

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import asyncio  # noqa: F401 - what some mistakes need
 import threading  # noqa: F401
-from collections.abc import Callable
+from collections.abc import Sequence
 from functools import partial
 from itertools import count
 from math import degrees, isnan, radians  # noqa: F401
@@ -28,10 +28,10 @@ from math import degrees, isnan, radians  # noqa: F401
 from sensor_msgs.msg import JointState, Joy  # noqa: F401
 
 from tutorial.checks._interleave import interleave
-from tutorial.checks._requirements import Requirements, by_text
-from tutorial.checks._viewer import Viewer
+from tutorial.checks._requirements import Requirements
+from tutorial.checks._viewer import Step, Viewer
 from tutorial.checks.exercise import Exercise
-from tutorial.checks.show import FIRST, LAST, MISTAKES, MOVE, at, joint_state
+from tutorial.checks.show import FIRST, LAST, MISTAKES, MOVE, joint_state
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
@@ -39,6 +39,7 @@ __all__ = ["CalmViewer", "keep_up"]
 
 BURST = 50
 MOST = 10_000  # instructions of a method
+EACH = "TURRET_Y at {0}, TURRET_P at {0}"
 
 
 class CalmViewer(SimpleController):
@@ -68,50 +69,44 @@ class CalmViewer(SimpleController):
         self.node.destroy_subscription(self.subscription)
 
 
-def bursts(viewer: Viewer) -> str:
-    """Observe what waits, and what is shown, when many messages come while the main thread is busy; twice."""
-    for begin in (0, 500):
+def burst(begin: int) -> Step:
+    """Make a step: say what waits, and what is shown, when many messages come while the main thread is busy."""
+
+    def step(viewer: Viewer) -> str:
         viewer.shown.clear()
         for i in range(begin, begin + BURST):
             viewer.receive(joint_state("Y P", (0.001 * i, 0.002 * (i - begin)), 100_000 + 401 * i))
-        waiting = len(viewer.calls)
+        waiting = "one call waits" if len(viewer.calls) < 2 else "more than one call waits"
+        keys = ", under different keys" * (len(set(viewer.keys)) > 1)
         viewer.drain()
-        if waiting > 1:
-            return "more than one call waits" + ", under different keys" * bool(viewer.keys)
-        if viewer.where() == at(0.001 * begin, 0):
-            return "the first is shown"
-        if viewer.where() != at(0.001 * begin + 0.049, 0.098):
-            return "the newest is not shown"
-        if len(viewer.shown) > 1:
-            return "one call waits, and draws more than once"
-    return "one call waits, and draws the newest"
+        return f"{waiting}{keys}, and draws{' more than once' * (len(viewer.shown) > 1)}: {viewer.where()}"
+
+    return step
 
 
 def in_any_order(viewer: Viewer) -> str:
     """Observe what is shown when the turn of one thread comes at any instruction of the other."""
     stamps = count(100_000, 20)
     for interrupts_drawing in (True, False):
-        for instruction in (None, None, *range(MOST)):
-            first, second = (joint_state("Y P", (q, q), next(stamps)) for q in (0.3, 0.4))
+        for at in (None, None, *range(MOST)):
+            first, second = (partial(viewer.call_back, joint_state("Y P", (q, q), next(stamps))) for q in (0.3, 0.4))
             viewer.shown.clear()
-            viewer.call_back(first)
-            come = partial(viewer.call_back, second)
-            turns: list[Callable[[], object]] = [viewer.drain, come] if interrupts_drawing else [come, viewer.drain]
-            if instruction is None:  # Python 3.13 stops between instructions only in code that was traced before
-                turns[1] = bool
-            more = interleave(turns[0], turns[1], instruction)
+            first()
+            turns = (viewer.drain, second) if interrupts_drawing else (second, viewer.drain)
+            # Python 3.13 stops between instructions only in code that was traced before
+            more = interleave(turns[0], bool if at is None else turns[1], at)
             viewer.drain()
-            if any(where not in (at(0.3, 0.3), at(0.4, 0.4)) for where, _ in viewer.shown):
+            if {where for where, _ in viewer.shown} - {EACH.format(0.3), EACH.format(0.4)}:
                 return "half of each is shown"
             if not more:
                 break
-            if instruction is not None and viewer.where() != at(0.4, 0.4):
+            if at is not None and viewer.where() != EACH.format(0.4):
                 return "the second is never shown"
     return "the second is shown in the end"
 
 
-TRIED = {
-    "50 messages while the main thread is busy, twice": [bursts],
+OWN: dict[str, Sequence[Step]] = {
+    "50 messages while the main thread is busy, twice": [burst(0), burst(500)],
     "a message that comes while another is drawn": [in_any_order],
 }
 
@@ -145,12 +140,9 @@ the callback keeps the message piece by piece, while the main thread reads it: h
     positions(positions) => positions(dict(self.kept))
 """
 POST = "self.call_latest(self.body.name, self.update, message)"
+TRIED = {**FIRST, **OWN, **LAST}
 REQUIREMENTS = Requirements(
-    CalmViewer,
-    "joint_state",
-    joint_state("P Y", (0.2, 0.1)),
-    {**FIRST, **TRIED, **LAST},
-    by_text(MISTAKES + MORE, topic="joint_state", kind="JointState", move=MOVE, post=POST),
+    CalmViewer, "joint_state", joint_state("P Y", (0.2, 0.1)), MOVE, TRIED, MISTAKES + MORE, POST
 )
 
 keep_up = Exercise("keep_up", __doc__, REQUIREMENTS.judge, CalmViewer)
