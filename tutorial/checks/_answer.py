@@ -36,8 +36,6 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
         The mend as a sentence, empty when the kind is right.
     """
     mend = f"Give the {'function' if base is None else 'class'} itself: {call}({name})."
-    if isinstance(answer, str):
-        return f"A text was given, {answer[:40]!r}. {mend}"
     if isinstance(answer, type) != (base is not None) or not callable(answer):
         return f"{_called(answer)} was given. {mend}"
     if base is not None and not issubclass(answer, base):

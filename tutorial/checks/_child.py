@@ -25,9 +25,8 @@ import msgspec
 
 from tutorial.checks._contain import DONE
 from tutorial.checks._diagnose import endless
-from tutorial.checks._instrument import instrumented
 from tutorial.checks._verdict import Finding, wrong
-from tutorial.checks._watch import watch
+from tutorial.checks._watch import instrumented, watch
 
 LOOK = 0.1  # [s] between two looks of the watchdog
 PATIENCE = 15  # looks that a single call may take; it should take none

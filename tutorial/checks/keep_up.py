@@ -76,10 +76,11 @@ def burst(begin: int) -> Step:
         viewer.shown.clear()
         for i in range(begin, begin + BURST):
             viewer.receive(joint_state("Y P", (0.001 * i, 0.002 * (i - begin)), 100_000 + 401 * i))
-        waiting = "one call waits" if len(viewer.calls) < 2 else "more than one call waits"
-        keys = ", under different keys" * (len(set(viewer.keys)) > 1)
+        waiting = len(viewer.calls)
         viewer.drain()
-        return f"{waiting}{keys}, and draws{' more than once' * (len(viewer.shown) > 1)}: {viewer.where()}"
+        if waiting > 1:
+            return "more than one call waits" + ", under different keys" * (len(set(viewer.keys)) > 1)
+        return f"one call waits, and draws{' more than once' * (len(viewer.shown) > 1)}: {viewer.where()}"
 
     return step
 
