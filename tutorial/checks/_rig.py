@@ -155,17 +155,19 @@ class Rig:
 
 
 @cache
-def model_of(model: str, name: str) -> mujoco.MjModel:
-    """Make a body's model."""
+def model_of(model: str, name: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Make a body's model, and a state of it to compute with."""
     if model.startswith("<"):
-        return mujoco.MjModel.from_xml_string(model)
-    return compose([Placement(name, MODELS / f"{model}.xml")])
+        made = mujoco.MjModel.from_xml_string(model)
+    else:
+        made = compose([Placement(name, MODELS / f"{model}.xml")])
+    return made, mujoco.MjData(made)
 
 
 @cache
 def _bodies(model: str, name: str) -> tuple[Body, Body]:
     """Make a displayed body and a simulated one."""
-    made = model_of(model, name)
+    made, _ = model_of(model, name)
     return Body(name, made, mujoco.MjData(made)), Body(name, made, mujoco.MjData(made))
 
 

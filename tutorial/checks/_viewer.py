@@ -7,7 +7,7 @@ import sys
 import threading
 from collections.abc import Callable, Hashable, Mapping
 from contextlib import closing
-from functools import cache, partial
+from functools import partial
 from numbers import Real
 from typing import Any, Self, cast
 
@@ -72,7 +72,7 @@ class Viewer:
     """
 
     def __init__(self, answer: type, model: str = "tank", name: str = "Rover", node: Any = None) -> None:
-        compiled, self._fresh = _model(model, name)
+        compiled, self._fresh = model_of(model, name)
         self.body = Body(name, compiled, mujoco.MjData(compiled), _Guard(f"the body {name!r}"))
         self.body.calc_forward_kinematics()
         self.body.on_change(lambda _: self.shown.append((self.where(), self._links_follow())))
@@ -263,10 +263,3 @@ def _check_call(function: Any, arguments: tuple[Any, ...]) -> None:
         cause = no_self(inner) if inner is not None and lacks_self(inner) else ARGUMENTS.format(name_of(function))
         count = f"{len(arguments)} argument{'s' * (len(arguments) != 1)}"
         raise Misuse(f"{name_of(function)} is posted with {count}, it cannot begin: {error}", cause) from error
-
-
-@cache
-def _model(model: str, name: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Make a body's model, and a state of it to compute with."""
-    made = model_of(model, name)
-    return made, mujoco.MjData(made)

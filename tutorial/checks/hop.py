@@ -175,7 +175,8 @@ def mistaken(hall: Hall) -> str:
     for x, y, z in ACCELERATIONS:
         with closing(hall.another()) as other:
             heard(imu(x, y, z))(other)
-            taken = other.where() != STOOD or len(other.loop.timers) + len(other.node.timers) > 0
+            moved = any(where != STOOD for where in (other.where(), *(where for where, _ in other.shown)))
+            taken = moved or len(other.loop.timers) + len(other.node.timers) > 0
             if taken != (hypot(x, y) > 20):
                 odd.append(f"{x:g} {y:g} {z:g}{' is one' * taken}")
     return ", ".join(odd) if odd else "none is mistaken"
