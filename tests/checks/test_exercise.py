@@ -19,7 +19,6 @@ from tutorial.checks.by_name import by_name
 from tutorial.checks.catalogue import exercises
 from tutorial.checks.drive import GentleTank, drive
 from tutorial.checks.exercise import Exercise, listing
-from tutorial.checks.joint_state_publisher import publish
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.controller_files import controller_names
 from tutorial.paths import HOME
@@ -136,7 +135,6 @@ FIRST_LOOK = [
     (drive, unwritten, "The function unwritten was given. Give the class itself: await drive.check(GentleTank)."),
     (drive, Pushy, "Pushy is not made from SimpleController. Begin it with: class GentleTank(SimpleController):"),
     (by_name, Pushy, "The class Pushy was given. Give the function itself: await by_name.check(match_by_name)."),
-    (publish, 1, "An object of the class int was given. Give the class itself: await publish.check(SlowPublisher)."),
 ]
 
 

@@ -137,7 +137,7 @@ class Requirements:
         watch.files.add("<a mistake>")  # as if the learner had written that
         known = self.mistakes.get(text, ())
         found = next((each for each in known if same(self.seen(text, self.mistaken(each)), seen)), None)
-        if isinstance(seen, Failure) and not (found or isinstance(seen.error, self.odd)):
+        if not known or (isinstance(seen, Failure) and not (found or isinstance(seen.error, self.odd))):
             return None
         cause = f"Most likely {(found or known[0]).cause}"
         return cause if found and "." not in shared.changed() else shared.cause(cause)

@@ -261,5 +261,4 @@ def _check_call(function: Any, arguments: tuple[Any, ...]) -> None:
     except TypeError as error:
         inner = getattr(function, "__func__", None)
         cause = no_self(inner) if inner is not None and lacks_self(inner) else ARGUMENTS.format(name_of(function))
-        count = f"{len(arguments)} argument{'s' * (len(arguments) != 1)}"
-        raise Misuse(f"{name_of(function)} is posted with {count}, it cannot begin: {error}", cause) from error
+        raise Misuse(f"{name_of(function)} cannot begin with what is posted: {error}", cause) from error

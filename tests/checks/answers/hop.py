@@ -49,30 +49,17 @@ class Ticking(HopViewer):
             self.timer = asyncio.get_running_loop().call_later(0.02, self.tick)
 
 
-class ByTheLoop(HopViewer):
-    """Keeps the loop, sorts out harmless messages in the callback, and remembers that it has left."""
+class LikeASensor(HopViewer):
+    """Has a profile in place of a number, and a topic that begins with a slash."""
 
     def configure(self, config):
         super().configure(config)
         self.node.destroy_subscription(self.subscription)
-        self.loop, self.gone = asyncio.get_running_loop(), False
-        self.subscription = self.node.create_subscription(
-            Imu, f"/{self.body.name}/imu", self.on_imu, qos_profile_sensor_data
-        )
-
-    def on_imu(self, message):
-        self.loop.call_soon_threadsafe(self.hop, message)
-
-    def hop(self, message):
-        if not self.gone:
-            self.update(message)
-
-    def unconfigure(self):
-        self.gone = True
-        super().unconfigure()
+        topic = f"/{self.body.name}/imu"
+        self.subscription = self.node.create_subscription(Imu, topic, self.on_imu, qos_profile_sensor_data)
 
 
-RIGHT = [Task, Ticking, ByTheLoop]
+RIGHT = [Task, Ticking, LikeASensor]
 
 
 def changed(**methods):
