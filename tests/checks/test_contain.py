@@ -9,16 +9,13 @@ import io
 import os
 import subprocess
 import sys
-import threading
 import time
 
-import msgspec
 import psutil
 import pytest
 from programs import until
 
-from tutorial.checks import _child
-from tutorial.checks._verdict import Finding, right, wrong
+from tutorial.checks._verdict import right, wrong
 from tutorial.checks.drive import GentleTank, drive
 from tutorial.checks.exercise import Exercise
 
@@ -87,23 +84,6 @@ def test_whatever_it_does_is_contained_and_explained(answer, what, where, why):
     said = said_about(answer)
     assert all(each in said for each in (what, where, why)), said
     assert len(said.splitlines()) < 40
-
-
-def test_what_two_threads_tell_at_once_does_not_mix():
-    reading, writing = os.pipe()
-
-    def tell(letter):
-        for _ in range(200):
-            _child._find(writing, wrong(letter * 300_000, letter * 300_000))
-
-    threads = [threading.Thread(target=tell, args=(letter,)) for letter in "äö"]
-    with os.fdopen(reading, "rb") as told, os.fdopen(writing, "wb"):
-        for thread in threads:
-            thread.start()
-        findings = [msgspec.json.decode(told.readline(), type=Finding) for _ in range(400)]
-        for thread in threads:
-            thread.join()
-    assert all(len(set(finding.cause)) == 1 for finding in findings)
 
 
 def test_a_finding_has_one_line_that_can_be_sent():

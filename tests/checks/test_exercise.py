@@ -12,15 +12,13 @@ from steps import BESIDE
 
 from tutorial.checks import _cases
 from tutorial.checks._answer import is_empty
-from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, right, wrong
 from tutorial.checks._watch import watch
 from tutorial.checks.aim import aim
 from tutorial.checks.by_name import by_name
 from tutorial.checks.catalogue import exercises
 from tutorial.checks.drive import GentleTank, drive
-from tutorial.checks.exercise import Exercise
-from tutorial.checks.joint_state_publisher import publish
+from tutorial.checks.exercise import Exercise, listing
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.controller_files import controller_names
 from tutorial.paths import HOME
@@ -133,11 +131,10 @@ class Pushy:
 
 
 FIRST_LOOK = [
-    (drive, "Tank", "A text was given, 'Tank'. Give the class itself: await drive.check(GentleTank)."),
+    (drive, "Tank", "An object of the class str was given. Give the class itself: await drive.check(GentleTank)."),
     (drive, unwritten, "The function unwritten was given. Give the class itself: await drive.check(GentleTank)."),
     (drive, Pushy, "Pushy is not made from SimpleController. Begin it with: class GentleTank(SimpleController):"),
     (by_name, Pushy, "The class Pushy was given. Give the function itself: await by_name.check(match_by_name)."),
-    (publish, 1, "An object of the class int was given. Give the class itself: await publish.check(SlowPublisher)."),
 ]
 
 

@@ -8,15 +8,14 @@ from programs import until
 
 pytestmark = pytest.mark.process
 
-RIGHT = """
+RIGHT = "await drive.check(GentleTank)"
+CLASS = """
 from tutorial.checks.drive import GentleTank as Solution
 from tutorial.checks.tank_controller import drive
 
 class GentleTank(Solution):
     def control(self):
         super().control()
-
-await drive.check(GentleTank)
 """
 
 LOOPS = """class Loops(GentleTank):
@@ -50,7 +49,7 @@ finally:
 @pytest.fixture(scope="module")
 def desk():
     with kernel() as desk:
-        desk.run(RIGHT)
+        desk.run(CLASS)
         yield desk
 
 
@@ -59,7 +58,7 @@ def test_answers_of_a_notebook(desk):
     said = run(RIGHT)
     assert "✗" not in said
     assert "\nAll right. " in said
-    assert run("await drive.check(GentleTank)") == said, "the same on every run"
+    assert run(RIGHT) == said, "the same on every run"
 
     said = run(LOOPS)
     assert "✗ on_joy does not return\n  in on_joy, line 3: while True: pass\n" in said
@@ -79,4 +78,4 @@ def test_an_interrupted_check_leaves_nothing(desk):
     reply = desk.interrupt(DOZES, lambda _: processes() > before)
     assert reply["status"] == "error"
     until(lambda: processes() == before, "the end of the process that judges")
-    assert "All right." in desk.run("await drive.check(GentleTank)")
+    assert "All right." in desk.run(RIGHT)

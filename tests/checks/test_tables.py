@@ -40,8 +40,9 @@ def test_what_no_known_mistakes_explain_names_a_case_of_the_table(exercise, case
 @pytest.mark.parametrize(("exercise", "requirements"), LISTS.items(), ids=[each.name for each in LISTS])
 def test_each_requirement_is_failed_by_its_mistakes_and_names_their_cause(exercise, requirements, domain):
     assert exercise.judge(requirements.solution).right
-    for one in requirements.each:
-        for mistake in one.mistakes:
+    assert requirements.mistakes.keys() <= requirements.tried.keys()
+    for text, known in requirements.mistakes.items():
+        for mistake in known:
             verdict = exercise.judge(requirements.mistaken(mistake))
             assert verdict.causes == (f"Most likely {mistake.cause}",), str(verdict)
-            assert verdict.findings[-1].text.startswith(one.text)
+            assert verdict.findings[-1].text.startswith(text)

@@ -13,7 +13,7 @@ import psutil
 import pytest
 from programs import TANK, need_sandbox_here, until
 
-from tutorial.checks._listing import listing
+from tutorial.checks.exercise import listing
 from tutorial.checks.publish import publish
 from tutorial.commands.checking import submission
 from tutorial.paths import HOME

@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 from itertools import pairwise, starmap
 
-from tutorial.checks._listing import listing
 from tutorial.checks.catalogue import exercises
+from tutorial.checks.exercise import listing
 
 EXERCISES = {each.name: each for those in exercises().values() for each in those}
 

@@ -17,9 +17,8 @@ from functools import cache
 from itertools import takewhile
 from typing import Any
 
-from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Verdict
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Exercise, listing
 
 ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)
 COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)

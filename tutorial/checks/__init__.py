@@ -13,14 +13,14 @@ time: whatever it does, the learner's own programs go on undisturbed.
 The modules that all exercises share, one at a time:
 
 - `exercise`, `catalogue`: an exercise as the learner meets it, and the list of all.
-- `_answer`, `_listing`: whether something was written that can be run; the solution's source, as a notebook has it.
+- `_answer`: whether something was written that can be run.
 - `_contain`, `_child`: the process that judges an answer, from outside and from inside.
-- `_watch`, `_instrument`: which of the learner's methods runs, what it raises, and how it uses time and threads.
+- `_watch`: which of the learner's methods runs, what it raises, and how it uses time and threads.
 - `_verdict`, `_diagnose`: what was found, and how it is said; what most likely led to an exception.
 - `_mistakes`: known mistakes, as edits of the solution.
 - `_cases`, `_requirements`: what an answer is tried in, and which mistake explains what is observed; `_publishing`:
   what is tried of all controllers that publish at a rate.
-- `_rig`, `_viewer`: what a simulated or a displayed body's controller is tried on. `_memory_node`, `_clock`: its node
-  and its event loop. `_node`: rclpy's own node, for one last case.
+- `_rig`, `_viewer`: what a simulated or a displayed body's controller is tried on. `_clock`: its event loop. `_node`:
+  its node, in memory, or rclpy's own for one last case.
 - `_interleave`, `_shared`: two threads in every order, and what objects share that should not.
 """

@@ -10,11 +10,11 @@ from functools import partial
 from types import EllipsisType
 from typing import Any
 
-from tutorial.checks._diagnose import NO_ARGUMENTS
-from tutorial.checks._verdict import Finding, wrong
+from tutorial.checks._diagnose import NO_ARGUMENTS, Misuse
+from tutorial.checks._watch import Failure
 from tutorial.controller import SimpleController
 
-__all__ = ["is_empty", "misfit", "missing", "name_of", "unwritten"]
+__all__ = ["check_has", "has", "is_empty", "misfit", "name_of", "unwritten"]
 
 _EMPTY = {
     *("RESUME", "NOP", "CACHE", "LOAD_CONST", "POP_TOP", "RETURN_VALUE", "RETURN_CONST", "PUSH_NULL"),
@@ -36,8 +36,6 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
         The mend as a sentence, empty when the kind is right.
     """
     mend = f"Give the {'function' if base is None else 'class'} itself: {call}({name})."
-    if isinstance(answer, str):
-        return f"A text was given, {answer[:40]!r}. {mend}"
     if isinstance(answer, type) != (base is not None) or not callable(answer):
         return f"{_called(answer)} was given. {mend}"
     if base is not None and not issubclass(answer, base):
@@ -64,7 +62,7 @@ def unwritten(answer: Any, parts: Iterable[str]) -> bool:
     if not isinstance(answer, type):
         return is_empty(answer if hasattr(answer, "__code__") else type(answer).__call__)
     own = [name for name in vars(answer) if not name.startswith("__")]
-    found = (inspect.getattr_static(answer, name) for name in (*parts, *own) if _has(answer, name))
+    found = (inspect.getattr_static(answer, name) for name in (*parts, *own) if has(answer, name))
     return all(is_empty(each) for each in found if inspect.isfunction(each))
 
 
@@ -74,19 +72,31 @@ def name_of(answer: Any) -> str:
     return str(getattr(inner, "__name__", type(inner).__name__))
 
 
-def missing(answer: type, *parts: str) -> Finding | None:
-    """Find the first method that is not there, or empty, although it has to be written."""
-    for part in parts:
-        if not _has(answer, part):
-            return wrong(f"{answer.__name__} has no method {part}", _mend(answer, part))
-        if is_empty(inspect.getattr_static(answer, part)):
-            return wrong(f"{part} is still empty", f"Write the method {part}.")
-    return None
-
-
-def _has(answer: type, name: str) -> bool:
+def has(answer: type, name: str) -> bool:
     """Whether a class has a method of its own, or from a class that is not the common base."""
     return any(name in vars(each) for each in answer.__mro__ if each is not SimpleController)
+
+
+def check_has(answer: type, *methods: str, misspelled: bool = False) -> None:
+    """Look whether methods are there that have to be written.
+
+    Args:
+        answer: the learner's class.
+        methods: their names.
+        misspelled: whether they may be missing, but not misspelled.
+
+    Raises:
+        Failure: one is missing, or empty.
+    """
+    for method in methods:
+        if not has(answer, method):
+            text, cause = f"{answer.__name__} has no such method", _mend(answer, method)
+        elif is_empty(inspect.getattr_static(answer, method)):
+            text, cause = "it is still empty", f"Write the method {method}."
+        else:
+            continue
+        if "misspelled" in cause or not misspelled:
+            raise Failure(method, Misuse(text, cause))
 
 
 def _mend(answer: type, part: str) -> str:

@@ -19,15 +19,14 @@ import sys
 import threading
 from collections import Counter
 from traceback import walk_stack
-from typing import Any, BinaryIO, NoReturn
+from typing import BinaryIO, NoReturn
 
 import msgspec
 
-from tutorial.checks._contain import DONE, Job
+from tutorial.checks._contain import DONE
 from tutorial.checks._diagnose import endless
-from tutorial.checks._instrument import instrumented
 from tutorial.checks._verdict import Finding, wrong
-from tutorial.checks._watch import watch
+from tutorial.checks._watch import instrumented, watch
 
 LOOK = 0.1  # [s] between two looks of the watchdog
 PATIENCE = 15  # looks that a single call may take; it should take none
@@ -35,39 +34,32 @@ BUDGET = 25  # looks that all calls of one method may take together
 HALT = 5.0  # [s] without a look, after which the watchdog itself is held up
 
 _exit = os._exit
-_writing = threading.Lock()
 _CLINGS = "Most likely it uses an object of the notebook: let it take what it needs from config, io or its arguments."
 
 
 def main() -> NoReturn:
     """Judge the answer, and end the process."""
-    report = os.dup(1)
+    report = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     parent = open(os.dup(0), "rb")  # noqa: SIM115, PTH123 - it stays open to the end
-    job = msgspec.json.decode(parent.readline(), type=Job)
+    module, name, sys.path[:], answer = pickle.load(parent)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     faulthandler.enable(report)
-    sys.path[:] = job.path
     os._exit = sys.exit  # type: ignore[assignment] # which raises, and so is told with its place
     threading.Thread(target=_watchdog, args=(report, parent), name="watchdog", daemon=True).start()
     with instrumented():  # before the answer is there, for it may have its own name for time.sleep
-        _judge(job, report)
+        exercise = getattr(importlib.import_module(module), name)
+        try:
+            findings = exercise.findings(pickle.loads(answer))
+        except Exception as error:  # noqa: BLE001 - unpickling runs the learner's code
+            text = f"the answer cannot be run in a process of its own: {type(error).__name__}: {error}"
+            findings = [wrong(text, _CLINGS)]
+        for finding in findings:
+            _tell(report, finding)
     _end(report)
 
 
-def _judge(job: Job, report: int) -> None:
-    exercise = getattr(importlib.import_module(job.module), job.name)
-    try:
-        answer: Any = pickle.loads(job.answer)
-    except Exception as error:  # noqa: BLE001 - unpickling runs the learner's code
-        text = f"the answer cannot be run in a process of its own: {type(error).__name__}: {error}"
-        _find(report, wrong(text, _CLINGS))
-        return
-    for finding in exercise.findings(answer):
-        _find(report, finding)
-
-
-def _watchdog(report: int, parent: BinaryIO) -> None:
+def _watchdog(report: BinaryIO, parent: BinaryIO) -> None:
     """Look whether who has asked still lives, and whether a method of the learner's does not return."""
     looks: Counter[tuple[str, int]] = Counter()
     sums: Counter[str] = Counter()
@@ -83,27 +75,26 @@ def _watchdog(report: int, parent: BinaryIO) -> None:
     os.killpg(0, signal.SIGKILL)
 
 
-def _give_up(report: int, ident: int, method: str, stuck: bool) -> NoReturn:
+def _give_up(report: BinaryIO, ident: int, method: str, stuck: bool) -> NoReturn:
     """Say which method does not return, and where it is; then end the process."""
     text = f"{method} does not return" if stuck else f"{method} takes too long, at every call"
-    _find(report, wrong(text, endless(method), watch.place(walk_stack(sys._current_frames().get(ident)))))
+    _tell(report, wrong(text, endless(method), watch.place(walk_stack(sys._current_frames().get(ident)))))
     _end(report)
 
 
-def _end(report: int) -> NoReturn:
-    _send(report, DONE)
+def _end(report: BinaryIO) -> NoReturn:
+    _write(report, DONE)
     _exit(0)
 
 
-def _find(report: int, finding: Finding) -> None:
-    _send(report, msgspec.json.encode(finding) + b"\n")
+def _tell(report: BinaryIO, finding: Finding) -> None:
+    _write(report, msgspec.json.encode(finding) + b"\n")
 
 
-def _send(report: int, line: bytes) -> None:
-    """Write a line; the watchdog and the code that is judged do it on different threads."""
-    with _writing:
-        while line:  # a signal may come in between
-            line = line[os.write(report, line) :]
+def _write(report: BinaryIO, line: bytes) -> None:
+    """Write a line; the watchdog and the code that is judged do it on different threads, and none splits another's."""
+    report.write(line)
+    report.flush()
 
 
 if __name__ == "__main__":

@@ -15,8 +15,8 @@ from tutorial.checks._watch import watch
 __all__ = ["ClockedLoop"]
 
 BEGAN = 1024.0  # [s] on the clock; with times of powers of two every sum is exact
-TURNS = 10  # of the loop after a timer: what it calls, and what that calls
-MOST = 10_000  # turns in one `advance`; who asks for another at once, for ever, finds that time has passed
+TURN = 2.0**-17  # [s] that a turn of the loop takes: time passes also for what asks for another turn for ever
+TURNS = 20  # of the loop after a timer: what it calls, and what that calls
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # as asyncio says it
 AT_ONCE = "Most likely the parentheses call it at once: give call_later the function itself, self.land."
@@ -31,8 +31,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
     """
 
     def __init__(self) -> None:
-        self._now = self._end = BEGAN
-        self._turns, self._timers = 0, list[asyncio.TimerHandle]()
+        self._now, self._timers = BEGAN, list[asyncio.TimerHandle]()
         self.wrap: Callable[[Callable[..., object]], Callable[..., object]] = lambda function: function
         self.posted, self._thread = 0, threading.get_ident()
         super().__init__(_Selector(self._wait))
@@ -70,7 +69,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         """Close it; tasks that still wait are cancelled before."""
         for task in asyncio.all_tasks(self):
             task.cancel()
-        self._turn()
+        self.advance()
         super().close()
 
     @property
@@ -79,20 +78,20 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         return [timer for timer in self._timers if not timer.cancelled() and timer.when() > self._now]
 
     def advance(self, seconds: float = 0.0) -> None:
-        """Let time pass [s], and run what is due, the earliest first."""
-        self._turns, self._end, due = 0, self._now + seconds, self.create_future()
-        super().call_at(self._end, due.set_result, None)
-        self.run_until_complete(due)
-        self._turn()
+        """Let time pass [s], and run what is due, the earliest first, and what is posted meanwhile."""
+
+        async def pass_time() -> None:
+            await asyncio.sleep(seconds)
+            for _ in range(TURNS):
+                await asyncio.sleep(0)
+
+        self.run_until_complete(pass_time())
 
     def _wait(self, seconds: float) -> None:
         """Let time pass in place of waiting."""
-        self._turns += 1
-        passed = self._end - self._now if self._turns > MOST else seconds
-        clocks = watch.clocks or {}
-        for name in clocks:
-            clocks[name] += passed * (1_000_000_000 if name.endswith("_ns") else 1)
+        passed = max(seconds, TURN)
         self._now += passed
+        watch.ahead += passed
 
     def _check(self) -> None:
         """Refuse other threads, as asyncio does where it debugs; else a call of theirs may never run."""
@@ -104,13 +103,6 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         if error is not None:
             self.call_exception_handler({"message": "a task has failed", "exception": error})
 
-    def _turn(self) -> None:
-        async def turns() -> None:
-            for _ in range(TURNS):
-                await asyncio.sleep(0)
-
-        self.run_until_complete(turns())
-
 
 class _Selector(DefaultSelector):
     """Waits as it is told to, rather than for something to happen."""
@@ -120,5 +112,5 @@ class _Selector(DefaultSelector):
         self._wait = wait
 
     def select(self, timeout: float | None = None) -> Any:
-        self._wait(max(timeout or 0.0, 0.0))
+        self._wait(timeout or 0.0)
         return super().select(0)

@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import io
 import os
+import pickle
 import re
 import signal
 import sys
-import threading
 from asyncio.subprocess import PIPE, Process
-from collections import ChainMap
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-import cloudpickle  # type: ignore[import-untyped, unused-ignore]
 import msgspec
 
-from tutorial.checks._shared import outside
+from tutorial.checks._shared import outside, pickled
 from tutorial.checks._verdict import Finding, Place, wrong
 from tutorial.checks._watch import files_of
 from tutorial.paths import PACKAGE
 from tutorial.ros.domains import reserved_domain
 
-__all__ = ["DONE", "Job", "contain"]
+__all__ = ["DONE", "contain"]
 
 DONE = b"done\n"
 LIMIT = 120.0  # [s] of a whole check, whose watchdog ends what takes long far earlier
@@ -32,33 +29,6 @@ OUTPUT_KEPT = 20_000  # bytes
 REST = 1.0  # [s] in which what was printed is read to its end, if something that was started still has the pipe
 CLINGS = "The answer is run in a process of its own: let it take what it needs from config, io or its arguments."
 _FRAME = re.compile(r'File "(.+)", line (\d+) in (\S+)')
-
-
-class Job(msgspec.Struct):
-    """What the process is to do.
-
-    Attributes:
-        module, name: where the exercise is.
-        path: where modules are looked for.
-        answer: the answer, pickled by value.
-    """
-
-    module: str
-    name: str
-    path: list[str]
-    answer: bytes
-
-
-class _Pickler(cloudpickle.Pickler):  # type: ignore[misc, unused-ignore]
-    """Takes locks along, too: at the other end they are new, and free."""
-
-    dispatch_table = ChainMap(
-        {
-            type(threading.Lock()): lambda _: (threading.Lock, ()),
-            type(threading.RLock()): lambda _: (threading.RLock, ()),
-        },
-        cloudpickle.Pickler.dispatch_table,
-    )
 
 
 async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, ...], tuple[str, ...]]:
@@ -75,18 +45,17 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
     Raises:
         TutorialError: no ROS domain is free.
     """
+    path = [os.path.abspath(entry) for entry in sys.path]  # noqa: PTH100
     try:
-        pickled = _pickled(answer)
+        job = pickle.dumps((module, name, path, pickled(answer)))
     except Exception as error:  # noqa: BLE001 - pickling runs code of all kinds of objects
         return (_clinging(answer, error),), ()
-    path = [os.path.abspath(entry) for entry in sys.path]  # noqa: PTH100
-    job = Job(module, name, path, pickled)
     with reserved_domain(avoid=os.environ.get("ROS_DOMAIN_ID")) as domain:
         told, output, status = await _run(job, domain)
     return _findings(told, files_of(answer), status), tuple(output.decode(errors="replace").splitlines())
 
 
-async def _run(job: Job, domain: int) -> tuple[list[bytes], bytearray, int | None]:
+async def _run(job: bytes, domain: int) -> tuple[list[bytes], bytearray, int | None]:
     """Run the process to its end. Returns the lines that it has told, what was printed, and the exit status."""
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     kept = {name: value for name, value in os.environ.items() if name != "ROS_STATIC_PEERS"}
@@ -97,7 +66,7 @@ async def _run(job: Job, domain: int) -> tuple[list[bytes], bytearray, int | Non
     told, output = list[bytes](), bytearray()
     printing = asyncio.create_task(_keep(process.stderr, output))
     try:
-        process.stdin.write(msgspec.json.encode(job) + b"\n")
+        process.stdin.write(job)
         async with asyncio.timeout(LIMIT):
             async for line in process.stdout:
                 told.append(line)
@@ -164,22 +133,10 @@ def _bad_end(trace: str, files: Collection[str], status: int) -> Finding:
 def _clinging(answer: Any, error: Exception) -> Finding:
     """Say which name refers to something that cannot leave the notebook's process."""
     for name, value in outside(answer):
-        if value is not answer and not _is_portable(value):
+        try:
+            pickled(None if value is answer else value)
+        except Exception:  # noqa: BLE001 - pickling runs code of all kinds of objects
             own, kind = name.rpartition(".")[2], type(value).__name__
             text = f"{answer.__name__} uses {own}, an object of the class {kind}, that belongs to the notebook"
             return wrong(text, CLINGS)
     return wrong(f"the answer cannot be run in a process of its own: {error}", CLINGS)
-
-
-def _pickled(value: Any) -> bytes:
-    with io.BytesIO() as file:
-        _Pickler(file).dump(value)
-        return file.getvalue()
-
-
-def _is_portable(value: Any) -> bool:
-    try:
-        _pickled(value)
-    except Exception:  # noqa: BLE001 - pickling runs code of all kinds of objects
-        return False
-    return True

@@ -1,20 +1,164 @@
-"""One case of an exercise on real DDS: the learner's controller on rclpy's own node, with its thread."""
+"""The learner's node: one in memory, as much of rclpy's as a controller uses, and rclpy's own for one last case."""
 
 from __future__ import annotations
 
+import inspect
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
+from rclpy.clock import Clock
+from rclpy.expand_topic_name import expand_topic_name
+from rclpy.logging import get_logger
 from rclpy.node import Node
 
+from tutorial.checks._diagnose import AT_ONCE, Misuse, lacks_self, no_self
+from tutorial.checks._watch import Failure
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import SpinThread
 
-__all__ = ["ros_node", "send", "wait"]
+__all__ = ["Endpoint", "MemoryNode", "ros_node", "send", "wait"]
 
 PATIENCE = 10.0  # [s]; only what never comes takes so long
+
+IN_STOP = "Most likely stop destroys what configure has made, and a restart finds none: do so in unconfigure."
+THE_NODE = "config.node belongs to the whole program: unconfigure destroys only the {0}, {1}."
+TOO_MANY = "Most likely one is made at every start, or by super().configure(config), too: make one {0}, in configure."
+LEFT = "Most likely unconfigure lacks {1}: a flag, None or self.{0}.destroy() does not tell the node."
+
+
+class Endpoint:
+    """A publisher or a subscription of a `MemoryNode`.
+
+    Attributes:
+        kind: the class of its messages.
+        topic_name: the topic's full name.
+        callback: a subscription's; None for a publisher.
+        depth: how many messages a subscription keeps while its thread is busy.
+        destroyed: whether the learner has destroyed it.
+    """
+
+    def __init__(self, node: MemoryNode, kind: type, topic: str, qos: Any, callback: Any = None) -> None:
+        self.topic_name = expand_topic_name(topic, "tank", node.namespace)
+        self.kind, self.callback, self.destroyed = kind, callback, False
+        self.depth = getattr(qos, "depth", qos)
+        self._node = node
+
+    def publish(self, message: Any) -> None:
+        """Keep a message, as the node is told to."""
+        if self.destroyed:
+            raise Misuse(f"it publishes on {self.topic_name} with a publisher that is destroyed", IN_STOP)
+        if not isinstance(message, self.kind):
+            raise TypeError(f"Expected {self.kind}, got {type(message)}")
+        self._node.publish(self, message)
+
+    def destroy(self) -> None:
+        """Take it back; the node is not told."""
+        self.destroyed = True
+
+    def get_subscription_count(self) -> int:
+        """Say that somebody is there."""
+        return 1
+
+    get_publisher_count = get_subscription_count
+
+
+class MemoryNode:
+    """As much of rclpy's node as a controller uses. No message leaves it.
+
+    Args:
+        publish: takes a publisher and what it publishes.
+        namespace: of its topics.
+
+    Attributes:
+        get_clock, get_logger, get_name, get_namespace: as rclpy's.
+        made: the publishers and subscriptions that were ever made.
+        kept: those that it has; also one that was destroyed without telling it.
+        timers: what `create_timer` was given; none of them ever fires.
+        destroyed: whether the learner has destroyed the node itself.
+    """
+
+    def __init__(self, publish: Callable[[Endpoint, Any], object] = lambda *_: None, namespace: str = "/") -> None:
+        self.publish, self.namespace, self.destroyed = publish, namespace, False
+        self.made, self.kept, self.timers = list[Endpoint](), list[Endpoint](), list[tuple[Any, ...]]()
+        self.get_clock, self.get_logger = Clock, partial(get_logger, "tank")
+        self.get_name, self.get_namespace = (lambda: "tank"), (lambda: namespace)
+
+    def create_publisher(self, msg_type: type, topic: str, qos_profile: Any, **_: Any) -> Endpoint:
+        """Make a publisher."""
+        return self._keep(Endpoint(self, msg_type, topic, qos_profile))
+
+    def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any, **_: Any) -> Endpoint:
+        """Make a subscription."""
+        check_callback(callback, msg_type)
+        return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback))
+
+    def create_timer(self, *arguments: Any) -> None:
+        """Note that a timer was asked for."""
+        self.timers.append(arguments)
+
+    def destroy_publisher(self, endpoint: Endpoint) -> bool:
+        """Take a publisher or a subscription back; whether there was one."""
+        if endpoint not in self.kept:
+            return False
+        self.kept.remove(endpoint)
+        endpoint.destroy()
+        return True
+
+    destroy_subscription = destroy_publisher
+
+    @property
+    def subscriptions(self) -> list[Endpoint]:
+        """The subscriptions that it has."""
+        return [each for each in self.kept if each.callback]
+
+    def listeners(self, message: Any) -> list[Any]:
+        """Return the callbacks of whatever subscribes to a message's kind."""
+        return [each.callback for each in self.subscriptions if each.kind is type(message)]
+
+    def check_left(self) -> str:
+        """Say that the learner has left nothing behind.
+
+        Raises:
+            Failure: something is left.
+        """
+        if not self.kept and not self.destroyed:
+            return "nothing is left"
+        alone = " and was not told of its end" * any(each.destroyed for each in self.kept)
+        left = f"the node still has {len(self.kept)} of {len(self.made)} topics{alone}"
+        cause = TOO_MANY if len(self.kept) < len(self.made) else LEFT
+        if self.destroyed:
+            left, cause = "the program's node is gone", THE_NODE
+        kind = "subscription" if self.subscriptions else "publisher"
+        raise Failure("unconfigure", Misuse(left, cause.format(kind, f"self.node.destroy_{kind}(self.{kind})")))
+
+    def destroy_node(self) -> None:
+        """Note that the whole node was destroyed."""
+        self.destroyed = True
+
+    def _keep(self, endpoint: Endpoint) -> Endpoint:
+        self.made.append(endpoint)
+        self.kept.append(endpoint)
+        return endpoint
+
+
+def check_callback(callback: Any, message_type: type) -> None:
+    """Refuse a callback that cannot work, in the learner's words.
+
+    Raises:
+        Misuse: it is not a function, or one that cannot take a message.
+    """
+    name = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in message_type.__name__)
+    if not callable(callback):
+        text = f"create_subscription is given {callback!r} in place of a function"
+        raise Misuse(text, AT_ONCE.format(f"on{name}"))
+    if inspect.iscoroutinefunction(callback):
+        text = f"{callback.__name__} is a coroutine function, async def, and nobody awaits it"
+        raise Misuse(text, "A callback is a plain function: it puts the message away, or posts a call, and returns.")
+    if inspect.ismethod(callback) and lacks_self(callback.__func__):
+        raise Misuse(f"{callback.__name__} cannot take a message", no_self(callback.__func__))
 
 
 @contextmanager

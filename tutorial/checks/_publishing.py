@@ -205,7 +205,7 @@ class Publishing:
 
             wait(arrives, "no message arrives")
             rig.stop()
-            rig.learner.unconfigure()
+            rig.do("unconfigure")
         return "its messages arrive"
 
 

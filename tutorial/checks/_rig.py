@@ -15,43 +15,21 @@ from builtin_interfaces.msg import Time
 from rclpy.expand_topic_name import expand_topic_name
 
 from tutorial.body import Body
-from tutorial.checks._answer import missing
+from tutorial.checks._answer import check_has, has
 from tutorial.checks._cases import call
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._memory_node import Endpoint, MemoryNode
+from tutorial.checks._node import Endpoint, MemoryNode
 from tutorial.checks._watch import Failure, watch
-from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+from tutorial.controller import ControllerConfig, ControllerIO
 from tutorial.paths import HOME
 from tutorial.world import Placement, compose
 
-__all__ = ["APART", "MODELS", "MemoryNode", "Rig", "Sent", "Watched", "check_has"]
+__all__ = ["APART", "Rig", "Sent", "model_of"]
 
 MODELS = HOME / "project" / "models"
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 
 APART = "Most likely a timer or a thread publishes, by the wall clock: publish in control, and count steps, io.step."
-
-
-class Watched:
-    """The learner's controller, each call of which is watched.
-
-    Args:
-        controller_class: the learner's class.
-
-    Attributes:
-        inner: the learner's controller.
-    """
-
-    def __init__(self, controller_class: type[SimpleController]) -> None:
-        with watch.call("__init__"):
-            self.inner = controller_class()
-
-    def __getattr__(self, method: str) -> Callable[..., None]:
-        def call(*arguments: Any) -> None:
-            with watch.call(method):
-                getattr(self.inner, method)(*arguments)
-
-        return call
 
 
 @dataclass(frozen=True)
@@ -85,7 +63,8 @@ class Rig:
         node: a real one; None for one in memory.
 
     Attributes:
-        io: what the controller is given; it knows the step.
+        learner: the learner's controller.
+        io: what it is given; it knows the step.
         displayed, body: the displayed body, and the simulated one.
         node: the learner's.
         sent: what was published.
@@ -114,16 +93,22 @@ class Rig:
         self.node = node or cast("Any", MemoryNode(self._publish, namespace))
         self._answer = answer
         self._thread, self._threads = threading.current_thread(), set(threading.enumerate())
-        self.learner = Watched(answer)
-        self.learner.configure(ControllerConfig(self.displayed, self.node, _drop, _drop))
+        with watch.call("__init__"):
+            self.learner = answer()
+        self.do("configure", ControllerConfig(self.displayed, self.node, _drop, _drop))
+
+    def do(self, method: str, *arguments: Any) -> None:
+        """Call one of the learner's methods."""
+        with watch.call(method):
+            getattr(self.learner, method)(*arguments)
 
     def start(self, step: int = 0) -> None:
         """Begin to simulate, at a step; also again, after `stop`."""
         self.begun = self.io.step = step
-        self.learner.initialize(self.io)
+        self.do("initialize", self.io)
         if [*self.node.timers]:
             raise Failure("configure", Misuse("it makes a timer", APART))
-        if "thread" in watch.noted and missing(self._answer, "control"):
+        if "thread" in watch.noted and not has(self._answer, "control"):
             raise Failure("initialize", Misuse("it starts a thread of its own", APART), watch.noted["thread"])
         check_has(self._answer, "control")
 
@@ -131,26 +116,25 @@ class Rig:
         """Simulate some steps."""
         for _ in range(steps):
             self.before()
-            self.learner.control()
+            self.do("control")
             self.after()
             self.io.step += 1
 
     def hear(self, message: Any) -> None:
         """Bring a message to whatever subscribes to its kind."""
-        for each in self.node.subscriptions:
-            if each.kind is type(message):
-                call(each.callback, message)
+        for callback in self.node.listeners(message):
+            call(callback, message)
 
     def on(self, kind: type, topic: str) -> str:
         """Say on which topic messages of this kind are sent or heard: on this one, where it is among them."""
-        made = [each.topic for each in self.node.made if each.kind is kind]
+        made = [each.topic_name for each in self.node.made if each.kind is kind]
         wanted = expand_topic_name(topic, "tank", self.node.namespace)
         return f"{kind.__name__} on {wanted if wanted in made else ', '.join(made) or 'no topic'}"
 
     def stop(self) -> None:
         """Simulate no more; wait for what threads of the learner's still publish."""
         self.has_threads = bool(set(threading.enumerate()) - self._threads)
-        self.learner.stop()
+        self.do("stop")
         before = -1
         while len(self.sent) > before and set(threading.enumerate()) - self._threads:
             before = len(self.sent)
@@ -159,7 +143,7 @@ class Rig:
     def leave(self) -> str:
         """Have the controller leave its body, and say that it has left nothing behind."""
         check_has(self._answer, "unconfigure", misspelled=True)
-        self.learner.unconfigure()
+        self.do("unconfigure")
         return str(self.node.check_left())
 
     def _publish(self, publisher: Endpoint, message: Any) -> None:
@@ -167,34 +151,24 @@ class Rig:
         stamp_ns, step = stamp.sec * 1_000_000_000 + stamp.nanosec, self.io.step
         if threading.current_thread() is not self._thread:
             step = round(stamp_ns / 1e9 / self.io.time_step)
-        self.sent.append(Sent(publisher.topic, step, stamp_ns, deepcopy(message)))
+        self.sent.append(Sent(publisher.topic_name, step, stamp_ns, deepcopy(message)))
 
 
-def check_has(answer: type, method: str, misspelled: bool = False) -> None:
-    """Look whether a method is there.
-
-    Args:
-        answer: the learner's class.
-        method: its name.
-        misspelled: whether it may be missing, but not misspelled.
-
-    Raises:
-        Failure: it is not.
-    """
-    lacking = missing(answer, method)
-    if lacking and ("misspelled" in lacking.cause or not misspelled):
-        raise Failure(method, Misuse(lacking.text, lacking.cause))
+@cache
+def model_of(model: str, name: str) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Make a body's model, and a state of it to compute with."""
+    if model.startswith("<"):
+        made = mujoco.MjModel.from_xml_string(model)
+    else:
+        made = compose([Placement(name, MODELS / f"{model}.xml")])
+    return made, mujoco.MjData(made)
 
 
 @cache
 def _bodies(model: str, name: str) -> tuple[Body, Body]:
     """Make a displayed body and a simulated one."""
-    if model.startswith("<"):
-        made = mujoco.MjModel.from_xml_string(model)
-        return Body(name, made, mujoco.MjData(made)), Body(name, made, mujoco.MjData(made))
-    placement = Placement(name, MODELS / f"{model}.xml")
-    composed = compose([placement])
-    return Body.displayed(placement), Body(name, composed, mujoco.MjData(composed))
+    made, _ = model_of(model, name)
+    return Body(name, made, mujoco.MjData(made)), Body(name, made, mujoco.MjData(made))
 
 
 def _drop(*_: object) -> None:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import inspect
-from collections import deque
-from collections.abc import Iterator, Mapping
+import io
+import threading
+from collections.abc import Iterator
 from types import CodeType, FunctionType
 from typing import Any
 
+import cloudpickle  # type: ignore[import-untyped, unused-ignore]
+
 from tutorial.checks._watch import classes_of, functions_of
-from tutorial.handoff import Latest
 
-__all__ = ["SharedState", "outside"]
+__all__ = ["SharedState", "outside", "pickled"]
 
-DEEP = 4  # levels of containers and objects that are looked into
-
-_PLAIN = (bool, int, float, complex, str, bytes, type(None))
+_LOCKS = {type(make()): lambda _, make=make: (make, ()) for make in (threading.Lock, threading.RLock)}
 _NEW = object()
 _DEFAULT = "the default of the argument "
 
@@ -49,7 +49,7 @@ class SharedState:
 
     def _now(self) -> dict[str, object]:
         """Return what can be compared of what is outside of the answer's objects."""
-        return {name: _comparable(value) for name, value in outside(self._answer) if not _is_code(value)}
+        return {name: _state(value) for name, value in outside(self._answer) if not _is_code(value)}
 
 
 def outside(answer: Any) -> Iterator[tuple[str, Any]]:
@@ -76,17 +76,20 @@ def _is_code(value: Any) -> bool:
     return isinstance(value, type | property) or inspect.isroutine(value) or inspect.ismodule(value)
 
 
-def _comparable(value: Any, depth: int = DEEP) -> object:
+class _Pickler(cloudpickle.Pickler):  # type: ignore[misc, unused-ignore]
+    dispatch_table = cloudpickle.Pickler.dispatch_table.new_child(_LOCKS)
+
+
+def pickled(value: Any) -> bytes:
+    """Pickle a value with all that it is made of. Locks are taken along: at the other end they are new, and free."""
+    with io.BytesIO() as file:
+        _Pickler(file).dump(value)
+        return file.getvalue()
+
+
+def _state(value: Any) -> object:
     """Return something that is equal as long as the value has not changed."""
-    if isinstance(value, _PLAIN):
-        return repr(value)  # two NaNs are not equal
-    if depth == 0:
+    try:
+        return pickled(value)
+    except Exception:  # noqa: BLE001 - pickling runs code of all kinds of objects
         return id(value)
-    if isinstance(value, Latest):
-        return _comparable(value.get(), depth - 1)
-    if isinstance(value, Mapping):
-        return [(repr(key), _comparable(each, depth - 1)) for key, each in list(value.items())]
-    if isinstance(value, (list, tuple, deque)):
-        return [_comparable(each, depth - 1) for each in list(value)]
-    inside = getattr(value, "__dict__", {})
-    return (id(value), [(name, _comparable(each, depth - 1)) for name, each in list(inside.items())])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import linecache
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 __all__ = ["Finding", "Place", "Verdict", "cut", "right", "wrong"]
@@ -87,7 +87,13 @@ class Verdict:
         return tuple(dict.fromkeys(finding.cause for finding in self.findings if not finding.right))
 
     def __str__(self) -> str:
-        lines = [line for finding in _without_repetition(self.findings) for line in finding.lines()]
+        lines, untold = list[str](), [*self.causes[:WRONG_SHOWN]]
+        for finding in self.findings:
+            if finding.right:
+                lines += finding.lines()
+            elif finding.cause in untold:
+                untold.remove(finding.cause)
+                lines += finding.lines()
         if self.right:
             lines.append(f"All right. {self.notice}")
         elif len(self.causes) > WRONG_SHOWN:
@@ -112,17 +118,6 @@ def right(text: str) -> Finding:
 def wrong(text: str, cause: str, place: Place | None = None) -> Finding:
     """Make the finding that something is not as it should be."""
     return Finding(False, cut(text), cause, place)
-
-
-def _without_repetition(findings: Iterable[Finding]) -> Iterator[Finding]:
-    """Leave out what has a cause that was named already, and what is too much at once."""
-    causes: set[str] = set()
-    for finding in findings:
-        if finding.right:
-            yield finding
-        elif finding.cause not in causes and len(causes) < WRONG_SHOWN:
-            causes.add(finding.cause)
-            yield finding
 
 
 def _quoted(output: tuple[str, ...]) -> Iterator[str]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import inspect
 import sys
 import threading
 from collections.abc import Callable, Hashable, Mapping
-from functools import cache, partial
+from contextlib import closing
+from functools import partial
 from numbers import Real
 from typing import Any, Self, cast
 
@@ -15,28 +15,20 @@ import mujoco
 import numpy as np
 
 from tutorial.body import Body
-from tutorial.checks._answer import name_of
+from tutorial.checks._answer import check_has, name_of
 from tutorial.checks._clock import ClockedLoop
 from tutorial.checks._diagnose import Misuse, lacks_self, no_self, slept
-from tutorial.checks._node import ros_node, send
-from tutorial.checks._rig import MODELS, MemoryNode, Watched, check_has
+from tutorial.checks._node import MemoryNode
+from tutorial.checks._rig import model_of
 from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig
-from tutorial.errors import WrongThreadError
 from tutorial.handoff import CallQueue, ThreadGuard
-from tutorial.world import Placement, compose
 
-__all__ = ["LISTENS", "POSTS", "TOLD", "Attempt", "Viewer", "hands_over", "heard", "over_ros"]
+__all__ = ["Step", "Viewer", "hands_over", "heard", "side_by_side"]
 
-Attempt = Callable[[type], str]
 Step = Callable[[Any], str | None]
 
-TURNS = 1000  # of the loop; many more than there are calls in any check
-LOOKS = 100  # a hundredth of a second each, after which a callback that has not returned waits for something
-
-LISTENS = "on a body called Rover it listens to"
-POSTS = "the callback posts, and leaves the body alone"
-TOLD = "its links follow, observers are told"
+PATIENCE = 1.0  # [s], after which a callback that has not returned waits for something
 
 KEY = "call_latest takes a key first: self.call_latest(self.body.name, self.update, message)."
 SECONDS = "config.call_later takes no seconds: the loop's does, asyncio.get_running_loop().call_later(0.5, self.land)."
@@ -54,13 +46,10 @@ class _Guard(ThreadGuard):
     So a check sees what such code does next, for example that it posts what a method has returned.
     """
 
-    def check(self, action: str) -> None:
+    def check(self, _action: str) -> None:
         """Note whoever comes by on another thread."""
-        try:
-            super().check(action)
-        except WrongThreadError:
-            if not watch.interleaved:
-                watch.note("touch", sys._getframe())
+        if threading.get_ident() != self._ident and not watch.interleaved:
+            watch.note("touch", sys._getframe())
 
 
 class Viewer:
@@ -77,88 +66,58 @@ class Viewer:
         calls: the main thread's queue. Its length says how many calls wait.
         keys: those of what was posted with `call_latest`.
         shown: what observers of the body saw at each change: where it was, and whether the links were there.
-        while_drawn: what is called, once, while the body is being drawn.
 
     Raises:
         Failure: one of the learner's methods raised. So does every method.
     """
 
     def __init__(self, answer: type, model: str = "tank", name: str = "Rover", node: Any = None) -> None:
-        compiled = _model(model, name)
-        self._fresh = mujoco.MjData(compiled)
+        compiled, self._fresh = model_of(model, name)
         self.body = Body(name, compiled, mujoco.MjData(compiled), _Guard(f"the body {name!r}"))
         self.body.calc_forward_kinematics()
-        self.body.on_change(self._observe)
-        self.node = node or cast("Any", MemoryNode(lambda *_: None))
+        self.body.on_change(lambda _: self.shown.append((self.where(), self._links_follow())))
+        self.node = node or cast("Any", MemoryNode())
         self.loop = ClockedLoop()
         self.loop.wrap = lambda function: partial(self._run, function)
-        self.loop.set_exception_handler(lambda _, context: self._keep(_raise, context))
+        self.loop.set_exception_handler(self._failed)
         self.calls = CallQueue(self.loop)
         self.keys, self.shown = list[Hashable](), list[tuple[str, bool]]()
-        self.while_drawn: Callable[[], object] = lambda: None
         self._answer, self._scope, self._failures = answer, self.calls.scope(name), list[Failure]()
+        post: tuple[Any, Any] = self._later, self._latest
         try:
-            self.learner = Watched(answer)
-            post: tuple[Any, Any] = self._later, self._latest
-            self.within(self.learner.configure, ControllerConfig(self.body, self.node, *post))
+            with watch.call("__init__"):
+                self._learner = answer()
+            self.loop.call_soon(self._run, self._learner.configure, ControllerConfig(self.body, self.node, *post))
+            self.drain()
         except Failure:
-            self.loop.close()
+            self.close()
             raise
 
-    @classmethod
-    def tries(cls, *steps: Step) -> Attempt:
-        """Make an attempt of steps, functions of the viewer, each of which may say what is seen."""
-
-        def attempt(answer: type) -> str:
-            with cls(answer) as viewer:
-                return ", ".join(filter(None, [step(viewer) for step in steps]))
-
-        return attempt
-
-    def within(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Call a function as a cell of a notebook does: on the main thread, while its loop is running."""
-
-        async def call() -> None:
-            self._keep(function, *arguments)
-
-        self.loop.run_until_complete(call())
-        self._tell()
+    def another(self, model: str = "tank", name: str = "Rover") -> Self:
+        """Make another one for the same answer."""
+        return type(self)(self._answer, model, name)
 
     def receive(self, message: Any) -> None:
         """Have a message come, on a thread of its own, and wait until the callbacks have returned."""
-        thread = threading.Thread(target=self._keep, args=(self.call_back, message), daemon=True)
+        thread = threading.Thread(target=self.call_back, args=(message,), daemon=True)
         thread.start()
-        looks = 0
-        while thread.is_alive() and looks < LOOKS and "sleep" not in watch.noted:
-            thread.join(0.01)
-            looks += 1
+        thread.join(PATIENCE)
         if thread.is_alive():
-            name = name_of(self._callbacks(message)[-1])
+            name, _ = watch.running[thread.ident or 0]
             raise Failure(name, Misuse("it waits", slept(name)), watch.noted.pop("sleep", None))
         self._tell()
 
     def call_back(self, message: Any) -> None:
         """Have a message come on this thread."""
-        for callback in self._callbacks(message):
-            with watch.call(name_of(callback)):
-                callback(message)
+        for callback in self.node.listeners(message):
+            self._run(callback, message)
 
-    def drain(self) -> None:
-        """Run what was posted."""
-
-        async def turns() -> None:
-            for _ in range(TURNS):
-                await asyncio.sleep(0)
-                if not len(self.calls):
-                    break
-            await asyncio.sleep(0)
-
-        self.loop.run_until_complete(turns())
+    def drain(self, seconds: float = 0.0) -> None:
+        """Let time pass [s], and run what was posted."""
+        self.loop.advance(seconds)
         self._tell()
         if len(self.calls):
-            raise Failure(
-                "what is posted", Misuse("it posts another call whenever it runs, without end", ENDLESS), None
-            )
+            raise Failure("what is posted", Misuse("it posts another call whenever it runs, without end", ENDLESS))
 
     def leaves(self, *messages: Any) -> str:
         """Have the controller leave its body, and say where the body is then. What waits does not run any more.
@@ -173,9 +132,9 @@ class Viewer:
             for message in messages:
                 self.receive(message)
             self._scope.close()
-            self.learner.unconfigure()
+            self._run(self._learner.unconfigure)
 
-        self.within(leave)
+        self.loop.call_soon(leave)
         self.drain()
         return "a timer goes on" if self.loop.timers else self.where()
 
@@ -185,7 +144,11 @@ class Viewer:
 
     def listens(self) -> str:
         """Say what it listens to."""
-        return ", ".join(f"{each.topic} of {each.kind.__name__}" for each in self.node.subscriptions) or "nothing"
+        return ", ".join(each.topic_name for each in self.node.subscriptions) or "nothing"
+
+    def kinds(self) -> str:
+        """Say of what type the messages are."""
+        return ", ".join(each.kind.__name__ for each in self.node.subscriptions)
 
     def where(self) -> str:
         """Say where the joints are [rad or m]."""
@@ -196,39 +159,32 @@ class Viewer:
         told = f"observers are told{' too early' * (self.shown[-1] != (self.where(), True))}" if self.shown else ""
         return f"its links {'follow' if self._links_follow() else 'stay behind'}, {told or 'nobody is told'}"
 
+    def close(self) -> None:
+        """Drop what waits."""
+        self.calls.close()
+        self.loop.close()
+
     def _links_follow(self) -> bool:
         """Whether the links are where the joints' positions put them."""
-        data = self._fresh
-        data.qpos[:] = self.body.data.qpos
-        mujoco.mj_kinematics(self.body.model, data)
-        return bool(np.allclose(data.xquat, self.body.data.xquat) and np.allclose(data.xpos, self.body.data.xpos))
+        self._fresh.qpos[:] = self.body.data.qpos
+        mujoco.mj_kinematics(self.body.model, self._fresh)
+        return all(np.allclose(getattr(self._fresh, name), getattr(self.body.data, name)) for name in ("xpos", "xquat"))
 
     def _run(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Call a function of the learner's, as the main thread does, and keep the failure that it raises."""
-
-        def call() -> None:
+        """Call a function of the learner's, and keep the failure that it raises."""
+        try:
             with watch.call(name_of(function)):
                 made = function(*arguments)
                 if inspect.iscoroutine(made):
                     made.close()
                     raise Misuse("it is a coroutine function, async def, and nobody awaits it", COROUTINE)
-
-        self._keep(call)
-
-    def _keep(self, function: Callable[..., object], *arguments: Any) -> None:
-        """Call a function, and keep the failure that it raises."""
-        try:
-            function(*arguments)
         except Failure as failure:
             self._failures.append(failure)
 
-    def _callbacks(self, message: Any) -> list[Any]:
-        return [each.callback for each in self.node.subscriptions if each.kind is type(message)]
-
-    def _observe(self, _report: object) -> None:
-        self.shown.append((self.where(), self._links_follow()))
-        meanwhile, self.while_drawn = self.while_drawn, lambda: None
-        meanwhile()
+    def _failed(self, _loop: object, context: Mapping[str, Any]) -> None:
+        """Keep what asyncio says of something that runs on the loop."""
+        error = context.get("exception") or RuntimeError(context["message"])
+        self._failures.append(error if isinstance(error, Failure) else watch.failure("what runs on the loop", error))
 
     def _later(self, function: Any, *arguments: Any) -> None:
         _check_call(function, arguments)
@@ -248,15 +204,8 @@ class Viewer:
             if "touch" not in watch.noted or isinstance(failure.error, Misuse):
                 raise failure
         if "touch" in watch.noted:
-            name = name_of(self.node.subscriptions[-1].callback)
-            raise Failure(name, Misuse("the body is touched on another thread", TOUCHED), watch.noted["touch"])
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.calls.close()
-        self.loop.close()
+            touched = Misuse("the body is touched on another thread", TOUCHED)
+            raise Failure("the callback", touched, watch.noted["touch"])
 
 
 def heard(*messages: Any) -> Step:
@@ -270,32 +219,32 @@ def heard(*messages: Any) -> Step:
     return step
 
 
-def hands_over(least: int, *messages: Any) -> Step:
-    """Make a step: say whether the callback leaves the body alone, and posts at least so many of the messages."""
+def hands_over(*messages: Any) -> Step:
+    """Make a step: say how many messages the callback posts, and whether it leaves the body alone."""
 
     def step(viewer: Viewer) -> str:
+        before = viewer.loop.posted
         for message in messages:
             viewer.receive(message)
             if "thread" in watch.noted or viewer.node.timers:
-                where = watch.noted.get("thread")
-                raise Failure("the callback", Misuse("a timer or a thread goes on beside it", BESIDE), where)
+                beside = Misuse("a timer or a thread goes on beside it", BESIDE)
+                raise Failure("the callback", beside, watch.noted.get("thread"))
             viewer.drain()
-        posted = viewer.loop.posted
-        return POSTS if posted >= least else "some messages are not posted" if posted else "nothing is posted"
+        posted = viewer.loop.posted - before
+        return "none is posted" if not posted else "some are posted" if posted < len(messages) else "all are posted"
 
     return step
 
 
-def over_ros(viewers: type[Viewer], topic: str, message: Any) -> Attempt:
-    """Make an attempt with rclpy's own node: say where the body is after a message from another node."""
+def side_by_side(*steps: Step) -> Step:
+    """Make a step: a tank and the crane Lift do steps in turns."""
 
-    def attempt(answer: type) -> str:
-        with ros_node() as node, viewers(answer, node=node) as viewer:
-            send(node, topic, message, lambda: viewer.loop.posted)
-            viewer.drain()
-            return viewer.where()
+    def step(tank: Viewer) -> str:
+        with closing(tank.another("crane", "Lift")) as lift:
+            seen = [[each(viewer) for viewer in (tank, lift)] for each in steps]
+        return "; ".join(f"{one} and {other}" for one, other in seen if one)
 
-    return attempt
+    return step
 
 
 def _check_call(function: Any, arguments: tuple[Any, ...]) -> None:
@@ -312,16 +261,4 @@ def _check_call(function: Any, arguments: tuple[Any, ...]) -> None:
     except TypeError as error:
         inner = getattr(function, "__func__", None)
         cause = no_self(inner) if inner is not None and lacks_self(inner) else ARGUMENTS.format(name_of(function))
-        count = f"{len(arguments)} argument{'s' * (len(arguments) != 1)}"
-        raise Misuse(f"{name_of(function)} is posted with {count}, it cannot begin: {error}", cause) from error
-
-
-def _raise(context: Mapping[str, Any]) -> None:
-    """Raise what asyncio says of something that runs on the loop."""
-    with watch.call("what runs on the loop"):
-        raise context.get("exception") or RuntimeError(context["message"])
-
-
-@cache
-def _model(model: str, name: str) -> mujoco.MjModel:
-    return compose([Placement(name, MODELS / f"{model}.xml")])
+        raise Misuse(f"{name_of(function)} cannot begin with what is posted: {error}", cause) from error

@@ -1,11 +1,16 @@
-"""Whose turn it is: which of the learner's methods is running, on which thread, and what came of it."""
+"""Whose turn it is: which of the learner's methods runs, on which thread, how it uses time, and what came of it."""
 
 from __future__ import annotations
 
+import queue
+import sys
 import threading
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from functools import partial
+import time
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import _base as futures
+from concurrent.futures import thread as pools
+from contextlib import ExitStack, contextmanager
+from functools import partial, wraps
 from traceback import walk_stack, walk_tb
 from types import FrameType, FunctionType
 from typing import Any
@@ -13,7 +18,17 @@ from typing import Any
 from tutorial.checks._diagnose import Misuse, likely_cause, slept
 from tutorial.checks._verdict import Finding, Place, wrong
 
-__all__ = ["Failure", "Watch", "classes_of", "files_of", "functions_of", "watch"]
+__all__ = ["Failure", "Watch", "classes_of", "files_of", "functions_of", "instrumented", "watch"]
+
+
+CLOCKS = ("time", "time_ns", "monotonic", "monotonic_ns", "perf_counter", "perf_counter_ns")
+NOTED = (
+    *((time, "sleep", "sleep"), (threading.Condition, "wait", "sleep"), (threading.Thread, "start", "thread")),
+    *((time, name, "clock") for name in CLOCKS),
+)
+"""What is noted: a module or class, the name of its function, and what `watch` calls it."""
+
+_BETWEEN = {module.__file__ for module in (threading, queue, futures, pools)}
 
 
 class Failure(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
@@ -59,8 +74,8 @@ class Watch:
         files: where the learner's code is.
         running: by thread, the method and a number that is different for every call.
         noted: what the learner's code has done beside its work, and where: ``"sleep"``, ``"clock"``, ``"thread"``.
-        clocks: by name, what the clocks of `time` say to the learner's code while they stand still; else None.
-        ahead: by how much they have been put ahead [s].
+        clocks: by name, where the clocks of `time` stand still for the learner's code; None while they go.
+        ahead: by how much they have been put ahead since [s].
         interleaved: whether methods are being held up on purpose, so that how long they take says nothing.
         explaining: whether mistakes are tried, and so all calls together may take long.
     """
@@ -98,12 +113,15 @@ class Watch:
         except Failure:
             raise
         except BaseException as error:
-            stack = [*walk_tb(error.__traceback__)]
-            raise Failure(method, error, self.place(reversed(stack))) from error
+            raise self.failure(method, error) from error
         finally:
             del self.running[ident]
             if outer is not None:
                 self.running[ident] = outer
+
+    def failure(self, method: str, error: BaseException) -> Failure:
+        """Tell with an exception where in the learner's code it was raised."""
+        return Failure(method, error, self.place(reversed([*walk_tb(error.__traceback__)])))
 
     def note(self, what: str, frame: FrameType) -> None:
         """Note what the learner's code does; a sleep only on a thread that runs one of the methods."""
@@ -154,3 +172,35 @@ def functions_of(answer: Any) -> list[FunctionType]:
 def files_of(answer: Any) -> set[str]:
     """Return the files, or notebook cells, that an answer's functions are written in."""
     return {function.__code__.co_filename for function in functions_of(answer)}
+
+
+@contextmanager
+def instrumented() -> Iterator[None]:
+    """Have `watch` note what the learner's code does with time and threads, as long as ``with`` lasts.
+
+    Functions of the modules `time` and `threading` are replaced; everybody else's calls go through as they are.
+    """
+    with ExitStack() as stack:
+        for owner, name, what in NOTED:
+            function = getattr(owner, name)
+            stack.callback(setattr, owner, name, function)
+            setattr(owner, name, _noting(what, name, function))
+        yield
+
+
+def _noting(what: str, name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap a function, so that it notes the learner's calls. A clock stands still for them while `watch` says so."""
+
+    @wraps(function)
+    def noting(*args: Any, **kwargs: Any) -> Any:
+        frame = sys._getframe(1)
+        while frame.f_code.co_filename in _BETWEEN and frame.f_back is not None:
+            frame = frame.f_back  # the learner's code calls by way of another function of the same library
+        if frame.f_code.co_filename in watch.files:
+            watch.note(what, frame)
+            if what == "clock" and watch.clocks is not None:
+                ahead = round(watch.ahead * 1e9) if name.endswith("_ns") else watch.ahead
+                return watch.clocks.setdefault(name, function()) + ahead
+        return function(*args, **kwargs)
+
+    return noting

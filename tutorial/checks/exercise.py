@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
+import ast
 import inspect
 import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from tutorial.checks._answer import misfit, missing, name_of, unwritten
+from tutorial.checks._answer import check_has, misfit, name_of, unwritten
 from tutorial.checks._contain import contain
-from tutorial.checks._instrument import instrumented
-from tutorial.checks._listing import listing
 from tutorial.checks._verdict import Finding, Verdict, wrong
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._watch import Failure, instrumented, watch
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.progress import remember
 
-__all__ = ["NOT_YET", "Exercise"]
+__all__ = ["NOT_YET", "Exercise", "listing"]
 
 NOT_YET = "Not attempted yet"
 """What the text begins with that says that nothing is written yet."""
@@ -94,8 +93,8 @@ class Exercise:
         watch.begin(answer)
         try:
             with instrumented():
-                lacking = missing(answer, *self._requires)
-                yield from [lacking] if lacking else self._judge(answer)
+                check_has(answer, *self._requires)
+                yield from self._judge(answer)
         except Failure as failure:
             yield failure.finding()
         except TutorialError as error:
@@ -140,6 +139,26 @@ class Exercise:
             what = ", ".join(self._parts)
             return f"{NOT_YET}: {name_of(answer)} is still to be written{': ' * bool(what)}{what}."
         return ""
+
+
+def listing(part: Any) -> str:
+    """Return the source of a class or function as a notebook has it: without annotations and docstrings.
+
+    So it needs no imports for them. Its comments stay, and so do its blank lines.
+
+    Args:
+        part: the class or function, written at the top level of its module.
+    """
+    shown = source = inspect.getsource(part).rstrip()
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.arg(annotation=ast.expr() as kind) | ast.AnnAssign(annotation=kind):
+                shown = shown.replace(f": {ast.get_source_segment(source, kind)}", "")
+            case ast.FunctionDef(returns=ast.expr() as kind):
+                shown = shown.replace(f" -> {ast.get_source_segment(source, kind)}:", ":")
+            case ast.Expr(ast.Constant(str())):
+                shown = re.sub(rf"\n *{re.escape(ast.get_source_segment(source, node) or '')}", "", shown)
+    return re.sub(r":\n\n", ":\n", shown)
 
 
 def _fitting(findings: tuple[Finding, ...]) -> int:

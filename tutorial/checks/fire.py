@@ -101,7 +101,7 @@ CRASHES = {
 
 def held(rig: Rig, *states: tuple[int, ...]) -> bool:
     """Return what `fire` holds after messages with these buttons; one has a stick at its end, too."""
-    tank = rig.learner.inner
+    tank = rig.learner
     before = getattr(tank, "fire", None)
     for buttons in states:
         rig.hear(Joy(axes=[float(buttons == (0, 1)), 0.0], buttons=buttons))

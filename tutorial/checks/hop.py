@@ -27,16 +27,18 @@ from __future__ import annotations
 
 import asyncio
 import threading  # noqa: F401 - what a mistake needs
+from collections.abc import Sequence
+from contextlib import closing
 from math import hypot
 from typing import Any
 
 from geometry_msgs.msg import Vector3
 from numpy.typing import ArrayLike
-from sensor_msgs.msg import Imu, JointState  # noqa: F401
+from sensor_msgs.msg import Imu, Joy  # noqa: F401
 
-from tutorial.checks._requirements import Requirements, listed
-from tutorial.checks._viewer import LISTENS, POSTS, TOLD, Attempt, Viewer, hands_over, heard, over_ros
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._requirements import Requirements
+from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side
+from tutorial.checks._watch import watch
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 
@@ -99,22 +101,17 @@ class HopViewer(SimpleController):
 class Hall(Viewer):
     """A displayed body that may be put anywhere. Each method says what is seen."""
 
-    place: Vector = PLACE
+    place: Vector
 
     def __init__(self, answer: type, *body: Any, **how: Any) -> None:
         super().__init__(answer, *body, **how)
-        self.stand(PLACE)
+        self.stand(PLACE if self.body.name == "Rover" else OTHER_PLACE)
 
     def stand(self, place: Vector) -> None:
         """Put the body somewhere [m]."""
         self.place = self.body.position = place
         self.body.calc_forward_kinematics()
         self.shown.clear()
-
-    def advance(self, seconds: float) -> None:
-        """Let the clock go on [s]."""
-        self.loop.advance(seconds)
-        self.drain()
 
     def where(self) -> str:
         """Say where the body is."""
@@ -137,7 +134,7 @@ class Hall(Viewer):
             rings = [timer.when() - self.loop.time() for timer in self.loop.timers]
             if not rings and after > 1.0:
                 break
-            self.advance(min(rings, default=1 / 64))
+            self.drain(min(rings, default=1 / 64))
         kinds = ("a timer on another thread", "a timer that moves it", "a timer", "no timer")
         there = (self.node.timers or "thread" in watch.noted, self.shown, timers, True)
         return f"up for ever, with {next(kind for kind, is_there in zip(kinds, there) if is_there)}"
@@ -158,14 +155,7 @@ def land(hall: Hall) -> None:
 
 def wait(hall: Hall) -> None:
     """Let pass what is less than the half second."""
-    hall.advance(0.375)
-
-
-def leaves_well(hall: Hall) -> str:
-    """Observe what is left behind, and if that is nothing, whether everybody knows where the body is."""
-    left = hall.leaves()
-    hall.left()
-    return f"{left}, {hall.news()}" if left == STOOD else left
+    hall.drain(0.375)
 
 
 def move_it(hall: Hall) -> None:
@@ -173,21 +163,20 @@ def move_it(hall: Hall) -> None:
     hall.stand(OTHER_PLACE)
 
 
-THEN = Hall.where, Hall.falls, Hall.where  # what is asked after a message
 ACCELERATIONS: tuple[Vector, ...] = (
     (25.0, 0.0, 9.8), (-25.0, 0.0, 9.8), (0.0, 25.0, 9.8), (0.0, -25.0, 9.8), (-15.0, 15.0, 9.8), (15.0, 15.0, 9.8),
     (20.5, 0.0, 0.0), (20.0, 0.0, 0.0), (5.0, 0.0, 9.8), (14.0, 14.0, 0.0), (14.0, 0.0, 30.0), (0.0, 0.0, 40.0),
 )  # fmt: skip
 
 
-def mistaken(answer: type) -> str:
+def mistaken(hall: Hall) -> str:
     """Observe which accelerations are mistaken for blows, and which blows are not taken for such."""
     odd = []
     for x, y, z in ACCELERATIONS:
-        with Hall(answer) as hall:
-            heard(imu(x, y, z))(hall)
-            moved = any(where != STOOD for where in (hall.where(), *(where for where, _ in hall.shown)))
-            taken = moved or len(hall.loop.timers) + len(hall.node.timers) > 0
+        with closing(hall.another()) as other:
+            heard(imu(x, y, z))(other)
+            moved = any(where != STOOD for where in (other.where(), *(where for where, _ in other.shown)))
+            taken = moved or len(other.loop.timers) + len(other.node.timers) > 0
             if taken != (hypot(x, y) > 20):
                 odd.append(f"{x:g} {y:g} {z:g}{' is one' * taken}")
     return ", ".join(odd) if odd else "none is mistaken"
@@ -201,66 +190,32 @@ def in_a_crowd(hall: Hall) -> str:
         hall.receive(imu(*each))
     calls = len(hall.calls)
     hall.drain()
-    if hall.where() == UP:
-        return f"{UP}, {hall.falls()}"
-    return f"{hall.where()}; {len(kept)} of 4 have come, {calls} have waited{' under a key' * bool(hall.keys)}"
+    lost = f"{len(kept)} of 4 have come, {calls} have waited{' under a key' * bool(hall.keys)}"
+    return "" if hall.where() == UP else lost
 
 
-def beside(answer: type) -> str:
-    """Observe the crane Lift and the tank at the same time."""
-    with Hall(answer) as tank, Hall(answer, "crane", "Lift") as lift:
-        lift.stand(OTHER_PLACE)
-        for each in (tank, lift):
-            blow(each)
-        up = f"{tank.where()} and {lift.where()}"
-        for each in (tank, lift):
-            each.falls()
-        return f"{up}, then {tank.where()} and {lift.where()}"
-
-
-def down_anyhow(answer: type) -> str:
-    """Observe how it is left when no blow has come, and when it has landed."""
-    try:
-        return ", ".join(Hall.tries(*steps, move_it, Hall.leaves)(answer) for steps in ((), (blow, land)))
-    except Failure as failure:
-        return f"{failure.method} raises {type(failure.error).__name__}: {failure.error}"
-
-
-TRIED: dict[str, tuple[Attempt, str]] = {
-    LISTENS: (Hall.tries(Hall.listens), "/Rover/imu of Imu"),
-    "messages come": (Hall.tries(hands_over(1, imu(*HARMLESS), imu(*BLOW))), POSTS),
-    "of accelerations x, y, z that are blows or not": (mistaken, "none is mistaken"),
-    "a blow puts the body": (Hall.tries(blow, Hall.where), UP),
-    "when a blow has moved it": (Hall.tries(blow, Hall.news), TOLD),
-    "the body is": (Hall.tries(blow, Hall.falls), "down after 0.5 s"),
-    "then it stands": (Hall.tries(blow, land, Hall.where), STOOD),
-    "when it is down again": (Hall.tries(blow, land, Hall.news), TOLD),
-    "a second blow, when it has landed and been moved elsewhere": (
-        Hall.tries(blow, land, move_it, blow, *THEN),
-        f"{UP}, down after 0.5 s, {STOOD}",
-    ),
-    "a second blow while it is up": (Hall.tries(blow, wait, blow, *THEN), f"{UP}, down after 0.5 s, {STOOD}"),
-    "a harmless message while it is up": (
-        Hall.tries(blow, wait, harmless, *THEN),
-        f"{UP}, down after 0.125 s, {STOOD}",
-    ),
-    "blows between harmless messages, both threads being busy": (Hall.tries(in_a_crowd), f"{UP}, down after 0.5 s"),
-    "the tank and the crane Lift": (beside, f"{UP} and {UP}, then {STOOD} and {STOOD}"),
-    "unconfigure, while it is up, leaves it": (Hall.tries(blow, wait, leaves_well), f"{STOOD}, {TOLD}"),
-    "unconfigure, when it is not up, leaves it": (down_anyhow, f"{STOOD}, {STOOD}"),
-    "a blow that still waits then puts it": (Hall.tries(lambda hall: hall.leaves(imu(*BLOW))), STOOD),
+THEN = Hall.where, Hall.falls, Hall.where  # what is asked after a message
+TRIED: dict[str, Sequence[Step]] = {
+    "on a body called Rover it listens to": [Hall.listens],
+    "for messages of the type": [Hall.kinds],
+    "messages come": [harmless, hands_over(imu(*BLOW))],
+    "of accelerations x, y, z that are blows or not": [mistaken],
+    "a blow puts the body": [blow, Hall.where],
+    "the body is": [blow, Hall.falls],
+    "then it stands": [blow, land, Hall.where],
+    "the news of it": [blow, Hall.news, land, Hall.news],
+    "a second blow, when it has landed and been moved elsewhere": [blow, land, move_it, blow, *THEN],
+    "a second blow while it is up": [blow, wait, blow, *THEN],
+    "a harmless message while it is up": [blow, wait, harmless, *THEN],
+    "blows between harmless messages, both threads being busy": [in_a_crowd, Hall.where, Hall.falls],
+    "the tank and the crane Lift": [side_by_side(blow, Hall.where, land, Hall.where)],
+    "unconfigure, while it is up, leaves it": [blow, wait, Hall.leaves, Hall.left],
+    "the news of that": [blow, wait, Hall.leaves, Hall.news],
+    "unconfigure, when no blow has come, leaves it": [move_it, Hall.leaves],
+    "unconfigure, when it has landed and been moved elsewhere, leaves it": [blow, land, move_it, Hall.leaves],
+    "one that waits when the controller leaves": [lambda hall: hall.leaves(imu(*BLOW))],
 }
 MISTAKES = """
-# on a body called Rover it listens to
-the topic is another: it is f"{config.body.name}/imu".
-    {self.body.name}/imu" => {self.body.name}/imus" => Tank/imu"
-config.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10) is missing, or not reached.
-    self.subscription = self.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10) => pass
-
-# messages come
-the callback posts nothing: self.call_later(self.update, message).
-    self.call_later(self.update, message) => pass
-
 # of accelerations x, y, z that are blows or not
 the condition is another: hypot(a.x, a.y) > 20, where a is message.linear_acceleration, and 20 itself is no blow.
     > 20 => > 16 => > 200 => >= 20
@@ -281,12 +236,6 @@ the body is not moved, for body.position is a copy: x, y, z = self.place; self.b
 the place is typed, or noted too early, in configure: note it when the blow comes.
     x, y, z = self.place => x, y, z = 0.0, 0.0, 0.0
 
-# when a blow has moved it
-self.body.notify_change() is missing, or called too early: it comes last.
-    self.body.notify_change() => pass
-self.body.calc_forward_kinematics() is missing, or called before the body is moved.
-    self.body.calc_forward_kinematics() => pass
-
 # the body is
 the timer's seconds are not 0.5: asyncio.get_running_loop().call_later(0.5, self.land).
     call_later(0.5 => call_later(0.3 => call_later(500
@@ -306,9 +255,11 @@ the place is typed, or noted too early, in configure: note it when the blow come
 0.1 is taken off again: sums of floating point numbers are rounded. Keep the position before the hop, and set that.
     self.move(self.place) => x, y, z = self.body.position // self.move((x, y, z - 0.1))
 
-# when it is down again
+# the news of it
 the way down does not end as the way up: with self.body.calc_forward_kinematics(), and then self.body.notify_change().
     self.move(self.place) => self.body.position = self.place
+    => self.body.position = self.place // self.body.calc_forward_kinematics()
+    => self.body.position = self.place // self.body.notify_change()
 
 # a second blow, when it has landed and been moved elsewhere
 what says that the body is up is still set when it has landed: set self.timer = None there.
@@ -355,24 +306,23 @@ __init__, configure or initialize.
 # unconfigure, while it is up, leaves it
 unconfigure does not put the body back where it stood: self.body.position = self.place, and tell who draws.
     self.node.destroy => if self.timer: self.timer.cancel() // return self.node.destroy
-the way back does not end as the way up: with self.body.calc_forward_kinematics(), and then self.body.notify_change().
-    self.node.destroy => self.timer.cancel() // self.body.position = self.place // return self.node.destroy\
- => self.timer.cancel() // self.body.position = self.place // return\
- self.body.calc_forward_kinematics(), self.node.destroy
 unconfigure does not cancel the timer: self.timer.cancel().
     self.node.destroy => return self.node.destroy
 
-# unconfigure, when it is not up, leaves it
-unconfigure puts it back although it is down: to a place that was never noted, or to that of an earlier hop.
-    self.node.destroy => self.move(getattr(self, "place", (0.0, 0.0, 0.0))) // self.node.destroy
+# the news of that
+the way back does not end as the way up: with self.body.calc_forward_kinematics(), and then self.body.notify_change().
+    self.node.destroy => self.timer.cancel() // self.body.position = self.place // return self.node.destroy
 
-# a blow that still waits then puts it
-the event loop itself runs what waits when the controller has left: self.call_later(self.update, message) drops it.
-    self.node = config.node => self.node = config.node // self.loop = asyncio.get_running_loop()
-    self.call_later(self.update => self.loop.call_soon_threadsafe(self.update
+# unconfigure, when no blow has come, leaves it
+unconfigure puts it back although it never was up: ask first whether it is, if self.timer is not None.
+    self.node.destroy => self.move(getattr(self, "place", (0.0, 0.0, 0.0))) // self.node.destroy
+    => self.move(self.place) // self.node.destroy
+
+# unconfigure, when it has landed and been moved elsewhere, leaves it
+unconfigure puts it back although it is down: ask first whether it is up, if self.timer is not None.
+    self.node.destroy => if hasattr(self, "place"): self.move(self.place) // self.node.destroy
 """
-REQUIREMENTS = Requirements(
-    HopViewer, listed(TRIED, MISTAKES), clock="", odd=(), on_ros=over_ros(Hall, "/Rover/imu", imu(*BLOW))
-)
+MOVE = "self.body.position = position"
+REQUIREMENTS = Requirements(HopViewer, "imu", imu(*BLOW), MOVE, TRIED, MISTAKES, viewer=Hall, clock="", odd=())
 
 hop = Exercise("hop", __doc__, REQUIREMENTS.judge, HopViewer)

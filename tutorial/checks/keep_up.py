@@ -20,19 +20,18 @@ from __future__ import annotations
 
 import asyncio  # noqa: F401 - what some mistakes need
 import threading  # noqa: F401
-from collections.abc import Callable
+from collections.abc import Sequence
 from functools import partial
 from itertools import count
 from math import degrees, isnan, radians  # noqa: F401
-from string import Template
 
-from sensor_msgs.msg import Imu, JointState  # noqa: F401
+from sensor_msgs.msg import JointState, Joy  # noqa: F401
 
 from tutorial.checks._interleave import interleave
-from tutorial.checks._requirements import Requirements, listed
-from tutorial.checks._viewer import Viewer
+from tutorial.checks._requirements import Requirements
+from tutorial.checks._viewer import Step, Viewer
 from tutorial.checks.exercise import Exercise
-from tutorial.checks.show import FIRST, LAST, MISTAKES, ON_ROS, at, joint_state
+from tutorial.checks.show import FIRST, LAST, MISTAKES, MOVE, joint_state
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
@@ -40,6 +39,7 @@ __all__ = ["CalmViewer", "keep_up"]
 
 BURST = 50
 MOST = 10_000  # instructions of a method
+EACH = "TURRET_Y at {0}, TURRET_P at {0}"
 
 
 class CalmViewer(SimpleController):
@@ -69,51 +69,46 @@ class CalmViewer(SimpleController):
         self.node.destroy_subscription(self.subscription)
 
 
-def bursts(viewer: Viewer) -> str:
-    """Observe what waits, and what is shown, when many messages come while the main thread is busy; twice."""
-    for begin in (0, 500):
+def burst(begin: int) -> Step:
+    """Make a step: say what waits, and what is shown, when many messages come while the main thread is busy."""
+
+    def step(viewer: Viewer) -> str:
         viewer.shown.clear()
         for i in range(begin, begin + BURST):
             viewer.receive(joint_state("Y P", (0.001 * i, 0.002 * (i - begin)), 100_000 + 401 * i))
         waiting = len(viewer.calls)
         viewer.drain()
         if waiting > 1:
-            return "more than one call waits" + ", under different keys" * bool(viewer.keys)
-        if viewer.where() == at(0.001 * begin, 0):
-            return "the first is shown"
-        if viewer.where() != at(0.001 * begin + 0.049, 0.098):
-            return "the newest is not shown"
-        if len(viewer.shown) > 1:
-            return "one call waits, and draws more than once"
-    return "one call waits, and draws the newest"
+            return "more than one call waits" + ", under different keys" * (len(set(viewer.keys)) > 1)
+        return f"one call waits, and draws{' more than once' * (len(viewer.shown) > 1)}: {viewer.where()}"
+
+    return step
 
 
 def in_any_order(viewer: Viewer) -> str:
     """Observe what is shown when the turn of one thread comes at any instruction of the other."""
     stamps = count(100_000, 20)
     for interrupts_drawing in (True, False):
-        for instruction in (None, None, *range(MOST)):
-            first, second = (joint_state("Y P", (q, q), next(stamps)) for q in (0.3, 0.4))
+        for at in (None, None, *range(MOST)):
+            first, second = (partial(viewer.call_back, joint_state("Y P", (q, q), next(stamps))) for q in (0.3, 0.4))
             viewer.shown.clear()
-            viewer.call_back(first)
-            come = partial(viewer.call_back, second)
-            turns: list[Callable[[], object]] = [viewer.drain, come] if interrupts_drawing else [come, viewer.drain]
-            if instruction is None:  # Python 3.13 stops between instructions only in code that was traced before
-                turns[1] = bool
-            more = interleave(turns[0], turns[1], instruction)
+            first()
+            turns = (viewer.drain, second) if interrupts_drawing else (second, viewer.drain)
+            # Python 3.13 stops between instructions only in code that was traced before
+            more = interleave(turns[0], bool if at is None else turns[1], at)
             viewer.drain()
-            if any(where not in (at(0.3, 0.3), at(0.4, 0.4)) for where, _ in viewer.shown):
+            if {where for where, _ in viewer.shown} - {EACH.format(0.3), EACH.format(0.4)}:
                 return "half of each is shown"
             if not more:
                 break
-            if instruction is not None and viewer.where() != at(0.4, 0.4):
+            if at is not None and viewer.where() != EACH.format(0.4):
                 return "the second is never shown"
     return "the second is shown in the end"
 
 
-TRIED = {
-    "50 messages while the main thread is busy, twice": (Viewer.tries(bursts), "one call waits, and draws the newest"),
-    "a message that comes while another is drawn": (Viewer.tries(in_any_order), "the second is shown in the end"),
+OWN: dict[str, Sequence[Step]] = {
+    "50 messages while the main thread is busy, twice": [burst(0), burst(500)],
+    "a message that comes while another is drawn": [in_any_order],
 }
 
 MORE = """
@@ -145,13 +140,10 @@ the callback keeps the message piece by piece, while the main thread reads it: h
     $post => for n, q in match_joints(self.body.joint_names, message)[0].items(): self.kept[n] = q // $post
     positions(positions) => positions(dict(self.kept))
 """
+POST = "self.call_latest(self.body.name, self.update, message)"
+TRIED = {**FIRST, **OWN, **LAST}
 REQUIREMENTS = Requirements(
-    CalmViewer,
-    listed(
-        {**FIRST, **TRIED, **LAST},
-        Template(MISTAKES + MORE).substitute(post="self.call_latest(self.body.name, self.update, message)"),
-    ),
-    on_ros=ON_ROS,
+    CalmViewer, "joint_state", joint_state("P Y", (0.2, 0.1)), MOVE, TRIED, MISTAKES + MORE, POST
 )
 
 keep_up = Exercise("keep_up", __doc__, REQUIREMENTS.judge, CalmViewer)

@@ -27,22 +27,21 @@ from __future__ import annotations
 import asyncio  # noqa: F401 - what some mistakes need
 import threading  # noqa: F401
 from collections.abc import Sequence
-from functools import partial
+from itertools import count
 from math import degrees, isnan, nan, radians  # noqa: F401
-from string import Template
 
-from sensor_msgs.msg import Imu, JointState  # noqa: F401
+from sensor_msgs.msg import JointState, Joy  # noqa: F401
 
-from tutorial.checks._requirements import Requirements, listed
-from tutorial.checks._viewer import LISTENS, POSTS, TOLD, Attempt, Viewer, hands_over, heard, over_ros
-from tutorial.checks._watch import Failure
+from tutorial.checks._requirements import Requirements
+from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
-__all__ = ["FIRST", "LAST", "MISTAKES", "ON_ROS", "MyViewer", "at", "joint_state", "show"]
+__all__ = ["FIRST", "LAST", "MISTAKES", "MOVE", "MyViewer", "joint_state", "show"]
 
 TRIES = 12  # messages, of which each is to be shown
+LATER = count(100_000, 20)  # [ms]
 
 
 class MyViewer(SimpleController):
@@ -81,14 +80,9 @@ def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_
     return message
 
 
-def at(y: float, p: float) -> str:
-    """Say where the tank's joints are [rad], as `Viewer.where` does."""
-    return f"TURRET_Y at {y:g}, TURRET_P at {p:g}"
-
-
-def shows(*said: tuple[str, Sequence[float]], stamps: Sequence[int] = range(100_000, 101_000, 20)) -> Attempt:
-    """Observe where the joints are after messages, each some names and their positions; with stamps [ms]."""
-    return Viewer.tries(heard(*(joint_state(*each, stamp) for each, stamp in zip(said, stamps))), Viewer.where)
+def state(names: str, positions: Sequence[float]) -> Step:
+    """Make a step: a message comes, later than those before, and is shown."""
+    return heard(joint_state(names, positions, next(LATER)))
 
 
 def wait_together(viewer: Viewer) -> str:
@@ -96,66 +90,58 @@ def wait_together(viewer: Viewer) -> str:
     for i, (name, position) in enumerate((("Y", 0.12), ("P", 0.13), ("Y", 0.14), ("Y", 0.15), ("P", 0.16))):
         viewer.receive(joint_state(name, [position], 100_000 + 20 * i))
     viewer.drain()
-    return viewer.where() + f", drawn {len(viewer.shown)} times" * (viewer.where() != at(0.15, 0.16))
+    right = viewer.where() == "TURRET_Y at 0.15, TURRET_P at 0.16"
+    return viewer.where() + ("" if right else f", drawn {len(viewer.shown)} times")
 
 
-def does_not_wait(viewer: Viewer) -> str:
-    """Observe what the callback does while the body is drawn."""
-    viewer.while_drawn = partial(viewer.receive, joint_state("Y P", (0.22, 0.22), 100_020))
-    try:
-        heard(joint_state("Y P", (0.21, 0.21)))(viewer)
-    except Failure as failure:
-        return f"{failure.method}: {failure.error}"
-    return "the callback does not wait for it"
+def while_drawn(viewer: Viewer) -> None:
+    """Have a message come while the next one is drawn."""
+    late = [joint_state("Y P", (0.22, 0.22), 100_020)]
+
+    def observe(_report: object) -> None:
+        if late:
+            viewer.receive(late.pop())
+
+    viewer.body.on_change(observe)
 
 
-def two(answer: type) -> str:
-    """Observe two viewers at the same time, each of a body of its own."""
-    with Viewer(answer) as tank, Viewer(answer, "crane", "Lift") as lift:
-        for i in (1, 2):
-            tank.receive(joint_state("Y P", (0.1 * i, 0.2 * i), 100_000 + 20 * i))
-            lift.receive(joint_state("LUFF BRIDGE", (0.3 * i, 0.4 * i), 100_000 + 20 * i))
-            tank.drain()
-            lift.drain()
-        return f"{tank.where()}; {lift.where()}"
+def its_own(viewer: Viewer) -> None:
+    """Have a message come for a body that nobody else is to show."""
+    first, second = (0.2, 0.4) if viewer.body.name == "Rover" else (0.6, 0.8)
+    viewer.receive(joint_state("Y P LUFF BRIDGE", (first, second, first, second)))
 
 
-STAMPS = (100_020, 100_000, 100_040, 5, 6)  # [ms]
-SWINGS = [("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i)) for i in range(1, 6)]
 MESSAGES = [joint_state("Y P", (0.01 * i, 0.02 * i), 100_000 + 20 * i) for i in range(1, TRIES + 1)]
+STAMPS = (100_020, 100_000, 100_040, 5, 6)  # [ms]
+LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in enumerate(STAMPS)]
 
-FIRST = {
-    LISTENS: (Viewer.tries(Viewer.listens), "/Rover/joint_state of JointState"),
-    "messages come": (Viewer.tries(hands_over(TRIES, *MESSAGES)), POSTS),
-    "a message": (shows(("Y P", (0.1, 0.2))), at(0.1, 0.2)),
-    "its joints in another order": (shows(("P Y", (0.2, 0.1))), at(0.1, 0.2)),
-    "the news of it": (Viewer.tries(heard(joint_state("Y P", (0.1, 0.2))), Viewer.news), TOLD),
-    "only TURRET_P, then only TURRET_Y": (shows(("Y P", (0.2, 0.3)), ("P", (-0.1,)), ("Y", (0.0,))), at(0, -0.1)),
-    "the unknown name ANTENNA": (shows(("ANTENNA Y", (1.0, 0.2))), at(0.2, 0)),
-    "NaN for one joint": (shows(("Y P", (nan, 0.07)), ("Y P", (0.06, nan))), at(0.06, 0.07)),
-    "two names, one position or none": (shows(("P Y", (0.11,)), ("Y P", ())), at(0, 0.11)),
-    "a late message, then a new start": (shows(*SWINGS, stamps=STAMPS), at(0.15, 0.25)),
-    "a message that comes while the body is drawn": (Viewer.tries(does_not_wait), "the callback does not wait for it"),
-    "one that waits when the controller leaves": (Viewer.tries(lambda viewer: viewer.leaves(MESSAGES[0])), at(0, 0)),
+FIRST: dict[str, Sequence[Step]] = {
+    "on a body called Rover it listens to": [Viewer.listens],
+    "for messages of the type": [Viewer.kinds],
+    "messages come": [hands_over(*MESSAGES)],
+    "a message": [state("Y P", (0.1, 0.2)), Viewer.where],
+    "its joints in another order": [state("P Y", (0.2, 0.1)), Viewer.where],
+    "the news of it": [state("Y P", (0.1, 0.2)), Viewer.news] * 2,
+    "only TURRET_P, then only TURRET_Y": [
+        state("Y P", (0.2, 0.3)),
+        state("P", [-0.1]),
+        state("Y", [0.0]),
+        Viewer.where,
+    ],
+    "the unknown name ANTENNA": [state("ANTENNA Y", (1.0, 0.2)), Viewer.where],
+    "NaN for one joint": [state("Y P", (nan, 0.07)), state("Y P", (0.06, nan)), Viewer.where],
+    "two names, one position or none": [state("P Y", [0.11]), state("Y P", []), Viewer.where],
+    "a late message, then a new start": [heard(*LATE), Viewer.where],
+    "a message that comes while the body is drawn": [while_drawn, state("Y P", (0.21, 0.21)), Viewer.news],
+    "one that waits when the controller leaves": [lambda viewer: viewer.leaves(MESSAGES[0])],
 }
-LAST = {
-    "two viewers at once, one of the crane": (two, f"{at(0.2, 0.4)}; BRIDGE at 0.8, SLEW at 0, LUFF at 0.6"),
-    "after unconfigure": (Viewer.tries(Viewer.leaves, Viewer.left), f"{at(0, 0)}, nothing is left"),
+LAST: dict[str, Sequence[Step]] = {
+    "two viewers at once, one of the crane": [side_by_side(its_own, Viewer.drain, Viewer.where)],
+    "after unconfigure": [Viewer.leaves, Viewer.left],
 }
-ON_ROS = over_ros(Viewer, "/Rover/joint_state", joint_state("P Y", (0.2, 0.1)))
 
 MISTAKES = """
-# on a body called Rover it listens to
-the topic is another: it is f"{config.body.name}/joint_state".
-    {self.body.name}/joint_state" => {self.body.name}/joint_states" => Tank/joint_state"
-config.node.create_subscription(JointState, topic, self.on_joint_state, 1) is missing, or not reached.
-    self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1) => pass
-the type of the messages is another: give JointState first.
-    (JointState, => (Imu,
-
 # messages come
-$post is missing, or not reached: the callback posts nothing.
-    $post => pass
 messages are dropped by time or by count: post and show every one, whenever it comes.
     $post => if message.position[0] < 0.05: $post
 
@@ -171,15 +157,6 @@ the positions are computed but not set: self.body.set_joint_positions(positions)
 positions are matched by their place in the message: match them by name, wherever it is, with match_joints.
     positions(positions) => positions(dict(zip(self.body.joint_names, message.position)))\
  => positions({n: positions[n] for n, m in zip(self.body.joint_names, message.name) if n == m})
-
-# the news of it
-self.body.calc_forward_kinematics() is missing, or called before set_joint_positions: the links stay behind the joints.
-    self.body.calc_forward_kinematics() => pass
-self.body.notify_change() is missing, or not reached: nobody is told to draw.
-    self.body.notify_change(report) => pass
-notify_change comes too early: first the positions, then the kinematics, then the news of it.
-    self.body.notify_change(report) => pass
-    self.body.set_joint => self.body.notify_change() // self.body.set_joint
 
 # only TURRET_P, then only TURRET_Y
 a joint that the message does not name is set to 0, or looked up: leave it where it is.
@@ -221,11 +198,6 @@ a lock is held while the body is drawn, so the callback waits for that: hold it 
 # two viewers at once, one of the crane
 the body's name or its joints are typed: take them from config.body.
     match_joints(self.body.joint_names, => match_joints(("TURRET_Y", "TURRET_P"),
-
-# one that waits when the controller leaves
-it goes to the event loop by itself: $post is asked for, and drops what still waits when the controller leaves its body.
-    self.node = config.node => self.node, self.loop = config.node, asyncio.get_running_loop()
-    $post => self.loop.call_soon_threadsafe(self.update, message)
 """
 
 MORE = """
@@ -244,13 +216,8 @@ the newest of those that wait is taken first: the oldest comes first, and the ne
     $post => self.inbox.append(message) // $post
     positions, report = => message = self.inbox.pop() // positions, report =
 """
-REQUIREMENTS = Requirements(
-    MyViewer,
-    listed(
-        {**FIRST, "five messages that wait together": (Viewer.tries(wait_together), at(0.15, 0.16)), **LAST},
-        Template(MISTAKES + MORE).substitute(post="self.call_later(self.update, message)"),
-    ),
-    on_ros=ON_ROS,
-)
+MOVE = "self.body.set_joint_positions(positions)"
+TRIED = {**FIRST, "five messages that wait together": [wait_together], **LAST}
+REQUIREMENTS = Requirements(MyViewer, "joint_state", joint_state("P Y", (0.2, 0.1)), MOVE, TRIED, MISTAKES + MORE)
 
 show = Exercise("show", __doc__, REQUIREMENTS.judge, MyViewer)

@@ -59,12 +59,6 @@ def waits(self, message):
     done.wait()
 
 
-def in_the_wrong_order(self, message):
-    self.body.calc_forward_kinematics()
-    self.body.set_joint_positions(dict(zip(message.name, message.position)))
-    self.body.notify_change()
-
-
 def calls_the_callback(self, config):
     self.subscription = config.node.create_subscription(JointState, "joint_state", self.on_joint_state(None), 1)
 
@@ -81,7 +75,6 @@ WRONG = [
     (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "a timer or a thread of its own"),
     (changed(configure=shares_its_body), "Changed.body is shared by all objects of the class"),
     (changed(on_joint_state=waits), "Leave out what sleeps or waits"),
-    (changed(update=in_the_wrong_order), "calc_forward_kinematics() is called before set_joint"),
     (changed(update=lambda message: None), "self is missing"),
     (changed(on_joint_state=lambda message: None), "self is missing"),
     (changed(configure=calls_the_callback, on_joint_state=print), "give it without parentheses"),
