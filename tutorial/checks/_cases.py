@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import combinations
+from itertools import chain, combinations
 from math import isclose, isnan
 from numbers import Real
 from typing import Any
 
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._mistakes import Mistake, mistakes, with_mistakes
+from tutorial.checks._mistakes import Mistake, mistakes, slips, with_mistakes
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, watch
@@ -21,7 +21,6 @@ from tutorial.checks._watch import Failure, watch
 __all__ = ["Cases", "blame", "call", "mistakes", "observed", "same"]
 
 TOLERANCE = 1e-4
-MOST = 2  # mistakes at once; three of them look like too much else
 LONGEST = 20.0  # [s] in which mistakes are tried, one and two at once; so that a busy machine comes to an end, too
 CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
 
@@ -97,24 +96,24 @@ class Cases:
     def explain(self, seen: Mapping[str, Any]) -> tuple[Mistake, ...]:
         """Find the fewest mistakes that lead to exactly what was observed; none where nothing known does.
 
-        Of an answer that raises in the first case, or was tried in few of them, two at once would only be guessed.
+        Two at once may be any of the table, or one more beside one that alone leads to what was observed last. Of an
+        answer that raises in the first case, or was tried in few of them, two at once would only be guessed.
         """
         raises = isinstance(next(iter(seen.values())), Failure)
-        most = 1 if raises or 2 * len(seen) < len(self.cases) else MOST
+        is_guess = raises or 2 * len(seen) < len(self.cases)
         odd = [label for label in seen if not same(seen[label], self.expected[label])][-1]
-        others = [label for label in seen if label != odd]
-        alone = {each: observed(self.cases[odd], self.mistaken(each)) for each in self.mistakes}
-        shows = {each: not same(alone[each], self.expected[odd]) for each in self.mistakes}
+        known = (*self.mistakes, *slips(self.solution, self.beside))
+        alone = {each: observed(self.cases[odd], self.mistaken(each)) for each in known}
+        shows = {each for each in self.mistakes if not same(alone[each], self.expected[odd])}
+        leads = {each for each in known if same(alone[each], seen[odd])}
+        pairs = (two for two in combinations(known, 2) if shows.issuperset(two) or not leads.isdisjoint(two))
         end = time.monotonic() + LONGEST
-        for count in range(1, most + 1):
-            for chosen in combinations(self.mistakes, count):
-                if time.monotonic() > end:
-                    return ()
-                if not all(shows[each] for each in chosen) and not any(same(alone[each], seen[odd]) for each in chosen):
-                    continue  # what does not show by itself is taken to change nothing
-                twin = self.mistaken(*chosen)
-                if twin and all(same(observed(self.cases[label], twin), seen[label]) for label in (odd, *others)):
-                    return chosen
+        for chosen in chain(((each,) for each in known if each in leads), () if is_guess else pairs):
+            if time.monotonic() > end:
+                break
+            twin = self.mistaken(*chosen)
+            if twin and all(same(observed(self.cases[label], twin), seen[label]) for label in (odd, *seen)):
+                return chosen
         return ()
 
     def mistaken(self, *chosen: Mistake) -> Any:

@@ -1,19 +1,22 @@
-"""Known mistakes: edits of a solution's source, each with the cause that it is told as."""
+"""Mistakes: edits of a solution's source, each with the cause that it is told as; those of a table, and common slips."""
 
 from __future__ import annotations
 
+import ast
 import inspect
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
-__all__ = ["Mistake", "mistakes", "with_mistakes"]
+__all__ = ["Mistake", "mistakes", "slips", "with_mistakes"]
 
 NEW_LINE = " // "
+COMPARISONS = (ast.Gt, ast.GtE, ast.Lt, ast.LtE, ast.Eq, ast.NotEq)
+FACTORS = (10.0, 0.1, 2.0, 0.5)  # by which a number is another
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,7 @@ class Mistake:
         for old, new in self.edits:
             if old not in source:
                 return None
-            line = next(line for line in source.splitlines() if old in line)
+            line = source[: source.index(old)].rpartition("\n")[2] + old
             indent = line[: len(line) - len(line.lstrip())]
             source = source.replace(old, new.replace(NEW_LINE, f"\n{indent}"))
         return source
@@ -90,3 +93,80 @@ def with_mistakes(solution: Any, chosen: Sequence[Mistake], beside: Sequence[Any
 @cache
 def _source(parts: tuple[Any, ...]) -> str:
     return "\n\n".join(map(inspect.getsource, parts))
+
+
+def slips(solution: Any, beside: Sequence[Any] = ()) -> tuple[Mistake, ...]:
+    """Make the mistakes that need no table: a part of the solution is missing, exchanged, or another.
+
+    Args:
+        solution: the right answer.
+        beside: functions of the solution's module that a mistake may change, too.
+    """
+    source = _source((*beside, solution))
+    made = dict[tuple[str, str], Mistake]()
+    for node in ast.walk(ast.parse(source)):
+        for cause, part, other in _slips(node):
+            edit = _changed_lines(source, part, other)
+            made.setdefault(edit, Mistake(cause, (edit,)))
+    return tuple(made.values())
+
+
+def _slips(node: ast.AST) -> Iterator[tuple[str, Any, ast.AST]]:
+    """Yield what may be wrong about a part of a source: the cause, what is replaced, and by what."""
+    code = ast.unparse(node)
+    match node:
+        case ast.Expr(ast.Call()) | ast.Assign() | ast.Return(ast.expr()):
+            yield f"`{code}` is missing, or not reached.", node, ast.Pass()
+        case ast.BinOp(left, op, right):
+            yield f"`{ast.unparse(left)}` is missing: it is `{code}`.", node, right
+            yield f"`{ast.unparse(right)}` is missing: it is `{code}`.", node, left
+            if isinstance(op, ast.Add | ast.Sub):
+                for first, sign in product((left, ast.UnaryOp(ast.USub(), left)), (ast.Add(), ast.Sub())):
+                    yield f"a sign is wrong: it is `{code}`.", node, ast.BinOp(first, sign, right)
+        case ast.Compare(left, [op], [right]) if isinstance(op, COMPARISONS):
+            for kind in COMPARISONS:
+                yield f"the comparison is another: it is `{code}`.", node, ast.Compare(left, [kind()], [right])
+        case ast.BoolOp(op, values):
+            for each in values:
+                yield (
+                    f"`{ast.unparse(each)}` is not asked: it is `{code}`.",
+                    each,
+                    ast.Constant(isinstance(op, ast.And)),
+                )
+        case ast.If(test) | ast.IfExp(test) | ast.comprehension(ifs=[test]):
+            asked = ast.unparse(test)
+            yield f"`{asked}` is not asked.", test, ast.Constant(True)
+            yield f"nothing is done where `{asked}`, or it never becomes so.", test, ast.Constant(False)
+            yield f"the condition is turned round: it is `{asked}`.", test, ast.UnaryOp(ast.Not(), test)
+        case ast.Call(function, [*parts], keywords):
+            for each in parts:
+                yield f"`{ast.unparse(function)}` is left out: it is `{code}`.", node, each
+            for others in _exchanged(parts):
+                yield f"two are exchanged: it is `{code}`.", node, ast.Call(function, others, keywords)
+        case ast.Tuple(parts, context):
+            for others in _exchanged(parts):
+                yield f"two are exchanged: it is `{code}`.", node, ast.Tuple(others, context)
+    for each in ast.iter_child_nodes(node):
+        if isinstance(each, ast.Constant) and type(each.value) in (int, float):
+            for factor in FACTORS:
+                yield (
+                    f"the number is another: it is `{code}`.",
+                    each,
+                    ast.Constant(type(each.value)(factor * each.value)),
+                )
+
+
+def _exchanged(parts: Sequence[ast.expr]) -> Iterator[list[ast.expr]]:
+    """Yield the parts with each two neighbours exchanged."""
+    return ([*parts[:i], b, a, *parts[i + 2 :]] for i, (a, b) in enumerate(pairwise(parts)))
+
+
+def _changed_lines(source: str, part: Any, other: ast.AST) -> tuple[str, str]:
+    """Return the lines of a part of a source, with as many before as make them unique, and what they become."""
+    lines = source.splitlines()
+    begin, end = part.lineno - 1, part.end_lineno
+    instead = f"({ast.unparse(other)})" if isinstance(part, ast.expr) else ast.unparse(other)
+    changed = lines[begin][: part.col_offset] + instead + lines[end - 1][part.end_col_offset :]
+    while source.count("\n".join(lines[begin:end])) > 1:
+        begin -= 1
+    return "\n".join(lines[begin:end]), "\n".join([*lines[begin : part.lineno - 1], changed])
