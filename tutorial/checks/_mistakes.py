@@ -1,4 +1,4 @@
-"""Mistakes: edits of a solution's source, each with the cause that it is told as; those of a table, and common slips."""
+"""Mistakes: edits of a solution's source, each with the cause that it is told as; of a table, or common slips."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise, product
+from itertools import product
 from typing import Any
 
 __all__ = ["Mistake", "mistakes", "slips", "with_mistakes"]
 
 NEW_LINE = " // "
 COMPARISONS = (ast.Gt, ast.GtE, ast.Lt, ast.LtE, ast.Eq, ast.NotEq)
-FACTORS = (10.0, 0.1, 2.0, 0.5)  # by which a number is another
+FACTORS = (10, 0.1, 2, 0.5)  # by which a number is another
 
 
 @dataclass(frozen=True)
@@ -95,34 +95,37 @@ def _source(parts: tuple[Any, ...]) -> str:
     return "\n\n".join(map(inspect.getsource, parts))
 
 
-def slips(solution: Any, beside: Sequence[Any] = ()) -> tuple[Mistake, ...]:
-    """Make the mistakes that need no table: a part of the solution is missing, exchanged, or another.
+def slips(solution: Any, beside: Sequence[Any] = ()) -> Iterator[Mistake]:
+    """Make the mistakes that need no table: statements are missing, or, the smallest first, parts of them are another.
 
     Args:
         solution: the right answer.
         beside: functions of the solution's module that a mistake may change, too.
     """
     source = _source((*beside, solution))
-    made = dict[tuple[str, str], Mistake]()
-    for node in ast.walk(ast.parse(source)):
-        for cause, part, other in _slips(node):
-            edit = _changed_lines(source, part, other)
-            made.setdefault(edit, Mistake(cause, (edit,)))
-    return tuple(made.values())
+    nodes = [*ast.walk(ast.parse(source))]
+    for made in (_missing, _another):
+        for cause, part, other in (slip for node in reversed(nodes) for slip in made(node)):
+            yield Mistake(cause, (_changed_lines(source, part, other),))
 
 
-def _slips(node: ast.AST) -> Iterator[tuple[str, Any, ast.AST]]:
-    """Yield what may be wrong about a part of a source: the cause, what is replaced, and by what."""
+Slips = Iterator[tuple[str, Any, ast.AST]]  # each the cause, the part of a source that is replaced, and by what
+
+
+def _missing(node: ast.AST) -> Slips:
+    if isinstance(node, ast.Expr | ast.Assign | ast.AnnAssign | ast.Return):
+        yield f"`{ast.unparse(node)}` is missing, or not reached.", node, ast.Pass()
+
+
+def _another(node: ast.AST) -> Slips:
     code = ast.unparse(node)
     match node:
-        case ast.Expr(ast.Call()) | ast.Assign() | ast.Return(ast.expr()):
-            yield f"`{code}` is missing, or not reached.", node, ast.Pass()
         case ast.BinOp(left, op, right):
-            yield f"`{ast.unparse(left)}` is missing: it is `{code}`.", node, right
-            yield f"`{ast.unparse(right)}` is missing: it is `{code}`.", node, left
-            if isinstance(op, ast.Add | ast.Sub):
-                for first, sign in product((left, ast.UnaryOp(ast.USub(), left)), (ast.Add(), ast.Sub())):
-                    yield f"a sign is wrong: it is `{code}`.", node, ast.BinOp(first, sign, right)
+            nothing = ast.Constant(0 if isinstance(op, ast.Add | ast.Sub) else 1)
+            for each in (left, right):
+                yield f"`{ast.unparse(each)}` is missing: it is `{code}`.", each, nothing
+            for each in (left, right, node):
+                yield f"a sign is wrong: it is `{code}`.", each, ast.UnaryOp(ast.USub(), each)
         case ast.Compare(left, [op], [right]) if isinstance(op, COMPARISONS):
             for kind in COMPARISONS:
                 yield f"the comparison is another: it is `{code}`.", node, ast.Compare(left, [kind()], [right])
@@ -134,31 +137,12 @@ def _slips(node: ast.AST) -> Iterator[tuple[str, Any, ast.AST]]:
                     ast.Constant(isinstance(op, ast.And)),
                 )
         case ast.If(test) | ast.IfExp(test) | ast.comprehension(ifs=[test]):
-            asked = ast.unparse(test)
-            yield f"`{asked}` is not asked.", test, ast.Constant(True)
-            yield f"nothing is done where `{asked}`, or it never becomes so.", test, ast.Constant(False)
-            yield f"the condition is turned round: it is `{asked}`.", test, ast.UnaryOp(ast.Not(), test)
-        case ast.Call(function, [*parts], keywords):
-            for each in parts:
-                yield f"`{ast.unparse(function)}` is left out: it is `{code}`.", node, each
-            for others in _exchanged(parts):
-                yield f"two are exchanged: it is `{code}`.", node, ast.Call(function, others, keywords)
-        case ast.Tuple(parts, context):
-            for others in _exchanged(parts):
-                yield f"two are exchanged: it is `{code}`.", node, ast.Tuple(others, context)
+            yield f"`{ast.unparse(test)}` is not asked.", test, ast.Constant(True)
+            yield f"the condition is turned round: it is `{ast.unparse(test)}`.", test, ast.UnaryOp(ast.Not(), test)
     for each in ast.iter_child_nodes(node):
         if isinstance(each, ast.Constant) and type(each.value) in (int, float):
             for factor in FACTORS:
-                yield (
-                    f"the number is another: it is `{code}`.",
-                    each,
-                    ast.Constant(type(each.value)(factor * each.value)),
-                )
-
-
-def _exchanged(parts: Sequence[ast.expr]) -> Iterator[list[ast.expr]]:
-    """Yield the parts with each two neighbours exchanged."""
-    return ([*parts[:i], b, a, *parts[i + 2 :]] for i, (a, b) in enumerate(pairwise(parts)))
+                yield f"the number is another: it is `{code}`.", each, ast.BinOp(each, ast.Mult(), ast.Constant(factor))
 
 
 def _changed_lines(source: str, part: Any, other: ast.AST) -> tuple[str, str]:
