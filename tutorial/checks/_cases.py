@@ -64,9 +64,9 @@ class Cases:
         """Try an answer, say of each case what was observed, and name each mistake where it shows first."""
         shared, seen, misused = SharedState(answer), dict[str, Any](), dict[str, Failure]()
         for label, case in self.cases.items():
-            seen[label] = raised = observed(case, answer)
-            if isinstance(raised, Failure) and isinstance(raised.error, Misuse):
-                misused[label] = raised
+            seen[label] = each = observed(case, answer)
+            if isinstance(each, Failure) and isinstance(each.error, Misuse):
+                misused[label] = each
                 break
         watch.explaining = True
         failures = {label: each for label, each in seen.items() if isinstance(each, Failure)}
@@ -84,12 +84,10 @@ class Cases:
                 yield right(f"{label}: {self.say(seen[label])}")
             elif label in raised:
                 if found and same(observed(self.cases[label], self.mistaken(*found)), seen[label]):
-                    return
+                    continue
                 error = raised[label].error
-                known = isinstance(error, CRASHES) or "NoneType" in str(error)
-                yield raised[label].finding(
-                    self.otherwise.get(label) if known and label in self.crashes else None, label
-                )
+                known = label in self.crashes and (isinstance(error, CRASHES) or "NoneType" in str(error))
+                yield raised[label].finding(self.otherwise.get(label) if known else None, label)
                 return
             elif label in failures and label in causes:
                 yield failures[label].finding(causes[label], label)

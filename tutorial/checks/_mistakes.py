@@ -139,10 +139,10 @@ def _another(node: ast.AST) -> Slips:
         case ast.If(test) | ast.IfExp(test) | ast.comprehension(ifs=[test]):
             yield f"`{ast.unparse(test)}` is not asked.", test, ast.Constant(True)
             yield f"the condition is turned round: it is `{ast.unparse(test)}`.", test, ast.UnaryOp(ast.Not(), test)
-    for each in ast.iter_child_nodes(node):
-        if isinstance(each, ast.Constant) and type(each.value) in (int, float):
-            for factor in FACTORS:
-                yield f"the number is another: it is `{code}`.", each, ast.BinOp(each, ast.Mult(), ast.Constant(factor))
+    for number in ast.iter_child_nodes(node):
+        if isinstance(number, ast.Constant) and type(number.value) in (int, float):
+            for factor in map(ast.Constant, FACTORS):
+                yield f"the number is another: it is `{code}`.", number, ast.BinOp(number, ast.Mult(), factor)
 
 
 def _changed_lines(source: str, part: Any, other: ast.AST) -> tuple[str, str]:
