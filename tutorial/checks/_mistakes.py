@@ -127,7 +127,7 @@ def _another(node: ast.AST) -> Slips:
             for each in (left, right, node):
                 yield f"a sign is wrong: it is `{code}`.", each, ast.UnaryOp(ast.USub(), each)
         case ast.Compare(left, [op], [right]) if isinstance(op, COMPARISONS):
-            for kind in COMPARISONS:
+            for kind in (each for each in COMPARISONS if not isinstance(op, each)):
                 yield f"the comparison is another: it is `{code}`.", node, ast.Compare(left, [kind()], [right])
         case ast.BoolOp(op, values):
             for each in values:
