@@ -28,7 +28,7 @@ def test_each_mistake_is_diagnosed_as_itself(exercise, cases):
 
 
 SLIPS = {
-    "`self.fire.put(pressed)` is missing, or not reached.": "fire",
+    "`self.samples.clear()` is missing, or not reached.": "gyro",
     "`dq` is missing: it is `dq_ref - dq`.": "aim",
     "a sign is wrong: it is `q_ref - q`.": "aim",
     "the comparison is another: it is `stamp - newest > 100000000`.": "gaps",

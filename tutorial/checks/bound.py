@@ -100,9 +100,7 @@ the four are in reverse order, or the two sticks are exchanged: keep the order o
 """)
 MANY = "Most likely a certain number of axes is expected: there may be more, and the first four count."
 FEW = "Most likely four axes are taken for granted: of those that the message lacks, each counts as 0."
-NOT_A_NUMBER = (
-    "NaN counts as 0, and min and max let it through or make 1 or -1 of it: ask isfinite(axis) before anything else."
-)
+NOT_A_NUMBER = "NaN counts as 0, and min and max let it through, or make 1 or -1 of it: ask isfinite(axis) first."
 INFINITE = "An infinity counts as 0, and not as 1 or -1: ask isfinite(axis) before anything else; isnan does not tell."
 BEYOND = "Most likely an axis beyond -1 or 1 is not expected: limit it to that end with min and max."
 KEPT = "Most likely the list is kept from call to call: make a new one in every call."

@@ -88,6 +88,9 @@ the whole message is dropped for an unknown name, for NaN, or for a position too
     => if len(message.position) < len(message.name): return dict() // return {
     => if len(message.position) != len(message.name): return dict() // return {
 
+0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions like any other.
+    isfinite(position) => position and isfinite(position) => position >= 0 and isfinite(position)
+
 positions are converted, rounded or lose their sign: they are rad on both sides, pass them on as they are.
     name: position => name: degrees(position) => name: radians(position) => name: int(position) => name: abs(position)
 

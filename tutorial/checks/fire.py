@@ -63,6 +63,9 @@ class FireButton(Listener):
 
 
 MISTAKES = mistakes("""
+nothing is put, or always False: on_joy calls self.fire.put(...), with True if the button is pressed, else False.
+    self.fire.put(pressed) => pass
+
 it looks at message.axes: the buttons are in message.buttons.
     message.buttons => message.axes
 

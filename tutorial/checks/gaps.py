@@ -114,11 +114,11 @@ the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
     newest - stamp > 1_000_000_000 => newest - stamp > 100_000_000 => newest - stamp > 500_000_000
     => newest - stamp > 10_000_000_000
 
-nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hide what goes wrong.
-    return found => return []
-
 return stands within the loop: it belongs after it.
     return found => return [] if messages else None
+
+nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hide what goes wrong.
+    return found => return []
 
 a late message is told: it says nothing.
     newest = max( => found += [("late", newest, stamp)] if stamp < newest else [] // newest = max(
