@@ -124,7 +124,7 @@ def _another(node: ast.AST) -> Slips:
             nothing = ast.Constant(0 if isinstance(op, ast.Add | ast.Sub) else 1)
             for each in (left, right):
                 yield f"`{ast.unparse(each)}` is missing: it is `{code}`.", each, nothing
-            for each in (left, right, node):
+            for each in (left, right, node) if nothing.value == 0 else ():
                 yield f"a sign is wrong: it is `{code}`.", each, ast.UnaryOp(ast.USub(), each)
         case ast.Compare(left, [op], [right]) if isinstance(op, COMPARISONS):
             for kind in (each for each in COMPARISONS if not isinstance(op, each)):

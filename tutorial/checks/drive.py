@@ -143,7 +143,7 @@ STICKS = (
 )
 MESSAGES = ((0.0, 1.0), (), (1.0,), (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4))
 WHOLE, MIXED = ((0.6, 0.5), (-0.4, -0.9)), ((0.6, -0.9), (-0.4, 0.5))
-AXES = "Most likely axes are taken for granted, or a message with few is dropped: only those that it lacks count as 0."
+AXES = "Most likely a message or its axes are taken for granted, or one with few is dropped: what it lacks counts as 0."
 KEPT = "Most likely messages are dropped by time, or count for a while only: the newest counts until there is another."
 RESTART = "Most likely initialize throws away the newest message, or keeps another: make what keeps it in configure."
 OTHERWISE = {
