@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
 from itertools import combinations
 
 import pytest
 
+from tutorial.checks._mistakes import slips
 from tutorial.checks.catalogue import exercises
 
 MODULES = {each: importlib.import_module(each.module) for those in exercises().values() for each in those}
@@ -23,6 +25,25 @@ def test_each_mistake_is_diagnosed_as_itself(exercise, cases):
         verdict = exercise.judge(twin)
         assert not verdict.right, f"this is no mistake: {mistake}"
         assert verdict.causes == (f"Most likely {mistake.cause}",), str(verdict)
+
+
+SLIPS = {
+    "`self.samples.clear()` is missing, or not reached.": "gyro",
+    "`dq` is missing: it is `dq_ref - dq`.": "aim",
+    "a sign is wrong: it is `q_ref - q`.": "aim",
+    "the comparison is another: it is `stamp - newest > 100000000`.": "gaps",
+    "`name in joint_names` is not asked: it is `name in joint_names and isfinite(position)`.": "by_name",
+    "`news` is not asked.": "thrift",
+}
+
+
+@pytest.mark.parametrize(("cause", "name"), SLIPS.items(), ids=SLIPS.values())
+def test_what_is_missing_or_another_is_told_without_a_row(cause, name):
+    cases = next(table for each, table in TABLES.items() if each.name == name)
+    alone = replace(cases, mistakes=())
+    slip = next(each for each in slips(cases.solution) if each.cause == cause)
+    told = [finding.cause for finding in alone.judge(cases.mistaken(slip)) if not finding.right]
+    assert told == [f"Most likely {cause}"]
 
 
 @every_table

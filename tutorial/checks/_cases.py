@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
+from itertools import chain, combinations
 from math import isclose, isnan
 from numbers import Real
 from typing import Any
 
+from tutorial.checks._answer import name_of
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._mistakes import Mistake, mistakes, with_mistakes
+from tutorial.checks._mistakes import Mistake, mistakes, slips, with_mistakes
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, watch
 
-__all__ = ["Cases", "blame", "call", "mistakes", "observed", "same"]
+__all__ = ["Cases", "ask", "call", "mistakes", "observed", "same"]
 
 TOLERANCE = 1e-4
-MOST = 2  # mistakes at once; three of them look like too much else
 LONGEST = 20.0  # [s] in which mistakes are tried, one and two at once; so that a busy machine comes to an end, too
+CRASHES = (LookupError, ValueError, ArithmeticError, TypeError)
+CHANGED = "Most likely pop, sort, append, += or an assignment changes it: leave it as it is, make one of your own."
 CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
 
 Case = Callable[[Any], Any]
@@ -42,7 +44,7 @@ class Cases:
         say: puts an observation into words.
         otherwise: the cause to name where no known mistakes explain what is observed, by the first case that shows it;
             "" for any other.
-        crashes: by case, the cause to name where what the case gives, or None, cannot be looked up or computed with.
+        crashes: the cases of which it is the cause, too, that what they give, or None, cannot be computed with.
         beside: functions of the solution's module that a mistake may change, too.
         clock: the cause to name of an answer that asks the computer's clock.
         on_ros: tries a right answer with rclpy's own node, and says what comes of it.
@@ -53,7 +55,7 @@ class Cases:
     mistakes: Sequence[Mistake]
     say: Callable[[Any], str]
     otherwise: Mapping[str, str]
-    crashes: Mapping[str, str] = field(default_factory=dict)
+    crashes: Collection[str] = ()
     beside: Sequence[Any] = ()
     clock: str = CLOCK
     on_ros: Case | None = None
@@ -62,15 +64,15 @@ class Cases:
         """Try an answer, say of each case what was observed, and name each mistake where it shows first."""
         shared, seen, misused = SharedState(answer), dict[str, Any](), dict[str, Failure]()
         for label, case in self.cases.items():
-            seen[label] = raised = observed(case, answer)
-            if isinstance(raised, Failure) and isinstance(raised.error, Misuse):
-                misused[label] = raised
+            seen[label] = each = observed(case, answer)
+            if isinstance(each, Failure) and isinstance(each.error, Misuse):
+                misused[label] = each
                 break
         watch.explaining = True
         failures = {label: each for label, each in seen.items() if isinstance(each, Failure)}
         odd = [label for label in seen if not same(seen[label], self.expected[label])]
         by_the_clock = "clock" in watch.noted
-        for raised in ({}, misused, failures):  # what speaks for itself need not be explained
+        for raised in (misused, failures):  # what speaks for itself need not be explained
             told = [label for label in odd if label not in raised]
             rest = {label: each for label, each in seen.items() if label not in raised}
             found = self.explain(rest) if told and not by_the_clock else ()
@@ -81,9 +83,11 @@ class Cases:
             if label not in odd:
                 yield right(f"{label}: {self.say(seen[label])}")
             elif label in raised:
+                if found and same(observed(self.cases[label], self.mistaken(*found)), seen[label]):
+                    continue
                 error = raised[label].error
-                known = isinstance(error, LookupError | ValueError | ArithmeticError) or "NoneType" in str(error)
-                yield raised[label].finding(self.crashes.get(label) if known else None, label)
+                known = label in self.crashes and (isinstance(error, CRASHES) or "NoneType" in str(error))
+                yield raised[label].finding(self.otherwise.get(label) if known else None, label)
                 return
             elif label in failures and label in causes:
                 yield failures[label].finding(causes[label], label)
@@ -97,24 +101,27 @@ class Cases:
     def explain(self, seen: Mapping[str, Any]) -> tuple[Mistake, ...]:
         """Find the fewest mistakes that lead to exactly what was observed; none where nothing known does.
 
-        Of an answer that raises in the first case, or was tried in few of them, two at once would only be guessed.
+        Slips are left alone where one case alone is odd, or one raises. Of an answer that raises in the first case, or
+        was tried in few of them, two mistakes at once would only be guessed.
         """
-        raises = isinstance(next(iter(seen.values())), Failure)
-        most = 1 if raises or 2 * len(seen) < len(self.cases) else MOST
-        odd = [label for label in seen if not same(seen[label], self.expected[label])][-1]
-        others = [label for label in seen if label != odd]
-        alone = {each: observed(self.cases[odd], self.mistaken(each)) for each in self.mistakes}
-        shows = {each: not same(alone[each], self.expected[odd]) for each in self.mistakes}
+        raises = [isinstance(each, Failure) for each in seen.values()]
+        odd = [label for label in seen if not same(seen[label], self.expected[label])]
+        alone = {each: observed(self.cases[odd[-1]], self.mistaken(each)) for each in self.mistakes}
+        shows = {each for each in self.mistakes if not same(alone[each], self.expected[odd[-1]])}
+        leads = {each for each in self.mistakes if same(alone[each], seen[odd[-1]])}
+        both = (two for two in combinations(self.mistakes, 2) if shows.issuperset(two) or not leads.isdisjoint(two))
+        tries = chain(
+            ((each,) for each in self.mistakes if each in leads),
+            () if any(raises) or len(odd) == 1 else ((each,) for each in slips(self.solution, self.beside)),
+            () if raises[0] or 2 * len(seen) < len(self.cases) else both,
+        )
         end = time.monotonic() + LONGEST
-        for count in range(1, most + 1):
-            for chosen in combinations(self.mistakes, count):
-                if time.monotonic() > end:
-                    return ()
-                if not all(shows[each] for each in chosen) and not any(same(alone[each], seen[odd]) for each in chosen):
-                    continue  # what does not show by itself is taken to change nothing
-                twin = self.mistaken(*chosen)
-                if twin and all(same(observed(self.cases[label], twin), seen[label]) for label in (odd, *others)):
-                    return chosen
+        for chosen in tries:
+            if time.monotonic() > end:
+                break
+            twin, first = self.mistaken(*chosen), odd[0 if chosen[0] not in alone else -1]
+            if twin and all(same(observed(self.cases[label], twin), seen[label]) for label in (first, *seen)):
+                return chosen
         return ()
 
     def mistaken(self, *chosen: Mistake) -> Any:
@@ -139,11 +146,13 @@ class Cases:
 
 
 def observed(case: Case, answer: Any) -> Any:
-    """Return what comes of a case; of an answer that raises, the failure."""
+    """Return what comes of a case; of an answer that raises, or leads to something odd, the failure."""
     try:
         return case(answer)
     except Failure as failure:
         return failure
+    except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to
+        return Failure(name_of(answer), error)
 
 
 def call(function: Callable[..., Any], *arguments: Any) -> Any:
@@ -152,19 +161,37 @@ def call(function: Callable[..., Any], *arguments: Any) -> Any:
     Raises:
         Failure: it raised.
     """
-    with watch.call(getattr(function, "__name__", "the answer")):
+    with watch.call(name_of(function)):
         return function(*arguments)
 
 
-@contextmanager
-def blame(cause: str, *kinds: type[Exception], words: str = "") -> Iterator[None]:
-    """Name the cause of exceptions of these kinds, with these words, that the learner's code raises."""
-    try:
-        yield
-    except kinds as error:
-        if words not in str(error):
-            raise
-        raise Misuse(f"it raises {type(error).__name__}: {error}", cause).with_traceback(error.__traceback__) from error
+def ask(function: Any, *given: Any, read: Callable[[Any], Any], wanted: str) -> Any:
+    """Call a function of the learner's, and read what it returns.
+
+    Args:
+        function: the learner's.
+        given: its arguments, which it has to leave as they are.
+        read: makes an observation of what was returned.
+        wanted: what is to be returned, as a sentence.
+
+    Raises:
+        Failure: it raised, has returned something that cannot be read, or has changed what it was given.
+    """
+    before = [*map(str, given)]
+    with watch.call(name_of(function)):
+        returned = function(*given)
+        text, cause = f"it returns a {type(returned).__name__}", wanted
+        changed = [type(each).__name__ for each, said in zip(given, before) if str(each) != said]
+        if changed:
+            text, cause = f"the {changed[0]} that was given is not the same afterwards", CHANGED
+        elif returned is None:
+            text, cause = "it returns None", f"Most likely return is missing. {wanted}"
+        elif isinstance(returned, Iterator):
+            cause = f"With yield, or in parentheses, something makes an iterator. {wanted}"
+        else:
+            with suppress(AttributeError, TypeError, ValueError):
+                return read(returned)
+        raise Misuse(text, cause)
 
 
 def same(a: Any, b: Any) -> bool:

@@ -63,8 +63,10 @@ _CAUSES = {
     r"AttributeError: type object '(\w+)'": _CLASS,
     r".*'(?:property|member_descriptor)' object": "Most likely parentheses are missing where an object is made: a "
     "class was used in its place.",
-    r"TypeError: unhashable": "Most likely a list is taken for a key: take what says what it is about, such as the "
-    "body's name.",
+    r"IndexError": "Most likely there is an index beyond the end: ask for len first, or keep what came before.",
+    r"KeyError|StopIteration": "Most likely something is taken for granted: ask first whether it is there.",
+    r"TypeError: unhashable type: '(\w+)'": "Most likely a {0} is the key of a dict, which cannot be: take a tuple of "
+    "its numbers, or what it is about, such as the body's name.",
     r"TypeError: (?:\w+\.)*(\w+)\.\w+\(\) missing 1 required positional argument: 'self'": _CLASS,
     r"TypeError: \S*__init__\(\) missing": NO_ARGUMENTS,
     r"TypeError: (?:\S+\.)?(on_\w+)\(\) missing 1 required positional argument": AT_ONCE,

@@ -1,19 +1,22 @@
-"""Known mistakes: edits of a solution's source, each with the cause that it is told as."""
+"""Mistakes: edits of a solution's source, each with the cause that it is told as; of a table, or common slips."""
 
 from __future__ import annotations
 
+import ast
 import inspect
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from typing import Any
 
-__all__ = ["Mistake", "mistakes", "with_mistakes"]
+__all__ = ["Mistake", "mistakes", "slips", "with_mistakes"]
 
 NEW_LINE = " // "
+COMPARISONS = (ast.Gt, ast.GtE, ast.Lt, ast.LtE, ast.Eq, ast.NotEq)
+FACTORS = (10, 0.1, 2, 0.5)  # by which a number is another
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,7 @@ class Mistake:
         for old, new in self.edits:
             if old not in source:
                 return None
-            line = next(line for line in source.splitlines() if old in line)
+            line = source[: source.index(old)].rpartition("\n")[2] + old
             indent = line[: len(line) - len(line.lstrip())]
             source = source.replace(old, new.replace(NEW_LINE, f"\n{indent}"))
         return source
@@ -90,3 +93,64 @@ def with_mistakes(solution: Any, chosen: Sequence[Mistake], beside: Sequence[Any
 @cache
 def _source(parts: tuple[Any, ...]) -> str:
     return "\n\n".join(map(inspect.getsource, parts))
+
+
+def slips(solution: Any, beside: Sequence[Any] = ()) -> Iterator[Mistake]:
+    """Make the mistakes that need no table: statements are missing, or, the smallest first, parts of them are another.
+
+    Args:
+        solution: the right answer.
+        beside: functions of the solution's module that a mistake may change, too.
+    """
+    source = _source((*beside, solution))
+    nodes = [*ast.walk(ast.parse(source))]
+    for made in (_missing, _another):
+        for cause, part, other in (slip for node in reversed(nodes) for slip in made(node)):
+            yield Mistake(cause, (_changed_lines(source, part, other),))
+
+
+Slips = Iterator[tuple[str, Any, ast.AST]]  # each the cause, the part of a source that is replaced, and by what
+
+
+def _missing(node: ast.AST) -> Slips:
+    if isinstance(node, ast.Expr | ast.Assign | ast.AnnAssign | ast.Return):
+        yield f"`{ast.unparse(node)}` is missing, or not reached.", node, ast.Pass()
+
+
+def _another(node: ast.AST) -> Slips:
+    code = ast.unparse(node)
+    match node:
+        case ast.BinOp(left, op, right):
+            nothing = ast.Constant(0 if isinstance(op, ast.Add | ast.Sub) else 1)
+            for each in (left, right):
+                yield f"`{ast.unparse(each)}` is missing: it is `{code}`.", each, nothing
+            for each in (left, right, node) if nothing.value == 0 else ():
+                yield f"a sign is wrong: it is `{code}`.", each, ast.UnaryOp(ast.USub(), each)
+        case ast.Compare(left, [op], [right]) if isinstance(op, COMPARISONS):
+            for kind in (each for each in COMPARISONS if not isinstance(op, each)):
+                yield f"the comparison is another: it is `{code}`.", node, ast.Compare(left, [kind()], [right])
+        case ast.BoolOp(op, values):
+            for each in values:
+                yield (
+                    f"`{ast.unparse(each)}` is not asked: it is `{code}`.",
+                    each,
+                    ast.Constant(isinstance(op, ast.And)),
+                )
+        case ast.If(test) | ast.IfExp(test) | ast.comprehension(ifs=[test]):
+            yield f"`{ast.unparse(test)}` is not asked.", test, ast.Constant(True)
+            yield f"the condition is turned round: it is `{ast.unparse(test)}`.", test, ast.UnaryOp(ast.Not(), test)
+    for number in ast.iter_child_nodes(node):
+        if isinstance(number, ast.Constant) and type(number.value) in (int, float):
+            for factor in map(ast.Constant, FACTORS):
+                yield f"the number is another: it is `{code}`.", number, ast.BinOp(number, ast.Mult(), factor)
+
+
+def _changed_lines(source: str, part: Any, other: ast.AST) -> tuple[str, str]:
+    """Return the lines of a part of a source, with as many before as make them unique, and what they become."""
+    lines = source.splitlines()
+    begin, end = part.lineno - 1, part.end_lineno
+    instead = f"({ast.unparse(other)})" if isinstance(part, ast.expr) else ast.unparse(other)
+    changed = lines[begin][: part.col_offset] + instead + lines[end - 1][part.end_col_offset :]
+    while source.count("\n".join(lines[begin:end])) > 1:
+        begin -= 1
+    return "\n".join(lines[begin:end]), "\n".join([*lines[begin : part.lineno - 1], changed])

@@ -25,12 +25,16 @@ Notice that a reference which stays within the range answers at once when the st
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import degrees, radians  # noqa: F401 - what some mistakes need
+from math import degrees, isnan, nan, radians  # noqa: F401 - some are what mistakes need
 from typing import Any
 
+from tutorial.body import Joint
 from tutorial.checks._cases import Cases, call, mistakes
 from tutorial.checks._diagnose import Misuse
+from tutorial.checks._rig import Rig
+from tutorial.checks._watch import Failure
 from tutorial.checks.exercise import Exercise
+from tutorial.controller import SimpleController
 
 __all__ = ["HeldJoint", "aim"]
 
@@ -63,9 +67,6 @@ the reference is set to joint.position, in every call or when the stick rests: i
     lower, upper = => self.q_ref = self.joint.position // lower, upper =
     => self.q_ref = self.q_ref if stick else self.joint.position // lower, upper =
 
-the sign of the stick is wrong: at a positive stick the reference grows.
-    + 0.002 * => - 0.002 *
-
 the rate is another, or converted from or to degrees: it is 0.002 rad per call.
     0.002 => 0.02 => 0.0002 => radians(0.002) => degrees(0.002)
 
@@ -91,29 +92,14 @@ the limited reference is used but not kept, so it has to come back first: keep t
     self.joint = joint => self.far, self.joint = joint.position, joint
     lower, upper = => self.far += 0.002 * stick // lower, upper =
 
-the spring has the wrong sign, it pushes away from the reference: 200 * (q_ref - q).
-    200 * (q_ref - q) => 200 * (q - q_ref)
-
 the two gains are exchanged, or the same: 200 for the angle, 50 for the speed.
     200 * (q_ref - q) + 50 * => 50 * (q_ref - q) + 200 * => 200 * (q_ref - q) + 200 * => 50 * (q_ref - q) + 50 *
-
-the spring or the damping is missing: it is 200 * (q_ref - q) + 50 * (dq_ref - dq).
-    200 * (q_ref - q) + 50 * (dq_ref - dq) => 200 * (q_ref - q) => 50 * (dq_ref - dq)
-
-dq_ref or dq is missing, or always 0: compute both before self.q_ref and self.q_prev are overwritten.
-    (dq_ref - dq) => (0 - dq) => dq_ref
-
-the damping has a wrong sign: + 50 * (dq_ref - dq).
-    + 50 * (dq_ref - dq) => - 50 * (dq_ref - dq) => + 50 * (dq_ref + dq)
 
 dq_ref is made of the stick, or of q: it is how far q_ref itself has moved, (q_ref - self.q_ref) / self.time_step.
     (q_ref - self.q_ref) / => 0.002 * stick / => (q_ref - self.joint.position) /
 
 the speeds are not divided by time_step, or are multiplied by it: divide both differences.
     / self.time_step => / 1.0 => * self.time_step
-
-the time step is taken to be 1 ms: use time_step.
-    / self.time_step => / 0.001
 
 self.q_ref or self.q_prev is never renewed: keep q_ref and q in them for the next call.
     self.q_ref, self.q_prev = q_ref, q => self.q_ref = q_ref => self.q_prev = q
@@ -129,9 +115,6 @@ the torque is added to the last one, +=: it is set anew at every call, =.
 
 nothing is set while the stick rests: the joint has to be held then, too.
     lower, upper = => if not stick: return // lower, upper =
-
-the torque is computed but not set: self.joint.effort = ...; nobody looks at what aim returns, or at self.effort.
-    self.joint.effort = => effort =
 """)
 POSITION = "Most likely the result is set as joint.position: a motor takes a torque, joint.effort."
 OTHERWISE = {
@@ -143,76 +126,50 @@ OTHERWISE = {
 NARROW = (-0.1700001, 0.7800001)  # [rad]; a whole number of moves away, and a trace more, from where the cases begin
 
 
-class Joint:
-    """Stands for a `tutorial.body.Joint`: it moves as it is told, and keeps what is set.
-
-    What a joint has not begins with an underscore, so that no learner is told of it.
-
-    Attributes:
-        name, range, velocity: as a `tutorial.body.Joint` has them.
-        _position: [rad].
-        _torque: what was set last [N.m]; None for nothing.
-    """
-
-    __slots__ = ("_position", "_torque", "name", "range", "velocity")
-
-    def __init__(self, position: float, limits: tuple[float, float]) -> None:
-        self.name, self.range, self.velocity = "TURRET_P", limits, 0.0
-        self._position = position
-        self._torque: float | None = None
-
-    @property
-    def position(self) -> float:
-        """Position [rad]."""
-        return self._position
-
-    @position.setter
-    def position(self, _value: float) -> None:
-        raise Misuse("it sets the joint's position", POSITION)
-
-    @property
-    def effort(self) -> float:
-        """Torque [N.m]."""
-        return self._torque or 0.0
-
-    @effort.setter
-    def effort(self, value: float) -> None:
-        self._torque = float(value)
-
-
 Calls = tuple[float, float, int]  # the stick, the joint's speed [rad/s], and for how many calls
 
 
 def play(
-    answer: type, *calls: Calls, dt: float = 0.001, begin: float = 0.1, limits: tuple[float, float] = NARROW
-) -> Iterator[float | None]:
-    """Hold a joint, and yield the torque [N.m] after each call."""
-    joint = Joint(begin, limits)
+    answer: type,
+    *calls: Calls,
+    dt: float = 0.001,
+    begin: float = 0.1,
+    limits: tuple[float, float] = NARROW,
+    name: str = "Rover",
+) -> Iterator[float]:
+    """Hold a joint of a body of this name, and yield the torque [N.m] after each call; NaN where none was set."""
+    body = Rig(SimpleController, name=name).body
+    joint, motor = body.joint("TURRET_P"), body.actuator("TURRET_P")
+    joint.position, joint.range, motor.ctrl = begin, limits, nan
     held = call(answer, joint, dt)
-    for stick, joint.velocity, count in calls:
+    for stick, speed, count in calls:
+        body.data.qvel[:] = speed
         for _ in range(count):
-            joint._position += joint.velocity * dt
+            joint.position = position = joint.position + joint.velocity * dt
             call(held.aim, stick)
-            yield joint._torque
+            if joint.position != position:
+                raise Failure("aim", Misuse("it sets the joint's position", POSITION))
+            body.data.qfrc_actuator[:] = motor.ctrl  # as it will be when the next call asks for joint.effort
+            yield motor.ctrl
 
 
-def last(*calls: Calls, **how: Any) -> Callable[[type], float | None]:
+def last(*calls: Calls, **how: Any) -> Callable[[type], float]:
     """Observe the torque [N.m] in the end."""
     return lambda answer: list(play(answer, *calls, **how))[-1]
 
 
-def two(answer: type) -> tuple[float | None, ...]:
+def two(answer: type) -> tuple[float, ...]:
     """Observe the torques [N.m] of two joints that are held in turns."""
-    first, second = play(answer, (1.0, 0.0, 10), (0.0, 0.0, 10)), play(answer, STILL, (-0.5, -1.0, 19))
+    first, second = play(answer, (1.0, 0.0, 10), (0.0, 0.0, 10)), play(answer, STILL, (-0.5, -1.0, 19), name="Tank")
     return list(zip(first, second))[-1]
 
 
 STILL: Calls = (0.0, 0.0, 1)
 UP: Calls = (1.0, 0.0, 60)
 TRIED = {
-    "stick at rest": last((0.0, 0.0, 3)),
     "10 calls at full stick, the joint held fast": last((1.0, 0.0, 10)),
-    "and then 10 at rest": last((1.0, 0.0, 10), (0.0, 0.0, 10)),
+    "stick at rest": last((0.0, 0.0, 3)),
+    "full stick for 10 calls, then at rest for 10": last((1.0, 0.0, 10), (0.0, 0.0, 10)),
     "half stick down, the joint follows": last(STILL, (-0.5, -1.0, 20)),
     "stick at rest, the joint is pushed": last((0.0, 0.0, 2), (0.0, 0.5, 20)),
     "full stick at the end of the range": last(UP, begin=0.7),
@@ -231,7 +188,7 @@ def say(torque: Any) -> str:
     """Put a torque [N.m], or two, into words."""
     if isinstance(torque, tuple):
         return " and ".join(map(say, torque))
-    return "no torque" if torque is None else f"{torque:.1f} N.m".replace("-0.0", "0.0")
+    return "no torque" if isnan(torque) else f"{torque:.1f} N.m".replace("-0.0", "0.0")
 
 
 CASES = Cases(HeldJoint, TRIED, MISTAKES, say, OTHERWISE)

@@ -29,14 +29,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import takewhile, zip_longest  # noqa: F401 - what some mistakes need
 from math import degrees, inf, isfinite, nan, radians  # noqa: F401
+from numbers import Real
 from typing import Any
 
 from sensor_msgs.msg import JointState
 
 from tutorial.checks._answer import name_of
-from tutorial.checks._cases import Cases, call, mistakes
+from tutorial.checks._cases import Cases, ask, mistakes
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._watch import Failure
 from tutorial.checks.exercise import Exercise
 
 __all__ = ["by_name", "match_by_name"]
@@ -75,12 +76,6 @@ of two of the same name the largest position wins, as when pairs are sorted: the
 a name that comes twice is left out altogether: the last one counts.
     isfinite(position) => isfinite(position) and message.name.count(name) == 1
 
-names that the body does not have are kept: leave them out, if name in joint_names.
-    name in joint_names => True
-
-a name is looked up that the body does not have: ask first, if name in joint_names.
-    name in joint_names => list(joint_names).index(name) >= 0 => dict(zip(joint_names, joint_names))[name]
-
 the loop ends at an unknown name: leave out only that one and go on, continue.
     zip(message.name, => zip(takewhile(joint_names.__contains__, message.name),
 
@@ -93,21 +88,6 @@ the whole message is dropped for an unknown name, for NaN, or for a position too
     => if len(message.position) < len(message.name): return dict() // return {
     => if len(message.position) != len(message.name): return dict() // return {
 
-every joint is expected in every message: go through the message's names, not the body's.
-    return { => if not set(joint_names) <= set(message.name): return dict() // return {
-
-names are changed first: upper and lower case, blanks and what stands before a / are a part of them.
-    zip(message.name, => zip(map(str.upper, message.name), => zip(map(str.strip, message.name),
-    => zip([n.split("/")[-1] for n in message.name],
-
-names are compared in part, or in upper case: a joint's name is the whole of it, as it is written.
-    name in joint_names => any(name in joint for joint in joint_names) => any(joint in name for joint in joint_names)
-    => name.upper() in joint_names
-
-NaN is passed on, or becomes 0: leave the joint out, then it stays where it is; isfinite(position) tells.
-    isfinite(position) => True
-    name: position => name: position => name: position if isfinite(position) else 0.0
-
 0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions like any other.
     isfinite(position) => position and isfinite(position) => position >= 0 and isfinite(position)
 
@@ -116,10 +96,6 @@ positions are converted, rounded or lose their sign: they are rad on both sides,
 
 names and positions are exchanged in the dict: it goes from names to positions, {name: position}.
     name: position => position: name
-
-there is an index beyond the end, or zip with strict=True: zip(message.name, message.position) ends with the shorter.
-    zip(message.name, message.position) => zip(message.name, message.position, strict=True)
-    => ((n, message.position[i]) for i, n in enumerate(message.name))
 
 a name without a position gets 0, or None, as from zip_longest: zip leaves it out, then the joint stays where it is.
     zip(message.name, message.position) => zip_longest(message.name, message.position, fillvalue=0.0)
@@ -133,9 +109,7 @@ return stands within the loop, which so ends with the first pair, or with the fi
 a joint that the message says nothing about gets 0, NaN or None: leave it out of the dict, then it stays where it is.
     { => dict.fromkeys(joint_names, 0.0) | { => dict.fromkeys(joint_names, nan) | { => dict.fromkeys(joint_names) | {
 """)
-NOT_A_DICT = "Return a dict from names to positions, an empty one when there is nothing to tell; dict(pairs) makes one."
-CHANGED = "Most likely pop, sort, remove or an assignment changes the message itself: leave it as it is, take a copy."
-CHANGED_NAMES = "Most likely joint_names is changed: it belongs to the caller, take a copy."
+A_DICT = "Return a dict from names to positions, an empty one when there is nothing to tell; dict(pairs) makes one."
 KEPT = "Most likely the dict is kept from call to call: make a new one in every call, and not as a default argument."
 
 BODY = ("TURRET_Y", "TURRET_P", "HATCH")
@@ -149,8 +123,6 @@ def heard(
 ) -> Callable[[Any], str]:
     """Make a case of a message: what is returned for it, as a text, after another one which names all joints.
 
-    An error that only this message leads to is observed like anything else; one that the other leads to is a failure.
-
     Args:
         names, positions: what the message says [rad].
         body: the names of the body's joints.
@@ -158,57 +130,36 @@ def heard(
     """
 
     def case(answer: Any) -> str:
-        before = ask(answer, body, body, [EARLIER] * len(body))
-        try:
-            found = ask(answer, body, names, positions)
-        except Failure as failure:
-            if isinstance(failure.error, LookupError | ValueError | ArithmeticError | TypeError):
-                return f"it raises {type(failure.error).__name__}"
-            raise
-        told = sorted(f"{name}: {number(position)}" for name, position in found.items())
-        with watch.call(name_of(answer)):
-            if found is before or any(f"{EARLIER}" in each for each in told):
-                raise Misuse("it still says what the message before has said", KEPT)
+        kept = list[tuple[dict[Any, Any], list[str]]]()
+        for said in (body, [EARLIER] * len(body)), (names, positions):
+            message = JointState(name=list(said[0]), position=list(said[1]))
+            kept.append(ask(answer, list(body), message, read=lambda found: (found, pairs(found)), wanted=A_DICT))
+        (found, before), (_, told) = kept
+        if pairs(found) != before:
+            raise Failure(name_of(answer), Misuse("what it has returned before is not the same afterwards", KEPT))
         return "{" + ", ".join(each for each in told if not but or (but not in each and "inf" not in each)) + "}"
 
     return case
 
 
-def ask(answer: Any, body: Sequence[str], names: Sequence[str], positions: Sequence[float]) -> dict[Any, Any]:
-    """Give an answer a message, and look whether it leaves alone what it is given."""
-    joint_names, message = list(body), JointState(name=list(names), position=list(positions))
-    said = str(message)
-    found = call(answer, joint_names, message)
-    with watch.call(name_of(answer)):
-        if not isinstance(found, dict):
-            raise Misuse(f"it returns a {type(found).__name__}", NOT_A_DICT)
-        if str(message) != said:
-            raise Misuse("the message is not the same afterwards", CHANGED)
-        if joint_names != list(body):
-            raise Misuse("joint_names is not the same afterwards", CHANGED_NAMES)
-    return found
-
-
-def number(value: Any) -> str:
-    """Put a position into words, to six digits; anything else as Python would."""
-    try:
-        return repr(value) if isinstance(value, str) else f"{float(value) + 0.0:.6g}"
-    except (TypeError, ValueError):
-        return repr(value)
+def pairs(found: dict[Any, Any]) -> list[str]:
+    """Put what was returned into words, positions to six digits."""
+    numbers = {name: f"{q + 0.0:.6g}" if isinstance(q, Real) else repr(q) for name, q in found.items()}
+    return sorted(f"{name}: {number}" for name, number in numbers.items())
 
 
 COMPARE = "Compare with: the i-th position belongs to the i-th name, if the body has that name and it is not NaN."
 PLACE = MISTAKES[0].cause  # and so on: what is most likely where no known mistakes explain what is seen
 NO_SUBSET = "every joint is expected in every message: go through the message's names, not the body's."
 UNKNOWN = "names that the body does not have are not expected: ask first, if name in joint_names."
-SHORT = "fewer positions than names are not expected: those that are there count."
+SHORT = "fewer positions than names are not expected: those that are there count, and zip ends with the shorter."
 LONG = "more positions than names are not expected: those without a name say nothing, the others count."
 EMPTY = "an empty array is not expected: it says nothing about the pose, so return {}."
 NAN = "NaN is not left out as it should be: only that joint, and math.isfinite tells."
 INFINITE = "infinity is not expected: whatever is made of it, the other joints count."
 TWINS = "a name that comes twice is not expected: the last one that is a number counts."
 EXACT = "names are compared in part, or changed first: a joint's name is the whole of it, as it is written."
-ZERO = "0.0 is taken for nothing, as in `if position`: it is a position like any other."
+ZERO = "0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions like any other."
 ROUNDED = "positions are rounded: pass them on as they are."
 COUNT = "only as many names are looked at as the body has joints: look at all of the message's."
 TYPED = "the joints' names are typed: those of the body are in joint_names."
@@ -239,6 +190,6 @@ MESSAGES = {
 TRIED = {label: case for label, (_, case) in MESSAGES.items()}
 OTHERWISE = {"": COMPARE} | {label: f"Most likely {cause}" for label, (cause, _) in MESSAGES.items() if cause}
 
-CASES = Cases(match_by_name, TRIED, MISTAKES, str, OTHERWISE)
+CASES = Cases(match_by_name, TRIED, MISTAKES, str, OTHERWISE, OTHERWISE)
 
 by_name = Exercise("by_name", __doc__, CASES.judge, match_by_name, imports=("from math import isfinite",))

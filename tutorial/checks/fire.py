@@ -92,11 +92,10 @@ NO_TRUTH = "Put whether the button is pressed: True or False. bool(...) makes on
 OTHERWISE = {
     "": "Compare with: whether there is a buttons[0], and it is 1.",
     "the topic": 'Most likely configure lacks what Listener\'s does: super().configure(config) listens to "joy".',
-}
-CRASHES = {
     "a message without buttons": "Most likely buttons are taken for granted: ask for len(message.buttons) first.",
     "a message with one button, pressed": "Most likely more buttons are taken for granted: only buttons[0] counts.",
 }
+CRASHES = ("a message without buttons", "a message with one button, pressed")
 
 
 def held(rig: Rig, *states: tuple[int, ...]) -> bool:

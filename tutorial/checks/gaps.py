@@ -26,16 +26,13 @@ Notice that the bag's own times were not needed: a slow computer is no gap.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from numbers import Real
 from typing import Any
 
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._answer import name_of
-from tutorial.checks._cases import Cases, blame, call, mistakes
+from tutorial.checks._cases import Cases, ask, mistakes
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._watch import watch
 from tutorial.checks.exercise import Exercise
 
 __all__ = ["find_gaps", "gaps"]
@@ -61,9 +58,6 @@ def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int
 
 
 MISTAKES = mistakes("""
-the bag's times are compared: they say when a message was received, not made.
-    Time.from_msg(message.header.stamp).nanoseconds => _
-
 nanosec is left out: a stamp is sec and nanosec together.
     Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.sec * 1_000_000_000
 
@@ -81,9 +75,6 @@ seconds are computed as floating point numbers, which are rounded: count in whol
 
 stamps are cut to milliseconds, or microseconds: count in whole nanoseconds.
     .nanoseconds => .nanoseconds//1_000_000 * 1_000_000 => .nanoseconds//1_000 * 1_000
-
-each stamp is compared with the last one: compare it with the newest one so far.
-    max(newest, stamp) => stamp
 
 each stamp is compared with the first one, or the last where something was found: newest has to move on.
     ("gap", newest, stamp)) => ("gap", newest, stamp)) => ("gap", newest, stamp)) // continue
@@ -105,9 +96,6 @@ the numbers have no sign, as numpy's uint64: less than nothing is a huge number 
     stamp - newest > => (stamp - newest) % 2**64 >
     newest - stamp > => (newest - stamp) % 2**64 >
 
-0.1 s counts as a gap: more than 0.1 s does.
-    stamp - newest > => stamp - newest >=
-
 the limit of a gap is another: it is 0.1 s, which is 100_000_000 ns.
     stamp - newest > 100_000_000 => stamp - newest > 0 => stamp - newest > 10_000_000 => stamp - newest > 200_000_000
     => stamp - newest > 500_000_000 => stamp - newest > 1_000_000_000
@@ -126,20 +114,11 @@ the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
     newest - stamp > 1_000_000_000 => newest - stamp > 100_000_000 => newest - stamp > 500_000_000
     => newest - stamp > 10_000_000_000
 
-1 s back counts as a restart: more than 1 s does.
-    newest - stamp > => newest - stamp >=
-
-nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hide what goes wrong.
-    return found => return []
-
 return stands within the loop: it belongs after it.
     return found => return [] if messages else None
 
-no gap is told: a stamp more than 0.1 s after the newest one is one.
-    found.append(("gap", => str(("gap",
-
-no restart is told: a stamp more than 1 s back is one.
-    found.append(("restart", newest, stamp)) => pass => stamp = newest
+nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hide what goes wrong.
+    return found => return []
 
 a late message is told: it says nothing.
     newest = max( => found += [("late", newest, stamp)] if stamp < newest else [] // newest = max(
@@ -164,9 +143,6 @@ the order is another, such as gaps and restarts apart: keep the bag's order.
 the loop ends before the last message: zip, or enumerate, needs no - 1.
     in messages: => in messages[:-1]:
 
-a bag without a message is not expected: return an empty list.
-    newest = None => newest = stamps_of(messages)[0]
-
 the stamps are told in seconds, milliseconds or microseconds: they are asked for in nanoseconds.
     newest, stamp)) => newest / 1e9, stamp / 1e9)) => newest / 1e6, stamp / 1e6)) => newest//1_000, stamp//1_000))
     => newest//1_000_000, stamp//1_000_000))
@@ -188,13 +164,8 @@ the last message's stamp is told: a late one is not where the gap begins.
 """)
 EXACT = "Most likely floats are computed, which are rounded: count in whole nanoseconds, without / and 1e9."
 BACK = "Most likely the limit of a restart is another: more than 1 s back, which is 1_000_000_000 ns."
-EMPTY = "Most likely a bag without a message is not expected: return an empty list."
-INDEX = "Most likely there is an index beyond the end: keep what came before in a variable, then no index is needed."
-NO_RETURN = "Most likely return is missing: give the list back, an empty one when there is nothing to tell."
-YIELDS = "A list was asked for: with yield a function makes a generator. Append to a list, and return it."
-NOT_A_LIST = 'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), an empty one for nothing.'
+A_LIST = 'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), an empty one for nothing.'
 WORDS = 'The words are "gap" and "restart".'
-CHANGED = "Most likely sort, pop, remove or an assignment changes the list or a message: leave them as they are."
 
 SINCE_1970 = 1_750_000_000  # [s]
 
@@ -220,55 +191,23 @@ def stamps_of(messages: Sequence[tuple[int, JointState]]) -> list[int]:
     return [Time.from_msg(message.header.stamp).nanoseconds for _, message in messages]
 
 
-def bag(*stamps: float, cause: str = INDEX, of: type[Exception] = IndexError, **how: Any) -> Callable[[Any], Found]:
-    """Observe what is found in a bag.
-
-    Args:
-        stamps: of its messages [s].
-        cause: the most likely one of an exception.
-        of: the kind of exception that it is the cause of.
-        how: the bag was recorded.
-    """
-
-    def found_in(answer: Any) -> Found:
-        messages, given = list(recorded(*stamps, **how)), list(recorded(*stamps, **how))
-        with watch.call(name_of(answer)):
-            with blame(cause, of):
-                returned = answer(given)
-            found = read(returned)
-            if given != messages:
-                raise Misuse("the messages are not the same afterwards", CHANGED)
-        return found
-
-    return found_in
+def bag(*stamps: float, **how: Any) -> Callable[[Any], Found]:
+    """Observe what is found in a bag with these stamps [s], recorded in some way."""
+    return lambda answer: ask(answer, list(recorded(*stamps, **how)), read=read, wanted=A_LIST)
 
 
 def two(answer: Any) -> Found:
     """Observe what is found in two bags; what was found in the first is looked at after the second."""
-    first, second = call(answer, list(recorded(1.0, 1.5))), call(answer, list(recorded(2.0, 2.5)))
-    return read(first) + read(second)
+    bags = (list(recorded(*stamps)) for stamps in ((1.0, 1.5), (2.0, 2.5)))
+    both = [ask(answer, bag, read=lambda found: found, wanted=A_LIST) for bag in bags]
+    return [each for found in both for each in read(found)]
 
 
-def read(given: Any) -> Found:
-    """Return what was given in a form that can be compared.
-
-    Raises:
-        Misuse: it is no list of what happened.
-    """
-    if cause := misfit(given):
-        what = f"{given!r:.80}" if isinstance(given, list | tuple | None) else f"a {type(given).__name__}"
-        raise Misuse(f"it returns {what}", cause)
-    return [(str(what), *map(whole, numbers)) for what, *numbers in given]
-
-
-def misfit(given: Any) -> str:
-    """Say why something is no list of what happened; nothing if it is one."""
-    if not isinstance(given, list | tuple):
-        return NO_RETURN if given is None else YIELDS if isinstance(given, Iterator) else NOT_A_LIST
-    for each in given:
-        if not each or not isinstance(each, list | tuple) or not all(map(isinstance, each, [str, *[Real] * len(each)])):
-            return NOT_A_LIST
-    return "" if {each[0] for each in given} <= {"gap", "restart", "late"} else WORDS
+def read(returned: Sequence[tuple[Any, ...]]) -> Found:
+    """Return what was found in a form that can be compared."""
+    if not {what for what, *_ in returned} <= {"gap", "restart", "late"}:
+        raise Misuse("it tells something else", WORDS)
+    return [(what, *map(whole, stamps)) for what, *stamps in returned]
 
 
 def whole(number: Any) -> str | float:
@@ -305,7 +244,7 @@ TRIED = {
     "a robot's stamps, exactly 0.1 s apart": bag(0.826, 0.926, 0.946, since=SINCE_1970),
     "a robot's stamps, 0.1 s and 1 ns apart": bag(0.028000037, 0.128000038, since=SINCE_1970),
     "two bags, one after the other": two,
-    "no message": bag(cause=EMPTY, of=Exception),
+    "no message": bag(),
     "a single message": bag(1.0),
 }
 CAUSES = {  # by a word of the cases that they are the cause of
@@ -319,6 +258,7 @@ CAUSES = {  # by a word of the cases that they are the cause of
     "s back": BACK,
     "late": "Most likely each stamp is compared with the last one: compare it with the newest one so far.",
     "half a second late": "Most likely a late message is not expected: up to 1 s back, it says nothing.",
+    "no message": "Most likely a bag without a message is not expected: return an empty list.",
     "two bags": "Most likely the list is kept from call to call: make a new one in every call.",
 }
 OTHERWISE = {
@@ -333,6 +273,6 @@ def say(found: Found) -> str:
     return ", ".join(said[:4]) + f" and {len(said) - 4} more" * (len(said) > 4) or "nothing"
 
 
-CASES = Cases(find_gaps, TRIED, MISTAKES, say, OTHERWISE)
+CASES = Cases(find_gaps, TRIED, MISTAKES, say, OTHERWISE, ["no message"])
 
 gaps = Exercise("gaps", __doc__, CASES.judge, find_gaps, imports=("from rclpy.time import Time",))

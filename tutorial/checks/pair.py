@@ -28,14 +28,15 @@ Notice that the order of arrival is enough to know what is past, also after a ne
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import cycle
 from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._cases import Cases, blame, call, mistakes
+from tutorial.checks._cases import Cases, call, mistakes
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._watch import watch
 from tutorial.checks.exercise import Exercise
 
 __all__ = ["Pairs", "pair"]
@@ -96,14 +97,6 @@ two messages of one stream are taken for a pair: it has joints and a pose.
 a pair is looked for only when messages of one stream come: either may be the second.
     == 2: => == 2 and stream == "pose": => == 2 and stream == "joints":
 
-what came before a pair still waits: its partner comes too late, so drop it.
-    while stamp in self.waiting: => self.waiting.pop(stamp) // while False:
-
-a pair drops what waits of one stream only: what came before it is past in both.
-    while stamp in self.waiting: => past = list(self.waiting)[:list(self.waiting).index(stamp)] // SWEEP // while False:
-    SWEEP => self.waiting = {k: m for k, m in self.waiting.items() if k != stamp and not (k in past and WHICH in m)}
-    WHICH => "joints" => "pose" => stream => other(stream)
-
 a pair drops all that waits: only what came before it is past.
     while stamp in self.waiting: => self.waiting.clear() // while False:
 
@@ -135,12 +128,6 @@ of more than 50 all are dropped: only the one that came first gives way.
 what comes when 50 wait is not kept: the one that came first gives way.
     if len(self.waiting) > 50: => if len(self.waiting) > 50: del self.waiting[stamp] // if False:
 
-an older stamp than the last is refused: a publisher that was started again begins at 0.
-    self.waiting: dict => self.newest = (-1, 0) // self.waiting: dict
-    together = => if stamp < self.newest: return None // together =
-    return together => self.newest = stamp // return together
-    while stamp in self.waiting: => while stamp in self.waiting: => self.waiting.pop(stamp) // while False:
-
 an older stamp than the newest is refused: one topic may be ahead of the other, and a new start begins at 0.
     self.waiting: dict => self.newest = {} // self.waiting: dict
     together = => self.newest[OF] = max(stamp, self.newest.get(OF, stamp)) // together =
@@ -150,10 +137,7 @@ an older stamp than the newest is refused: one topic may be ahead of the other, 
 all that waits is dropped when an older stamp comes: one topic may be ahead of the other.
     together = => if stamp < max(self.waiting, default=stamp): self.waiting.clear() // together =
 """)
-SHARED = "Most likely what waits belongs to the class, or to an argument's default: make it in __init__."
 NO_PAIR = "Return the two messages themselves, joints, pose, or None as long as one of them is missing."
-UNHASHABLE = "Most likely the stamp itself is the key of a dict, which it can't be: make a tuple of sec and nanosec."
-ABSENT = "Most likely a partner is taken for granted: ask first whether it is there."
 
 JOINTS, POSE = "joints", "pose"
 Arrival = tuple[str, int]  # the stream, and the stamp [ns]
@@ -196,8 +180,7 @@ def message_of(stream: str, stamp: int) -> Any:
 def add(pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]) -> list[Arrival] | None:
     """Have a message arrive, and say what was returned, by the messages that are known."""
     with watch.call("add"):
-        with blame(ABSENT, LookupError, StopIteration), blame(UNHASHABLE, TypeError, words="unhashable"):
-            returned = pairs.add(stream, message)
+        returned = pairs.add(stream, message)
         if returned is None:
             return None
         those = returned if isinstance(returned, (tuple, list)) else ()
@@ -207,31 +190,28 @@ def add(pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arriva
         return pair
 
 
-def tried(*arrivals: Arrival, one_stamp: bool = False) -> Callable[[type], list[Any]]:
-    """Observe what is returned for one message after the other, which may share one stamp, the object itself."""
+def tried(*arrivals: Arrival, one_stamp: bool = False, objects: int = 1) -> Callable[[type], list[Any]]:
+    """Observe what is returned for one message after the other.
+
+    Args:
+        arrivals: of the messages.
+        one_stamp: whether they share one stamp, the object itself.
+        objects: to how many objects the messages are given in turns.
+    """
 
     def case(answer: type) -> list[Any]:
         messages = [message_of(*arrival) for arrival in arrivals]
         if one_stamp:
             for message in messages:
                 message.header.stamp = messages[0].header.stamp
-        known, pairs = list(zip(messages, arrivals)), call(answer)
-        return [add(pairs, stream, message, known) for message, (stream, _) in known]
+        known, those = list(zip(messages, arrivals)), cycle([call(answer) for _ in range(objects)])
+        return [add(pairs, stream, message, known) for pairs, (message, (stream, _)) in zip(those, known)]
 
     return case
 
 
-def two(answer: type) -> list[Any]:
-    """Observe two objects, of which one is given joint states and the other one their pose."""
-    known = [(message_of(*arrival), arrival) for arrival in in_turn(20)]
-    returned = [add(call(answer), stream, message, known) for message, (stream, _) in known]
-    if returned[1] == in_turn(20):
-        raise Failure("add", Misuse("what one object was given is there in another one", SHARED), None)
-    return returned
-
-
 TRIED = {
-    "two objects, of which each is given one half": two,
+    "two objects, of which each is given one half": tried(*in_turn(20), objects=2),
     "in turn": tried(*in_turn(20, 40, 60)),
     "both have one stamp, the object itself": tried(*in_turn(20), one_stamp=True),
     "the pose first": tried(*poses(20), *joints(20), *poses(40), *joints(40)),
@@ -260,7 +240,9 @@ TRIED = {
     "200 without a partner, then started again": tried(*joints(*range(9000, 13000, 20)), *in_turn(0, 20)),
 }  # fmt: skip
 GIVES_WAY = "Compare what gives way: nothing as long as 50 wait, and of more the one that came first."
+SHARED = "Most likely what waits belongs to the class, or to an argument's default: make it in __init__."
 CAUSES = {  # by a word of the cases that they are the cause of
+    "two objects": SHARED,
     "nanosecond": "Most likely the stamps are not compared as they are: sec and nanosec count, to the last digit.",
     "digits": "Most likely the stamps are not compared as they are: both numbers count, sec and nanosec.",
     "late": "Compare what is past: when a pair is found, what came before its first message is dropped, of both.",
@@ -275,21 +257,15 @@ OTHERWISE = {
 
 def say(returned: Sequence[Any]) -> str:
     """Name the pairs by their stamps."""
-    pairs = list(map(_pair_text, filter(None, returned)))
-    count, shown = len(pairs), ", ".join(pairs) if len(pairs) <= 3 else f"{pairs[0]} to {pairs[-1]}"
+    pairs = [" with ".join(f"{stream} of {_time(stamp)}" for stream, stamp in pair) for pair in returned if pair]
+    count, shown = len(pairs), ", ".join(pairs) if len(pairs) <= 2 else f"{pairs[0]} to {pairs[-1]}"
     return f"{count} pair{'s' * (count != 1)}, {shown}" if pairs else "no pair"
 
 
-def _pair_text(pair: Sequence[Arrival]) -> str:
-    (one, first), (another, second) = pair
-    text = _time(first) if first == second else f"{_time(first)} with {_time(second)}"
-    return text if (one, another) == (JOINTS, POSE) else f"{text} as {one}, {another}"
-
-
 def _time(stamp: int) -> str:
-    return f"{stamp // S} s {stamp % S} ns" if stamp % MS else f"{stamp // MS} ms"
+    return f"{stamp // MS}" + f".{stamp % MS:06}" * (stamp % MS > 0) + " ms"
 
 
-CASES = Cases(Pairs, TRIED, MISTAKES, say, OTHERWISE, crashes=dict.fromkeys(TRIED, ABSENT))
+CASES = Cases(Pairs, TRIED, MISTAKES, say, OTHERWISE)
 
 pair = Exercise("pair", __doc__, CASES.judge, Pairs)

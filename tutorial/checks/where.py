@@ -25,7 +25,6 @@ Notice that it goes from frame to frame, however many there are: tf2 composes th
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from math import acos, atan2, cos, radians, sin  # noqa: F401 - what some mistakes need
 from typing import Any
 
@@ -33,10 +32,7 @@ import numpy as np
 from geometry_msgs.msg import Quaternion, TransformStamped
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial.checks._answer import name_of
-from tutorial.checks._cases import Cases, blame, mistakes
-from tutorial.checks._diagnose import Misuse
-from tutorial.checks._watch import watch
+from tutorial.checks._cases import Cases, ask, mistakes
 from tutorial.checks.exercise import Exercise
 
 __all__ = ["turned", "where", "where_is"]
@@ -66,9 +62,6 @@ only the last transform is used, or only the first: each of them counts.
 the last transform is left out, or the first: reversed(transforms) has all of them.
     (transforms): => (transforms[:-1]): => (transforms[1:]):
 
-a certain number of transforms is expected: go through all of them, in a loop.
-    transforms): => transforms[:2]): => transforms[-2:]): => transforms[:3]): => transforms[-3:]): => transforms[:4]):
-
 it goes the wrong way, from the parent into the child: turn by the rotation, then add.
     turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) -
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
@@ -91,17 +84,8 @@ only the turn about z counts: a frame may be tilted as well.
     axis, point = => q = Quaternion(z=q.z, w=q.w) // axis, point =
     => q = about(UP, atan2(q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2)) // axis, point =
 
-the 2 is missing: a point moves by twice the cross product.
-    2 * np.cross( => np.cross(
-
 the factors of a cross product are exchanged: the axis comes first in both.
     np.cross(axis, point) + q.w * point => np.cross(point, axis) + q.w * point => -np.cross(axis, point) - q.w * point
-
-w times the point is left out, or the inner cross product: the two are added up.
-    np.cross(axis, point) + q.w * point => np.cross(axis, point) => q.w * point
-
-the point is missing in the turn: twice the cross product is only how far it moves.
-    point + 2 * => 2 *
 
 w is taken for the angle, or acos(w), half of it: the angle is 2 * acos(w).
     axis, point = => q = about((q.x, q.y, q.z), q.w) // axis, point =
@@ -117,12 +101,6 @@ one rotation is used for all: each transform has its own.
 
 the translation is added before the turn, and so is turned with it: turn first.
     turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) +
-
-the translation is left out: add it after the turn.
-    + np.array([t => + 0 * np.array([t
-
-the translation is taken off: it says where the child is in the parent, so add it.
-    + np.array([t => - np.array([t
 
 only x and y of the translation are added: z, too.
     t.z => 0.0
@@ -143,17 +121,10 @@ the point is left out, or added in the end as it is: it has to be turned by each
 
 the result is rounded: return it as it is.
     return point => return np.round(point, 1) => return np.round(point, 2) => return np.round(point, 3)
-
-the numbers stay whole, as the point's are: a place has fractions, so begin with np.array(point, float).
-    return point => return np.array(point, whole)
-    for stamped in => whole = np.array(point).dtype // for stamped in
 """)
 HOW_MANY = "Most likely a certain number of transforms is expected, or a frame's name: loop through all of them."
 NONE_GIVEN = "Without transforms the point is returned as it is: take no first transform for granted, and give it back."
-NO_RETURN = "Most likely return is missing: give the point back."
-NOT_THREE = "Return x, y and z: a list, a tuple or an array of three numbers; a message is no list."
-CHANGED = "Most likely an assignment, pop or reverse changes what was given: leave it as it is; reversed() copies."
-NOT_YOURS = "Most likely += or an assignment changes what was given: make an array of your own, np.array(point, float)."
+XYZ = "Return x, y and z: a list, a tuple or an array of three numbers; a message is no list."
 WHOLE = "Most likely an array of whole numbers is made, which takes no fractions: begin with np.array(point, float)."
 TILTED = "A turn about z is right, and one about another axis is not: compare with turned(q, point)."
 OTHERWISE = {
@@ -166,8 +137,10 @@ OTHERWISE = {
     "quaternions with all signs changed": "A rotation has two quaternions, q and -q: the sign of w alone says nothing.",
     "five transforms": HOW_MANY,
     "a point of whole numbers": WHOLE,
+    "two transforms": HOW_MANY,
     "no transform": NONE_GIVEN,
 }
+CRASHES = [label for label, cause in OTHERWISE.items() if cause in (HOW_MANY, WHOLE, NONE_GIVEN)]
 
 Chain = Sequence[tuple[Any, Any, float]]  # of each the translation [m], and axis and angle of the rotation [deg]
 
@@ -209,47 +182,22 @@ def messages(chain: Chain) -> Iterator[TransformStamped]:
         yield stamped
 
 
-def tried(chain: Chain, point: Any, kind: Any = tuple, crash: str = "") -> Callable[[Any], list[float]]:
+def tried(chain: Chain, point: Any, kind: Any = tuple) -> Callable[[Any], list[float]]:
     """Observe the numbers that are returned.
 
     Args:
         chain: the transforms.
         point: in the innermost frame [m].
         kind: what the point is given as.
-        crash: the cause to name when something is raised; "" for what is known of it in general.
     """
-    kinds = (LookupError, TypeError, ValueError, AttributeError) if crash else ()
-
-    def case(answer: Any) -> list[float]:
-        transforms, given = list(messages(chain)), kind(point)
-        with watch.call(name_of(answer)):
-            with blame(crash, *kinds):
-                returned = answer(transforms, given)
-            if returned is None:
-                raise Misuse("it returns None", NO_RETURN if chain else NONE_GIVEN)
-            numbers = three(returned)
-            if transforms != list(messages(chain)):
-                raise Misuse("the transforms are not the same afterwards", CHANGED)
-            if list(given) != list(point):
-                raise Misuse("the point that was given is not the same afterwards", NOT_YOURS)
-        return numbers
-
-    return case
+    wanted = XYZ if chain else NONE_GIVEN
+    return lambda answer: ask(answer, list(messages(chain)), kind(point), read=three, wanted=wanted)
 
 
 def three(returned: Any) -> list[float]:
-    """Return the three numbers that an answer has returned.
-
-    Raises:
-        Misuse: it is something else.
-    """
-    text = f"it returns a {type(returned).__name__}"
-    if hasattr(returned, "__len__") and not isinstance(returned, (str, bytes, dict, set)):
-        with suppress(TypeError, ValueError):
-            text += f" of {len(returned)}"
-            if len(returned) == 3:
-                return [float(each) for each in returned]
-    raise Misuse(text, NOT_THREE)
+    """Return the three numbers that an answer has returned."""
+    x, y, z = map(float, returned)
+    return [x, y, z]
 
 
 TRIED = {
@@ -259,12 +207,12 @@ TRIED = {
     "its nose up": tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)),
     "rolled to its side": tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)),
     "about a slanting axis": tried([((0.25, -1.0, 0.1), (1.0, -2.0, 0.5), 110.0)], (0.3, 0.2, -0.1)),
-    "two transforms": tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0), crash=HOW_MANY),
+    "two transforms": tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0)),
     "quaternions with all signs changed": tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
-    "five transforms": tried(LONG, (0.3, 0.1, -0.2), crash=HOW_MANY),
-    "a point of whole numbers": tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2), crash=WHOLE),
+    "five transforms": tried(LONG, (0.3, 0.1, -0.2)),
+    "a point of whole numbers": tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2)),
     "a point that is an array": tried(LONG[2:], (0.3, 0.1, -0.2), np.array),
-    "no transform": tried([], (1.0, 2.0, 3.0), crash=NONE_GIVEN),
+    "no transform": tried([], (1.0, 2.0, 3.0)),
 }
 
 
@@ -273,6 +221,6 @@ def say(numbers: Sequence[float]) -> str:
     return ", ".join(f"{number:z.3f}" for number in numbers)
 
 
-CASES = Cases(where_is, TRIED, MISTAKES, say, OTHERWISE, beside=(turned,))
+CASES = Cases(where_is, TRIED, MISTAKES, say, OTHERWISE, CRASHES, beside=(turned,))
 
 where = Exercise("where", __doc__, CASES.judge, where_is)

@@ -76,11 +76,9 @@ class TypedRange(HeldJoint):
         self.real.effort = self.joint.effort
 
 
-class OneSpeedPerMillisecond(HeldJoint):
-    def aim(self, stick):
-        before = self.q_prev
-        super().aim(stick)
-        self.joint.effort -= 50 * (self.q_prev - before) * (1000 - 1 / self.time_step)
+class PerMillisecond(HeldJoint):
+    def __init__(self, joint, time_step):
+        super().__init__(joint, 0.001)
 
 
 class ByTheClock(HeldJoint):
@@ -109,7 +107,7 @@ WRONG = [
     (SetsPosition, "set as joint.position"),
     (SomethingElse, "Compare with torque"),
     (TypedRange, "the ends of the range are written down"),
-    (OneSpeedPerMillisecond, "the time step is written down"),
+    (PerMillisecond, "the time step is written down"),
     (ByTheClock, "the computer's clock is asked"),
     (ReferenceOfTheClass, "ReferenceOfTheClass.reference is shared by all objects"),
 ]

@@ -67,11 +67,11 @@ RIGHT = [by_index, by_iterator, by_numpy]
 WRONG = [
     (unpacks, ["a certain number of axes is expected"]),
     (indexes_and_reverses, ["in reverse order", "four axes are taken for granted"]),
-    (rounds_nan, ["something is done with NaN"]),
+    (rounds_nan, ["ask isfinite(axis) first"]),
     (counts_through_all, ["all of the axes are copied or gone through"]),
     (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["all of the axes are copied or gone through"]),
     (lambda message: [f"{axis}" for axis in four_axes(message)], ["Return a list of four numbers"]),
     (lambda message: dict(zip("abcd", four_axes(message))), ["Return a list of four numbers"]),
-    (appends, ["changes the message itself"]),
+    (appends, ["leave it as it is"]),
     (sleeps, ["sleeps"]),
 ]

@@ -84,8 +84,8 @@ def unpacks(joint_names, message):
 
 WRONG = [
     (yields, "Return a dict from names to positions"),
-    (sorts, "leave it as it is, take a copy"),
-    (sorts_the_joints, "joint_names is changed"),
+    (sorts, "leave it as it is"),
+    (sorts_the_joints, "leave it as it is"),
     (keeps, "the dict is kept from call to call"),
     (makes_one_dict, "the dict is kept from call to call"),
     (looks_up_all, "every joint is expected in every message"),

@@ -115,7 +115,7 @@ METHODS = [
     ({"on_joy": in_callback, "control": lambda self: self.joy.get()}, "the callback sets the tracks"),
     ({"configure": no_lock, "on_joy": piecewise, "control": lambda self: self.set(self.x, self.y)}, "piece by piece"),
     ({"control": read_twice}, "control looks twice"),
-    ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "is taken for granted"),
+    ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "are taken for granted"),
     ({"x": 0.0, "y": 0.0, "control": smooth}, "smoothed"),
     ({"on_joy": throttle}, "dropped by time"),
     ({"control": lambda self: setattr(self, "track_l", 1.0)}, "in place of self.track_l.ctrl"),

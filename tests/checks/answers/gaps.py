@@ -121,9 +121,9 @@ WRONG = [
     (the_longest, ["Compare with: newest is the newest stamp"]),
     (own_words, ['The words are "gap" and "restart".']),
     (texts, ["Return a list of tuples"]),
-    (yields, ["makes a generator"]),
+    (yields, ["makes an iterator"]),
     (nothing_for_none, ["return is missing"]),
-    (sorts_in_place, ["leave them as they are"]),
-    (sets_stamps, ["leave them as they are"]),
+    (sorts_in_place, ["leave it as it is"]),
+    (sets_stamps, ["leave it as it is"]),
     (kept_newest, ["newest_of_all is kept from call to call"]),
 ]

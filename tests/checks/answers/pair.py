@@ -113,8 +113,8 @@ WRONG = [
     (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),
     (returning(lambda found: found or (None, None)), "Return the two messages"),
     (returning(lambda found: found and tuple(map(stamp_of, found))), "Return the two messages"),
-    (StampAsKey, "the stamp itself is the key of a dict"),
-    (TakesItForGranted, "a partner is taken for granted"),
+    (StampAsKey, "a Time is the key of a dict"),
+    (TakesItForGranted, "something is taken for granted"),
     (NoSelf, "self is missing"),
     (NeverBehind, "after a new start they begin at 0"),
 ]
