@@ -35,13 +35,13 @@ class PoseSubscriber(SimpleController):
 
     def on_joint_state(self, message: JointState) -> None:  # executor's thread: post and return
         """Hand the message to the main thread."""
-        self.call_later(self.display.take, "joint_state", message)
+        self.call_later(self.display.take, "joints", message)
 
     def on_tf(self, message: TFMessage) -> None:  # executor's thread
         """Hand the transform of this body to the main thread; it need not see the others'."""
         own = [each for each in message.transforms[:MOST] if each.child_frame_id == self.frame]
         for transform in own[:1]:
-            self.call_later(self.display.take, "transform", transform)
+            self.call_later(self.display.take, "pose", transform)
 
     def unconfigure(self) -> None:  # main thread
         """Stop listening."""
@@ -105,11 +105,11 @@ class PoseDisplay:
         elif pair := self.pairs.add(stream, message):
             self.show(**pair)
 
-    def show(self, joint_state: JointState, transform: TransformStamped) -> None:
+    def show(self, joints: JointState, pose: TransformStamped) -> None:
         """Move the body and its joints to where they were at one moment; what is late moves neither."""
-        positions, report = self.matcher.match(joint_state)
+        positions, report = self.matcher.match(joints)
         if not report.dropped:
-            p, q = transform.transform.translation, transform.transform.rotation
+            p, q = pose.transform.translation, pose.transform.rotation
             self.body.position = p.x, p.y, p.z
             self.body.orientation_wxyz = q.w, q.x, q.y, q.z
             self.body.set_joint_positions(positions)
