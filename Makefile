@@ -47,7 +47,7 @@ test-slow: install
 test-ros2: install
 	@test -n "$(TANK_REAL_ROS2)" || { echo "Set TANK_REAL_ROS2 to a command that runs another one with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
 	$(PYTEST) $(SIDE_BY_SIDE) -m ros2 tests
-	for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" --ignore=tests/ros/underlay/test_processes.py tests/ros/underlay || exit 1; done
+	for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket || exit 1; done
 
 nightly: soak mutants
 	$(PYTEST) -m nightly tests
@@ -87,7 +87,7 @@ lint: .venv/lint
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	PYTHONPATH=tutorial/ros/underlay $(BIN)/lint-imports --no-logo --no-cache
+	PYTHONPATH=tutorial/ros/pocket $(BIN)/lint-imports --no-logo --no-cache
 	$(BIN)/check-jsonschema -q --builtin-schema vendor.github-workflows .github/workflows/*.yml
 	$(BIN)/check-jsonschema -q --builtin-schema custom.github-workflows-require-timeout .github/workflows/*.yml
 

@@ -66,15 +66,15 @@ def pytest_configure() -> None:
 
 @pytest.fixture(scope="session")
 def backend() -> str:
-    """Which ROS 2 the tests run on: ``rclpy``, a real one, or ``underlay``."""
+    """Which ROS 2 the tests run on: ``rclpy``, a real one, or ``pocket``."""
     return ros_backend()
 
 
 @pytest.fixture(autouse=True)
-def _embedded(request: pytest.FixtureRequest, backend: str) -> None:
-    """Skip what is about the embedded ROS 2 alone."""
-    if backend != "underlay" and request.node.get_closest_marker("embedded"):
-        pytest.skip("a real ROS 2 is in use: this is about the embedded one")
+def _pocket_only(request: pytest.FixtureRequest, backend: str) -> None:
+    """Skip what is about the pocket ROS 2 alone."""
+    if backend != "pocket" and request.node.get_closest_marker("pocket"):
+        pytest.skip("a real ROS 2 is in use: this is about the pocket one")
 
 
 def pytest_report_header() -> str:

@@ -36,7 +36,7 @@ def measure(pair: Pair) -> tuple[float, float | None]:
 
 
 def traffic(pace: str, real: bool) -> Pair:
-    """Our node, and the reference: a real rclpy, flooded by the embedded one, or plain Cyclone DDS Python."""
+    """Our node, and the reference: a real rclpy, flooded by the pocket one, or plain Cyclone DDS Python."""
     if real:
         reference = partial(measured, "traffic.py", "node", pace, by=REAL, published_by=REAL if pace == "beat" else ())
     else:

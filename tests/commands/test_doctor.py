@@ -37,7 +37,7 @@ def machine(monkeypatch):
         for name, value in environment.items():
             monkeypatch.setenv(name, value)
         monkeypatch.setattr(doctor, "ask", answered)
-        wanted = environment.get("TUTORIAL_ROS", "rclpy" if is_real else "underlay")
+        wanted = environment.get("TUTORIAL_ROS", "rclpy" if is_real else "pocket")
         monkeypatch.setattr(doctor, "install_backend", lambda: wanted)
 
     return machine
@@ -58,14 +58,14 @@ def machine(monkeypatch):
             "libegl1",
         ),
         ("mujoco", False, ["4.0", None], {}, "ok", "4.0, which renders", ""),
-        ("backend", False, RCLPY, {}, "ok", "the tutorial's own, on Cyclone DDS, because this Python finds no", ""),
-        ("backend", False, RCLPY, JAZZY | {"TUTORIAL_ROS": "underlay"}, "ok", "because TUTORIAL_ROS=underlay", ""),
+        ("backend", False, RCLPY, {}, "ok", "the pocket ROS 2, on Cyclone DDS, because this Python finds no", ""),
+        ("backend", False, RCLPY, JAZZY | {"TUTORIAL_ROS": "pocket"}, "ok", "because TUTORIAL_ROS=pocket", ""),
         ("backend", False, LIBCRYPTO, {}, "problem", "libcrypto", "cyclonedds"),
         ("backend", False, RCLPY, JAZZY, "note", "ROS 2 jazzy is set up", "--system-site-packages"),
         ("backend", True, RCLPY, JAZZY, "ok", "ROS 2 jazzy, because this Python finds it: rclpy 7.1.3, /opt", ""),
         ("backend", True, RCLPY, {"ROS_DISTRO": "humble"}, "note", "made for jazzy", ". /opt/ros/jazzy/setup.bash"),
         ("backend", True, ZENOH, JAZZY, "note", "does not speak DDS", "export RMW_IMPLEMENTATION="),
-        ("backend", True, LIBCRYPTO, JAZZY, "problem", "broken: ImportError: libcrypto", "TUTORIAL_ROS=underlay"),
+        ("backend", True, LIBCRYPTO, JAZZY, "problem", "broken: ImportError: libcrypto", "TUTORIAL_ROS=pocket"),
         ("backend", False, NO_RCLPY, {"TUTORIAL_ROS": "rclpy"}, "problem", "No module named", "setup.bash"),
         ("discovery", False, 0, {}, "ok", "LOCALHOST: nodes on this machine only", ""),
         ("discovery", True, 0, {}, "note", f"SUBNET: nodes on {OTHERS}", "=LOCALHOST"),

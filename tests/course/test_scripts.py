@@ -51,7 +51,7 @@ def test_every_tank_of_a_fleet_moves(domain):
 
 @pytest.mark.parametrize("arguments", [AS_IT_IS, WITH_THE_COURSE])
 def test_the_listener_says_where_the_joints_are(domain, backend, arguments):
-    if backend == "underlay" and arguments == AS_IT_IS:
+    if backend == "pocket" and arguments == AS_IT_IS:
         pytest.skip("it takes an installed ROS 2 to run it as it is")
 
     async def scenario(listener):

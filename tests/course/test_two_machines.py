@@ -151,7 +151,7 @@ def test_the_desk_drives_the_robot_and_hears_its_joints(start, machines, robots,
         stop(each)
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 @pytest.mark.parametrize("quiet", [None, "LOCALHOST", "OFF"])
 @pytest.mark.parametrize("who", ["simulation", "viewer"])
 def test_one_that_stays_on_its_machine_meets_none_that_reaches_out(start, machines, tmp_path, quiet, who):

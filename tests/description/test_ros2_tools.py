@@ -55,7 +55,7 @@ def environment():
 
 @pytest.fixture(scope="module")
 def node(environment, bodies):
-    """The node of a program of the embedded ROS 2, which publishes both descriptions."""
+    """The node of a program of the pocket ROS 2, which publishes both descriptions."""
     thread = NodeThread("tank")
     publishers = [RobotDescriptionPublisher() for _ in bodies]
     for publisher, body in zip(publishers, bodies.values()):

@@ -33,7 +33,7 @@ class Stranger:
 
 @pytest.fixture
 def stranger(domain: int) -> Iterator[Stranger]:
-    """A stranger in the test's domain, to the embedded ROS 2."""
+    """A stranger in the test's domain, to the pocket ROS 2."""
     from rclpy._domain import join, leave
 
     participant = join(domain)

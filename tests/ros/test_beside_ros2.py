@@ -1,4 +1,4 @@
-"""The embedded ROS 2 and a real one in one domain: the programs on one side, the commands on the other.
+"""The pocket ROS 2 and a real one in one domain: the programs on one side, the commands on the other.
 
 They run where the variable TANK_REAL_ROS2 names a command that runs another one with a real ROS 2, such as a script
 that sources ``/opt/ros/jazzy/setup.bash`` and ends with ``exec "$@"``.
@@ -109,7 +109,7 @@ def running(rmw: str, simulation: list[str], ros2: list[str], stdout: int = subp
             beside.clear()
 
 
-@pytest.fixture(scope="module", params=["the real one's commands", "the embedded one's commands"])
+@pytest.fixture(scope="module", params=["the real one's commands", "the pocket one's commands"])
 def beside(request, rmw):
     """The simulation of step 2 runs, and the other side has seen it."""
     theirs = request.param.startswith("the real")
@@ -189,9 +189,9 @@ def test_packages_are_run_and_launched_there(rmw, tmp_path):
         assert any("[simulation]: mine publishes" in line for line in launched.stdout)
         with beside.going_on("run", "plain_node", "listener") as listener:
             assert any(line.endswith("[listener]: TURRET_Y 0.00, TURRET_P -0.01\n") for line in listener.stdout)
-            embedded = Beside(launched, [TANK], beside.environment)
-            embedded.says("/listener\n", "node", "list")
-            embedded.says("/simulation\n", "node", "list")
+            pocket = Beside(launched, [TANK], beside.environment)
+            pocket.says("/listener\n", "node", "list")
+            pocket.says("/simulation\n", "node", "list")
         launched.send_signal(signal.SIGINT)
         launched.communicate(timeout=PATIENCE)
         assert launched.returncode == 0

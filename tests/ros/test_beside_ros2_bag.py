@@ -1,4 +1,4 @@
-"""Bags of the embedded ROS 2 and of a real ``ros2 bag``: what the one has recorded the other reads and plays.
+"""Bags of the pocket ROS 2 and of a real ``ros2 bag``: what the one has recorded the other reads and plays.
 
 They run where the variable TANK_REAL_ROS2 names a command that runs another one with a real ROS 2.
 """
@@ -39,7 +39,7 @@ def environment(request, domain):
 
 @pytest.fixture
 def node(domain):
-    with NodeThread("embedded") as thread:
+    with NodeThread("pocket") as thread:
         yield thread.node
 
 

@@ -76,7 +76,7 @@ def test_a_coroutine_function_is_left_to_rclpy(node, backend):
     async def on_words(message):
         got.append(message.data)
 
-    if backend == "underlay":
+    if backend == "pocket":
         with pytest.raises(ImportError, match="coroutine"):
             node.create_subscription(String, "words", on_words, 1)
         return

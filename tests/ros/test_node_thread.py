@@ -145,8 +145,8 @@ def test_what_is_destroyed_while_the_executor_looks_around_is_no_failure(domain,
 
 
 def test_what_was_destroyed_behind_the_nodes_back_is_told(domain, backend):
-    if backend == "underlay":
-        pytest.skip("the embedded executor goes on without it; what it says of it is another test's")
+    if backend == "pocket":
+        pytest.skip("the pocket executor goes on without it; what it says of it is another test's")
     with NodeThread("spins") as thread:
         thread.node.create_subscription(String, "words", print, 1).destroy()
         until(lambda: thread.error, "the executor's complaint")

@@ -1,7 +1,7 @@
 """One who does harm, in a process of its own: ``python attack.py KIND SECONDS``.
 
 What it sends reaches whoever shows the tank's joint states in this ROS domain.
-It uses the embedded ROS 2, whichever its victim uses, because a real one does not let a program send such things.
+It uses the pocket ROS 2, whichever its victim uses, because a real one does not let a program send such things.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from itertools import count, cycle
 
-os.environ["TUTORIAL_ROS"] = "underlay"
+os.environ["TUTORIAL_ROS"] = "pocket"
 
 import tutorial  # noqa: F401 - promises an rclpy
 

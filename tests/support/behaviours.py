@@ -20,7 +20,7 @@ from unittest.mock import patch
 
 from domains import reserved_domain
 
-FOLDER = Path(__file__).parents[1] / "ros/underlay/behaviours"
+FOLDER = Path(__file__).parents[1] / "ros/pocket/behaviours"
 """One file a theme, one cell (``# %% what it shows``) a behaviour; ``prelude.py`` comes before each, and what stands
 above the file's first cell."""
 

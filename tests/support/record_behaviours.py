@@ -1,4 +1,4 @@
-"""Record what a real rclpy does with the snippets of tests/ros/underlay/behaviours, each in a fresh process.
+"""Record what a real rclpy does with the snippets of tests/ros/pocket/behaviours, each in a fresh process.
 
 Run it where a real ROS 2 is in use: ``python tests/support/record_behaviours.py``. Then look at what git shows.
 """
@@ -25,7 +25,7 @@ def record(about: str, shows: str, code: str) -> dict[str, Any]:
 
 def main() -> None:
     if ros_backend() != "rclpy":
-        raise SystemExit("The embedded ROS 2 is in use: what is recorded here is what a real one does.")
+        raise SystemExit("The pocket ROS 2 is in use: what is recorded here is what a real one does.")
     groups = json.loads(EXPRESSIONS.read_text(encoding="utf-8"))["groups"]
     with ThreadPoolExecutor(os.cpu_count()) as workers:
         rows = list(workers.map(lambda given: record(*given), behaviours()))

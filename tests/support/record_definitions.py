@@ -1,4 +1,4 @@
-"""Write the definitions of messages that the embedded ROS 2 has, from rosbags' store of those of ROS 2 Jazzy.
+"""Write the definitions of messages that the pocket ROS 2 has, from rosbags' store of those of ROS 2 Jazzy.
 
 Run it when rosbags has others: ``python tests/support/record_definitions.py``. Then look at what git shows.
 """

@@ -8,7 +8,7 @@ from cyclonedds.idl import make_idl_struct, types
 
 
 def struct(name: str, /, **fields: Any) -> Any:
-    """A wire type; it has an array of octets under the name that the embedded ROS 2 gives it."""
+    """A wire type; it has an array of octets under the name that the pocket ROS 2 gives it."""
     package, _, short = name.split("/")
     made = make_idl_struct(f"{short}_", f"{package}::msg::dds_::{short}_", fields)
     made.__idl__.populate()

@@ -150,7 +150,7 @@ def backend() -> Iterator[Diagnosis]:
     except TutorialError as error:
         yield Diagnosis("problem", str(error), "unset TUTORIAL_ROS")
         return
-    name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if is_real else "the tutorial's own, on Cyclone DDS"
+    name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if is_real else "the pocket ROS 2, on Cyclone DDS"
     finds = "it" if is_real else "no rclpy"
     text = f"{name}, because {f'TUTORIAL_ROS={wanted}' if wanted else f'this Python finds {finds}'}"
     try:
@@ -158,7 +158,7 @@ def backend() -> Iterator[Diagnosis]:
     except TutorialError as error:
         mend = f"{PIP} cyclonedds rosbags; where there is no cyclonedds, a real ROS 2"
         if is_real:
-            mend = ". /opt/ros/jazzy/setup.bash, with Python 3.12; the tutorial's own: export TUTORIAL_ROS=underlay"
+            mend = ". /opt/ros/jazzy/setup.bash, with Python 3.12; the pocket ROS 2: export TUTORIAL_ROS=pocket"
         yield Diagnosis("problem", f"{text}; but it is broken: {error}", mend)
         return
     text += f": rclpy {version}, {file}, on {rmw}" * is_real

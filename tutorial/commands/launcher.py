@@ -25,7 +25,7 @@ from tutorial import parent_watch
 from tutorial.commands.terminal import handle_signals
 from tutorial.errors import TutorialError, printable, printable_lines, tell
 from tutorial.paths import with_own_commands
-from tutorial.ros.backend import UNDERLAY
+from tutorial.ros.backend import POCKET
 
 if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
@@ -41,8 +41,8 @@ COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue")
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
     """Read the list of processes from a launch file.
 
-    It is run with the tutorial's own `launch`, also beside a real ROS 2, so that ``tank launch`` does the
-    same whatever is installed.
+    It is run with the `launch` of the pocket ROS 2, also beside a real ROS 2, so that ``tank launch`` does the same
+    whatever is installed.
 
     Raises:
         TutorialError: it fails, uses more of `launch` than the tutorial has, or describes what cannot be started; the
@@ -202,14 +202,14 @@ def _by_name(processes: Iterable[ExecuteProcess]) -> dict[str, ExecuteProcess]:
 
 @contextmanager
 def _own_launch() -> Iterator[ModuleType]:
-    """Make ``import launch`` mean the tutorial's own, for a while."""
+    """Make ``import launch`` mean that of the pocket ROS 2, for a while."""
     hidden = {name: sys.modules.pop(name) for name in tuple(sys.modules) if name.split(".")[0] == "launch"}
-    sys.path.insert(0, str(UNDERLAY))
+    sys.path.insert(0, str(POCKET))
     try:
         import_module("launch.actions")
         yield sys.modules["launch"]
     finally:
-        sys.path.remove(str(UNDERLAY))
+        sys.path.remove(str(POCKET))
         for name in tuple(sys.modules):
             if name.split(".")[0] == "launch":
                 del sys.modules[name]

@@ -1,7 +1,4 @@
-"""Which ROS 2 is in use: the real one if there is one, else the underlay.
-
-In ROS words an underlay is what a workspace falls back on.
-"""
+"""Which ROS 2 is in use: the real one if there is one, else the pocket ROS 2."""
 
 from __future__ import annotations
 
@@ -17,13 +14,13 @@ from tutorial.errors import TutorialError, did_you_mean
 
 __all__ = ["install_backend", "promise", "ros_backend"]
 
-Backend = Literal["rclpy", "underlay"]
+Backend = Literal["rclpy", "pocket"]
 
-UNDERLAY = Path(__file__).parent / "underlay"
+POCKET = Path(__file__).parent / "pocket"
 
 
 def ros_backend() -> Backend:
-    """Say which ROS 2 this process uses: ``"rclpy"``, a real one, or ``"underlay"``, the embedded one."""
+    """Say which ROS 2 this process uses: ``"rclpy"``, a real one, or ``"pocket"``, that of this package."""
     return install_backend()
 
 
@@ -32,17 +29,17 @@ def install_backend() -> Backend:
     """Decide once, and make ``import rclpy`` and the messages work accordingly.
 
     The environment variable ``TUTORIAL_ROS`` decides by hand. Otherwise a real rclpy wins; one that is there but broken
-    raises its own error when it is imported, instead of being hidden by the underlay.
+    raises its own error when it is imported, instead of being hidden by the pocket ROS 2.
 
     Raises:
         TutorialError: ``TUTORIAL_ROS`` names neither.
     """
     wanted = os.environ.get("TUTORIAL_ROS", "")
-    if wanted not in ("", "rclpy", "underlay"):
-        raise TutorialError(f"TUTORIAL_ROS is {wanted!r}.{did_you_mean(wanted, ('rclpy', 'underlay'))}")
-    backend = wanted or ("rclpy" if real_rclpy_exists() else "underlay")
-    if backend == "underlay":
-        join_underlay(first=wanted == "underlay")
+    if wanted not in ("", "rclpy", "pocket"):
+        raise TutorialError(f"TUTORIAL_ROS is {wanted!r}.{did_you_mean(wanted, ('rclpy', 'pocket'))}")
+    backend = wanted or ("rclpy" if real_rclpy_exists() else "pocket")
+    if backend == "pocket":
+        join_pocket(first=wanted == "pocket")
     return cast(Backend, backend)
 
 
@@ -71,17 +68,17 @@ class _Refusal(MetaPathFinder):
 def real_rclpy_exists() -> bool:
     """Whether an rclpy other than ours can be found; it is not imported."""
     spec = find_spec("rclpy")
-    return spec is not None and not (spec.origin and Path(spec.origin).is_relative_to(UNDERLAY))
+    return spec is not None and not (spec.origin and Path(spec.origin).is_relative_to(POCKET))
 
 
-def join_underlay(*, first: bool) -> None:
-    """Put the underlay on the import path.
+def join_pocket(*, first: bool) -> None:
+    """Put the pocket ROS 2 on the import path.
 
     Args:
         first: before anything installed, because the user asked for it; else behind, so that real packages win.
     """
-    if str(UNDERLAY) not in sys.path:
-        sys.path.insert(0 if first else len(sys.path), str(UNDERLAY))
+    if str(POCKET) not in sys.path:
+        sys.path.insert(0 if first else len(sys.path), str(POCKET))
     from _rosidl import finder  # noqa: PLC0415  (importable only now)
 
     finder.install(first=first)

@@ -115,7 +115,7 @@ def test_a_name_that_breaks_the_rules_is_refused_before_anything_is_made(nodes, 
     assert not (tmp_path / "bag").exists()
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 def test_a_type_that_is_not_known_is_said_once(nodes, tmp_path, caplog, monkeypatch):
     talker, node = nodes
     talker.create_publisher(String, "/a", 1)

@@ -10,7 +10,7 @@ from tutorial.ros.node_thread import NodeThread
 from tutorial.ros.topics import graph, wait_for_graph
 from tutorial.ros.topics.graph import QUIET_READS, READ_EVERY
 
-pytestmark = pytest.mark.embedded
+pytestmark = pytest.mark.pocket
 
 
 @pytest.fixture

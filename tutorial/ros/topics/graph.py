@@ -64,7 +64,7 @@ async def wait_for_graph(node: Node, wanted: Callable[[], object] = lambda: True
 def _reads(node: Node, seen: tuple[tuple[str, ...], ...]) -> float:
     """How many looks have to agree.
 
-    The underlay knows who has yet to tell. On a real rclpy a name may be missing, which a program that is DDS alone
+    The pocket ROS 2 knows who has yet to tell. On a real rclpy a name may be missing, which a program that is DDS alone
     never tells, or Fast DDS may have found nobody.
     """
     if hasattr(node.context, "graph"):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-pytestmark = [pytest.mark.process, pytest.mark.embedded]
+pytestmark = [pytest.mark.process, pytest.mark.pocket]
 # rclpy 7.1.3 raises what it does not mean to, such as "generator already executing"
 
 PROGRAM = """

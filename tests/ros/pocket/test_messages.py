@@ -181,9 +181,9 @@ def test_a_star_imports_all_messages(package):
     assert {name.split("/")[2] for name in ALL_TYPES if name.startswith(f"{package}/")} <= set(names)
 
 
-@pytest.mark.embedded
-class TestWhatOnlyTheEmbeddedRos2Says:
-    """What a real ROS 2 has, and where the embedded one helps more."""
+@pytest.mark.pocket
+class TestWhatOnlyThePocketRos2Says:
+    """What a real ROS 2 has, and where the pocket one helps more."""
 
     @pytest.mark.parametrize(
         "name", ["std_srvs.srv", "sensor_msgs.srv", "example_interfaces.action", "example_interfaces.msg"]

@@ -51,7 +51,7 @@ def test_recorded_field_types(type_name):
     assert message_class(type_name).get_fields_and_field_types() == GOLDEN["fields"][type_name]
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 @pytest.mark.parametrize("type_name", GOLDEN["type_hashes"])
 def test_recorded_type_hashes(type_name):
     from _rosidl.definitions import type_hash
@@ -59,7 +59,7 @@ def test_recorded_type_hashes(type_name):
     assert type_hash(type_name) == GOLDEN["type_hashes"][type_name]
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 def test_recorded_type_names():
     from rclpy._wire import wire_name
 
@@ -68,7 +68,7 @@ def test_recorded_type_names():
     }
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 @pytest.mark.parametrize(
     ("cls", "field", "value", "member"),
     [
@@ -87,7 +87,7 @@ def test_a_wrong_value_names_its_field(cls, field, value, member):
         serialize_message(message)
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 @pytest.mark.parametrize(
     ("data", "cls"),
     [
@@ -117,7 +117,7 @@ def test_what_is_no_message_is_refused(data, cls):
         deserialize_message(data, cls)
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 @pytest.mark.parametrize("cls", [String, UInt8MultiArray, ByteMultiArray, JointState, Image])
 def test_a_length_takes_no_memory_before_what_it_counts_is_there(cls):
     data = LITTLE_ENDIAN + BILLIONS * 1000 if cls is String else LITTLE_ENDIAN + bytes(8) + BILLIONS * 1000
@@ -130,7 +130,7 @@ def test_a_length_takes_no_memory_before_what_it_counts_is_there(cls):
     assert most < 20_000
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 @given(
     st.sampled_from([JointState, Joy, Image, ByteMultiArray, NodeEntitiesInfo]),
     st.one_of(st.binary(max_size=64), st.binary(max_size=64).map(LITTLE_ENDIAN.__add__)),

@@ -7,7 +7,7 @@ from contextlib import ExitStack
 
 import pytest
 
-_domain = pytest.importorskip("rclpy._domain", reason="a real ROS 2 is in use: this is about the embedded one")
+_domain = pytest.importorskip("rclpy._domain", reason="a real ROS 2 is in use: this is about the pocket one")
 
 REACH, PEERS = "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS"
 

@@ -1,4 +1,4 @@
-"""The embedded ROS 2: the part of rclpy that the tutorial teaches, with the API of ROS 2 Jazzy, on Cyclone DDS.
+"""The pocket ROS 2: the part of rclpy that the tutorial teaches, with the API of ROS 2 Jazzy, on Cyclone DDS.
 
 It speaks to real ROS 2 programs: same topic names, types, quality of service and node graph. What it has not raises
 ``rclpy.exceptions.NeedsRealROSError``.
@@ -16,7 +16,7 @@ try:
     import cyclonedds as _cyclonedds  # noqa: F401
 except ImportError as error:
     raise ImportError(
-        "The embedded ROS 2 needs the package cyclonedds, which is not installed. Where pip finds none (Linux on ARM), "
+        "The pocket ROS 2 needs the package cyclonedds, which is not installed. Where pip finds none (Linux on ARM), "
         "use a real ROS 2 Jazzy: https://docs.ros.org/en/jazzy/Installation.html"
     ) from error
 

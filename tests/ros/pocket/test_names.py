@@ -82,7 +82,7 @@ def test_signature(name):
     assert ", ".join(taken) == SIGNATURES[name]
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 def test_what_is_refused_is_not_there():
     from rclpy._absent import TABLE, AbsentAttribute
 

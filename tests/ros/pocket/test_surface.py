@@ -16,7 +16,7 @@ from std_msgs.msg import String
 import tutorial  # noqa: F401
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 @pytest.mark.parametrize(
     "code",
     [
@@ -34,7 +34,7 @@ def test_what_is_not_there_says_what_to_do(code, node):
     assert not hasattr(node, "create_service")
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 def test_what_is_said_of_a_publisher_does_not_depend_on_its_class(node, capfd):
     own = type("Own", (Publisher,), {})
     node.create_publisher(String, "x", 1, publisher_class=own).destroy()
@@ -63,7 +63,7 @@ def test_executor_shutdown_does_not_wait_for_a_callback(context, node):
     assert not thread.is_alive()
 
 
-@pytest.mark.embedded  # rclpy 7.1.3 waits on, for a result that nobody will give
+@pytest.mark.pocket  # rclpy 7.1.3 waits on, for a result that nobody will give
 def test_cancelled_future_ends_the_spin(executor):
     future = Future()
     threading.Timer(0.1, future.cancel).start()

@@ -1,4 +1,4 @@
-"""The underlay prints, raises and logs what a real rclpy did."""
+"""The pocket ROS 2 prints, raises and logs what a real rclpy did."""
 
 from __future__ import annotations
 
@@ -64,5 +64,5 @@ def _quick_collections():
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # some end a thread's spin
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row['about']}-{row.get('shows', row.get('id'))}")
 def test_same_as_rclpy(row, domain, backend, seen):
-    own = backend == "underlay"
+    own = backend == "pocket"
     assert (outcome(row["prelude"], row["code"]) if own else seen[row["prelude"], row["code"]]) == expected(row)

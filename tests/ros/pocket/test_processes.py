@@ -92,14 +92,14 @@ print(status, heard.wait(60))
 """
 
 
-@pytest.mark.embedded  # in rclpy the child hangs
+@pytest.mark.pocket  # in rclpy the child hangs
 @pytest.mark.parametrize("in_child", ["pass", "node.destroy_node()", "rclpy.try_shutdown()"])
 def test_a_forked_process_comes_to_its_end_and_the_node_stays(start, in_child):
     output, errors = start(FORK.format(in_child=in_child)).communicate(timeout=60)
     assert (output, errors) == ("7 True\n", "")
 
 
-@pytest.mark.embedded  # in rclpy the child hangs
+@pytest.mark.pocket  # in rclpy the child hangs
 def test_a_forked_process_is_told_how_to_get_a_node(start):
     new = "rclpy.try_shutdown(); rclpy.init(args=[]); rclpy.create_node('y')"
     output, errors = start(FORK.format(in_child=new)).communicate(timeout=60)
@@ -162,7 +162,7 @@ print(objects_later - objects < 50, counts_later == counts, growth < 100 * int(s
 
 @pytest.mark.parametrize("node", ["destroyed", "forgotten"])
 def test_rounds_of_everything_leave_nothing_behind(start, node, backend):
-    kept = 2000 if backend == "underlay" else 4000  # bytes a round; rclpy 7.1 keeps 2,100 to 2,300 itself
+    kept = 2000 if backend == "pocket" else 4000  # bytes a round; rclpy 7.1 keeps 2,100 to 2,300 itself
     output, errors = start(ROUNDS, node, str(kept)).communicate(timeout=110)
     assert (output, errors) == ("True True True\n", "")
 
@@ -194,7 +194,7 @@ print("whole", flush=True)
 """
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 @pytest.mark.parametrize(
     ("rounds", "seconds", "turns", "work"),
     [

@@ -1,4 +1,4 @@
-"""rclpy's exceptions, and the one that the underlay adds."""
+"""rclpy's exceptions, and the one that the pocket ROS 2 adds."""
 
 from typing import Any, ClassVar
 
@@ -127,13 +127,13 @@ class ParameterImmutableException(ParameterException):
 class _NotHere(Exception):  # noqa: N818
     def __init__(self, what: str) -> None:
         super().__init__(
-            f"The embedded ROS 2 of this tutorial has no {what}. A real ROS 2 Jazzy has: see "
+            f"The pocket ROS 2 has no {what}. A real ROS 2 Jazzy has: see "
             "https://docs.ros.org/en/jazzy/Installation.html, source its setup.bash and start again."
         )
 
 
 class NeedsRealROSError(_NotHere, ImportError):
-    """Something was asked for that the embedded ROS 2 does not have.
+    """Something was asked for that the pocket ROS 2 does not have.
 
     An ImportError, because most of it is met at an import line.
     """

@@ -10,7 +10,7 @@ from rmw_dds_common.msg import ParticipantEntitiesInfo
 
 import tutorial  # noqa: F401
 
-pytestmark = pytest.mark.embedded  # these look behind the scenes
+pytestmark = pytest.mark.pocket  # these look behind the scenes
 
 
 @pytest.fixture

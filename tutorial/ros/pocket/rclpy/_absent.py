@@ -1,4 +1,4 @@
-"""What rclpy has and the embedded ROS 2 has not: whoever asks for it learns what needs a real ROS 2."""
+"""What rclpy has and the pocket ROS 2 has not: whoever asks for it learns what needs a real ROS 2."""
 
 import inspect
 import json

@@ -44,7 +44,7 @@ def test_busy_topic_does_not_starve_a_quiet_one(node, executor):
     assert sorted(order) == ["busy", "quiet"]
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 def test_a_topic_without_messages_is_not_looked_at(node, spin_until, monkeypatch):
     """A node with a hundred subscriptions pays for those that have something."""
     received: list[Any] = []
@@ -60,7 +60,7 @@ def test_a_topic_without_messages_is_not_looked_at(node, spin_until, monkeypatch
     assert looked_at == {"x7"}
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 def test_malformed_message_is_said_once_and_others_arrive(node, spin_until, capfd):
     received: list[str] = []
     node.create_subscription(String, "x", lambda message: received.append(message.data), 10)
@@ -131,7 +131,7 @@ def test_what_is_destroyed_when_nothing_spins_any_more_is_no_news(context, node,
     assert capfd.readouterr().err == ""
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 def test_coming_and_going_leaves_nothing_behind(node):
     memory = [psutil.Process().memory_info().rss]
     for _ in range(5):
@@ -142,7 +142,7 @@ def test_coming_and_going_leaves_nothing_behind(node):
     assert min(after - before for before, after in pairwise(memory)) < 200 * 1500  # it was 3800 bytes each time
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 def test_a_future_that_is_waited_for_again_and_again_keeps_nothing(node, executor):
     future, called = Future(), []
     future.add_done_callback(called.append)
@@ -155,7 +155,7 @@ def test_a_future_that_is_waited_for_again_and_again_keeps_nothing(node, executo
     assert called == [future]
 
 
-@pytest.mark.embedded  # rclpy 7.1.3 lets a callback spin, again and again; later ones refuse it
+@pytest.mark.pocket  # rclpy 7.1.3 lets a callback spin, again and again; later ones refuse it
 def test_a_callback_may_not_spin(node, executor, spin_until):
     errors: list[str] = []
 
@@ -170,7 +170,7 @@ def test_a_callback_may_not_spin(node, executor, spin_until):
     assert errors[0] == "Executor is already spinning"
 
 
-@pytest.mark.embedded  # in rclpy what a subscription is in DDS outlives its context; here the whole process leaves DDS
+@pytest.mark.pocket  # in rclpy what a subscription is in DDS outlives its context; here the whole process leaves DDS
 def test_a_subscription_cannot_count_after_shutdown(context, node):
     subscription = node.create_subscription(String, "x", print, 10)
     context.shutdown()
@@ -178,7 +178,7 @@ def test_a_subscription_cannot_count_after_shutdown(context, node):
         subscription.get_publisher_count()
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 def test_executors_that_are_gone_are_forgotten(context):
     for _ in range(20):
         SingleThreadedExecutor(context=context).shutdown()

@@ -58,7 +58,7 @@ class Node(NodeGraph, NodeParameters):
         enable_rosout: publish what it logs on ``/rosout``.
         start_parameter_services: without effect, for there are no services here.
         parameter_overrides: values that win over those of :meth:`declare_parameter`.
-        **options: others of rclpy's, which are not in the underlay.
+        **options: others of rclpy's, which are not in the pocket ROS 2.
 
     Raises:
         NotInitializedException: ``rclpy.init()`` has not been called.
@@ -163,7 +163,7 @@ class Node(NodeGraph, NodeParameters):
             topic: where to; relative to the node's namespace unless it begins with a slash.
             qos_profile: how hard to try; an int is the number of messages kept for those who are slow.
             publisher_class: what to make, a subclass of `Publisher` for instance that overrides ``publish``.
-            **options: others of rclpy's, which are not in the underlay.
+            **options: others of rclpy's, which are not in the pocket ROS 2.
 
         Raises:
             InvalidTopicNameException: the name breaks the rules.
@@ -192,7 +192,7 @@ class Node(NodeGraph, NodeParameters):
             callback: called with each message, or with the message and a dict about it, on the thread that spins.
             qos_profile: how hard to try; an int is the number of messages that wait for the callback.
             raw: give the callback bytes instead of messages.
-            **options: others of rclpy's, which are not in the underlay.
+            **options: others of rclpy's, which are not in the pocket ROS 2.
 
         Raises:
             InvalidTopicNameException: the name breaks the rules.
@@ -217,7 +217,7 @@ class Node(NodeGraph, NodeParameters):
         Args:
             timer_period_sec: time between calls [s].
             callback: called without arguments, on the thread that spins.
-            callback_group: not in the underlay.
+            callback_group: not in the pocket ROS 2.
             clock: which clock; None takes the node's, so that the timer goes by simulated time where the node does.
             autostart: start at once.
 

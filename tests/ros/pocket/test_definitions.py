@@ -3,7 +3,7 @@
 import pytest
 
 
-@pytest.mark.embedded
+@pytest.mark.pocket
 def test_they_are_what_the_store_says():
     from record_definitions import RECORDED, written
 

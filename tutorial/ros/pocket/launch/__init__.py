@@ -1,7 +1,7 @@
 """The part of ROS 2 launch that the tutorial's launch files use: a list of processes, as data.
 
 A launch file is the one list of processes, with and without ROS: ``ros2 launch`` reads it with the real package, the
-tutorial's own launcher with this one.
+tutorial's launcher with this one.
 """
 
 from collections.abc import Iterable

@@ -51,4 +51,4 @@ def try_shutdown(*, context: Context | None = None) -> None:
 
 def get_rmw_implementation_identifier() -> str:
     """Return which middleware is used."""
-    return "rmw_cyclonedds_underlay"
+    return "rmw_cyclonedds_pocket"
