@@ -20,7 +20,7 @@ class ImuPublisher(SimpleController):
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Announce the topic, named after the body."""
         self.node = config.node
-        self.publisher = self.node.create_publisher(Imu, f"{config.body.name}/imu", 1)
+        self.publisher = self.node.create_publisher(Imu, f"{config.body.name}/imu", 10)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
         """Look up the sensors of the simulated body."""
