@@ -1,6 +1,6 @@
 """The exercise `pair`: two messages of one moment.
 
-Write the class `Pairs`, which brings together two topics' messages of one moment. The program calls its method
+Write the class `Pairs`, which brings together two topics' messages of one moment. The viewer calls its method
 `add(stream, message)` for each message as it comes; `stream` is `"joints"` or `"pose"`. It returns the two messages
 that have the same stamp, `joints, pose`, as soon as both are there, and otherwise `None`.
 
