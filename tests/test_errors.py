@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tutorial import errors
-from tutorial.errors import did_you_mean, mujoco_warns, printable, printable_lines
+from tutorial.errors import did_you_mean, printable, printable_lines
 
 
 @pytest.mark.parametrize(
@@ -33,18 +32,3 @@ def test_of_very_many_valid_names_some_are_said():
     said = did_you_mean("n1234", (f"n{i}" for i in range(2000)))
     assert said.startswith(" Did you mean 'n1234'? Known are 'n0', 'n1', ")
     assert said.endswith(" and 1,970 more.")
-
-
-def test_warnings_of_mujoco_are_counted_and_said_now_and_then(caplog, monkeypatch):
-    monkeypatch.setattr(errors, "WARN_EVERY", 1000.0)
-    monkeypatch.setattr(mujoco_warns, "_due", 0.0)
-    mujoco_warns("Nan, Inf or huge value in CTRL at ACTUATOR 0.")
-    for _ in range(7):
-        mujoco_warns("Nan, Inf or huge value in QACC at DOF 0.")
-    monkeypatch.setattr(mujoco_warns, "_due", 0.0)
-    mujoco_warns("Nan, Inf or huge value in QPOS at DOF 0.")
-    assert caplog.messages == [
-        "MuJoCo: Nan, Inf or huge value in CTRL at ACTUATOR 0. All controls count as 0 until each is a number again.",
-        "MuJoCo: Nan, Inf or huge value in QPOS at DOF 0. The simulated world is back where it began. "
-        "(7 more since the last one)",
-    ]

@@ -92,7 +92,7 @@ class TestCallLater:
             scope.call_later(ran.append, scope)
 
         (scope,) = run(post)
-        assert isinstance(scope.error, kind)
+        assert isinstance(scope.queue.error, kind)
         said = r"Broken of Tank: a call that was posted at .*test_handoff\.py:\d+ on the thread 'Thread-.*' failed"
         assert re.fullmatch(said, caplog.messages[0])
         assert kind.__name__ in caplog.text

@@ -180,8 +180,6 @@ async def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog)
             await until(lambda: len(sent) > count + 200)
             assert (body.qpos == pose).all(), "what was posted for it does not run any more"
             await until(lambda: not host.node.count_subscribers(TOPIC))
-        record = host.record()
-        assert record["topics"][TOPIC]["applied"] == record["report"]["matched"] >= 4
     assert not [each for each in caplog.records if each.levelno >= logging.ERROR], caplog.text
 
 

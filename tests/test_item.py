@@ -104,8 +104,8 @@ def test_a_joint_that_nothing_is_heard_of_is_stale_until_it_is_heard_of_again(jo
     assert joints.stale() == {}
     show(joints, matcher, ["TURRET_P"], [math.nan], 40)
     clock.now = 105.0
-    said = "0 joints shown; not a finite number: 'TURRET_P'; TURRET_Y, TURRET_P: nothing for 1 s (1.6 s ago)"
-    assert joints.line() == f"Tank: {said}"
+    said = "0 joints shown; not a finite number: 'TURRET_P'; TURRET_Y: nothing for 1 s, TURRET_P: nothing for 1 s"
+    assert joints.line() == f"Tank: {said} (1.6 s ago)"
 
 
 def test_what_is_wrong_with_messages_is_one_throttled_line(joints, clock, caplog):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from tutorial import paths
 from tutorial.paths import PACKAGE, SHIPPED, find_home
 
@@ -23,18 +21,6 @@ def test_the_nearest_course_folder_is_home_of_all_that_is_in_it(tmp_path):
     inner = make_course(tmp_path / "notebooks" / "mine")
     assert find_home(tmp_path) == find_home(inner.parent) == tmp_path
     assert find_home(inner) == find_home(inner / "notebooks") == inner
-
-
-def test_a_folder_that_one_may_not_look_into_is_passed_over(tmp_path, monkeypatch):
-    is_dir = Path.is_dir
-
-    def may_look(path):
-        if path.parent == tmp_path:
-            raise PermissionError(13, "Permission denied", str(path))
-        return is_dir(path)
-
-    monkeypatch.setattr(Path, "is_dir", may_look)
-    assert find_home(tmp_path / "mine") == PACKAGE.parent
 
 
 def test_a_strangers_folder_is_passed_over(tmp_path, monkeypatch):

@@ -106,7 +106,7 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "line 1: the file is empty."),
+        ("# nothing", "line 1: 'bodies' is missing here."),
         ("bodies:\n  - name: Tank\n   model: x", "line 3: this is not YAML:"),
         ("bodies: !tank [1]", "line 1: this is not YAML: could not determine a constructor for the tag '!tank'."),
         ("bodies: 2026-99-99", "line 1: this is not YAML: '2026-99-99' is no timestamp."),
@@ -180,20 +180,15 @@ def test_a_file_that_is_no_text_is_named_with_its_line(tmp_path):
         Project.load(path)
 
 
-BODY = "<mujoco><worldbody><body {}><freejoint/><geom size='{}'/></body></worldbody></mujoco>"
-
-
 @pytest.mark.parametrize(
     ("model", "said"),
     [
         ("<mujoco><include file='tank.xml'/></mujoco>", "does not load. MuJoCo says:"),
         ("<mujoco><worldbody><geom type='cube'/></worldbody></mujoco>", "' does not load. MuJoCo says: XML Error"),
-        (BODY.format("quat='0 0 0 0'", "1"), "MuJoCo says:"),
-        (BODY.format("", "1e300"), "has a body_mass that is no number, or far too large."),
-        (BODY.format("pos='nan 0 0'", "1"), "has a qpos0 that is no number, or far too large."),
+        ("<mujoco><worldbody><body quat='0 0 0 0'><geom size='1'/></body></worldbody></mujoco>", "MuJoCo says:"),
         ("\0", "does not load. MuJoCo says:"),
     ],
-    ids=["includes itself", "wrong", "a quaternion of zeros", "too large", "NaN", "binary"],
+    ids=["includes itself", "wrong", "a quaternion of zeros", "binary"],
 )
 def test_a_model_that_cannot_be_simulated_is_named_with_the_line(write, tmp_path, model, said):
     path = write(body())

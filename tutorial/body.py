@@ -231,11 +231,11 @@ class Body:
 
     def actuator(self, name: str) -> Actuator:
         """Find an actuator by name; raises what `joint` does."""
-        return Actuator(name, self.data, self._find("actuator", self.model.actuator, self.model.nu, name))
+        return Actuator(name, self.data, self.find_id("actuator", self.model.actuator, self.model.nu, name))
 
     def sensor(self, name: str) -> Sensor:
         """Find a sensor by name; raises what `joint` does."""
-        number = self._find("sensor", self.model.sensor, self.model.nsensor, name)
+        number = self.find_id("sensor", self.model.sensor, self.model.nsensor, name)
         return Sensor(name, self.data.sensor(number).data, self._guard)
 
     def camera(self, name: str) -> Any:
@@ -243,6 +243,25 @@ class Body:
         if self.find_camera is None:
             raise TutorialError(f"no pictures are taken of the body {self.name!r}: ask the simulated one, io.body.")
         return self.find_camera(self, name)
+
+    def find_id(self, kind: str, element: Callable[[int], Any], count: int, name: str) -> int:
+        """Return MuJoCo's number of an element of the body, such as a camera.
+
+        Args:
+            kind: what it is, as it should appear in the error.
+            element: what MuJoCo finds elements of the kind with, by number, such as ``model.camera``.
+            count: how many elements of the kind the whole model has.
+            name: without the body's prefix.
+
+        Raises:
+            TutorialError: the body has none of this name; the text names the nearest.
+        """
+        prefix = f"{self.name}/"
+        every = {element(i).name: i for i in range(count)}
+        mine = {each.removeprefix(prefix): i for each, i in every.items() if each.startswith(prefix)}
+        if name not in mine:
+            raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, mine)}")
+        return mine[name]
 
     @property
     def position(self) -> NDArray[np.float64]:
@@ -307,15 +326,6 @@ class Body:
     def _check(self, action: str) -> None:
         if self._guard:
             self._guard.check(action)
-
-    def _find(self, kind: str, element: Callable[[int], Any], count: int, name: str) -> int:
-        """Return the number of the body's element of a kind, or say that there is none and which there are."""
-        prefix = f"{self.name}/"
-        every = {element(i).name: i for i in range(count)}
-        mine = {each.removeprefix(prefix): i for each, i in every.items() if each.startswith(prefix)}
-        if name not in mine:
-            raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, mine)}")
-        return mine[name]
 
 
 def _qpos_slice(model: mujoco.MjModel, joint_ids: Sequence[int]) -> slice:

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import logging
 import re
 import sys
 import threading
-import time
 import traceback
 from collections.abc import Iterable
-from contextlib import suppress
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -18,23 +15,13 @@ __all__ = [
     "WrongThreadError",
     "did_you_mean",
     "file_of",
-    "mujoco_warns",
     "printable",
     "printable_lines",
     "tell",
     "where",
 ]
 
-WARN_EVERY = 5.0  # [s] between two log lines about MuJoCo's warnings
-AFTER_WARNING = {
-    " in CTRL at ": "All controls count as 0 until each is a number again.",
-    " in Q": "The simulated world is back where it began.",  # in QPOS, QVEL or QACC
-}
-"""What MuJoCo does and does not say."""
-
 WIDE_SPACES = "\u00a0\u3000"  # not breaking, and as wide as a Japanese character: Python takes them for unprintable
-
-_log = logging.getLogger(__name__)
 
 
 class TutorialError(Exception):
@@ -139,33 +126,6 @@ def where(thread: threading.Thread, file: str = "") -> str:
         return ""
     code = frame.f_code
     return f": it is at {_title(code.co_filename)}, line {frame.f_lineno}, in {code.co_name}"
-
-
-class _MujocoWarns:
-    """Says MuJoCo's warnings in the log, at most one line in `WARN_EVERY`. Any thread.
-
-    Left to itself MuJoCo writes them to the terminal, and to a file MUJOCO_LOG.TXT in the user's folder.
-    """
-
-    def __init__(self) -> None:
-        self._unsaid = 0
-        self._due = 0.0
-
-    def __call__(self, text: str) -> None:
-        """Say a warning; those that were not said since the last line are counted in the next one."""
-        with suppress(BaseException):  # MuJoCo is C++: whatever was raised here would end the process
-            now = time.monotonic()
-            if now < self._due:
-                self._unsaid += 1
-                return
-            follows = next((f" {what}" for where, what in AFTER_WARNING.items() if where in text), "")
-            others = f" ({self._unsaid} more since the last one)" if self._unsaid else ""
-            self._unsaid, self._due = 0, now + WARN_EVERY
-            _log.warning("MuJoCo: %s%s%s", text.strip(), follows, others)
-
-
-mujoco_warns = _MujocoWarns()
-"""The handler of MuJoCo's warnings, of which a process has one."""
 
 
 def _title(file: str) -> str:

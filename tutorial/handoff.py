@@ -75,11 +75,15 @@ class CallQueue:
     Args:
         loop: the main thread's loop.
         trace: where to write down when each call is posted and when it runs; None for nowhere.
+
+    Attributes:
+        error: what a call raised last, SystemExit included; None when none did.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop, trace: HandoffTrace | None = None) -> None:
         self._loop = loop
         self._trace = trace
+        self.error: BaseException | None = None
         self._lock = threading.Lock()
         self._waiting: OrderedDict[Hashable, _Call] = OrderedDict()
         self._awake = False
@@ -158,27 +162,26 @@ class CallScope:
     """One poster's front of a `CallQueue`: what it has posted does not run any more once the scope is closed.
 
     Attributes:
+        queue: where its calls wait.
         owner: who posts.
         closed: whether `close` was called.
-        error: what a posted call raised last, SystemExit included; None when none did.
     """
 
     def __init__(self, queue: CallQueue, owner: str) -> None:
-        self._queue = queue
+        self.queue = queue
         self.owner = owner
         self.closed = False
-        self.error: BaseException | None = None
 
     def call_later(self, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """From any thread: run ``function(*args)`` on the main thread. Every call is kept, in order."""
         frame = sys._getframe(1)
         call = _Call(self, function, args, frame.f_code, frame.f_lineno)
-        self._queue._post(call, call)  # a key of its own, so nothing is replaced
+        self.queue._post(call, call)  # a key of its own, so nothing is replaced
 
     def call_latest(self, key: Hashable, function: Callable[[*Ts], object], /, *args: *Ts) -> None:
         """As `call_later`, but a waiting call of the same key, such as a body's name, is replaced, in its place."""
         frame = sys._getframe(1)
-        self._queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), (self, key))
+        self.queue._post(_Call(self, function, args, frame.f_code, frame.f_lineno), (self, key))
 
     def close(self) -> None:
         """What still waits will not run; from now on posting does nothing. Idempotent.
@@ -215,7 +218,7 @@ class _Call:
         try:
             self.function(*self.args)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, the other calls go on
-            self.scope.error = error
+            self.scope.queue.error = error
             posted = f"{self.frame_code.co_filename}:{self.frame_line} on the thread {self.thread!r}"
             _log.exception("%s: a call that was posted at %s failed", self.scope.owner, posted)
 

@@ -6,6 +6,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractAsyncContextManager
 from typing import TYPE_CHECKING, Any
 
 from tutorial.body import Body
@@ -44,7 +45,7 @@ CLOCKS = (
 _log = logging.getLogger(__name__)
 
 
-class Host:
+class Host(AbstractAsyncContextManager["Host"]):
     """A program that runs a project: it simulates, or displays, as the project says.
 
     It belongs to the thread that makes it, the main thread, whose event loop must be running: ``async with
@@ -76,7 +77,6 @@ class Host:
         self._calls = CallQueue(asyncio.get_running_loop(), trace)
         self._view = view
         self._items: dict[str, Item] = {}
-        self._removed: dict[str, Item] = {}  # the last of each name, which has the counts of all, for the record
         self.simulation: Simulation | None = None
         self._cameras = CameraRenderer()
         self._ros = NodeThread("tank", ros_args, trace)
@@ -91,9 +91,8 @@ class Host:
             self._clock = ClockPublisher(self.node) if project.clock else None
             for entry in project.bodies:  # messages come from now on, and wait until the loop runs
                 self._show(entry, project.time_step is not None)
-            alike = len({bool(item.controllers) for item in self._items.values()}) == 1  # all are robots, or none is
-            if view is not None and (len(self._items) == 1 or (project.time_step is None and alike)):
-                view.look_at_bodies(*self._items)  # else it shows where they move, such as a laboratory
+            if view is not None and (len(self._items) == 1 or all(entry.controllers for entry in project.bodies)):
+                view.look_at_bodies(*self._items)  # robots alone; else it shows where they move, such as a laboratory
             if project.time_step is not None:
                 placements = [entry.placement for entry in project.bodies]
                 controllers: list[tuple[str, SimpleController]] = [("", self._clock)] if self._clock else []
@@ -102,9 +101,6 @@ class Host:
         except BaseException:
             self.close()
             raise
-
-    async def __aenter__(self) -> Host:
-        return self
 
     async def __aexit__(self, *_: object) -> None:
         self.close()
@@ -127,14 +123,12 @@ class Host:
     @property
     def error(self) -> BaseException | None:
         """What the simulation, a callback or a posted call raised last since the last start; None when nothing did."""
-        others = (self._ros.error, self._cameras.error, *(item.error for item in self._items.values()))
-        return (self.simulation and self.simulation.error) or next((e for e in others if e is not None), None)
+        others = self._ros.error or self._cameras.error or self._calls.error
+        return (self.simulation and self.simulation.error) or others
 
     def forget_errors(self) -> None:
         """What callbacks and posted calls raised before does not count any more. `run` does it. Main thread."""
-        self._ros.error = self._cameras.error = None
-        for item in self._items.values():
-            item.forget_errors()
+        self._ros.error = self._cameras.error = self._calls.error = None
 
     async def run(
         self,
@@ -165,13 +159,12 @@ class Host:
             while not self._over(began, duration, linger):
                 self.refresh()
                 if progress is not None:
-                    progress(self.seconds if self.simulation else time.monotonic() - began)
+                    progress(self.seconds)
                 due = max(due + FRAME, time.monotonic())  # by schedule, so that drawing costs no frames
                 await asyncio.sleep(due - time.monotonic())
         finally:
             if self.simulation is not None:
                 self.simulation.stop()
-            self._seconds = time.monotonic() - began
             self.refresh()
         if self.simulation is not None and self.simulation.error is not None:
             raise self.simulation.error
@@ -213,6 +206,8 @@ class Host:
     def remove(self, name: str) -> None:
         """Delete a displayed body: its controllers leave it, and what they have posted does not run any more.
 
+        What has failed so far is forgotten, as what is shown next may be mended.
+
         Raises:
             ControllerError: a controller does not return; the body is gone nevertheless.
             TutorialError: there is no such body.
@@ -223,18 +218,14 @@ class Host:
             if self.simulation is not None and self.simulation.state is not State.ABANDONED:
                 self.simulation.release(name)
         finally:
-            item = self._items.pop(name)
-            item.close()
-            if name in self._removed:
-                item.joints.count_in(self._removed[name].joints)
-            self._removed[name] = item
+            self._items.pop(name).close()
+            self.forget_errors()
             if self._view is not None:
                 self._view.remove(name)
 
     def record(self) -> dict[str, Any]:
-        """Sum the run up, bodies that were removed included. See `tutorial.record`."""
-        items = (*self._removed.values(), *self._items.values())
-        return make_record(self.node.get_name(), self.seconds, self.node.meters, items)
+        """Sum the run up, for the bodies that are there. See `tutorial.record`."""
+        return make_record(self.node.get_name(), self.seconds, self.node.meters, list(self._items.values()))
 
     def close(self) -> None:
         """End the simulation, the controllers and the node. Idempotent; goes on where it was interrupted."""
@@ -254,11 +245,10 @@ class Host:
         item = self._items[entry.placement.name] = Item(entry.placement, self.node, self._calls)
         if self._view is not None:
             self._view.add(entry.placement.name, item.body.model)
-        for controller_class in entry.controllers:
-            item.attach(controller_class)
-            if not simulates and controller_class.control is not SimpleController.control:
-                name = controller_class.__name__
-                _log.warning("%s is never asked for control: this project has no 'simulator'", name)
+        for controller in entry.controllers:
+            item.attach(controller)
+            if not simulates and controller.control is not SimpleController.control:
+                _log.warning("%s is never asked for control: this project has no 'simulator'", controller.__name__)
 
     def _over(self, began: float, duration: float | None, linger: float) -> bool:
         if self._closed:

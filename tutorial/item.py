@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections import Counter, defaultdict
+from collections import Counter
 
 from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
@@ -16,11 +16,10 @@ from tutorial.world import Placement
 
 __all__ = ["Item", "JointWatch"]
 
-COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages
+COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages, and two looks at who else publishes
 STALE_AFTER = 1.0  # [s] without a word of a joint, after which it is shown as stale
 CONTESTED_FOR = 2.0  # [s] after the last message of another publisher, in which that is said below the view
-ASK_EVERY = 1.0  # [s] between two looks at who publishes, while there is another
-NAMED = 3  # of joints, or nodes; the others are counted
+NAMED = 3  # of stale joints, or nodes; the others are counted
 LONGEST_NAME = 60  # characters of a node's name
 
 _log = logging.getLogger(__name__)
@@ -43,7 +42,6 @@ class JointWatch:
 
     def __init__(self, body: Body, node: MeteredNode) -> None:
         self._body = body
-        self._node = node
         self.meters: list[TopicMeter] = []
         self.applied = 0
         self.tally: Counter[str] = Counter()
@@ -52,11 +50,6 @@ class JointWatch:
         self._complained_at = -COMPLAIN_EVERY
         self._heard: dict[str, float] = {}  # when there was a position last, by joint
         self._others = _OtherPublishers(body.name, node)
-
-    def count_in(self, earlier: JointWatch) -> None:
-        """Add the counts of a body of this name that was there before."""
-        self.applied += earlier.applied
-        self.tally.update(earlier.tally)
 
     @property
     def topics(self) -> list[str]:
@@ -92,11 +85,8 @@ class JointWatch:
         """What stands below the view: the last report, who else publishes, stale joints, and the age of the report."""
         if self._report is None:
             return f"{self._body.name}: {self._nothing_yet()}" if self.meters else ""
-        by_age: defaultdict[int, list[str]] = defaultdict(list)
-        for joint, age in self.stale().items():
-            by_age[age].append(joint)
-        stale = [f"{_some(by_age[age])}: nothing for {age} s" for age in sorted(by_age)[:NAMED]]
-        said = "; ".join(filter(None, (str(self._report), self._others.said(), *stale)))
+        stale = _some([f"{joint}: nothing for {age} s" for joint, age in self.stale().items()])
+        said = "; ".join(filter(None, (str(self._report), self._others.said(), stale)))
         return f"{self._body.name}: {said} ({time.monotonic() - self._reported_at:.1f} s ago)"
 
     def _nothing_yet(self) -> str:
@@ -119,8 +109,8 @@ class _OtherPublishers:
         self._body = body
         self._node = node
         self._heard_at = -CONTESTED_FOR
-        self._asked_at = self._logged_at = -COMPLAIN_EVERY
-        self._said = self._logged = ""
+        self._asked_at = -COMPLAIN_EVERY
+        self._said = ""
 
     def said(self) -> str:
         """Return who publishes; empty when nothing of another has come for a while."""
@@ -129,17 +119,16 @@ class _OtherPublishers:
     def heard(self, topics: list[str]) -> None:
         """Note a message of another publisher, and ask now and then who publishes on the topics."""
         now = self._heard_at = time.monotonic()
-        if now - self._asked_at < ASK_EVERY:
+        if now - self._asked_at < COMPLAIN_EVERY:
             return
         self._asked_at = now
-        self._said = "another publisher is not followed"
+        before, self._said = self._said, "another publisher is not followed"
         for topic in topics:
             nodes = self._node.get_publishers_info_by_topic(topic)
             if len(nodes) > 1:
                 names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})
                 self._said = f"{len(nodes)} publish on {topic}, one is followed: {printable(_some(names))}"
-                if self._said != self._logged and now - self._logged_at >= COMPLAIN_EVERY:
-                    self._logged, self._logged_at = self._said, now
+                if self._said != before:
                     _log.warning("%s: %s", self._body, self._said)
 
 
@@ -183,23 +172,11 @@ class Item:
         try:
             controller = controller_class()
             controller.configure(ControllerConfig(self.body, self._node, scope.call_later, scope.call_latest))
-        except TutorialError:
-            raise
         except (Exception, SystemExit) as error:
             text = f"{name} could not join {self.body.name}: {tell(error, file_of(controller_class))}"
             raise TutorialError(text) from error
         self.controllers.append(controller)
         self.joints.meters += [meter for meter in self._node.meters[before:] if meter.brings_joint_states]
-
-    @property
-    def error(self) -> BaseException | None:
-        """What a call that one of its controllers has posted raised last."""
-        return next((scope.error for scope in self._scopes if scope.error is not None), None)
-
-    def forget_errors(self) -> None:
-        """Forget what its calls have raised."""
-        for scope in self._scopes:
-            scope.error = None
 
     def take_dirty(self) -> bool:
         """Whether the body has changed since this was last asked."""

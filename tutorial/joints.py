@@ -191,7 +191,7 @@ class JointMatcher:
         """Look closely at a message that is not the usual one: whose it is, whether it is late, and what it holds."""
         positions, report = match_joints(self._ranges, message)
         arrival = self._followed.judge(ahead, positions)
-        if arrival is Arrival.NEXT and ahead < 0:
+        if arrival is Arrival.NEXT and ahead < 0:  # it is of the one that is followed, so its stamp tells
             arrival = Arrival.LATE if stamp_ns > 0 and ahead >= -SECOND_NS else Arrival.RESTARTED
         report = report._replace(arrival=arrival)
         if report.dropped:

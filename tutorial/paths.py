@@ -11,7 +11,6 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 
 from tutorial.errors import TutorialError, did_you_mean
@@ -45,6 +44,16 @@ SHIPPED = PACKAGE / "_files"
 """The course folder within an installed package. A checkout has none."""
 
 
+def is_file(path: Path) -> bool:
+    """Whether a path that somebody has written leads to a file; one that is too long, or no path at all, does not."""
+    return os.path.isfile(path)  # noqa: PTH113 - pathlib raises for what cannot be a path
+
+
+def is_folder(path: Path) -> bool:
+    """Whether such a path leads to a folder, which one may look into."""
+    return os.path.isdir(path)  # noqa: PTH112 - pathlib raises for what cannot be a path
+
+
 def find_home(start: Path) -> Path:
     """Find the course folder for whoever works in a folder.
 
@@ -57,10 +66,7 @@ def find_home(start: Path) -> Path:
 
 def is_course(folder: Path) -> bool:
     """Whether a folder is a course folder."""
-    try:
-        return all((folder / part).is_dir() for part in COURSE)
-    except PermissionError:  # a folder further up that one may not look into
-        return False
+    return all(is_folder(folder / part) for part in COURSE)
 
 
 def is_ours(folder: Path) -> bool:
@@ -68,14 +74,7 @@ def is_ours(folder: Path) -> bool:
     return folder.stat().st_uid in (os.getuid(), ROOT)
 
 
-def _current_directory() -> Path:
-    try:
-        return Path.cwd()
-    except FileNotFoundError:  # it has been deleted
-        return PACKAGE
-
-
-HOME = find_home(_current_directory())
+HOME = find_home(Path.cwd())
 """The course folder of this process."""
 
 
@@ -120,20 +119,6 @@ def with_own_commands(environment: Mapping[str, str]) -> dict[str, str]:
     """Let a process find the commands that are installed beside this Python, such as ``tank``, activated or not."""
     commands = (str(Path(sys.executable).parent), environment.get("PATH", os.defpath))
     return {**environment, "PATH": os.pathsep.join(commands)}
-
-
-def is_file(path: Path) -> bool:
-    """Whether a path that somebody has written leads to a file; one that is too long, or no path at all, does not."""
-    with suppress(OSError, ValueError):
-        return path.is_file()
-    return False
-
-
-def is_folder(path: Path) -> bool:
-    """Whether such a path leads to a folder."""
-    with suppress(OSError, ValueError):
-        return path.is_dir()
-    return False
 
 
 def _find(given: str, folder: Path, suffix: str, what: str) -> Path:

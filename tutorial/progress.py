@@ -5,11 +5,10 @@ There is no account, and nothing leaves the folder. To begin anew, delete the fi
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from datetime import date
 from html import escape
@@ -26,9 +25,9 @@ LARGEST = 2**20  # [bytes] a thousand times what such a file has
 
 
 class _File(msgspec.Struct):
-    """What the file looks like."""
+    """What the file looks like: by the exercise's name, the day when it was solved."""
 
-    solved: dict[str, Any]
+    solved: dict[str, date]
 
 
 UNREADABLE = (OSError, RecursionError, msgspec.MsgspecError)
@@ -47,12 +46,12 @@ def remember(exercise: str) -> None:
     path = _file(Path())
     if _in_notebook():
         with suppress(*UNREADABLE):
-            entries = _read(path)
-            if exercise not in entries:
-                _write(path, {**entries, exercise: date.today().isoformat()})
+            solved = _read(path)
+            if exercise not in solved:
+                _write(path, {**solved, exercise: date.today()})
 
 
-def read_progress(folder: Path | None = None) -> tuple[dict[str, str], str]:
+def read_progress(folder: Path | None = None) -> tuple[dict[str, date], str]:
     """Return the exercises that are solved in a folder's notebooks.
 
     Args:
@@ -63,12 +62,9 @@ def read_progress(folder: Path | None = None) -> tuple[dict[str, str], str]:
     """
     path = _file(Path()) if folder is None else folder / FILE
     try:
-        entries = _read(path)
+        return _read(path), ""
     except UNREADABLE as error:
         return {}, f"{path.name} cannot be read, so nothing counts as solved: {error}. Delete it to begin anew."
-    solved = {name: day for name, day in entries.items() if _is_day(day)}
-    odd = [name for name in entries if name not in solved]
-    return solved, f"{path.name} has no day for {', '.join(odd)[:200]}." if odd else ""
 
 
 class Overview:
@@ -80,39 +76,28 @@ class Overview:
     """
 
     def __init__(self, exercises: Mapping[str, Sequence[str]], folder: Path | None = None) -> None:
-        self.solved, self.problem = read_progress(folder)
-        self._exercises = exercises
+        solved, problem = read_progress(folder)
+        names = [(notebook * (i == 0), name) for notebook, own in exercises.items() for i, name in enumerate(own)]
+        self._rows = [
+            (notebook, name, f"solved on {solved[name]}" if name in solved else "not yet") for notebook, name in names
+        ]
+        count = sum(name in solved for _, name in names)
+        exercises_are = "exercises are" if len(names) != 1 else "exercise is"
+        self._last_lines = [f"{count} of {len(names)} {exercises_are} solved.", *filter(None, [problem])]
 
     def __repr__(self) -> str:
-        rows = list(self._rows())
-        widths = [max(len(row[i]) for row in rows) for i in (0, 1)]
-        lines = [f"{notebook:{widths[0]}}  {name:{widths[1]}}  {state}" for notebook, name, state in rows]
-        return "\n".join([*lines, *self._last_lines()])
+        widths = [max(len(row[i]) for row in self._rows) for i in (0, 1)]
+        lines = [f"{notebook:{widths[0]}}  {name:{widths[1]}}  {state}" for notebook, name, state in self._rows]
+        return "\n".join([*lines, *self._last_lines])
 
     def _repr_html_(self) -> str:
         cell = '<td style="text-align: left">'
         rows = "".join(
             f"<tr>{cell}{escape(notebook)}</td>{cell}<code>{escape(name)}</code></td>"
-            f"{cell}{'✓ ' * (name in self.solved)}{escape(state)}</td></tr>"
-            for notebook, name, state in self._rows()
+            f"{cell}{'✓ ' * (state != 'not yet')}{escape(state)}</td></tr>"
+            for notebook, name, state in self._rows
         )
-        return f"<table>{rows}</table>{'<br>'.join(map(escape, self._last_lines()))}"
-
-    def _rows(self) -> Iterator[tuple[str, str, str]]:
-        """Yield the notebook, where a new one begins, the exercise, and how it stands."""
-        for notebook, names in self._exercises.items():
-            for i, name in enumerate(names):
-                yield (
-                    "" if i else notebook,
-                    name,
-                    f"solved on {self.solved[name]}" if name in self.solved else "not yet",
-                )
-
-    def _last_lines(self) -> list[str]:
-        names = [name for own in self._exercises.values() for name in own]
-        solved = sum(name in self.solved for name in names)
-        exercises = "exercises are" if len(names) != 1 else "exercise is"
-        return [f"{solved} of {len(names)} {exercises} solved.", *filter(None, [self.problem])]
+        return f"<table>{rows}</table>{'<br>'.join(map(escape, self._last_lines))}"
 
 
 def _file(folder: Path) -> Path:
@@ -125,14 +110,8 @@ def _in_notebook() -> bool:
     return ipython is not None and getattr(ipython.get_ipython(), "kernel", None) is not None
 
 
-def _is_day(text: Any) -> bool:
-    with suppress(TypeError, ValueError):
-        return isinstance(text, str) and date.fromisoformat(text).isoformat() == text
-    return False
-
-
-def _read(path: Path) -> dict[str, Any]:
-    """Return what a file has, whatever it is; nothing where there is none.
+def _read(path: Path) -> dict[str, date]:
+    """Return what a file has; nothing where there is none.
 
     Raises:
         OSError, RecursionError, msgspec.MsgspecError: it cannot be read, or is not such a file.
@@ -144,10 +123,10 @@ def _read(path: Path) -> dict[str, Any]:
     return msgspec.json.decode(path.read_bytes(), type=_File).solved
 
 
-def _write(path: Path, solved: Mapping[str, Any]) -> None:
+def _write(path: Path, solved: dict[str, date]) -> None:
     """Write the file whole, or not at all: two notebooks may be open, or the machine may stop."""
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, prefix=FILE, delete=False, encoding="utf-8") as file:
-        file.write(json.dumps({"solved": dict(solved)}, indent=2) + "\n")
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=FILE, delete=False) as file:
+        file.write(msgspec.json.format(msgspec.json.encode(_File(solved))) + b"\n")
     try:
         Path(file.name).replace(path)
     except OSError:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, replace
-from itertools import chain, groupby, islice
+from functools import partial
+from itertools import groupby
 from pathlib import Path
 from typing import Annotated
 
 import msgspec
-import mujoco
-import numpy as np
 
 from tutorial.controller import SimpleController
 from tutorial.controller_files import find_controller
@@ -21,13 +20,10 @@ from tutorial.paths import is_file
 from tutorial.world import Placement, compose
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["BodyItem", "Project", "check_model"]
+__all__ = ["BodyItem", "Project"]
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 Point = tuple[Coordinate, Coordinate, Coordinate]
-
-MAGNITUDES = ("qpos0", "body_pos", "body_quat", "body_mass", "body_inertia", "geom_pos", "geom_size", "jnt_range")
-"""What has to be a number that MuJoCo can compute with, in a model."""
 
 
 class _Simulator(msgspec.Struct, forbid_unknown_fields=True):
@@ -97,13 +93,13 @@ class Project:
                 the line and the mend.
         """
         file = YamlFile(Path(path), _ProjectFile, "project")
-        _check_names(file)
-        _check_models(file)
-        items = tuple(item for i, body in enumerate(file.data.bodies) for item in _body_items(file, i, body))
+        items: dict[str, BodyItem] = {}
+        for i, body in enumerate(file.data.bodies):
+            items |= _body_items(file, i, body, items)
         simulator = file.data.simulator
         if simulator is msgspec.UNSET:
-            return cls(file.path, items)
-        return cls(file.path, items, simulator.time_step, simulator.clock)
+            return cls(file.path, tuple(items.values()))
+        return cls(file.path, tuple(items.values()), simulator.time_step, simulator.clock)
 
     def with_robot(self, model: Path) -> Project:
         """Put another model in the place of the body that carries the controllers.
@@ -121,11 +117,10 @@ class Project:
                 f"{self.path} has {len(robots)} bodies with controllers, so it is not clear which to replace."
             )
         name = model.stem.capitalize()
-        check_model(model)
+        compose([Placement(name, model)])  # else MuJoCo has something to say
         if unfit := _unfit(name):
             raise TutorialError(f"{model}: the body is called after the file, and {unfit}")
-        placement = replace(robots[0].placement, name=name, model=model)
-        swapped = replace(robots[0], placement=placement)
+        swapped = replace(robots[0], placement=replace(robots[0].placement, name=name, model=model))
         return self._with(lambda item: swapped if item is robots[0] else item)
 
     def with_controllers(self, body: str, *classes: type[SimpleController]) -> Project:
@@ -157,10 +152,9 @@ class Project:
         """
         known = {controller.__name__ for item in self.bodies for controller in item.controllers}
         bases = {base.__name__ for controller in classes.values() for base in controller.__mro__[1:]}
-        for name in classes:
-            if name not in known | bases:
-                mend = "Your class takes the place of the one that has its name."
-                raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)} {mend}")
+        for name in classes.keys() - known - bases:
+            mend = "Your class takes the place of the one that has its name."
+            raise TutorialError(f"{self.path.name} has no controller {name!r}.{did_you_mean(name, known)} {mend}")
         return self._with(
             lambda item: replace(item, controllers=tuple(classes.get(c.__name__, c) for c in item.controllers))
         )
@@ -194,17 +188,23 @@ def _fleet(item: BodyItem) -> tuple[object, ...]:
     return (stem or number, number.isdecimal(), item.placement.model, item.controllers)
 
 
-def _check_names(file: YamlFile[_ProjectFile]) -> None:
-    """See to it that the bodies' names can be told apart, and can be part of a topic's name."""
-    taken: set[str] = set()
-    for i, body in enumerate(file.data.bodies):
-        where = ("bodies", i, "name")
+def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body, taken: Container[str]) -> dict[str, BodyItem]:
+    """Make what one entry of a file stands for: a body, or a fleet, by name. What is wrong is said with its line."""
+    at = partial(file.at, "bodies", index)
+    with at("name"):
         if unfit := _unfit(body.name):
-            raise file.error(where, unfit)
-        for name in body.names:
-            if name in taken:
-                raise file.error(where, f"there is a body {name!r} already. Give this one another name.")
-            taken.add(name)
+            raise TutorialError(unfit)
+        if twins := [name for name in body.names if name in taken]:
+            raise TutorialError(f"there is a body {twins[0]!r} already. Give this one another name.")
+    with at("model"):
+        model = _find_model(file.path.parent, body.model)
+    controllers = []
+    for i, name in enumerate(body.controllers):
+        with at("controllers", i):
+            controllers.append(find_controller(name))
+    places = _grid(len(body.names), body.position, body.spacing)
+    placements = [Placement(name, model, place) for name, place in zip(body.names, places)]
+    return {each.name: BodyItem(each, tuple(controllers)) for each in placements}
 
 
 def _unfit(name: str) -> str:
@@ -214,47 +214,13 @@ def _unfit(name: str) -> str:
     return ""
 
 
-def _check_models(file: YamlFile[_ProjectFile]) -> None:
-    """Load every model once, so that an error in one has the line that names it."""
-    folder = file.path.parent
-    first = {body.model: i for i, body in reversed(list(enumerate(file.data.bodies)))}
-    for model, i in first.items():
-        where = ("bodies", i, "model")
-        if not is_file(folder / model):
-            near = islice(chain(folder.glob("*.xml"), folder.glob("*/*.xml")), 100)
-            known = [str(path.relative_to(folder)) for path in near]
-            raise file.error(where, f"there is no model {model!r}.{did_you_mean(model, known)}")
-        try:
-            check_model(folder / model)
-        except TutorialError as error:
-            raise file.error(where, str(error)) from None
-
-
-def check_model(path: Path) -> None:
-    """See to it that a model can be simulated.
-
-    Args:
-        path: an MJCF file.
-
-    Raises:
-        TutorialError: it does not load, or has values that are no numbers or far too large.
-    """
-    model = compose([Placement("Model", path)])
-    for name in MAGNITUDES:
-        if not (np.abs(getattr(model, name)) < mujoco.mjMAXVAL).all():  # which NaN is not, either
-            raise TutorialError(f"the model {path.name!r} has a {name} that is no number, or far too large.")
-
-
-def _body_items(file: YamlFile[_ProjectFile], index: int, body: _Body) -> list[BodyItem]:
-    model = file.path.parent / body.model
-    classes = []
-    for i, name in enumerate(body.controllers):
-        try:
-            classes.append(find_controller(name))
-        except TutorialError as error:
-            raise file.error(("bodies", index, "controllers", i), str(error)) from None
-    places = _grid(len(body.names), body.position, body.spacing)
-    return [BodyItem(Placement(name, model, place), tuple(classes)) for name, place in zip(body.names, places)]
+def _find_model(folder: Path, given: str) -> Path:
+    """Find a model beside its project, and load it once, so that an error in it has the line that names it."""
+    if not is_file(folder / given):
+        known = [str(path.relative_to(folder)) for path in (*folder.glob("*.xml"), *folder.glob("*/*.xml"))]
+        raise TutorialError(f"there is no model {given!r}.{did_you_mean(given, known)}")
+    compose([Placement("Model", folder / given)])
+    return folder / given
 
 
 def _grid(count: int, middle: Point, spacing: float) -> list[Point]:

@@ -69,9 +69,9 @@ class Simulation(SteppedWorld):
         self.error: ControllerError | None = None
         self._turns = threading.Lock()  # held by the method that starts, stops or changes something
         self._lock = threading.Lock()  # held for a change of the state, and never while a controller is at work
-        self._run = Run(threading.current_thread())  # the last that stepped
+        self._run = Run(threading.current_thread())  # the last one that stepped; before the first, one that is over
         self._run.finished.set()
-        self._leaving = self._run  # the last that stopped controllers
+        self._leaving = self._run  # the last one that stopped controllers, on a thread of its own
 
     @property
     def running(self) -> bool:
@@ -162,7 +162,7 @@ class Simulation(SteppedWorld):
             self._check_abandoned()
             leaving = [controller for controller, io in self._controllers if io.body.name == body]
             self._controllers = [(c, io) for c, io in self._controllers if io.body.name != body]
-            if not self._run.wait_for_lap(STUCK):
+            if not self._run.wait_for_lap(STUCK):  # until then a step may still ask those that leave
                 self._abandon(self._run)
             if self._initialized and self.state is not State.ABANDONED:
                 self._stop_controllers(leaving)

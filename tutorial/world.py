@@ -8,11 +8,12 @@ from pathlib import Path
 
 import mujoco
 
-from tutorial.errors import TutorialError, mujoco_warns
+from tutorial.errors import TutorialError
+from tutorial.mujoco_warnings import mujoco_warns
 
 __all__ = ["Placement", "compose"]
 
-mujoco.set_mju_user_warning(mujoco_warns)  # else it writes a file into the user's folder
+mujoco.set_mju_user_warning(mujoco_warns)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -12,13 +13,11 @@ import yaml
 from msgspec import inspect
 
 from tutorial.errors import TutorialError, did_you_mean, printable
-from tutorial.paths import is_file, is_folder
 
 __all__ = ["YamlFile"]
 
 T = TypeVar("T")
 
-SUFFIXES = (".yaml", ".yml")
 WORDS = {
     "object": "a mapping",
     "array": "a list",
@@ -39,9 +38,7 @@ class _Loader(yaml.SafeLoader):
         seen = set()
         for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)):
             if key.value in seen:
-                raise yaml.MarkedYAMLError(
-                    problem=f"{key.value!r} is there twice. Keep one", problem_mark=key.start_mark
-                )
+                raise yaml.MarkedYAMLError(None, None, f"{key.value!r} is there twice. Keep one", key.start_mark)
             seen.add(key.value)
         return node
 
@@ -50,7 +47,7 @@ class _Loader(yaml.SafeLoader):
             return super().construct_object(node, deep)
         except (ValueError, LookupError, AttributeError, ArithmeticError) as error:
             problem = f"{node.value!r} is no {node.tag.rpartition(':')[2]}"
-            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark) from error
+            raise yaml.MarkedYAMLError(None, None, problem, node.start_mark) from error
 
 
 _Loader.add_implicit_resolver(  # YAML 1.2 has 1e-3 for a number, as everybody else; PyYAML wants 1.0e-3
@@ -81,57 +78,58 @@ class YamlFile(Generic[T]):
         try:
             self.data = msgspec.convert(content, shape)
         except msgspec.ValidationError as error:
-            raise self._refusal(str(error), shape) from None
+            where, text = _refusal(str(error), shape)
+            with self.at(*where):
+                raise TutorialError(text) from None
 
-    def error(self, where: Iterable[str | int], text: str) -> TutorialError:
-        """Make an error about one place in the file.
+    @contextmanager
+    def at(self, *where: str | int) -> Iterator[None]:
+        """Name the file and the line of a place in a `TutorialError` that is raised meanwhile.
 
         Args:
             where: the keys and indices that lead to the place.
-            text: what is wrong there, and the mend.
         """
-        return self._error(self._node(where), text)
+        try:
+            yield
+        except TutorialError as error:
+            raise TutorialError(f"{self.path}, line {self._line(where)}: {error}") from None
 
-    def _error(self, node: yaml.Node, text: str) -> TutorialError:
-        return TutorialError(f"{self.path}, line {node.start_mark.line + 1}: {text}")
-
-    def _node(self, where: Iterable[str | int]) -> yaml.Node:
-        node = self._root
+    def _line(self, where: Iterable[str | int]) -> int:
+        node = named = self._root
         for step in where:
             if isinstance(node, yaml.SequenceNode) and isinstance(step, int):
-                node = node.value[step]
+                node = named = node.value[step]
             else:
-                node = {key.value: value for key, value in node.value}.get(step, node)
-        return node
+                keys = {key.value: (key, value) for key, value in node.value}
+                named, node = keys.get(step, (named, node))
+        return int(named.start_mark.line) + 1
 
     def _parse(self, text: str) -> tuple[yaml.Node, Any]:
         """Read the file as nodes, which know their lines, and as what they say."""
         try:
-            root = yaml.compose(text, Loader=_Loader)
-            if root is not None:
-                return root, _Loader("").construct_document(root)
+            root: Any = yaml.compose(text, Loader=_Loader) or yaml.compose("{}")  # of what is empty, all is missing
+            return root, _Loader("").construct_document(root)
         except (yaml.YAMLError, ValueError, OverflowError, RecursionError) as error:
             mark = getattr(error, "problem_mark", None)
             line = mark.line if mark else text.count("\n", 0, getattr(error, "position", 0))
             problem = printable(getattr(error, "problem", None) or str(error).partition("\n")[0])
             raise TutorialError(f"{self.path}, line {line + 1}: this is not YAML: {problem}.") from error
-        raise TutorialError(f"{self.path}, line 1: the file is empty.")
 
-    def _refusal(self, error: str, shape: type[T]) -> TutorialError:
-        """Say in YAML's words what msgspec has found, with the line."""
-        problem, _, path = error.partition(" - at ")
-        where = [int(index) if index else name for name, index in re.findall(r"\.(\w+)|\[(\d+)\]", path)]
-        node, name = self._node(where), problem.partition("`")[2][:-1]
-        if problem.startswith("Object contains unknown field"):
-            key = next(key for key, _ in node.value if key.value == name)
-            return self._error(key, f"{name!r} is not known here.{did_you_mean(name, _fields(shape, where))}")
-        if problem.startswith("Object missing required field"):
-            return self._error(node, f"{name!r} is missing here.")
-        if path.startswith("`key` in"):
-            return self._error(node, "a key here is no text. Put it in quotes.")
-        place = path.strip("`$.")
-        words = re.sub(r"`(\w+)`", lambda found: WORDS.get(found[1], found[1]), problem)
-        return self._error(node, f"{place}{': ' * bool(place)}{words[0].lower()}{words[1:]}.")
+
+def _refusal(error: str, shape: type) -> tuple[list[str | int], str]:
+    """Return the place where msgspec has found something wrong, and say in YAML's words what it is."""
+    problem, _, path = error.partition(" - at ")
+    where = [int(index) if index else name for name, index in re.findall(r"\.(\w+)|\[(\d+)\]", path)]
+    name = problem.partition("`")[2][:-1]
+    if problem.startswith("Object contains unknown field"):
+        return [*where, name], f"{name!r} is not known here.{did_you_mean(name, _fields(shape, where))}"
+    if problem.startswith("Object missing required field"):
+        return where, f"{name!r} is missing here."
+    if path.startswith("`key` in"):
+        return where, "a key here is no text. Put it in quotes."
+    place = path.strip("`$.")
+    words = re.sub(r"`(\w+)`", lambda found: WORDS.get(found[1], found[1]), problem)
+    return where, f"{place}{': ' * bool(place)}{words[0].lower()}{words[1:]}."
 
 
 def _fields(shape: type, where: Iterable[str | int]) -> list[str]:
@@ -143,11 +141,11 @@ def _fields(shape: type, where: Iterable[str | int]) -> list[str]:
 
 
 def _read(path: Path, what: str) -> str:
-    if not is_file(path):
-        others = [p.name for p in path.parent.glob("*") if p.suffix in SUFFIXES] if is_folder(path.parent) else []
-        raise TutorialError(f"there is no {what} {str(path)!r}.{did_you_mean(path.name, others) if others else ''}")
     try:
         return path.read_text(encoding="utf-8")
+    except FileNotFoundError as error:
+        others = [each.name for each in path.parent.glob("*.yaml")]
+        raise TutorialError(f"there is no {what} {str(path)!r}.{did_you_mean(path.name, others)}") from error
     except OSError as error:
         raise TutorialError(f"{path} cannot be read: {error.strerror}.") from error
     except UnicodeDecodeError as error:

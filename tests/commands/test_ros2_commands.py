@@ -22,7 +22,7 @@ from std_msgs.msg import String
 from tutorial.commands.topic import topic
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import NodeThread
-from tutorial.ros.topics.populate import passed_class, populated
+from tutorial.ros.topics.populate import populated
 
 JOINT_STATE = "/Tank/joint_state"
 JOY = "/joy sensor_msgs/msg/Joy"
@@ -185,13 +185,13 @@ JOYS = "sensor_msgs/msg/Joy"
 )
 def test_what_does_not_fit(type_name, text, problem):
     with pytest.raises(Exception, match=re.escape(f"Failed to populate field: {problem}")):
-        populated(passed_class(type_name), text)
+        populated(type_name, text)
 
 
 @pytest.mark.parametrize(
     ("type_name", "text", "shown"),
     [
-        ("sensor_msgs/Joy", "{axes: [0, 0.5], buttons: [1]}", "axes=[0.0, 0.5], buttons=[1])"),
+        (JOYS, "{axes: [0, 0.5], buttons: [1]}", "axes=[0.0, 0.5], buttons=[1])"),
         ("std_msgs/msg/Float64", "{data: 1e-3}", "std_msgs.msg.Float64(data=0.001)"),
         ("geometry_msgs/msg/Pose", "{position: {x: 1}}", "position=geometry_msgs.msg.Point(x=1.0, y=0.0, z=0.0)"),
         (
@@ -203,9 +203,9 @@ def test_what_does_not_fit(type_name, text, problem):
     ],
 )
 def test_what_fits(type_name, text, shown):
-    assert shown in repr(populated(passed_class(type_name), text))
+    assert shown in repr(populated(type_name, text))
 
 
 def test_what_is_no_yaml():
     with pytest.raises(Exception, match=r"(?s)The passed value needs to be in YAML string or a dictionary\n.*line 1"):
-        populated(passed_class("std_msgs/msg/String"), "{data: [")
+        populated("std_msgs/msg/String", "{data: [")

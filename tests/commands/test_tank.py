@@ -41,7 +41,7 @@ class TankController(SimpleController):
         ("bag play a b", 2, "'b' is too much: one bag is played at a time."),
         ("bag play a --rate 0", 2, "0.0 is not in the range"),
         ("bag play a --clock often", 2, "'often' is not a valid number"),
-        ("chaos a-b", 1, "topic name"),
+        ("chaos --from a-b", 1, "topic name"),
         ("chaos -f shufle", 2, "there is no fault 'shufle'. Did you mean 'shuffle'?"),
         (
             "run step1 --headless --controller mine.py",
@@ -63,7 +63,7 @@ def test_a_port_that_is_in_use_is_said(tank):
         port = taken.getsockname()[1]
         run = tank("run step3 --port", port)
     assert run.status == 1
-    assert f"the 3D view cannot have port {port}: another program uses it already" in run.stderr
+    assert f"the 3D view cannot have port {port}: address already in use" in run.stderr
 
 
 @pytest.mark.process

@@ -123,18 +123,6 @@ def test_nobody_has_anything_to_complain_of(beside):
     assert beside.run("topic", "list").stderr == ""
 
 
-def test_its_topics_are_its_own(beside):
-    if beside.ros2[-1] != "ros2":
-        pytest.skip("`tank` has no `node info`; what a topic says of its nodes is the next test's")
-
-    def has_them():
-        subscribers, _, publishers = beside.say("node", "info", "/tank").partition("Publishers:")
-        published = {f"{JOINTS}: {JOINT_STATE}", "/rosout: rcl_interfaces/msg/Log"}
-        return "/joy: sensor_msgs/msg/Joy" in subscribers and all(each in publishers for each in published)
-
-    until(has_them, "its subscription and its publishers")
-
-
 def test_a_topic_says_who_publishes_it_and_how(beside):
     said = beside.says("Node name: tank", "topic", "info", "-v", JOINTS)
     assert f"Type: {JOINT_STATE}" in said

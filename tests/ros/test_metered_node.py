@@ -8,8 +8,6 @@ import pytest
 from programs import until
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.node import Node
-from rclpy.publisher import Publisher
-from rclpy.subscription import Subscription
 from std_msgs.msg import String
 
 from tutorial.ros.node_thread import NodeThread, SpinThread
@@ -88,8 +86,6 @@ def test_a_coroutine_function_is_left_to_rclpy(node, backend):
 def test_what_is_created_is_rclpys(node):
     publisher = node.create_publisher(msg_type=String, topic="words", qos_profile=1)
     subscription = node.create_subscription(msg_type=String, topic="words", callback=print, qos_profile=1)
-    assert isinstance(publisher, Publisher)
-    assert isinstance(subscription, Subscription)
     assert publisher in node.publishers
     assert subscription in node.subscriptions
     assert (publisher.topic_name, subscription.topic_name) == ("/words", "/words")
@@ -97,24 +93,6 @@ def test_what_is_created_is_rclpys(node):
         node.create_publisher(String, "no words", 1)
     with pytest.raises(TypeError):
         publisher.publish("a")
-
-
-class Shouting(Publisher):
-    """A program's own publisher."""
-
-    def publish(self, msg):
-        super().publish(String(data=msg.data.upper()))
-
-
-def test_a_program_may_bring_its_own_publisher(node):
-    got = []
-    node.create_subscription(String, "words", lambda message: got.append(message.data), 1)
-    publisher = node.create_publisher(String, "words", 1, publisher_class=Shouting)
-    assert isinstance(publisher, Shouting)
-    send(publisher, 1, "a")
-    until(lambda: got == ["A"], "the message")
-    with pytest.raises(TypeError, match="publisher_class"):
-        node.create_subscription(String, "words", print, 1, publisher_class=Shouting)
 
 
 @pytest.mark.parametrize("failure", [SystemExit, KeyboardInterrupt, GeneratorExit, ValueError])

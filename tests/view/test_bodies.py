@@ -128,10 +128,6 @@ def test_a_mesh_is_where_its_vertices_are():
 
 
 RED = '<material name="m" rgba="1 0 0 1" shininess="1" specular="0.5" emission="0.2"/>'
-CHECKED = (
-    '<texture name="t" type="2d" builtin="flat" rgb1="0 1 0" width="8" height="8"/>'
-    '<material name="m" texture="t" rgba="1 1 1 1"/>'
-)
 
 
 @pytest.mark.parametrize(
@@ -142,7 +138,6 @@ CHECKED = (
         ("", "", {"color": 0x808080}),
         ('material="m"', RED, {"color": 0xFF0000, "shininess": 128, "specular": 0x404040, "emissive": 0x330000}),
         ('material="m" rgba="0 0 1 1"', RED, {"color": 0x0000FF, "shininess": 128}),
-        ('material="m"', CHECKED, {"color": 0x00FF00}),
     ],
 )
 def test_the_colour_is_the_one_that_mujoco_shows(look, assets, expected):

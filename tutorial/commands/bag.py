@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import threading
 import time
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from tutorial.commands.asking import clear_ros_errors, named_node
-from tutorial.commands.options import Finite, Seconds, duration_option
+from tutorial.commands.options import Finite, Seconds
 from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, say, status_line
 
 if TYPE_CHECKING:
@@ -23,12 +22,9 @@ if TYPE_CHECKING:
 __all__ = ["bag"]
 
 LOOK_EVERY = 0.2  # [s] for how far a recording is
-MISSING_AFTER = 2.0  # [s] after which the log names the topics that nobody publishes
 CLOCK_RATE = 40.0  # [Hz], as of ros2 bag
 
 AboveZero = Finite(min=0, min_open=True)
-
-_log = logging.getLogger(__name__)
 
 bag_argument = click.argument("bag", type=click.Path(path_type=Path), metavar="BAG")
 
@@ -39,8 +35,7 @@ def bag() -> None:
 
 
 @bag.command(short_help="Record topics into a bag.")
-@click.argument("named", nargs=-1, metavar="[TOPICS]...")
-@click.option("--topics", "also", multiple=True, metavar="TOPIC", help="The same as TOPICS. May be repeated.")
+@click.argument("topics", nargs=-1, metavar="[TOPICS]...")
 @click.option("-a", "--all", "everything", is_flag=True, help="All topics, also those that appear later.")
 @click.option("-o", "--output", type=Path, metavar="NAME", help="Its folder, a new one; else called after the time.")
 @click.option("-s", "--storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap", show_default=True)
@@ -48,24 +43,20 @@ def bag() -> None:
     "-d", "--max-bag-duration", "longest", type=AboveZero, metavar="SECONDS", help="A new file after so long."
 )
 @click.option("--use-sim-time", is_flag=True, help="Note the simulated time of receipt, from /clock.")
-@duration_option
 @click.pass_obj
 def record(
     ros_args: list[str],
     /,
-    named: tuple[str, ...],
-    also: tuple[str, ...],
+    topics: tuple[str, ...],
     everything: bool,
     output: Path | None,
     storage: str,
     longest: float | None,
     use_sim_time: bool,
-    duration: float | None,
-) -> int:
+) -> None:
     """Record TOPICS, or with -a all of them, until Ctrl-C."""
     from tutorial.ros.bags import Recorder
 
-    topics = (*named, *also)
     if bool(topics) == everything:
         raise click.UsageError("name topics, or give -a for all of them.")
     path = output or Path(time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
@@ -74,13 +65,12 @@ def record(
     with named_node("rosbag2_recorder", ros_args, use_sim_time) as thread:
         with clear_ros_errors():
             recorder = Recorder(thread.node, path, None if everything else topics, storage, longest or math.inf)
-        with recorder:
-            say(f"recording into {path}; {'it ends by itself' if duration else 'Ctrl-C ends it'}\n")
-            _watch(recorder, duration, stop)
-    count = sum(recorder.counts.values())
+        with recorder, status_line() as status:
+            say(f"recording into {path}; Ctrl-C ends it\n")
+            while recorder.error is None and not stop.wait(LOOK_EVERY):
+                status(_so_far(recorder))
     lost = f"; {recorder.lost:,} were lost" if recorder.lost else ""
-    say(f"{count:,} messages of {len(recorder.topics):,} topics in {recorder.duration:.1f} s{lost}\n")
-    return INTERRUPTED if stop.is_set() and duration is not None else 0
+    say(f"{_so_far(recorder)}{lost}\n")
 
 
 @bag.command(short_help="Say what a bag holds.")
@@ -139,21 +129,9 @@ def play(
     return INTERRUPTED if stop.is_set() and not loop else 0
 
 
-def _watch(recorder: Recorder, duration: float | None, stop: threading.Event) -> None:
-    """Show how far a recording is, until it is time to stop."""
-    began = time.monotonic()
-    said: tuple[str, ...] = ()
-    with progress_bar(duration) as progress, status_line(shown=duration is None) as status:
-        while recorder.error is None and not stop.wait(LOOK_EVERY):
-            seconds = time.monotonic() - began
-            if duration is not None and seconds >= duration:
-                return
-            if seconds >= MISSING_AFTER and recorder.missing != said:
-                said = recorder.missing
-                if said:
-                    _log.warning("waiting for %s, which nobody publishes yet", ", ".join(said))
-            progress(seconds)
-            status(f"{seconds:.0f} s, {sum(recorder.counts.values()):,} messages of {len(recorder.topics):,} topics")
+def _so_far(recorder: Recorder) -> str:
+    count = sum(recorder.counts.values())
+    return f"{count:,} messages of {len(recorder.counts):,} topics in {recorder.duration:.1f} s"
 
 
 def _say_damage(bag: Bag) -> None:

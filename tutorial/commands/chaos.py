@@ -5,20 +5,17 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Sequence
 
 import click
 
-from tutorial.commands.asking import named_node
-from tutorial.commands.options import duration_option
-from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, say
+from tutorial.commands.asking import clear_ros_errors, named_node
+from tutorial.commands.terminal import handle_signals, say
 from tutorial.errors import TutorialError
 from tutorial.ros.chaos import FAULTS, Chaos, parse_fault
 
 __all__ = ["chaos"]
 
-LOOK = 0.1  # [s] between two looks at how far the stream has come
 EPILOG = "\b\nThe faults:\n" + "\n".join(f"  {name:10} {what}" for name, what in FAULTS.items())
 
 
@@ -30,7 +27,6 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
 
 
 @click.command(short_help="Publish joint states with faults in them, and see who can bear it.", epilog=EPILOG)
-@click.argument("topic_name", default="/Tank/joint_state")
 @click.option(
     "-f",
     "--fault",
@@ -44,36 +40,28 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
     "--from", "good", metavar="TOPIC", help="Take the good messages from this topic, in place of a steady swing."
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="The same seed gives the same stream again.")
-@duration_option
 @click.pass_obj
 def chaos(
     ros_args: list[str],
     /,
-    topic_name: str,
     faults: dict[str, float],
     good: str | None,
     seed: int,
-    duration: float | None,
-) -> int:
-    """Publish joint states with faults on TOPIC_NAME, by default /Tank/joint_state: who listens, and can bear it?
+) -> None:
+    """Publish joint states with faults on /Tank/joint_state: who listens, and can bear it?
 
     Without any fault it is a good stream.
     """
     from tutorial.ros.chaos.stream import ChaosStream
-    from tutorial.ros.topics.names import full_topic
 
     faulty = Chaos(faults, seed)
     stop = threading.Event()
     handle_signals(stop.set)
     with named_node("chaos", ros_args) as thread:
-        where, source = full_topic(thread.node, topic_name), full_topic(thread.node, good) if good else None
-        ChaosStream(thread.node, faulty, where, source)
+        with clear_ros_errors():
+            ChaosStream(thread.node, faulty, good)
         shares = ", ".join(f"{name} {100 * share:g} %" for name, share in faults.items())
         say(f"{shares or 'no fault'}\n")
-        began = time.monotonic()
-        with progress_bar(duration) as progress:
-            while not stop.wait(LOOK) and (duration is None or time.monotonic() - began < duration):
-                progress(time.monotonic() - began)
+        stop.wait()
     hits = ", ".join(f"{name} {count}" for name, count in faulty.made.items() if count)
     say(f"messages hit: {hits or 'none'}\n")
-    return INTERRUPTED if stop.is_set() and duration is not None else 0

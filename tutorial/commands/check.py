@@ -19,7 +19,8 @@ from tutorial.errors import TutorialError, printable
 from tutorial.paths import is_file, is_folder
 
 if TYPE_CHECKING:
-    from tutorial.commands.checking.submission import Submission
+    from tutorial.commands.checking.messages import Judged
+    from tutorial.commands.checking.report import Results
 
 __all__ = ["check"]
 
@@ -61,17 +62,17 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     if not no_sandbox:
         need_sandbox()
     names = _names(paths)
-    done: dict[Path, Submission] = {}
+    done: dict[Path, dict[str, Judged]] = {}
     interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done))
-    submissions = [done[path] for path in paths if path in done]
+    results = [(names[path], done[path]) for path in paths if path in done]
     if junit is not None:
-        junit.write(as_junit(submissions, names))
-    _show(submissions, names, as_json)
+        junit.write(as_junit(results))
+    _show(results, as_json)
     if interrupted:
         say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.\n", err=True)
         return INTERRUPTED
     fine = (Outcome.RIGHT, Outcome.NOT_TRIED)
-    return int(any(judged.outcome not in fine for each in submissions for judged in each.verdicts.values()))
+    return int(any(judged.outcome not in fine for _, verdicts in results for judged in verdicts.values()))
 
 
 def _found(given: Sequence[Path]) -> list[Path]:
@@ -102,7 +103,7 @@ async def _judge_all(
     jobs: int,
     limit: float,
     is_sandboxed: bool,
-    done: dict[Path, Submission],
+    done: dict[Path, dict[str, Judged]],
 ) -> None:
     """Judge notebooks, some at a time, with a progress bar; where nobody can watch it, a line for each."""
     from tqdm import tqdm
@@ -124,15 +125,15 @@ async def _judge_all(
                 group.create_task(judge_one(path))
 
 
-def _show(submissions: Sequence[Submission], names: dict[Path, str], as_json: bool) -> None:
+def _show(results: Results, as_json: bool) -> None:
     from rich.console import Console
 
     from tutorial.commands.checking import report
 
     if as_json:
-        say(json.dumps(report.as_json(submissions, names), indent=2) + "\n")
+        say(json.dumps(report.as_json(results), indent=2) + "\n")
         return
     console = Console(highlight=False)
-    console.print(report.table(submissions, names))
-    for line in report.summary(submissions):
+    console.print(report.table(results))
+    for line in report.summary(results):
         console.print(line, markup=False)

@@ -1,7 +1,6 @@
 """``tank doctor``: what this machine has for the tutorial, what is in the way, and the mend.
 
-What may crash or hang is asked in a process of its own, ``python -m tutorial.commands.doctor QUESTION``. Its last line
-is the answer, as JSON.
+What may crash or hang is asked in a process of its own, which answers in JSON.
 """
 
 # ruff: noqa: PLC0415 - what may crash is imported only by the process that is asked
@@ -18,7 +17,7 @@ import sys
 import textwrap
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from importlib import metadata
 from typing import Any, Literal, NamedTuple
@@ -68,19 +67,18 @@ def doctor() -> int:
     """
     levels = Counter[str]()
     with ThreadPoolExecutor(len(PROBES)) as pool:
-        for subject, found in zip(PROBES, pool.map(_looked, PROBES.values())):
-            for level, text, mend in found:
-                say(_columns(f"{subject:11}{level:9}", text) + _columns(f"{'':17}-> ", mend) * bool(mend))
-                levels[level] += 1
+        for subject, (level, text, mend) in zip(PROBES, pool.map(_looked, PROBES.values())):
+            say(_columns(f"{subject:11}{level:9}", text) + _columns(f"{'':17}-> ", mend) * bool(mend))
+            levels[level] += 1
     say(f"\nproblems: {levels['problem']}, notes: {levels['note']}\n")
     return int(levels["problem"] > 0)
 
 
-def _looked(probe: Callable[[], Iterator[Diagnosis]]) -> list[Diagnosis]:
+def _looked(probe: Callable[[], Diagnosis]) -> Diagnosis:
     try:
-        return list(probe())
+        return probe()
     except Exception as error:  # noqa: BLE001 - whatever it is, the other probes go on
-        return [Diagnosis("note", f"it could not be looked at: {type(error).__name__}: {error}", "look at it by hand")]
+        return Diagnosis("note", f"it could not be looked at: {type(error).__name__}: {error}", "look at it by hand")
 
 
 def _columns(label: str, text: str) -> str:
@@ -90,17 +88,18 @@ def _columns(label: str, text: str) -> str:
     return wrapper.fill(text) + "\n"
 
 
-def ask(question: str, patience: float = PATIENCE) -> Any:
-    """Answer one of `QUESTIONS` in a process of its own.
+def ask(question: Callable[[], Any], patience: float = PATIENCE) -> Any:
+    """Answer a question in a process of its own.
 
     Args:
-        question: which one.
+        question: one of this module's functions.
         patience: how long it may take [s].
 
     Raises:
         TutorialError: it crashed, failed or took too long; the text says so.
     """
-    command = [sys.executable, "-P", "-X", "utf8", "-m", __name__, question]
+    code = f"import json; from {__name__} import {question.__name__} as ask; print(json.dumps(ask()))"
+    command = [sys.executable, "-P", "-X", "utf8", "-c", code]
     try:
         done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=patience, check=False)
     except subprocess.TimeoutExpired:
@@ -112,104 +111,98 @@ def ask(question: str, patience: float = PATIENCE) -> Any:
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def python() -> Iterator[Diagnosis]:
+def python() -> Diagnosis:
     """Say which Python this is; pip has seen to it that it is one that will do."""
-    yield Diagnosis("ok", f"{platform.python_version()}, {sys.executable}")
+    return Diagnosis("ok", f"{platform.python_version()}, {sys.executable}")
 
 
-def mujoco() -> Iterator[Diagnosis]:
+def mujoco() -> Diagnosis:
     """Say which MuJoCo there is, and whether it renders the pictures of a camera."""
     try:
-        version, problem = ask("mujoco")
+        version, problem = ask(_mujoco)
     except TutorialError as error:
         mend = "unset MUJOCO_GL" if "MUJOCO_GL" in str(error) else f"{PIP} --force-reinstall mujoco"
-        yield Diagnosis("problem", f"it cannot be imported: {error}", mend)
-        return
+        return Diagnosis("problem", f"it cannot be imported: {error}", mend)
     if problem:
-        yield Diagnosis("note", f"{version}; cameras take no pictures, all else works: {problem[0]}", problem[1])
-    else:
-        yield Diagnosis("ok", f"{version}, which renders without a screen")
+        return Diagnosis("note", f"{version}; cameras take no pictures, all else works: {problem[0]}", problem[1])
+    return Diagnosis("ok", f"{version}, which renders without a screen")
 
 
-def packages() -> Iterator[Diagnosis]:
+def packages() -> Diagnosis:
     """Say what ``pip check`` says of the installed packages."""
     command = [sys.executable, "-m", "pip", "check", "--disable-pip-version-check"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
     text = done.stdout.strip() or done.stderr.strip()
-    if done.returncode == 0:
-        yield Diagnosis("ok", text)
-    else:
-        yield Diagnosis("problem", text, f"in the tutorial's folder: {PIP} -c constraints.txt -e .")
+    if done.returncode:
+        return Diagnosis("problem", text, f"in the tutorial's folder: {PIP} -c constraints.txt -e .")
+    return Diagnosis("ok", text)
 
 
-def backend() -> Iterator[Diagnosis]:
+def backend() -> Diagnosis:
     """Say which ROS 2 is in use, and why."""
     wanted, distro = os.environ.get("TUTORIAL_ROS"), os.environ.get("ROS_DISTRO")
     try:
         is_real = install_backend() == "rclpy"
     except TutorialError as error:
-        yield Diagnosis("problem", str(error), "unset TUTORIAL_ROS")
-        return
+        return Diagnosis("problem", str(error), "unset TUTORIAL_ROS")
     name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if is_real else "the pocket ROS 2, on Cyclone DDS"
     finds = "it" if is_real else "no rclpy"
     text = f"{name}, because {f'TUTORIAL_ROS={wanted}' if wanted else f'this Python finds {finds}'}"
     try:
-        version, file, rmw = ask("rclpy")
+        version, file, rmw = ask(_rclpy)
     except TutorialError as error:
         mend = f"{PIP} cyclonedds rosbags; where there is no cyclonedds, a real ROS 2"
         if is_real:
             mend = ". /opt/ros/jazzy/setup.bash, with Python 3.12; the pocket ROS 2: export TUTORIAL_ROS=pocket"
-        yield Diagnosis("problem", f"{text}; but it is broken: {error}", mend)
-        return
-    text += f": rclpy {version}, {file}, on {rmw}" * is_real
-    if is_real and "dds" not in rmw and "fastrtps" not in rmw:
-        mend = "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
-        yield Diagnosis("note", f"{text}, which does not speak DDS: it hears none of the others", mend)
-    elif is_real and distro != "jazzy":
-        yield Diagnosis("note", f"{text}. The tutorial is made for jazzy", ". /opt/ros/jazzy/setup.bash")
-    elif not is_real and distro and not wanted:
+        return Diagnosis("problem", f"{text}; but it is broken: {error}", mend)
+    mend = ""
+    if is_real:
+        text += f": rclpy {version}, {file}, on {rmw}"
+    elif distro and not wanted:
+        text += f", although ROS 2 {distro} is set up in this shell"
         mend = "with the Python that ROS 2 is made for: python3.12 -m venv --system-site-packages ~/tank-ros"
-        yield Diagnosis("note", f"{text}, although ROS 2 {distro} is set up in this shell", mend)
-    else:
-        yield Diagnosis("ok", text)
+    if rmw == "rmw_zenoh_cpp":
+        text += ", which does not speak DDS: it hears none of the others"
+        mend = "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
+    elif is_real and distro != "jazzy":
+        text += ". The tutorial is made for jazzy"
+        mend = ". /opt/ros/jazzy/setup.bash"
+    return Diagnosis("note" if mend else "ok", text, mend)
 
 
-def discovery() -> Iterator[Diagnosis]:
+def discovery() -> Diagnosis:
     """Say in plain words how far the nodes here look for others, and what was set by hand."""
     reach = os.environ.get(RANGE) or ("SUBNET" if install_backend() == "rclpy" else "LOCALHOST")
     if reach not in RANGES:
-        yield Diagnosis("problem", f"{RANGE} is {reach!r}.{did_you_mean(reach, RANGES)}", f"unset {RANGE}")
-    elif reach == "LOCALHOST":
-        yield Diagnosis("ok", f"{reach}: {RANGES[reach]}")
-    else:
-        yield Diagnosis("note", f"{reach}: {RANGES[reach]}", f"for this machine only: export {RANGE}=LOCALHOST")
-    for name in BY_HAND:
-        if value := os.environ.get(name):
-            yield Diagnosis("note", f"{name} is {value!r}, and has a say in it", f"if it is not meant: unset {name}")
+        return Diagnosis("problem", f"{RANGE} is {reach!r}.{did_you_mean(reach, RANGES)}", f"unset {RANGE}")
+    text = f"{reach}: {RANGES[reach]}"
+    mends = [] if reach == "LOCALHOST" else [f"for this machine only: export {RANGE}=LOCALHOST"]
+    for name in filter(os.environ.get, BY_HAND):
+        text += f"; {name} is {os.environ[name]!r}, and has a say in it"
+        mends.append(f"if it is not meant: unset {name}")
+    return Diagnosis("note" if mends else "ok", text, "; ".join(mends))
 
 
-def domain() -> Iterator[Diagnosis]:
+def domain() -> Diagnosis:
     """Say which domain nodes meet in, who is there, and which names are there more than once."""
     number = os.environ.get("ROS_DOMAIN_ID") or "0"
     try:
-        is_known, names = ask("nodes")
+        is_known, names = ask(_nodes)
     except TutorialError as error:
         mend = f"mend what is said of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to {LAST}"
-        yield Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", mend)
-        return
+        return Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", mend)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
     text = f"in domain {number}: {', '.join(named) or 'nobody else'}"
     if len(counts) < len(names):
         mend = "give each its own name: tank run step3 --ros-args -r __node:=viewer"
-        yield Diagnosis("note", f"{text}. Nodes of one name cannot be told apart", mend)
-    elif not is_known:
-        yield Diagnosis("note", f"{text}. Some still come or go", "run tank doctor again")
-    else:
-        yield Diagnosis("ok", text)
+        return Diagnosis("note", f"{text}. Nodes of one name cannot be told apart", mend)
+    if not is_known:
+        return Diagnosis("note", f"{text}. Some still come or go", "run tank doctor again")
+    return Diagnosis("ok", text)
 
 
-PROBES: dict[str, Callable[[], Iterator[Diagnosis]]] = {
+PROBES: dict[str, Callable[[], Diagnosis]] = {
     "Python": python,
     "MuJoCo": mujoco,
     "packages": packages,
@@ -238,10 +231,7 @@ def _rclpy() -> tuple[str, str | None, str]:
     import rclpy
     from rclpy.utilities import get_rmw_implementation_identifier
 
-    try:
-        version = metadata.version("rclpy")
-    except metadata.PackageNotFoundError:
-        version = ""
+    version = "".join(each.version for each in metadata.distributions(name="rclpy"))
     return version, rclpy.__file__, get_rmw_implementation_identifier()
 
 
@@ -255,10 +245,3 @@ def _nodes() -> tuple[bool, list[str]]:
         time.sleep(FIRST_LOOK)
         is_known = asyncio.run(wait_for_graph(thread.node))
         return is_known, [escape_name(name) for name in node_names(thread.node)]
-
-
-QUESTIONS: dict[str, Callable[[], Any]] = {"mujoco": _mujoco, "rclpy": _rclpy, "nodes": _nodes}
-
-if __name__ == "__main__":
-    signal.alarm(2 * PATIENCE)  # ends it if nobody else does
-    print(json.dumps(QUESTIONS[sys.argv[1]]()))  # noqa: T201 - its answer

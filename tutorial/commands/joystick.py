@@ -9,16 +9,17 @@ from bisect import bisect_right
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
 import msgspec
 from sensor_msgs.msg import Joy
 
+from tutorial.errors import TutorialError
 from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.ros.node_thread import MeteredNode
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["Gamepad", "JoyPublisher", "JoySource", "ScriptedDrive"]
+__all__ = ["Gamepad", "ScriptedDrive", "publish_joystick"]
 
 
 class _Moment(msgspec.Struct, forbid_unknown_fields=True):
@@ -31,17 +32,6 @@ class _DriveFile(msgspec.Struct, forbid_unknown_fields=True):
 
     drive: Annotated[list[_Moment], msgspec.Meta(min_length=1)]
     repeat: bool = False
-
-
-class JoySource(Protocol):
-    """What can be published as a joystick."""
-
-    def read(self, seconds: float) -> tuple[list[float], list[int]]:
-        """Return axes and buttons, as of the ROS 2 joy package's ``game_controller_node``.
-
-        Args:
-            seconds: since the first subscription [s].
-        """
 
 
 class ScriptedDrive:
@@ -59,13 +49,13 @@ class ScriptedDrive:
         self._times = [moment.time for moment in file.data.drive]
         self._axes = [moment.axes for moment in file.data.drive]
         for i, (before, after) in enumerate(pairwise(self._times), start=1):
-            if after <= before:
-                text = f"{after} is not later than {before}. Put the moments in order."
-                raise file.error(("drive", i, "time"), text)
+            with file.at("drive", i, "time"):
+                if after <= before:
+                    raise TutorialError(f"{after} is not later than {before}. Put the moments in order.")
         self._period = self._times[-1] if file.data.repeat else 0.0
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:
-        """Return the axes at this time of the drive; it has no buttons."""
+        """Return the axes at a time since its beginning [s]; it has no buttons."""
         if self._period:
             seconds %= self._period
         i = bisect_right(self._times, seconds) - 1
@@ -105,7 +95,10 @@ class Gamepad:
         return str(self._controller.name)
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad lives in the present
-        """Return what the hands do now. SDL has right and backward positive; ROS 2 has left and forward."""
+        """Return the axes and buttons of now, as of the ROS 2 joy package's ``game_controller_node``.
+
+        SDL has right and backward positive; ROS 2 has left and forward.
+        """
         import pygame  # noqa: PLC0415
 
         pygame.event.pump()
@@ -115,8 +108,15 @@ class Gamepad:
         return [max(-1.0, min(axis, 1.0)) for axis in axes], buttons
 
 
-class JoyPublisher:
-    """Publishes a joystick on ``joy`` at 50 Hz.
+def publish_joystick(
+    node: MeteredNode,
+    source: ScriptedDrive | Gamepad,
+    duration: float | None,
+    linger: float,
+    stop: threading.Event,
+    progress: Callable[[float], object],
+) -> float:
+    """Publish a joystick on ``joy`` at 50 Hz, until it is time to stop.
 
     A scripted drive begins with the first subscription, so that nothing of it is lost. The last message has the sticks
     in the middle.
@@ -124,41 +124,28 @@ class JoyPublisher:
     Args:
         node: the node to publish with.
         source: the joystick.
+        duration: how long [s]; None for until `stop`.
+        linger: after the duration, go on for at most so long [s], until the subscriptions have come and gone.
+        stop: set it to stop, from any thread.
+        progress: called with the seconds that have passed.
+
+    Returns:
+        How long it has published [s].
     """
-
-    def __init__(self, node: MeteredNode, source: JoySource) -> None:
-        self._node = node
-        self._source = source
-        self._publisher = node.create_publisher(Joy, "joy", 1)
-
-    def run(
-        self, duration: float | None, linger: float, stop: threading.Event, progress: Callable[[float], object]
-    ) -> float:
-        """Publish until it is time to stop.
-
-        Args:
-            duration: how long [s]; None for until `stop`.
-            linger: after the duration, go on for at most so long [s], until the subscriptions have come and gone.
-            stop: set it to stop, from any thread.
-            progress: called with the seconds that have passed.
-
-        Returns:
-            How long it has published [s].
-        """
-        began = time.monotonic()
-        met_at: float | None = None
-        tick = 0
-        while not stop.wait(max(0.0, began + tick / RATE - time.monotonic())):
-            elapsed = time.monotonic() - began
-            subscriptions = self._publisher.get_subscription_count()
-            if met_at is None and subscriptions:
-                met_at = elapsed
-            deserted = met_at is not None and not subscriptions
-            if duration is not None and elapsed >= duration and (deserted or elapsed >= duration + linger):
-                break
-            seconds = elapsed - met_at if met_at is not None else 0.0
-            self._publisher.publish(joy_message(self._node, *self._source.read(seconds)))
-            progress(elapsed)
-            tick = max(tick + 1, int(elapsed * RATE))
-        self._publisher.publish(joy_message(self._node, NEUTRAL, []))
-        return time.monotonic() - began
+    publisher = node.create_publisher(Joy, "joy", 1)
+    began = time.monotonic()
+    met_at: float | None = None
+    tick = 0
+    while not stop.wait(max(0.0, began + tick / RATE - time.monotonic())):
+        elapsed = time.monotonic() - began
+        subscriptions = publisher.get_subscription_count()
+        if met_at is None and subscriptions:
+            met_at = elapsed
+        deserted = met_at is not None and not subscriptions
+        if duration is not None and elapsed >= duration and (deserted or elapsed >= duration + linger):
+            break
+        publisher.publish(joy_message(node, *source.read(elapsed - met_at if met_at is not None else 0.0)))
+        progress(elapsed)
+        tick = max(tick + 1, int(elapsed * RATE))
+    publisher.publish(joy_message(node, NEUTRAL, []))
+    return time.monotonic() - began

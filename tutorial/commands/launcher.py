@@ -63,23 +63,16 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
             raise TutorialError(f"{path} failed: {tell(error, str(path))}") from error
     if not isinstance(description, launch.LaunchDescription):
         raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription.")
-    entities = list(description.entities)
-    if not entities:
+    if not description.entities:
         raise TutorialError(f"{path} describes no process. Give its LaunchDescription an ExecuteProcess.")
-    for entity in entities:
+    for entity in description.entities:
         if not isinstance(entity, launch.actions.ExecuteProcess):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
-        if not _is_fit(entity.cmd):
+        words = entity.cmd if isinstance(entity.cmd, list | tuple) else []
+        if not words or not words[0] or not all(isinstance(word, str | Path) for word in words):
             mend = "Give a list of words, such as cmd=['tank', 'joy']."
             raise TutorialError(f"{path} has a process that cannot be started: its cmd is {entity.cmd!r:.100}. {mend}")
-    return entities
-
-
-def _is_fit(command: object) -> bool:
-    """Whether something is the words of a command."""
-    if not isinstance(command, list | tuple) or not command:
-        return False
-    return all(isinstance(word, str | Path) for word in command) and str(command[0]) != ""
+    return list(description.entities)
 
 
 class Launcher:

@@ -40,12 +40,13 @@ def package(name: str, own: str | None, destination: Path) -> None:
     from tutorial.commands.packaging.contents import make_package
 
     folder = destination / name
-    made = make_package(name, None if own is None else part_class(own))
-    _write(folder, made.files)
-    say("".join(f"{printable(str(folder / path))}\n" for path in sorted(made.files)))
-    say(f"\nFill in its {made.blanks}, in package.xml and in setup.py. Its README.md says how to build and run it:\n\n")
+    files, executable = make_package(name, None if own is None else part_class(own))
+    _write(folder, files)
+    say("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
+    say("\nFill in its license, and its maintainer where git knows none, in package.xml and in setup.py. ")
+    say("Its README.md says how to build and run it:\n\n")
     say(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")
-    say(f"    ros2 run {name} {made.executable}\n    ros2 launch {name} {name}.launch.py\n")
+    say(f"    ros2 run {name} {executable}\n    ros2 launch {name} {name}.launch.py\n")
 
 
 def _write(folder: Path, files: Mapping[str, bytes]) -> None:

@@ -7,7 +7,6 @@ import os
 import sys
 import tempfile
 import threading
-from collections.abc import Sequence
 from contextlib import AsyncExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,12 +34,12 @@ from tutorial.commands.urdf import urdf
 from tutorial.errors import TutorialError, printable
 
 if TYPE_CHECKING:
-    from tutorial.commands.joystick import JoySource
+    from tutorial.commands.joystick import Gamepad, ScriptedDrive
     from tutorial.project import Project
 
 __all__ = ["main"]
 
-FILE = click.Path(dir_okay=False, path_type=Path)
+FILE = click.Path(path_type=Path)
 LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow
 
 
@@ -79,28 +78,12 @@ def tank() -> None:
 @linger_option
 @headless_option
 @report_option
+@click.option("--port", type=click.IntRange(1, 65535), help="Show the 3D view here; else on the first free from 7000.")
+@click.option("--html", type=FILE, help="Keep the run as a page that plays it again.")
+@click.option("--bag", type=FILE, metavar="DIR", help="Record the program's topics into a new bag.")
+@click.option("--robot", type=FILE, metavar="MODEL", help="Show this model; the body is called after the file.")
 @click.option(
-    "--port", type=click.IntRange(1, 65535), help="Show the 3D view on this port; else the first free from 7000."
-)
-@click.option("--html", type=FILE, help="Keep the run as a page that plays it again; it needs nothing else.")
-@click.option(
-    "--bag",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Record the program's topics into this bag, a folder that must not be there.",
-)
-@click.option(
-    "--robot",
-    type=FILE,
-    metavar="MODEL",
-    help="Put this model in the place of the project's robot; the body is called after the file.",
-)
-@click.option(
-    "--controller",
-    "own",
-    multiple=True,
-    metavar="FILE[:CLASS]",
-    help="Take the controllers in this Python file, or this one, in the place of the project's of the same names.",
+    "--controller", "own", multiple=True, metavar="FILE[:CLASS]", help="Use the controllers in this Python file."
 )
 @click.pass_obj
 def run(
@@ -121,25 +104,21 @@ def run(
 
 
 @tank.command(short_help="Publish a gamepad, or a scripted drive, on /joy.")
-@click.option(
-    "--drive",
-    metavar="FILE",
-    help="Publish this drive, a file or the name of one of the tutorial's, such as tour, gamepad or not.",
-)
+@click.option("--drive", metavar="FILE", help="Publish this drive, or the tutorial's of this name, such as tour.")
 @duration_option
 @linger_option
 @report_option
 @click.pass_obj
 def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: float, report: Path | None) -> int:
     """Publish a gamepad on /joy; where there is none, a scripted drive."""
-    from tutorial.commands.joystick import JoyPublisher
+    from tutorial.commands.joystick import publish_joystick
     from tutorial.record import make_record, write_record
 
     source = _joy_source(drive)
     stop = threading.Event()
     handle_signals(stop.set)
     with named_node("joy", ros_args) as thread, progress_bar(duration) as progress:
-        seconds = JoyPublisher(thread.node, source).run(duration, linger, stop, progress)
+        seconds = publish_joystick(thread.node, source, duration, linger, stop, progress)
         if report is not None:
             write_record(make_record(thread.node.get_name(), seconds, thread.node.meters), report)
     return INTERRUPTED if stop.is_set() and duration is not None else 0
@@ -206,18 +185,13 @@ tank.add_command(topic)
 tank.add_command(urdf)
 
 
-def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
+def _split(words: list[str]) -> tuple[list[str], list[str]]:
     """Part ROS 2's arguments, from ``--ros-args`` to ``--`` or the end, from the command's own."""
-    own: list[str] = []
-    ros: list[str] = []
-    into = own
-    for word in words:
-        if word == "--ros-args":
-            into = ros
-        into.append(word)
-        if word == "--":
-            into = own
-    return own, ros
+    if "--ros-args" not in words:
+        return words, []
+    begin = words.index("--ros-args")
+    end = words.index("--", begin) + 1 if "--" in words[begin:] else len(words)
+    return words[:begin] + words[end:], words[begin:end]
 
 
 async def _host(
@@ -262,12 +236,11 @@ async def _host(
                 write_record(host.record(), report)
 
 
-def _joy_source(drive: str | None) -> JoySource:
+def _joy_source(drive: str | None) -> ScriptedDrive | Gamepad:
     from tutorial.commands.joystick import Gamepad, ScriptedDrive
     from tutorial.paths import find_drive
 
-    gamepad = None if drive else Gamepad.find()
-    if gamepad is not None:
+    if drive is None and (gamepad := Gamepad.find()) is not None:
         say(f"gamepad: {printable(gamepad.name)}\n")
         return gamepad
     path = find_drive(drive or "tour")

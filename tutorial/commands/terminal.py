@@ -127,12 +127,8 @@ def progress_bar(duration: float | None) -> Iterator[Callable[[float], object]]:
 
 
 @contextmanager
-def status_line(shown: bool = True) -> Iterator[Callable[[str], object]]:
-    """Make a line on stderr that says how far it is, where nobody knows when it will end; only on a terminal.
-
-    Args:
-        shown: whether to show it at all.
-    """
-    line = tqdm(bar_format="{desc}", disable=None if shown else True, leave=False)
+def status_line() -> Iterator[Callable[[str], object]]:
+    """Make a line on stderr that says how far it is, where nobody knows when it will end; only on a terminal."""
+    line = tqdm(bar_format="{desc}", disable=None, leave=False)
     with line, logging_redirect_tqdm():
         yield line.set_description_str

@@ -59,7 +59,7 @@ async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None
     """Print the messages of a topic as they come, until Ctrl-C."""
     from tutorial.ros.topics import topic_echo
 
-    await say_all(topic_echo(node, topic_name, count=1 if once else None, field=field, no_arr=no_arr))
+    await say_all(topic_echo(node, topic_name, once=once, field=field, no_arr=no_arr))
 
 
 @topic.command()
@@ -83,10 +83,9 @@ async def hz(node: MeteredNode, topic_name: str) -> None:
 async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str, rate: float, once: bool) -> None:
     """Publish a message. VALUES are its fields in YAML: '{axes: [0.0, 0.5]}'."""
     from tutorial.ros.topics import topic_pub
-    from tutorial.ros.topics.populate import passed_class, populated
+    from tutorial.ros.topics.populate import populated
 
-    message = populated(passed_class(message_type), values)
-    await say_all(topic_pub(node, topic_name, message, rate, once))
+    await say_all(topic_pub(node, topic_name, populated(message_type, values), rate, once))
 
 
 @click.group(short_help="List the nodes, as ros2 node does.")

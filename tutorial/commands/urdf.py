@@ -21,9 +21,7 @@ def urdf(model: str) -> None:
     from tutorial.body import Body
     from tutorial.description.urdf import robot_description
     from tutorial.paths import find_model
-    from tutorial.project import check_model
     from tutorial.world import Placement
 
     path = find_model(model)
-    check_model(path)
     say(robot_description(Body.displayed(Placement(path.stem.capitalize(), path))))

@@ -28,18 +28,6 @@ def takes_material(model: mujoco.MjModel, geom: int) -> bool:
 
 
 def colour_of(model: mujoco.MjModel, geom: int) -> Array:
-    """Return red, green, blue and opacity of a geom, each 0 to 1, shape (4,)."""
-    if not takes_material(model, geom):
-        return np.asarray(model.geom_rgba[geom], dtype=float)
-    material = model.geom_matid[geom]
-    colour = np.array(model.mat_rgba[material], dtype=float)
-    colour[:3] *= _texture_tint(model, material)
-    return colour
-
-
-def _texture_tint(model: mujoco.MjModel, material: int) -> Array:
-    """The mean colour of a material's texture; white if it has none. The pattern itself is not drawn."""
-    texture = model.mat_texid[material, int(mujoco.mjtTextureRole.mjTEXROLE_RGB)]
-    if texture < 0 or model.tex_nchannel[texture] < 3:
-        return np.ones(3)
-    return np.asarray(model.texture(texture).data[..., :3].mean(axis=(0, 1)) / 255)
+    """Return red, green, blue and opacity of a geom, each 0 to 1, shape (4,). Textures are not drawn."""
+    own = not takes_material(model, geom)
+    return np.asarray(model.geom_rgba[geom] if own else model.mat_rgba[model.geom_matid[geom]], dtype=float)

@@ -17,13 +17,11 @@ UNLIMITED = 1e9
 
 def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:
     """Add a ``<limit>``: the range, where the joint has one or slides, and what its actuators can do."""
-    limit = SubElement(element, "limit")
+    limit = {"effort": numbers([_effort(model, joint)]), "velocity": numbers([UNLIMITED])}
     if model.jnt_limited[joint] or model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:
         lower, upper = model.jnt_range[joint] if model.jnt_limited[joint] else (-UNLIMITED, UNLIMITED)
-        limit.set("lower", numbers([lower]))
-        limit.set("upper", numbers([upper]))
-    limit.set("effort", numbers([_effort(model, joint)]))
-    limit.set("velocity", numbers([UNLIMITED]))
+        limit = {"lower": numbers([lower]), "upper": numbers([upper]), **limit}
+    SubElement(element, "limit", limit)
 
 
 def add_dynamics(element: Element, model: mujoco.MjModel, joint: int) -> None:

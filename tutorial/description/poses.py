@@ -33,9 +33,7 @@ def pose(position: ArrayLike, orientation_wxyz: ArrayLike) -> Matrix:
 
 def shift(by: ArrayLike) -> Matrix:
     """Make the pose of a translation, (3,) [m]."""
-    matrix = np.eye(4)
-    matrix[:3, 3] = by
-    return matrix
+    return pose(by, (1.0, 0.0, 0.0, 0.0))
 
 
 def turn(axis: ArrayLike, angle: float) -> Matrix:

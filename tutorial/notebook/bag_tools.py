@@ -9,7 +9,6 @@ from pathlib import Path
 from tutorial.notebook.desk import keep
 from tutorial.ros.bags import Bag, Player
 from tutorial.ros.node_thread import NodeThread
-from tutorial.ros.topics import wait_for_graph
 
 __all__ = ["bag_play"]
 
@@ -32,7 +31,6 @@ async def bag_play(bag: Bag | Path | str, rate: float = 1.0, start_offset: float
     stop = threading.Event()
     try:
         player = Player(thread.node, opened, rate=rate, start_offset=start_offset)
-        await wait_for_graph(thread.node)
         playing = asyncio.ensure_future(asyncio.to_thread(player.run, stop))
         try:
             await asyncio.shield(playing)

@@ -47,9 +47,7 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None, n
     Raises:
         TutorialError: there is no such topic or field, or nobody publishes on it for 10 s.
     """
-    count = 1 if once else None
-    echo = topics.topic_echo(_asker(), topic, count=count, field=field, no_arr=no_arr, timeout=PATIENCE)
-    await say_all(echo)
+    await say_all(topics.topic_echo(_asker(), topic, once=once, field=field, no_arr=no_arr, timeout=PATIENCE))
 
 
 async def topic_hz(topic: str, window: int = 10_000) -> None:

@@ -20,7 +20,6 @@ from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 
 from tutorial.errors import where
 from tutorial.trace import HandoffTrace
@@ -120,18 +119,16 @@ class MeteredNode(Node):  # type: ignore[misc, unused-ignore]
         super().__init__(*args, **kwargs)
         self.meters.clear()  # rclpy's own topics, such as /parameter_events
 
-    def create_publisher(
-        self, msg_type: type, topic: str, *args: Any, publisher_class: type[Publisher] = Publisher, **kwargs: Any
-    ) -> Any:
+    def create_publisher(self, msg_type: type, topic: str, *args: Any, **kwargs: Any) -> Any:
         """Create a publisher, as rclpy does, whose messages are counted."""
-        meter = TopicMeter(msg_type, topic, "published")
+        publisher: Any = super().create_publisher(msg_type, topic, *args, **kwargs)
+        meter, publish = TopicMeter(msg_type, topic, "published"), publisher.publish
 
-        class MeteredPublisher(publisher_class):  # type: ignore[misc, valid-type]
-            def publish(self, msg: Any) -> None:
-                super().publish(msg)
-                meter.add(msg)
+        def counted(msg: Any) -> None:
+            publish(msg)
+            meter.add(msg)
 
-        publisher = super().create_publisher(msg_type, topic, *args, publisher_class=MeteredPublisher, **kwargs)
+        publisher.publish = counted
         return self._metered(meter, publisher)
 
     def create_subscription(
@@ -204,7 +201,6 @@ class SpinThread(Generic[AnyNode]):
             self._context.try_shutdown()
             raise
         self._stopping = threading.Event()
-        self._closed = False
         self._failure: list[str] = []  # that was logged last, in words
         self._failed_at = 0.0
         self._unsaid = 0
@@ -223,7 +219,7 @@ class SpinThread(Generic[AnyNode]):
 
         A callback that does not return is not waited for: the node leaves when it does, at the latest with the process.
         """
-        if self._closed:
+        if self not in self.alive:
             return
         self._stopping.set()
         self._thread.join(self.patience)
@@ -232,7 +228,6 @@ class SpinThread(Generic[AnyNode]):
             threading.Thread(target=self._leave, name="leaving", daemon=True).start()
         else:
             self._leave()
-        self._closed = True
         self.alive.discard(self)
 
     def _leave(self) -> None:

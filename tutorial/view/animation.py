@@ -47,7 +47,11 @@ class Animation:
     def finish(self) -> bytes:
         """Return one message, which shows everything that ever was there, and moves it."""
         clips = [_clip(path, "run", _motion(track)) for path, track in self._poses.items() if len(track.times) > 1]
-        clips += [_clip(path, "sight", _sight(track)) for path, track in self._sights.items() if len(track.times) > 1]
+        clips += [
+            _clip(path, "sight", [_keys(".visible", "bool", track, track.values)])
+            for path, track in self._sights.items()
+            if len(track.times) > 1
+        ]
         self._scene.send_message({"type": "set_animation", "path": "", "animations": clips, "options": {"play": False}})
         return self._scene.snapshot()
 
@@ -114,10 +118,6 @@ def _motion(track: _Track) -> list[dict[str, Any]]:
     if np.ptp(scales, axis=0).max() > 1e-6:  # float32: what is rigid has not exactly 1
         motion.append(_keys(".scale", "vector3", track, scales))
     return motion
-
-
-def _sight(track: _Track) -> list[dict[str, Any]]:
-    return [_keys(".visible", "bool", track, track.values)]
 
 
 def _keys(name: str, kind: str, track: _Track, values: object) -> dict[str, Any]:

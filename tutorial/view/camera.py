@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial.body import Body
-from tutorial.errors import TutorialError, did_you_mean, printable
+from tutorial.errors import TutorialError, printable
 from tutorial.view.offscreen import USUAL, Offscreen, mend
 
 __all__ = ["Camera", "CameraRenderer"]
@@ -98,15 +98,11 @@ class CameraRenderer:
         Raises:
             TutorialError: the body has no such camera; the text names the nearest.
         """
-        prefix = f"{body.name}/"
-        every = (body.model.camera(number).name for number in range(body.model.ncam))
-        own = {each.removeprefix(prefix): number for number, each in enumerate(every) if each.startswith(prefix)}
-        if name not in own:
-            raise TutorialError(f"the body {body.name!r} has no camera {name!r}.{did_you_mean(name, own)}")
-        width, height = body.model.cam_resolution[own[name]].tolist()
+        number = body.find_id("camera", body.model.camera, body.model.ncam, name)
+        width, height = body.model.cam_resolution[number].tolist()
         if (width, height) == UNSET:
             width, height = USUAL
-        return Camera(name, width, height, body, own[name], self)
+        return Camera(name, width, height, body, number, self)
 
     def request(self, camera: Camera, deliver: Callable[..., object], args: tuple[object, ...]) -> None:
         """Have a picture taken, on the thread that steps the simulation; see `Camera.capture`."""

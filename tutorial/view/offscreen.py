@@ -1,14 +1,13 @@
-"""Rendering without a screen, by MuJoCo with EGL, OSMesa or what the system has."""
+"""Rendering without a screen, by MuJoCo with EGL or what the system has."""
 
 from __future__ import annotations
 
 import copy
-import ctypes
 import importlib
 import os
 import platform
-from contextlib import AbstractContextManager, suppress
-from typing import Any, Self
+from contextlib import AbstractContextManager
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -17,9 +16,7 @@ from numpy.typing import NDArray
 __all__ = ["USUAL", "Offscreen", "mend"]
 
 USUAL = (320, 240)  # [px] of a camera whose model does not say its resolution
-ON_LINUX = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
-"""The libraries that render without a screen, by MuJoCo's names for them. The first one that is installed is used."""
-ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it, or libosmesa6"
+ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it"
 ELSEWHERE = "MuJoCo's documentation of rendering in Python says what this system needs"
 
 Pixels = NDArray[np.uint8]
@@ -50,9 +47,6 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         self._option = mujoco.MjvOption()
         self._view = mujoco.MjvCamera()
         self._view.type = mujoco.mjtCamera.mjCAMERA_FIXED
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._context.free()
@@ -87,17 +81,7 @@ def mend() -> str:
 
 
 def _gl_context(width: int, height: int) -> Any:
-    """Make an OpenGL context. On Linux it is one that needs no screen, of two the one that MUJOCO_GL names."""
-    if platform.system() != "Linux":
-        return mujoco.GLContext(width, height)
-    wanted = os.environ.get("MUJOCO_GL", "").lower()
-    names = [wanted] if wanted in ON_LINUX else [name for name, library in ON_LINUX.items() if _is_there(library)]
-    if not names:
-        raise ImportError(f"there is neither {' nor '.join(ON_LINUX.values())}")
-    return importlib.import_module(f"mujoco.{names[0]}").GLContext(width, height)
-
-
-def _is_there(library: str) -> bool:
-    with suppress(OSError):
-        return bool(ctypes.CDLL(library))
-    return False
+    """Make an OpenGL context: on Linux with EGL, which needs no screen, unless MUJOCO_GL tells MuJoCo what to take."""
+    if platform.system() == "Linux" and not os.environ.get("MUJOCO_GL"):
+        return importlib.import_module("mujoco.egl").GLContext(width, height)
+    return mujoco.GLContext(width, height)

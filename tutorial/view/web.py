@@ -7,12 +7,11 @@ thread and is gone when the program is, however it ends.
 from __future__ import annotations
 
 import asyncio
-import errno
 import os
 import socket
 from collections.abc import Sequence
 from contextlib import AbstractAsyncContextManager
-from typing import Any, Self
+from typing import Any
 
 from tornado.httpserver import HTTPServer
 from tornado.routing import HostMatches
@@ -49,7 +48,8 @@ LARGEST_BODY = 1024
 class SceneServer(AbstractAsyncContextManager["SceneServer"]):
     """A page that shows a scene, on this machine only, as long as an ``async with`` block runs.
 
-    It belongs to the scene's thread. Leaving the block closes the connections to the browsers and frees the port.
+    It belongs to the scene's thread, whose event loop is running. Leaving the block closes the connections to the
+    browsers and frees the port.
 
     Args:
         scene: what to show.
@@ -72,15 +72,12 @@ class SceneServer(AbstractAsyncContextManager["SceneServer"]):
             (r"/meshcat/([\w.-]+)", _Files, {"path": str(meshcats_viewer())}),
         ]
         hosts, quiet = [(HostMatches(OWN_HOSTS), pages)], lambda _handler: None
-        self._application = Application(hosts, title=title, template_path=str(STATIC), log_function=quiet)
-        self._listener = _listen(PORTS if port is None else [port])
-        self.url = f"http://{ADDRESS}:{self._listener.getsockname()[1]}/"
-
-    async def __aenter__(self) -> Self:
-        self._http = HTTPServer(self._application, max_body_size=LARGEST_BODY)
-        self._listener.setblocking(False)
-        self._http.add_socket(self._listener)
-        return self
+        application = Application(hosts, title=title, template_path=str(STATIC), log_function=quiet)
+        listener = _listen(PORTS if port is None else [port])
+        self.url = f"http://{ADDRESS}:{listener.getsockname()[1]}/"
+        self._http = HTTPServer(application, max_body_size=LARGEST_BODY)
+        listener.setblocking(False)
+        self._http.add_socket(listener)
 
     async def __aexit__(self, *_: object) -> None:
         self._http.stop()
@@ -100,8 +97,7 @@ def _listen(ports: Sequence[int]) -> socket.socket:
         try:
             return socket.create_server((ADDRESS, port))
         except OSError as error:
-            in_use = error.errno == errno.EADDRINUSE
-            reason = "another program uses it already" if in_use else os.strerror(error.errno or 0).lower()
+            reason = os.strerror(error.errno or 0).lower()
     which = f"port {ports[0]}" if len(ports) == 1 else f"any of the ports {ports[0]} to {ports[-1]}"
     raise TutorialError(f"the 3D view cannot have {which}: {reason}. Give another one, or none for the first free one.")
 

@@ -3,7 +3,6 @@
 import math
 import threading
 
-import pytest
 from sensor_msgs.msg import JointState
 
 from tutorial.notebook.desk import until
@@ -33,18 +32,15 @@ async def test_a_slider_puts_a_fault_into_the_stream_and_the_button_takes_all_aw
         panel._reset.click()
         assert panel.sliders["nan"].value == 0
         await until(lambda: not math.isnan(sum(heard[-1].position)), "a good message again")
-        panel.close()
+        panel.end()
 
 
-@pytest.mark.parametrize("leave", [ChaosPanel.end, ChaosPanel.close])
-async def test_ended_or_closed_it_publishes_no_more_and_leaves_no_thread(domain, leave):
+async def test_ended_it_publishes_no_more_and_leaves_no_thread(domain):
     threads = threading.active_count()
     panel = ChaosPanel()
     move(panel.sliders["second"], 1.0)
     await until(lambda: panel.made["second"], "a second publisher")
-    leave(panel)
-    leave(panel)
+    panel.end()
+    panel.end()
     assert panel.ended
     assert threading.active_count() <= threads
-    assert (panel.comm is None) == (leave is ChaosPanel.close)
-    panel.close()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 from collections import deque
 from html import escape
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
@@ -152,7 +153,7 @@ def pictures_of(name: str) -> list[tuple[str, str]]:
     moment = Moment(0.0, name)
     trace = HandoffTrace()
     trace._keep(Handoff(name, received=moment, posted=moment, handled=moment, applied=moment))
-    lanes = swimlane(trace)
+    lanes = swimlane(SimpleNamespace(trace=trace))
     lanes.close()
     return [graph, (lanes.svg, lanes.alt), _picture(name, samples)]
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import pytest
+from types import SimpleNamespace
 
-from tutorial.errors import TutorialError
 from tutorial.notebook.widgets.swimlane import LEFT, RIGHT, swimlane
 from tutorial.trace import Handoff, HandoffTrace, Moment
 
@@ -32,7 +31,7 @@ def drawn(*handoffs: Handoff, count: int = 8):
     trace = HandoffTrace()
     for handoff in handoffs:
         trace._keep(handoff)
-    picture = swimlane(trace, count)
+    picture = swimlane(SimpleNamespace(trace=trace), count)
     root = parsed(picture.svg)
     return root, [element.text for element in root.iter() if element.text], picture.alt
 
@@ -44,8 +43,7 @@ def number_of(root, tag: str, part_of_style: str) -> int:
 def test_each_thread_has_a_lane_and_each_message_a_way():
     root, texts, alt = drawn(message(0, 5.1), message(20, 31.1))
     assert texts.index("executor") < texts.index("MainThread")
-    assert [text for text in texts if text.endswith(" ms")][:2] == ["5.00 ms", "11.0 ms"]
-    assert {"received (2)", "applied (2) after 5.00 ms to 11.0 ms"} <= set(texts)
+    assert {"received (2)", "applied after 5.00 ms to 11.0 ms (2)"} <= set(texts)
     assert alt == "2 messages over 31.1 ms, on executor and MainThread: 2 applied. They waited 5.00 ms to 11.0 ms."
     for polyline in root.iter("polyline"):
         assert all(LEFT <= float(point.split(",")[0]) <= RIGHT for point in polyline.get("points").split())
@@ -79,11 +77,6 @@ def test_what_is_neither_applied_nor_posted_is_shown_too():
 
 def test_what_happened_at_once_or_not_at_all():
     assert drawn()[2] == "nothing was received or posted yet"
-    assert repr(swimlane(HandoffTrace())) == "Picture('handoffs')"
+    assert repr(swimlane(SimpleNamespace(trace=HandoffTrace()))) == "Picture('handoffs')"
     moment = Moment(100.0, "MainThread")
     assert drawn(Handoff(posted=moment, applied=moment))[2].endswith("1 applied. They waited 0.00 ms.")
-
-
-def test_no_messages_make_no_picture():
-    with pytest.raises(TutorialError, match=r"there is no picture of 0 messages\. Give a count from 1 on"):
-        swimlane(HandoffTrace(), 0)

@@ -165,7 +165,6 @@ def test_after_the_longest_duration_another_file_begins(tmp_path, storage):
     assert told["duration"]["nanoseconds"] == 99 * STEP
     (tmp_path / "bag" / f"bag_2{SUFFIXES[storage]}").unlink()
     found, damage = read(tmp_path / "bag")
-    assert "1 of its files are missing, the first is bag_2" in damage
     assert "metadata.yaml tells of 100 messages, and 75 are there" in damage
     assert found == written[:50] + written[75:]
 
@@ -274,18 +273,6 @@ def test_a_hostile_mcap_takes_no_memory(tmp_path, data, said):
     assert found == []
     assert said in damage
     assert peak < 2_000_000
-
-
-def test_statistics_that_cannot_be_are_not_believed(tmp_path):
-    written = write(tmp_path / "bag")
-    path = tmp_path / "bag" / "bag_0.mcap"
-    whole = path.read_bytes()
-    times = struct.pack("<QQ", START, START + 99 * STEP)
-    assert whole.count(times) == 1  # those of the statistics
-    path.write_bytes(whole.replace(times, struct.pack("<QQ", 2**64 - 1, 0)))
-    bag = Bag(path)
-    assert (bag.start, bag.duration) == (START, 1.98)
-    assert list(bag.raw_messages()) == written
 
 
 TABLES = """

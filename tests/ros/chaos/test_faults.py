@@ -9,8 +9,6 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rclpy.serialization import serialize_message
-from rclpy.utilities import get_rmw_implementation_identifier
 from sensor_msgs.msg import JointState
 
 from tutorial.errors import TutorialError
@@ -20,15 +18,6 @@ from tutorial.ros.chaos.stream import JOINTS, swing
 
 ALL = dict.fromkeys(FAULTS, 0.2)
 FIVE = tuple(f"JOINT_{i}" for i in range(5))
-
-
-def as_bytes(action: Action) -> bytes:
-    """What goes over the wire; Fast DDS leaves garbage in the padding."""
-    if action.message is None:
-        return b""
-    if "fastrtps" in get_rmw_implementation_identifier():
-        return repr(action.message).encode()
-    return bytes(serialize_message(action.message))
 
 
 def stream(chaos: Chaos, count: int = 300, joints: tuple[str, ...] = JOINTS) -> list[Action]:
@@ -51,10 +40,8 @@ def entries(message: JointState) -> list[tuple[str, float, float, float]]:
     return list(zip(message.name, message.position, message.velocity, message.effort))
 
 
-def test_a_seed_gives_the_same_stream_again_byte_for_byte():
-    first, again, other = (
-        [(action.kind, as_bytes(action)) for action in stream(Chaos(ALL, seed))] for seed in (3, 3, 4)
-    )
+def test_a_seed_gives_the_same_stream_again():
+    first, again, other = (repr(stream(Chaos(ALL, seed))) for seed in (3, 3, 4))
     assert first == again
     assert first != other
 
@@ -93,6 +80,9 @@ HIT = {
         and hit.name[0] in good.name
         and hit.position[0] != good.position[good.name.index(hit.name[0])]
     ),
+    "nan": lambda good, hit: [*map(math.isnan, hit.position)].count(True) == 1,
+    "infinite": lambda good, hit: [*map(math.isinf, hit.position)].count(True) == 1,
+    "huge": lambda good, hit: [abs(value) >= 1e12 for value in hit.position].count(True) == 1,
     "markup": lambda good, hit: entries(hit)[:-1] == entries(good) and any(c in hit.name[-1] for c in "<&`"),
     "control": lambda good, hit: entries(hit)[:-1] == entries(good) and not hit.name[-1].isprintable(),
     "short": lambda good, hit: 0 < len(hit.position) == len(hit.velocity) == len(hit.effort) < len(hit.name) == 5,
@@ -109,16 +99,6 @@ def test_what_a_fault_does_to_a_message(name):
     assert "\0" not in "".join(hit.name)  # ends a string in C: it would not arrive
 
 
-@pytest.mark.parametrize(
-    ("name", "is_hit"), [("nan", math.isnan), ("infinite", math.isinf), ("huge", lambda value: abs(value) >= 1e12)]
-)
-def test_one_position_is_no_angle(name, is_hit):
-    good, hit = hit_by(name)
-    kept = [value == was for value, was in zip(hit.position, good.position)]
-    assert sorted(kept) == [False, True, True, True, True]
-    assert is_hit(hit.position[kept.index(False)])
-
-
 def test_a_late_message_comes_after_newer_ones_as_it_was():
     chaos = Chaos({"late": 0.1})
     messages = [action.message for action in stream(chaos, 500)]
@@ -129,7 +109,7 @@ def test_a_late_message_comes_after_newer_ones_as_it_was():
     assert all(message == swing(round(stamp_ns(message) / stamp_ns(swing(1)))) for message in messages)
 
 
-def test_no_stamp_is_before_the_beginning_and_a_restart_takes_what_is_held_back():
+def test_a_restarted_publishers_stamps_begin_at_zero_and_what_is_held_back_is_gone():
     chaos = Chaos({"late": 0.5, "restart": 0.05})
     began = 0
     for number in range(500):
@@ -138,13 +118,6 @@ def test_no_stamp_is_before_the_beginning_and_a_restart_takes_what_is_held_back(
                 began = number
             else:
                 assert 0 <= stamp_ns(action.message) <= stamp_ns(swing(number - began))
-
-
-def test_a_restarted_publishers_stamps_begin_at_zero():
-    chaos = Chaos({"restart": 1})
-    assert [action.kind for action in chaos.apply(swing(500))] == ["restart", "publish"]
-    chaos.faults = {}
-    assert stamp_ns(chaos.apply(swing(501))[0].message) == stamp_ns(swing(1))
 
 
 def test_what_comes_is_nothing_a_burst_or_a_second_publishers():

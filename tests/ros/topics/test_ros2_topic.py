@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import re
 from collections.abc import Iterator
 from contextlib import aclosing
 from itertools import chain, repeat
@@ -99,17 +98,6 @@ class TestEcho:
 
 
 class TestHz:
-    def test_figures(self, met):
-        """The layout is ros2's; the figures depend on the machine, so they have to agree with one another only."""
-        text = asyncio.run(first(topic_hz(met, JOINT_STATE, window=50)))
-        shape = re.sub(r"[0-9]+", "0", recorded(f"ros2 topic hz --window 50 {JOINT_STATE}").split("average rate")[1])
-        assert re.sub(r"[0-9]+", "0", text) == f"average rate{shape}"
-        rate, low, high, deviation, count = map(float, re.findall(r"[0-9]+\.?[0-9]*", text))
-        assert count <= 50
-        rounded = 0.0005  # [s]
-        assert low - rounded <= 1 / rate <= high + rounded
-        assert deviation <= high - low + 2 * rounded
-
     def test_unknown_topic_is_waited_for(self, asker):
         async def watch():
             async with aclosing(topic_hz(asker, "/late")) as texts:
@@ -125,7 +113,7 @@ class TestHz:
         assert rate.startswith("average rate: ")
         assert not list(asker.subscriptions)
 
-    def test_simulated_time_counts_and_where_it_jumps_back_it_begins_anew(self, asker, monkeypatch):
+    def test_the_newest_intervals_count_and_where_simulated_time_jumps_back_it_begins_anew(self, asker, monkeypatch):
         times = chain([0, 10, 10.5, 11, 3, 3.25, 3.5, 3.75], repeat(4))  # one for each message
         clock = Mock(ros_time_is_active=True, now=lambda: Time(seconds=next(times)))
         publisher = asker.create_publisher(String, "/now_and_then", 1)
@@ -133,11 +121,11 @@ class TestHz:
         monkeypatch.setattr(asker, "get_clock", lambda: clock)
 
         async def watch():
-            async with aclosing(topic_hz(asker, "/now_and_then")) as texts:
+            async with aclosing(topic_hz(asker, "/now_and_then", window=3)) as texts:
                 return await anext(texts), await anext(texts)
 
         figures = "average rate: {:.3f}\n\tmin: {:.3f}s max: {:.3f}s std dev: 0.00000s window: {}\n"
-        assert asyncio.run(watch()) == (figures.format(2, 0.5, 0.5, 2), figures.format(4, 0.25, 0.25, 4))
+        assert asyncio.run(watch()) == (figures.format(2, 0.5, 0.5, 2), figures.format(4, 0.25, 0.25, 3))
 
     def test_a_topic_or_a_message_that_does_not_come_in_time_is_said(self, met):
         async def watch():

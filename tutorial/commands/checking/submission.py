@@ -9,7 +9,6 @@ import signal
 import site
 import sys
 import tempfile
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
@@ -20,7 +19,7 @@ from tutorial.commands.checking.sandbox import sandbox
 from tutorial.parent_watch import signal_group
 from tutorial.paths import PACKAGE
 
-__all__ = ["Submission", "judge"]
+__all__ = ["judge"]
 
 LARGEST = 50 << 20  # bytes of a notebook
 LINE = 1 << 16  # bytes of a message
@@ -39,51 +38,33 @@ KEPT = (
 T = TypeVar("T", Judged, Opened)
 
 
-@dataclass
-class Submission:
-    """A notebook, and what became of its answers.
-
-    Attributes:
-        path: the file.
-        judged: by the exercise's name, in the notebook's order.
-        problem: why it could not be judged as a whole; else empty.
-    """
-
-    path: Path
-    judged: dict[str, Judged] = field(default_factory=dict)
-    problem: str = ""
-
-    @property
-    def verdicts(self) -> dict[str, Judged]:
-        """What became of the answers; first of the whole, if that could not be judged, without an exercise's name."""
-        whole = {"": Judged(Outcome.NOT_JUDGED, self.problem, self.problem)} if self.problem else {}
-        return whole | self.judged
-
-
-async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> Submission:
+async def judge(path: Path, limit: float, is_sandboxed: bool = True) -> dict[str, Judged]:
     """Have a notebook's answers judged, each in a process of its own.
 
     Args:
         path: the file.
         limit: how long an answer may take [s].
         is_sandboxed: whether a sandbox holds it.
+
+    Returns:
+        By the exercise's name, in the notebook's order; first, without a name, the whole, if that could not be judged.
     """
-    submission = Submission(path)
+    judged: dict[str, Judged] = {}
     if not path.is_file():
-        submission.problem = "it is no file"
+        problem = "it is no file"
     elif path.stat().st_size > LARGEST:
-        submission.problem = f"it has more than {LARGEST >> 20} MB"
+        problem = f"it has more than {LARGEST >> 20} MB"
     else:
         try:
             opened = await _told(Opened, path, limit, is_sandboxed)
-            submission.problem = opened.problem
+            problem = opened.problem
             for exercise in opened.exercises:
-                submission.judged[exercise] = await _judge_one(path, exercise, limit, is_sandboxed)
+                judged[exercise] = await _judge_one(path, exercise, limit, is_sandboxed)
         except (EOFError, TimeoutError, ValueError, RecursionError):
-            submission.problem = UNREAD
+            problem = UNREAD
         except OSError as error:
-            submission.problem = f"it cannot be judged: {error.strerror}"
-    return submission
+            problem = f"it cannot be judged: {error.strerror}"
+    return ({"": Judged(Outcome.NOT_JUDGED, problem, problem)} if problem else {}) | judged
 
 
 async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool) -> Judged:

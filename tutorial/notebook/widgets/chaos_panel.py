@@ -65,12 +65,6 @@ class ChaosPanel(VBox):  # type: ignore[misc]
             control.disabled = True
         self._hits.value = f"ended. {_words(self.made)}"
 
-    def close(self) -> None:
-        """End it, and take it off every page. Idempotent, main thread."""
-        if self.comm is not None:
-            self.end()
-        super().close()
-
     def _on_share(self, _change: object) -> None:
         """Leave the shares for the node's thread, which takes them with the next message. Any thread."""
         self._stream.chaos.faults = {name: slider.value for name, slider in self.sliders.items() if slider.value}

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
-from pathlib import Path, PurePath
+from collections.abc import Collection, Iterator
+from itertools import chain
+from math import inf
+from operator import itemgetter
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
@@ -15,12 +18,12 @@ from tutorial.errors import TutorialError, did_you_mean, printable
 from tutorial.paths import is_file, is_folder
 from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.sqlite import SqliteReader
-from tutorial.ros.bags.storage import Channel, Damaged, FileReader, Span, read_yaml
+from tutorial.ros.bags.storage import Channel, Damaged, RawMessage, Span, read_yaml
 from tutorial.ros.topics.names import escape_name, message_class
 
 __all__ = ["Bag", "BagTopic"]
 
-READERS: dict[str, Callable[..., FileReader]] = {".mcap": McapReader, ".db3": SqliteReader}
+READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
 MOST_FAULTS = 5  # of a bag, that are told
 CDR_HEAD = 4  # bytes that every payload begins with
 
@@ -36,7 +39,6 @@ class BagTopic(NamedTuple):
 class _Information(msgspec.Struct):
     """What is read of a bag's ``metadata.yaml``: the rest is in its files, too."""
 
-    relative_file_paths: list[str] = []
     message_count: int | None = None
     compression_mode: str = ""
     ros_distro: str = ""
@@ -72,18 +74,21 @@ class Bag:
         self.distro = printable(told.ros_distro[:60])
         self.channels: dict[str, Channel] = {}
         self._counts: Counter[str] = Counter()
-        span = Span()
         self._readers = [reader for file in self.files if (reader := self._opened(file)) is not None]
+        span = Span()
+        for topic, time, _ in self._in_order():
+            self._counts[topic] += 1
+            span.add(time)
         for reader in self._readers:
             self.channels = {channel.topic: channel for channel in reader.channels.values()} | self.channels
-            self._counts += reader.counts
-            if reader.span.count:
-                span.add(reader.span.count, reader.span.start, reader.span.end)
         self.start, self.end = span.start, span.end
         if told.message_count not in (None, span.count):
             self._say(f"metadata.yaml tells of {told.message_count:,} messages, and {span.count:,} are there")
         if not self._readers:
-            raise TutorialError(f"nothing in the bag {_named(self.path)} can be read: {'; '.join(self._faults)}.")
+            raise TutorialError(
+                f"nothing in the bag {_named(self.path)} can be read: {'; '.join(self._faults)}. 'ros2 bag reindex' or "
+                "'mcap recover' may get more out of it."
+            )
 
     @property
     def topics(self) -> list[BagTopic]:
@@ -120,21 +125,18 @@ class Bag:
             raise TutorialError(f"there is no topic '{escape_name(topic)}' in this bag.{did_you_mean(topic, known)}")
         return self.channels[topic]
 
-    def messages(
-        self, topics: Collection[str] | None = None, start_offset: float = 0.0
-    ) -> Iterator[tuple[str, int, Any]]:
+    def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, Any]]:
         """Yield the messages in the order in which they were received: (topic, time [ns], message).
 
         Args:
             topics: only those; None for all.
-            start_offset: how much to leave out at the beginning [s].
 
         Raises:
             TutorialError: there is no such topic, or its messages are of a type that is not known here.
         """
         channels = [self.channel(name) for name in (self.channels if topics is None else topics)]
         kinds = {each.topic: message_class(each.type_name) for each in channels if self._counts[each.topic]}
-        for name, time, payload in self.raw_messages(kinds, start_offset):
+        for name, time, payload in self.raw_messages(kinds):
             try:
                 message = deserialize_message(payload, kinds[name])
             except Exception as error:  # noqa: BLE001 - a real rclpy raises of many kinds
@@ -142,20 +144,36 @@ class Bag:
                 continue
             yield name, time, message
 
-    def raw_messages(
-        self, topics: Collection[str] | None = None, start_offset: float = 0.0
-    ) -> Iterator[tuple[str, int, bytes]]:
-        """Yield the messages as they travelled, in CDR; the arguments are those of `messages`."""
+    def raw_messages(self, topics: Collection[str] | None = None, start_offset: float = 0.0) -> Iterator[RawMessage]:
+        """Yield the messages as they travelled, in CDR.
+
+        Args:
+            topics: only those; None for all.
+            start_offset: how much to leave out at the beginning [s].
+
+        Raises:
+            TutorialError: there is no such topic.
+        """
         wanted = {self.channel(name).topic for name in (self.channels if topics is None else topics)}
         since = self.start + round(start_offset * 1e9)
-        for reader in self._readers:
-            for name, time, payload in reader.messages(wanted, since):
+        for name, time, payload in self._in_order(since):
+            if name in wanted and time >= since:
                 if len(payload) >= CDR_HEAD:
                     yield name, time, payload
                 else:
                     self._say(f"a message on {escape_name(name)} is empty")
 
-    def _opened(self, file: Path) -> FileReader | None:
+    def _in_order(self, since: float = -inf) -> Iterator[RawMessage]:
+        """Yield the messages in the order of time. One that was written late, by no more than a batch, is put there."""
+        waiting: list[RawMessage] = []
+        for batch in chain.from_iterable(reader.batches(since) for reader in self._readers):
+            found = list(batch)
+            known = sorted(waiting + found, key=itemgetter(1))
+            yield from known[: len(waiting)]
+            waiting = known[len(waiting) :]
+        yield from waiting
+
+    def _opened(self, file: Path) -> McapReader | SqliteReader | None:
         """Look into a file; None where nothing can be read."""
         name = escape_name(file.name)
         try:
@@ -186,9 +204,6 @@ class Bag:
         files = sorted((path for path in self.path.iterdir() if path.suffix in READERS and is_file(path)), key=_number)
         if not files:
             raise TutorialError(f"the folder {_named(self.path)} is no bag: there is no .mcap or .db3 file in it.")
-        names = {file.name for file in files}
-        if missing := [name for path in told.relative_file_paths if (name := PurePath(path).name) not in names]:
-            self._say(f"{len(missing):,} of its files are missing, the first is {escape_name(missing[0])}")
         return [file for file in files if file.suffix == files[0].suffix], told
 
     def _read_metadata(self) -> _Information:
@@ -197,10 +212,8 @@ class Bag:
             return msgspec.convert(read_yaml(data), _Metadata).rosbag2_bagfile_information
         except FileNotFoundError:
             self._say("its metadata.yaml is missing, as of a recording that was killed")
-        except OSError as error:
-            self._say(f"metadata.yaml cannot be read: {error.strerror}")
-        except msgspec.ValidationError as error:
-            self._say(f"metadata.yaml: it is not that of a bag: {printable(str(error))}")
+        except (OSError, msgspec.ValidationError) as error:
+            self._say(f"metadata.yaml: {printable(str(error))}")
         except Exception:  # noqa: BLE001 - what a stranger has written may be anything
             self._say("metadata.yaml: it is no YAML")
         return _Information()

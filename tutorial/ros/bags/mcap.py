@@ -9,12 +9,8 @@ from __future__ import annotations
 
 import struct
 import zlib
-from bisect import bisect_left
-from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from io import BytesIO
-from itertools import chain
-from operator import itemgetter
 from pathlib import Path
 from typing import IO, Any
 
@@ -28,7 +24,7 @@ from mcap.reader import FOOTER_SIZE
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, FileReader, RawMessage, Span
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, RawMessage
 
 __all__ = ["McapReader", "McapWriter"]
 
@@ -43,7 +39,6 @@ KINDS: dict[int, Any] = {
     Opcode.CHANNEL: records.Channel,
     Opcode.MESSAGE: records.Message,
     Opcode.CHUNK: records.Chunk,
-    Opcode.STATISTICS: records.Statistics,
 }
 """Of records that are read; the others are passed over."""
 
@@ -58,8 +53,6 @@ CUT_CHUNK = "a chunk in it is incomplete"
 CUT_OFF = "it ends in the middle of a record"
 UNREADABLE = (EndOfFile, struct.error, UnicodeDecodeError, OverflowError)
 """What the package raises of a spoilt record."""
-
-time_of: Callable[[RawMessage], int] = itemgetter(1)
 
 
 class McapWriter:
@@ -105,71 +98,40 @@ class McapWriter:
             self._writer.finish()
 
 
-class McapReader(FileReader):
-    """Reads an MCAP file of ROS 2, as far as it goes. See `tutorial.ros.bags.storage.FileReader`."""
+class McapReader:
+    """Reads an MCAP file of ROS 2, as far as it goes; it is open only while messages are read.
+
+    Args:
+        path: the file.
+        say: is called with what is wrong with the file, when it is found; each is the end of a sentence.
+
+    Attributes:
+        channels: its topics by their ids, as far as it has been read.
+
+    Raises:
+        Damaged: it is no such file.
+        OSError: it cannot be read.
+    """
 
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:
-        super().__init__(path, say)
+        self.channels: dict[int, Channel] = {}
+        self._path = path
+        self._say = say
         self._types: dict[int, str] = {}  # names by the schema's id
         self._end = path.stat().st_size  # of the records
         with path.open("rb") as file:
             self._check_begin(file)
-            is_counted = self._read_summary(file)
-        if not is_counted:
-            self._count(chain.from_iterable(self._chunks(0)))
+            end = file.seek(self._end - len(MCAP0_MAGIC))
+            if file.read() != MCAP0_MAGIC:
+                say("its end is missing, as of a recording that was killed or filled the disk")
+                return
+            self._end = end
+            footer = next(self._records(file, max(end - FOOTER_SIZE, 0), end), None)
+            if isinstance(footer, records.Footer) and footer.summary_start:
+                for record in self._records(file, footer.summary_start, end):
+                    self._take(record)
 
-    def messages(self, topics: Collection[str], since: int) -> Iterator[RawMessage]:
-        """Yield the messages of these topics in the order of time, from a time on [ns].
-
-        Messages that were written late are put where they belong, if that is no further than a chunk away.
-        """
-        waiting: list[RawMessage] = []  # in the order of time
-        for chunk in self._chunks(since):
-            found = [message for message in chunk if message[0] in topics and time_of(message) >= since]
-            if found:
-                ready = bisect_left(waiting, min(map(time_of, found)), key=time_of)
-                yield from waiting[:ready]
-                waiting = sorted(waiting[ready:] + found, key=time_of)
-        yield from waiting
-
-    def _check_begin(self, file: IO[bytes]) -> None:
-        """Refuse what is no such file."""
-        begin = file.read(len(MCAP0_MAGIC))
-        if begin != MCAP0_MAGIC:
-            raise Damaged(f"it begins with {begin.hex(' ')!r}, not as an MCAP file does" if begin else "it is empty")
-        header = next(self._records(file, len(begin), self._end), None)
-        if isinstance(header, records.Header) and header.profile != "ros2":
-            raise Damaged(f"it is of '{printable(header.profile[:60])}', not of 'ros2'")
-
-    def _read_summary(self, file: IO[bytes]) -> bool:
-        """Take topics and counts from behind the data; False where that is not possible."""
-        end = file.seek(self._end - len(MCAP0_MAGIC))
-        if file.read() != MCAP0_MAGIC:
-            self._say("its end is missing, as of a recording that was killed or filled the disk")
-            return False
-        self._end = end
-        footer = next(self._records(file, max(end - FOOTER_SIZE, 0), end), None)
-        if not isinstance(footer, records.Footer) or not footer.summary_start:
-            return False
-        told = None
-        for record in self._records(file, footer.summary_start, end):
-            self._take(record)
-            if isinstance(record, records.Statistics):
-                told = record
-        return told is not None and self._believes(told)
-
-    def _believes(self, told: records.Statistics) -> bool:
-        """Take counts and times, if they can be."""
-        counts: Counter[str] = Counter()
-        for number, channel in self.channels.items():
-            counts[channel.topic] += told.channel_message_counts.get(number, 0)
-        span = Span(told.message_count, told.message_start_time, told.message_end_time)
-        if span.count != counts.total() or not span.start <= span.end < 2**63:
-            return False
-        self.counts, self.span = counts, span
-        return True
-
-    def _chunks(self, since: int) -> Iterator[Iterable[RawMessage]]:
+    def batches(self, since: float) -> Iterator[Iterable[RawMessage]]:
         """Yield the messages of each chunk, but for those chunks that end before a time [ns].
 
         A message that stands outside of chunks is one of its own.
@@ -183,6 +145,15 @@ class McapReader(FileReader):
                         yield self._messages_in(self._unpacked(record))
         except OSError as error:
             self._say(str(error))
+
+    def _check_begin(self, file: IO[bytes]) -> None:
+        """Refuse what is no such file."""
+        begin = file.read(len(MCAP0_MAGIC))
+        if begin != MCAP0_MAGIC:
+            raise Damaged(f"it begins with {begin.hex(' ')!r}, not as an MCAP file does" if begin else "it is empty")
+        header = next(self._records(file, len(begin), self._end), None)
+        if isinstance(header, records.Header) and header.profile != "ros2":
+            raise Damaged(f"it is of '{printable(header.profile[:60])}', not of 'ros2'")
 
     def _unpacked(self, chunk: records.Chunk) -> Iterator[records.McapRecord]:
         """Yield the records of a chunk, up to where it is cut off; none where it cannot be unpacked."""

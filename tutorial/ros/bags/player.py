@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import heapq
 import logging
 import math
@@ -20,15 +21,14 @@ from rosgraph_msgs.msg import Clock
 from tutorial.errors import TutorialError
 from tutorial.ros.bags.bag import Bag
 from tutorial.ros.bags.qos import offered
+from tutorial.ros.topics import wait_for_graph
 from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
 
 __all__ = ["Player"]
 
 CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as rclcpp's ClockQoS
-MEET_FOR = 2.0  # [s] at most, that subscriptions are waited for which are there already
 SETTLE_FOR = 0.3  # [s] that a subscription needs longer than the publisher to know of the other, on Fast DDS
-LOOK_EVERY = 0.02  # [s] for these subscriptions
 LOOP_PAUSE = 0.02  # [s] before a bag is played again: one of a single message would keep a whole core busy
 LONGEST_WAIT = 1.0  # [s] between two looks at how far it is
 LAST_SECOND = 2**31 - 1  # that a time stamp can say
@@ -87,9 +87,10 @@ class Player:
         self._refused: set[str] = set()
 
     def run(self, stop: threading.Event, progress: Callable[[float], object] = lambda seconds: None) -> None:  # noqa: ARG005
-        """Play to the end, or until stopped. Any thread; it blocks.
+        """Play to the end, or until stopped. It blocks, so not on a thread whose event loop runs.
 
-        It begins when the subscriptions that are there already have met its publishers, or after 2 s.
+        It begins when the node graph is known, and the subscriptions that are there have met its publishers, or after
+        2 s.
 
         Args:
             stop: set it to stop, from any thread.
@@ -100,7 +101,9 @@ class Player:
                 self._publishers[topic] = self._node.create_publisher(kind, topic, qos)
             if self._clock:
                 self._publishers[CLOCK] = self._node.create_publisher(Clock, CLOCK, CLOCK_QOS)
-            self._meet(stop)
+            asyncio.run(wait_for_graph(self._node, lambda: stop.is_set() or self._met()))
+            if any(publisher.get_subscription_count() for publisher in self._publishers.values()):
+                stop.wait(SETTLE_FOR)
             self._play(stop, progress)
             while self._loop and not stop.wait(LOOP_PAUSE):
                 self._play(stop, progress)
@@ -141,15 +144,8 @@ class Player:
                 self._refused.add(topic)
                 _log.warning("a message on %s is not played, and others like it: %s", escape_name(topic), error)
 
-    def _meet(self, stop: threading.Event) -> None:
-        """Wait until the subscriptions that are on the topics would receive what is published."""
-        deadline = time.monotonic() + MEET_FOR
-        while not self._met() and time.monotonic() < deadline and not stop.wait(LOOK_EVERY):
-            pass
-        if any(publisher.get_subscription_count() for publisher in self._publishers.values()):
-            stop.wait(SETTLE_FOR)
-
     def _met(self) -> bool:
+        """Whether the subscriptions that are on the topics would receive what is published."""
         return all(
             publisher.get_subscription_count() >= self._node.count_subscribers(topic)
             for topic, publisher in self._publishers.items()

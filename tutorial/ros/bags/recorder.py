@@ -94,16 +94,6 @@ class Recorder:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    @property
-    def topics(self) -> tuple[str, ...]:
-        """The topics that are being recorded."""
-        return tuple(self._subscriptions)
-
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """The topics that were asked for by name and that nobody publishes so far."""
-        return tuple(sorted((self._wanted or set()) - self._subscriptions.keys()))
-
     def hears(self, topic: str) -> bool:
         """Whether the recorder has met who publishes a topic: from now on nothing of it is missing."""
         subscription = self._subscriptions.get(topic)
@@ -111,8 +101,8 @@ class Recorder:
 
     @property
     def counts(self) -> Mapping[str, int]:
-        """How many messages of each topic are written."""
-        return {topic: self._writer.counts[topic] for topic in self.topics}
+        """How many messages are written, of each topic that is being recorded."""
+        return {topic: self._writer.counts[topic] for topic in tuple(self._subscriptions)}
 
     @property
     def duration(self) -> float:

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import Channel, Damaged, FileReader, RawMessage, Span
+from tutorial.ros.bags.storage import Channel, Damaged, RawMessage
 
 __all__ = ["SqliteReader", "SqliteWriter"]
 
 TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics"
 TABLES = Sqlite3Writer.SQLITE_SCHEMA.replace("'rosbags'", "'jazzy'")
-COUNT = """
-    SELECT topic_id, typeof(timestamp) = 'integer' AND typeof(data) = 'blob', count(*), min(timestamp), max(timestamp)
-    FROM messages GROUP BY 1, 2
-"""
+MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # not by the index
+BATCH = 100  # messages, of which one may be that much out of order
 UNREADABLE = (sqlite3.Error, UnicodeDecodeError)
 """What Python raises of a spoilt file; the second is about SQLite's own words."""
 
@@ -79,30 +78,39 @@ class SqliteWriter:
             raise OSError(0, str(error)) from error
 
 
-class SqliteReader(FileReader):
-    """Reads an SQLite file, as far as it goes. See `tutorial.ros.bags.storage.FileReader`."""
+class SqliteReader:
+    """Reads an SQLite file, as far as it goes. See `tutorial.ros.bags.mcap.McapReader`.
+
+    It is read in the order in which it was written, for the index by time may be damaged.
+    """
 
     def __init__(self, path: Path, say: Callable[[str], object]) -> None:
-        super().__init__(path, say)
+        self._path = path
+        self._say = say
         self._how = "mode=ro"
-        self._order = "timestamp, id"
         try:
-            self._learn_topics()
-            if path.stat().st_size % next(self._rows("PRAGMA page_size"))[0]:
-                self._damaged("its last page is incomplete, so messages there may be wrong")  # SQLite reads zeros there
+            try:
+                rows = list(self._rows(TOPICS))
+            except UNREADABLE:  # what a killed recording has left half done may stand beside the file
+                self._how = "immutable=1"
+                rows = list(self._rows(TOPICS))
+                say("its last transaction is incomplete")
+            if path.stat().st_size % next(self._rows("PRAGMA page_size"))[0]:  # SQLite reads zeros there
+                say("its last page is incomplete, so messages there may be wrong")
         except UNREADABLE as error:
             raise Damaged(f"SQLite says: {printable(str(error))}") from error
-        self._count_messages()
+        self.channels = {number: Channel(*map(str, words)) for number, *words in rows}
 
-    def messages(self, topics: Collection[str], since: int) -> Iterator[RawMessage]:
-        """Yield the messages of these topics in the order of time, from a time on [ns]; of a damaged file, in that in
-        which they were written."""
-        ids = [number for number, channel in self.channels.items() if channel.topic in topics]
-        places = ", ".join("?" * len(ids))
-        query = f"SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({places}) AND timestamp >= ?"
+    def batches(self, since: float) -> Iterator[Iterable[RawMessage]]:
+        """Yield the messages from a time on [ns], some at a time."""
+        messages = self._messages(since)
+        while batch := list(islice(messages, BATCH)):
+            yield batch
+
+    def _messages(self, since: float) -> Iterator[RawMessage]:
         try:
-            for number, time, payload in self._rows(f"{query} ORDER BY {self._order}", *ids, since):
-                if isinstance(time, int) and isinstance(payload, bytes):
+            for number, time, payload in self._rows(MESSAGES, since):
+                if number in self.channels and isinstance(time, int) and isinstance(payload, bytes):
                     yield self.channels[number].topic, time, payload
                 else:
                     self._say("a row in it is no message")
@@ -115,33 +123,3 @@ class SqliteReader(FileReader):
         with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as database:
             database.text_factory = lambda data: data.decode("utf-8", "backslashreplace")
             yield from database.execute(query, values)
-
-    def _damaged(self, fault: str) -> None:
-        """Say what is wrong with the file, whose index is not to be relied on."""
-        self._say(fault)
-        self._order = "id"
-
-    def _learn_topics(self) -> None:
-        """Read the topics. What a killed recording has left half done may stand beside the file."""
-        try:
-            rows = list(self._rows(TOPICS))
-        except UNREADABLE:
-            self._how = "immutable=1"
-            rows = list(self._rows(TOPICS))
-            self._damaged("its last transaction is incomplete")
-        self.channels = {number: Channel(*map(str, words)) for number, *words in rows}
-
-    def _count_messages(self) -> None:
-        """Count the messages of each topic; where the file is damaged, those that can be reached."""
-        try:
-            for number, is_message, count, start, end in self._rows(COUNT):
-                if is_message and number in self.channels:
-                    self.span.add(count, start, end)
-                    self.counts[self.channels[number].topic] += count
-                else:
-                    self._damaged("a row in it is no message")
-        except UNREADABLE as error:
-            self._damaged(f"SQLite says: {printable(str(error))}")
-            self.counts.clear()
-            self.span = Span()
-            self._count(self.messages([channel.topic for channel in self.channels.values()], 0))

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import yaml
 
-__all__ = ["LARGEST_MESSAGE", "Channel", "Damaged", "FileReader", "RawMessage", "Span", "read_yaml"]
+__all__ = ["LARGEST_MESSAGE", "Channel", "Damaged", "RawMessage", "Span", "read_yaml"]
 
 LARGEST_MESSAGE = 128 * 2**20
 """Of a message, or of a chunk of messages, when it is unpacked [bytes]: some five pictures of the largest cameras."""
@@ -32,11 +28,11 @@ class Span:
     start: int = 0
     end: int = 0
 
-    def add(self, count: int, start: int, end: int) -> None:
-        """Add some messages."""
-        self.start = min(self.start, start) if self.count else start
-        self.end = max(self.end, end) if self.count else end
-        self.count += count
+    def add(self, time: int) -> None:
+        """Add a message."""
+        self.start = min(self.start, time) if self.count else time
+        self.end = max(self.end, time) if self.count else time
+        self.count += 1
 
 
 @dataclass(frozen=True)
@@ -74,38 +70,3 @@ def read_yaml(text: str | bytes) -> Any:
         Exception: it is no YAML; whoever wrote it, it may be anything.
     """
     return yaml.load(text, Loader=_Loader)
-
-
-class FileReader(ABC):
-    """Reads one file of a bag, as far as it goes. The file is open only while messages are read.
-
-    Args:
-        path: the file.
-        say: is called with what is wrong with the file, when it is found; each is the end of a sentence.
-
-    Attributes:
-        channels: its topics, by what the file calls them.
-        counts: how many messages each topic has.
-        span: the number of all its messages, and their times.
-
-    Raises:
-        Damaged: it is no such file.
-        OSError: it cannot be read.
-    """
-
-    def __init__(self, path: Path, say: Callable[[str], object]) -> None:
-        self.channels: dict[int, Channel] = {}
-        self.counts: Counter[str] = Counter()
-        self.span = Span()
-        self._path = path
-        self._say = say
-
-    @abstractmethod
-    def messages(self, topics: Collection[str], since: int) -> Iterator[RawMessage]:
-        """Yield the messages of these topics in the order of time, from a time on [ns]."""
-
-    def _count(self, messages: Iterable[RawMessage]) -> None:
-        """Count the messages one by one."""
-        for topic, time, _ in messages:
-            self.span.add(1, time, time)
-            self.counts[topic] += 1

@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from tutorial.errors import TutorialError, did_you_mean
+from tutorial.errors import TutorialError
 from tutorial.ros.bags.mcap import McapWriter
 from tutorial.ros.bags.sqlite import SqliteWriter
 from tutorial.ros.bags.storage import Channel, Span, read_yaml
@@ -39,8 +39,6 @@ class BagWriter:
     """
 
     def __init__(self, path: Path, storage: str = "mcap", max_duration: float = math.inf) -> None:
-        if storage not in WRITERS:
-            raise TutorialError(f"there is no storage {storage!r}.{did_you_mean(storage, WRITERS)}")
         self.path = path
         self.counts: Counter[str] = Counter()
         self._storage = storage
@@ -85,8 +83,8 @@ class BagWriter:
             self._file.close(_yaml(self._information()))
             self._begin_file()
         self._file.write(topic, received_ns, sent_ns, payload)
-        self._file_span.add(1, received_ns, received_ns)
-        self._span.add(1, received_ns, received_ns)
+        self._file_span.add(received_ns)
+        self._span.add(received_ns)
         self.counts[topic] += 1
 
     def flush(self) -> None:

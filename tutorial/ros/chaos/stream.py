@@ -44,7 +44,6 @@ class ChaosStream:
     Args:
         node: that publishes.
         chaos: which puts in the faults.
-        topic: where to publish.
         good: the topic of the good stream; None for the steady `swing`.
 
     Attributes:
@@ -54,20 +53,19 @@ class ChaosStream:
         TutorialError: the good stream would come from where the faults go.
     """
 
-    def __init__(self, node: Node, chaos: Chaos, topic: str = TOPIC, good: str | None = None) -> None:
+    def __init__(self, node: Node, chaos: Chaos, good: str | None = None) -> None:
         self.chaos = chaos
         self._node: Any = node
         self._number = 0
-        self._publishers: dict[str, Any] = {"publish": node.create_publisher(JointState, topic, DEPTH)}
-        self._topic: str = self._publishers["publish"].topic_name
+        self._publishers: dict[str, Any] = {"publish": node.create_publisher(JointState, TOPIC, DEPTH)}
         if good is None:
             node.create_timer(1 / RATE, self._swing)
             return
         subscription = node.create_subscription(JointState, good, self._send, DEPTH)
-        if subscription.topic_name == self._topic:
+        if subscription.topic_name == self._publishers["publish"].topic_name:
             raise TutorialError(
-                f"the good stream and the faults are both on {self._topic!r}. Have the good stream's publisher publish "
-                f"elsewhere, --ros-args -r {self._topic}:=/good, and take it from there: --from /good."
+                f"the good stream and the faults are both on {subscription.topic_name!r}. Have the good stream's "
+                f"publisher publish elsewhere, --ros-args -r {TOPIC}:=/good, and take it from there: --from /good."
             )
 
     def _swing(self) -> None:
@@ -81,6 +79,6 @@ class ChaosStream:
             if action.kind == "restart":
                 self._node.destroy_publisher(self._publishers.pop(kind))
             if kind not in self._publishers:
-                self._publishers[kind] = self._node.create_publisher(JointState, self._topic, DEPTH)
+                self._publishers[kind] = self._node.create_publisher(JointState, TOPIC, DEPTH)
             if action.message is not None:
                 self._publishers[kind].publish(action.message)

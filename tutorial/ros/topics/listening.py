@@ -10,9 +10,10 @@ import math
 import time
 from collections import deque
 from collections.abc import AsyncGenerator
-from contextlib import asynccontextmanager, closing
+from contextlib import aclosing, asynccontextmanager
 from typing import Any
 
+import numpy as np
 from rclpy.node import Node
 
 from tutorial.errors import TutorialError
@@ -35,7 +36,7 @@ async def topic_echo(
     node: Node,
     topic: str,
     *,
-    count: int | None = None,
+    once: bool = False,
     field: str | None = None,
     no_arr: bool = False,
     timeout: float | None = None,
@@ -47,7 +48,7 @@ async def topic_echo(
     Args:
         node: that subscribes; its thread must spin.
         topic: its name, which is waited for a little.
-        count: how many messages; 1 is ``--once``, None goes on for ever.
+        once: end after the first message; else it goes on for ever.
         field: show only this field: ``"position"``, ``"header.stamp"``.
         no_arr: show of each array only what it is.
         timeout: how long to wait for each message at most [s]; None for ever.
@@ -62,11 +63,11 @@ async def topic_echo(
     type_name = _type_of(node, topic)
     if type_name is None:
         raise TutorialError(f"{_not_published(topic)}\n{NO_TYPE}")
-    with closing(_Inbox(node, message_class(type_name), topic)) as inbox:
-        while count is None or count > 0:
-            _, message = await inbox.next(timeout)
+    async with aclosing(_messages(node, message_class(type_name), topic, timeout)) as messages:
+        async for _, message in messages:
             yield field_text(message, field, no_arr)
-            count = None if count is None else count - 1
+            if once:
+                return
 
 
 async def topic_hz(
@@ -96,10 +97,10 @@ async def topic_hz(
         while (type_name := _type_of(node, topic)) is None:
             await asyncio.sleep(LOOK_EVERY)
     intervals: deque[float] = deque(maxlen=window)
-    with closing(_Inbox(node, message_class(type_name), topic, kept=window + 1, times_only=True)) as inbox:
+    kind = message_class(type_name)
+    async with aclosing(_messages(node, kind, topic, timeout, kept=window + 1, times_only=True)) as messages:
         before = told = math.inf
-        while True:
-            now, _ = await inbox.next(timeout)
+        async for now, _ in messages:
             if now < before:
                 intervals.clear()
                 before = told = now if now > 0 else math.inf  # simulated time is 0 before anything is heard of it
@@ -111,59 +112,44 @@ async def topic_hz(
                 yield _rate_text(intervals)
 
 
-class _Inbox:
-    """The messages of a topic, for the event loop that it is made on; of those not taken, the newest.
+async def _messages(
+    node: Node, kind: Any, topic: str, timeout: float | None, kept: int = 100, times_only: bool = False
+) -> AsyncGenerator[tuple[float, Any], None]:
+    """Yield the messages of a topic: (when it came [s], in simulated time or that of `time.monotonic`; the message).
 
     Args:
         node: that subscribes; its thread must spin.
         kind: the class of the messages.
         topic: its full name.
-        kept: how many messages wait at most to be taken.
-        times_only: keep None instead of each message, which is not even decoded.
+        timeout: how long to wait for each at most [s]; None for ever.
+        kept: how many messages wait at most to be taken, the newest.
+        times_only: yield None instead of each message, which is not even decoded.
+
+    Raises:
+        TutorialError: none came in time.
     """
+    received: deque[tuple[float, Any]] = deque(maxlen=kept)
+    news = asyncio.Event()
+    calls = CallQueue(asyncio.get_running_loop())
+    scope = calls.scope(f"a look at {topic}")
 
-    def __init__(
-        self,
-        node: Node,
-        kind: Any,
-        topic: str,
-        kept: int = 100,
-        times_only: bool = False,
-    ) -> None:
-        self._node = node
-        self._topic = topic
-        self._messages: deque[tuple[float, Any]] = deque(maxlen=kept)
-        self._news = asyncio.Event()
-        self._calls = CallQueue(asyncio.get_running_loop())
-        self._scope = self._calls.scope(f"a look at {topic}")
-        self._times_only = times_only
-        self._subscription = node.create_subscription(
-            kind, topic, self._on_message, reader_qos(node, topic), raw=times_only
-        )
-
-    async def next(self, timeout: float | None = None) -> tuple[float, Any]:
-        """Wait for the next message; (when it came [s], in simulated time or that of `time.monotonic`; the message).
-
-        Raises:
-            TutorialError: none came in time.
-        """
-        async with _in_time(self._node, self._topic, timeout):
-            while not self._messages:
-                self._news.clear()
-                await self._news.wait()
-        return self._messages.popleft()
-
-    def close(self) -> None:
-        """Take the subscription back. Idempotent."""
-        self._calls.close()
-        self._node.destroy_subscription(self._subscription)
-
-    def _on_message(self, message: Any) -> None:
-        """Keep the message with its time, post, and return. The thread that spins."""
-        clock = self._node.get_clock()
+    def on_message(message: Any) -> None:  # the thread that spins: keep it with its time, post, and return
+        clock = node.get_clock()
         now = clock.now().nanoseconds / 1e9 if clock.ros_time_is_active else time.monotonic()
-        self._messages.append((now, None if self._times_only else message))
-        self._scope.call_latest("news", self._news.set)
+        received.append((now, None if times_only else message))
+        scope.call_latest("news", news.set)
+
+    subscription = node.create_subscription(kind, topic, on_message, reader_qos(node, topic), raw=times_only)
+    try:
+        while True:
+            async with _in_time(node, topic, timeout):
+                while not received:
+                    news.clear()
+                    await news.wait()
+            yield received.popleft()
+    finally:
+        calls.close()
+        node.destroy_subscription(subscription)
 
 
 @asynccontextmanager
@@ -211,9 +197,9 @@ def _not_published(topic: str) -> str:
 
 def _rate_text(intervals: deque[float]) -> str:
     """The two lines of ``ros2 topic hz``."""
-    mean = sum(intervals) / len(intervals)
-    deviation = math.sqrt(sum((interval - mean) ** 2 for interval in intervals) / len(intervals))
+    times = np.array(intervals)
+    mean = times.mean()
     return (
         f"average rate: {1 / mean if mean > 0 else 0.0:.3f}\n"
-        f"\tmin: {min(intervals):.3f}s max: {max(intervals):.3f}s std dev: {deviation:.5f}s window: {len(intervals)}\n"
+        f"\tmin: {times.min():.3f}s max: {times.max():.3f}s std dev: {times.std():.5f}s window: {len(times)}\n"
     )

@@ -74,12 +74,8 @@ async def topic_info(node: Node, topic: str, verbose: bool = False) -> str:
     if types is None:
         raise TutorialError(f"Unknown topic '{escape_name(topic)}'")
     publishers, subscriptions = publishers_on(node, topic), subscriptions_on(node, topic)
-    kind = (
-        escape_name(types[0])
-        if len(types) == 1
-        else "[{}]".format(", ".join(f"'{escape_name(name)}'" for name in types))
-    )
-    parts = [f"Type: {kind}", f"Publisher count: {len(publishers)}"]
+    names = [escape_name(name) for name in types]
+    parts = [f"Type: {names[0] if len(names) == 1 else names}", f"Publisher count: {len(publishers)}"]
     parts += [_endpoint_text(info) for info in publishers if verbose]
     parts += [f"Subscription count: {len(subscriptions)}"]
     parts += [_endpoint_text(info) for info in subscriptions if verbose]

@@ -13,34 +13,24 @@ from rclpy.serialization import serialize_message
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.names import is_message, message_class
 
-__all__ = ["passed_class", "populated"]
+__all__ = ["populated"]
 
 
-def passed_class(type_name: str) -> Any:
-    """Return the class of a message type that a user named, in full or without ``msg``.
-
-    Args:
-        type_name: such as ``"std_msgs/msg/String"``, or ``"std_msgs/String"``.
-
-    Raises:
-        TutorialError: there is none; the text is that of ``ros2``.
-    """
-    try:
-        return message_class(re.sub(r"^([^/]+)/([^/]+)$", r"\1/msg/\2", type_name))
-    except TutorialError:
-        raise TutorialError("The passed message type is invalid") from None
-
-
-def populated(kind: Any, text: str) -> Any:
+def populated(type_name: str, text: str) -> Any:
     """Make a message and fill it.
 
     Args:
-        kind: its class.
+        type_name: its type, such as ``"sensor_msgs/msg/Joy"``.
         text: the fields' values as YAML: ``"{axes: [0.0, 0.5]}"``.
 
     Raises:
-        TutorialError: that is no YAML, or not what the message's fields take; the text is that of ``ros2``.
+        TutorialError: there is no such type, the text is no YAML, or not what the message's fields take; in the words
+            of ``ros2``.
     """
+    try:
+        kind = message_class(type_name)
+    except TutorialError:
+        raise TutorialError("The passed message type is invalid") from None
     try:
         values = yaml.safe_load(text)
     except (yaml.YAMLError, ValueError, RecursionError) as error:

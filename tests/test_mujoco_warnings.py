@@ -1,0 +1,26 @@
+"""MuJoCo's warnings are counted and logged, and never end the process."""
+
+from __future__ import annotations
+
+from tutorial import mujoco_warnings
+from tutorial.mujoco_warnings import _MujocoWarns
+
+
+def test_warnings_of_mujoco_are_counted_and_said_now_and_then(caplog, monkeypatch):
+    monkeypatch.setattr(mujoco_warnings, "WARN_EVERY", 1000.0)
+    mujoco_warns = _MujocoWarns()
+    mujoco_warns("Nan, Inf or huge value in CTRL at ACTUATOR 0.")
+    for _ in range(7):
+        mujoco_warns("Nan, Inf or huge value in QACC at DOF 0.")
+    monkeypatch.setattr(mujoco_warns, "_due", 0.0)
+    mujoco_warns("Nan, Inf or huge value in QPOS at DOF 0.")
+    assert caplog.messages == [
+        "MuJoCo: Nan, Inf or huge value in CTRL at ACTUATOR 0. All controls count as 0 until each is a number again.",
+        "MuJoCo: Nan, Inf or huge value in QPOS at DOF 0. The simulated world is back where it began. "
+        "(7 more since the last one)",
+    ]
+
+
+def test_a_log_that_fails_does_not_end_the_process(monkeypatch):
+    monkeypatch.setattr(mujoco_warnings, "_log", None)
+    _MujocoWarns()("nobody hears it")

@@ -1,0 +1,42 @@
+"""What MuJoCo warns of goes into the log. Left to itself MuJoCo prints it, and writes a file into the user's folder."""
+
+from __future__ import annotations
+
+import logging
+import time
+from contextlib import suppress
+
+__all__ = ["mujoco_warns"]
+
+WARN_EVERY = 5.0  # [s] between two log lines
+AFTER_WARNING = {
+    " in CTRL at ": "All controls count as 0 until each is a number again.",
+    " in Q": "The simulated world is back where it began.",  # in QPOS, QVEL or QACC
+}
+"""What MuJoCo does and does not say."""
+
+_log = logging.getLogger(__name__)
+
+
+class _MujocoWarns:
+    """Says MuJoCo's warnings in the log, at most one line in `WARN_EVERY`. Any thread."""
+
+    def __init__(self) -> None:
+        self._unsaid = 0
+        self._due = 0.0
+
+    def __call__(self, text: str) -> None:
+        """Say a warning; those that were not said since the last line are counted in the next one."""
+        with suppress(BaseException):  # MuJoCo is C++: whatever was raised here would end the process
+            now = time.monotonic()
+            if now < self._due:
+                self._unsaid += 1
+                return
+            follows = next((f" {what}" for where, what in AFTER_WARNING.items() if where in text), "")
+            others = f" ({self._unsaid} more since the last one)" if self._unsaid else ""
+            self._unsaid, self._due = 0, now + WARN_EVERY
+            _log.warning("MuJoCo: %s%s%s", text.strip(), follows, others)
+
+
+mujoco_warns = _MujocoWarns()
+"""The handler of MuJoCo's warnings, of which a process has one."""
