@@ -17,7 +17,7 @@ STEPS = (
     ("imu_subscriber", "a viewer of the sensors that shakes", "`/Tank/imu`"),
     ("camera_publisher", "a publisher of what the camera sees", "`/Tank/camera/image`"),
     ("pose", "where the tank is, and a viewer whose tank drives", "`/tf`"),
-    ("bag_recorder", "a recorder of what is said, to be played again", "`/Tank/joint_state`"),
+    ("bag_recorder", "a recorder of messages, whose bag you play again", "`/Tank/joint_state`"),
 )
 """Of each step the name, what you build, and the topic. Its files have its name or number, or begin with it."""
 

@@ -18,7 +18,6 @@ from rclpy.utilities import get_rmw_implementation_identifier
 from recorded import masked, recorded, recorded_nodes, recorded_status
 from std_msgs.msg import String
 
-from tutorial.commands import asking
 from tutorial.commands.topic import topic
 from tutorial.errors import TutorialError
 from tutorial.ros.domains import reserved_domain
@@ -117,11 +116,11 @@ def test_ctrl_c_ends_it_as_it_ends_ros2(beside, tank, command, said):
 
 
 def test_hz_by_simulated_time_has_a_node_that_uses_it(monkeypatch):
-    named_node = Mock(side_effect=TutorialError)
-    monkeypatch.setattr(asking, "named_node", named_node)
+    node_thread = Mock(side_effect=TutorialError)
+    monkeypatch.setattr("tutorial.ros.node_thread.NodeThread", node_thread)
     for arguments in (["hz", "/x"], ["hz", "-s", "/x"]):
         CliRunner().invoke(topic, arguments, obj=["--ros-args", "-r", "a:=b"], catch_exceptions=False)
-    plain, timed = (call.args[1] for call in named_node.call_args_list)
+    plain, timed = (call.args[1] for call in node_thread.call_args_list)
     assert timed == [*plain, "--ros-args", "-p", "use_sim_time:=true"]
 
 

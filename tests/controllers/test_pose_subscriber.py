@@ -216,7 +216,7 @@ def test_what_is_no_pose_is_never_shown_but_counted(viewer, why, message):
 def test_what_is_too_large_is_not_kept(viewer, message):
     viewer.hear(stamped(message, 20), transform(20, 5.0))
     assert viewer.left_out == {"with more joints than a robot has": 1}
-    assert list(viewer.controller.display.pairs.waiting.values()) == [{"transform": transform(20, 5.0)}]
+    assert list(viewer.controller.display.pairs.waiting.values()) == [{"pose": transform(20, 5.0)}]
 
 
 def test_only_its_own_transform_reaches_the_main_thread(viewer):

@@ -1,25 +1,25 @@
 """The exercise `aim`: hold a joint where the stick has put it.
 
-Write the method `aim` of `HeldJoint`. It is called once for every step of the simulation, with the stick's
-position between -1 and 1, and holds the joint where the stick has put it:
+Write the method `aim` of `HeldJoint`. Every step of the simulation calls it once, with the stick's position between
+-1 and 1. It holds the joint where the stick has put it:
 
-- the reference angle begins where the joint stands, moves by 0.002 rad per call at full stick, and stays within
+- the reference angle begins at the joint's angle, moves by 0.002 rad per call at full stick, and stays within
   `joint.range`;
-- the torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`, to be set as `joint.effort` [N.m]. `q` is
-  `joint.position`, `q_ref` the reference after it has moved; `dq` and `dq_ref` are how fast the two have
-  changed since the last call [rad/s]. A call is `time_step` seconds after the one before.
+- the torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`; set it as `joint.effort` [N.m]. `q` is `joint.position`,
+  `q_ref` the reference after it has moved; `dq` and `dq_ref` are how fast the two have changed since the last call
+  [rad/s]. From one call to the next, `time_step` seconds pass.
 
-Hint 1: Look at what has to outlive the call, and so belongs to self: there are two such numbers, and both begin where
-the joint stands. And at the ends of the range: joint.range has two.
+Hint 1: Look at what has to outlive the call, and so belongs to self: there are two such numbers, and both begin at
+the joint's angle. And look at the ends of the range: joint.range has two.
 
 Hint 2: Move the reference first, and limit it. A speed is how far something has moved since the last call, divided by
-time_step: compute both speeds while the old values are still there. Keep the new ones at the very end.
+time_step: compute both speeds while you still have the old values. Store the new ones at the very end.
 
-Hint 3: q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper), then dq_ref = (q_ref - self.q_ref) / self.time_step;
-the same for q = self.joint.position and self.q_prev; then self.joint.effort = ..., and in the end self.q_ref,
-self.q_prev = q_ref, q.
+Hint 3: q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper), then dq_ref = (q_ref - self.q_ref) /
+self.time_step; the same for q = self.joint.position and self.q_prev; then self.joint.effort = ..., and in the end
+self.q_ref, self.q_prev = q_ref, q.
 
-Notice that a reference which stays within the range answers at once when the stick is reversed.
+Notice that a reference which stays within the range answers at once when you reverse the stick.
 """
 
 from __future__ import annotations

@@ -1,26 +1,26 @@
 """The exercise `bound`: read four axes from any message.
 
 Write the function `four_axes(message)`. It returns the first four axes of the `Joy` `message` as a list of four
-numbers from -1 to 1, whatever anybody has put into the message:
+numbers from -1 to 1, whatever the message holds:
 
 - An axis beyond -1 or 1 is limited to that end.
-- One that is not finite, NaN or an infinity, counts as 0, and so does one that the message lacks.
-- Each axis stands for itself: the others count as if nothing was wrong with one.
+- An axis that is not finite, NaN or an infinity, counts as 0, and so does a missing axis.
+- Each axis stands for itself: if one is wrong, the others still count.
 
-It is called a thousand times a second, so a million axes take no longer than four. It never raises, and leaves the
-message as it is.
+The control loop calls it a thousand times a second, so a million axes take no longer than four. It never raises, and
+leaves the message as it is.
 
-Hint 1: Look at how much of the message is touched, however many axes there are; and at what a single axis may be:
-lacking, not finite, too large, too small.
+Hint 1: Look at how much of the message you touch, however many axes there are. And look at what may be wrong with a
+single axis: missing, not finite, too large, too small.
 
-Hint 2: A slice takes at most four, and fewer where there are fewer: put zeros behind it, and take four of all. Then go
-through those: ask isfinite first, for NaN is neither smaller nor larger than a number, and limit the others with max
-and min.
+Hint 2: A slice takes at most four, and fewer if there are fewer: put zeros behind it, and take four of all. Then go
+through those four: ask isfinite first, because NaN is neither smaller nor larger than a number, and limit the others
+with max and min.
 
 Hint 3: axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4], and then a list of min(max(axis, -1.0), 1.0) if
 isfinite(axis) else 0.0, for axis in axes.
 
-Notice that no message can make it fail or take long: whatever arrives is bounded before it is used.
+Notice that no message can make it fail or take long, because it limits every value before anything uses it.
 """
 
 from __future__ import annotations

@@ -1,25 +1,25 @@
 """The exercise `by_name`: find out which joint a message moves where.
 
-Write the function `match_by_name(joint_names, message)`. It returns a dict from joint names to positions: what
-the `JointState` `message` says about the joints of the body, whose names are in `joint_names`.
+Write the function `match_by_name(joint_names, message)`. It returns a dict from joint names to positions: what the
+`JointState` `message` says about the joints of the body, whose names are in `joint_names`.
 
 - The i-th position belongs to the i-th name of the message, in whatever order, and however many there are.
-- Names that the body does not have are left out.
-- If there are fewer positions than names, those that are there count; with none, the dict is empty.
-- A position that is not finite, above all NaN, is left out.
-- If a name comes twice, the last one that is a number counts.
+- Leave out names that the body does not have.
+- If there are fewer positions than names, use those that are there; if there are none, the dict is empty.
+- Leave out a position that is not finite, above all NaN.
+- If a name comes twice, the last finite number counts.
 
 It never raises, never invents a number, and leaves the message as it is.
 
-Hint 1: Look at the message's names and positions as pairs, in the message's order: each pair is either left out or
-counts, and none says anything about another.
+Hint 1: Look at the message's names and positions as pairs, in the message's order: each pair either counts or not,
+and none says anything about another.
 
 Hint 2: Go through both together with zip, which ends with the shorter. Leave out a pair whose name is not in
 joint_names, or whose position is not finite. Put the others into a new dict, one after the other: of equal names the
 last wins by itself.
 
-Hint 3: One dict comprehension does it all: {name: position for name, position in zip(message.name, message.position) if
-...}, with name in joint_names and isfinite(position).
+Hint 3: One dict comprehension does it all: {name: position for name, position in zip(message.name, message.position)
+if ...}, with name in joint_names and isfinite(position).
 
 Notice that a short array, an unknown name and a name that comes twice needed no line of their own.
 """

@@ -1,27 +1,28 @@
 """The exercise `drive`: turn the left stick into the speeds of the tracks.
 
-Write the controller `GentleTank`. It listens to the topic `joy` (type `Joy`), without a slash in front: so it is
-in the namespace of the node. It drives only the tracks, the actuators `TRACK_L` and `TRACK_R`, from the left
+Write the controller `GentleTank`. It listens to the topic `joy` (type `Joy`), without a slash in front, so the topic
+is in the namespace of the node. It drives only the tracks, the actuators `TRACK_L` and `TRACK_R`, from the left
 stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, positive ahead.
 
 - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
 - An axis within 0.3 of the middle counts as 0; each axis for itself.
-- An axis that the message lacks counts as 0, and so does everything before the first message.
-- When it leaves the body it has the node destroy the subscription, in `unconfigure`.
+- A missing axis counts as 0. Before the first message, all axes count as 0.
+- In `unconfigure`, when it leaves the body, the node destroys the subscription.
 
 Mind the threads: the callback runs on the executor's, `control` on the simulation's.
 
-Hint 1: Look at the two threads: the callback runs on the executor's, control on the simulation's. And at what is true
-before the first message, and when one is shorter than you expect.
+Hint 1: Look at the two threads: the callback runs on the executor's, control on the simulation's. And look at what is
+true before the first message, and when a message is shorter than you expect.
 
-Hint 2: Let the callback put the message into a Latest, which configure makes with an empty Joy(). Let control take it
-from there once in every step, read it with four_axes, apply the dead zone to each axis, and set both tracks every time.
+Hint 2: Let the callback put the message into a Latest, which configure makes with an empty Joy(), before it
+subscribes. Let control take it from there once in every step, read it with four_axes, apply the dead zone to each
+axis, and set both tracks every time.
 
 Hint 3: In configure: self.node = config.node and self.joy = Latest(Joy()). In control: axes =
 four_axes(self.joy.get()); then left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2]); then
 self.track_l.ctrl and self.track_r.ctrl. In unconfigure: self.node.destroy_subscription(self.subscription).
 
-Notice that control takes the message once and reads both axes from it, and that no lock is to be seen.
+Notice that control takes the message once and reads both axes from it, and that you need no lock of your own.
 """
 
 from __future__ import annotations

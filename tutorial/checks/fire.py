@@ -1,10 +1,10 @@
 """The exercise `fire`: hear whether the joystick's first button is pressed.
 
 Write the callback `on_joy` of `FireButton`: it puts `True` into `self.fire` if button 0 of the message is pressed,
-else `False`. In `message.buttons` a button that is pressed is 1, else 0; one that the message lacks is not pressed.
+else `False`. In `message.buttons` a pressed button is 1, else 0. If the message lacks button 0, it is not pressed.
 
-Hint 1: Look at what is put, and when: something at every message, also when the button is released, and when there are
-no buttons.
+Hint 1: Look at what you put, and when: something at every message, also when the button is released, and when there
+are no buttons.
 
 Hint 2: message.buttons is a list, which may be empty: ask for its len before its first entry.
 

@@ -1,26 +1,26 @@
 """The exercise `gaps`: find in a bag where a stream was interrupted.
 
-Write the function `find_gaps(messages)`. It is given what a bag holds of one topic, a list of pairs `(time_ns,
-message)` in the order in which they were received, each `message` a `JointState`. It returns a list of what
-happened, in the same order:
+Write the function `find_gaps(messages)`. It takes a bag's messages of one topic, a list of pairs `(time_ns, message)`
+in the order of receipt, each `message` a `JointState`. It returns a list of what happened, in the same order:
 
-- `("gap", before, after)`, where a stamp is more than 0.1 s after the newest one so far;
-- `("restart", before, after)`, where a stamp is more than 1 s before the newest one so far: the publisher was
-  started again, and the newest stamp begins anew.
+- `("gap", before, after)` if a stamp is more than 0.1 s after the newest one so far;
+- `("restart", before, after)` if a stamp is more than 1 s before the newest one so far: the publisher has started
+  again, and the newest stamp begins anew.
 
-`before` is the newest stamp so far and `after` that of the message, both in whole nanoseconds. A message that is a
-little late, or as old as the newest one, says nothing. It never raises, and leaves the list as it is.
+`before` is the newest stamp so far and `after` that of the message, both in whole nanoseconds. If a message is a
+little late, or as old as the newest one, nothing has happened. The function never raises, and leaves the list as it
+is.
 
-Hint 1: Look at what each message is compared with: not with the one before it, which may have been late, but with the
+Hint 1: Look at what you compare each message with: not with the one before it, which may have been late, but with the
 newest stamp so far. And the bag's own times say nothing about when a message was made.
 
-Hint 2: Keep the newest stamp in a variable, None before the first message. A stamp is whole nanoseconds: Time.from_msg
-of rclpy.time makes them. Then there are three cases: far ahead, far back, and all others.
+Hint 2: Keep the newest stamp in a variable, None before the first message. A stamp is whole nanoseconds:
+Time.from_msg of rclpy.time makes them. Then there are three cases: far ahead, far back, and all others.
 
-Hint 3: In the loop: with no newest one yet, newest = stamp. If stamp - newest > 100_000_000, append a gap; if newest -
-stamp > 1_000_000_000, a restart; after either, newest = stamp. Else newest = max(newest, stamp).
+Hint 3: In the loop: with no newest one yet, newest = stamp. If stamp - newest > 100_000_000, append a gap; if newest
+- stamp > 1_000_000_000, a restart; after either, newest = stamp. Else newest = max(newest, stamp).
 
-Notice that the bag's own times were not needed: a slow computer is no gap.
+Notice that you did not need the bag's own times: a slow computer is no gap.
 """
 
 from __future__ import annotations

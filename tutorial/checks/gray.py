@@ -1,28 +1,29 @@
 """The exercise `gray`: publish gray pictures.
 
 Write the controller `GrayPublisher`. It publishes an `Image` on the topic `camera/gray` of its body, 5 times per
-simulated second, as near as whole steps allow: what the camera `CAMERA` sees, in gray. For the body `Tank` the
-topic is `Tank/camera/gray`, without a slash in front: so it is in the namespace of the node.
+simulated second, as nearly as whole steps allow: what the camera `CAMERA` sees, in gray. For the body `Tank` the
+topic is `Tank/camera/gray`, without a slash in front, so it is in the namespace of the node.
 
-- A pixel is one byte, the mean of its red, green and blue, rounded or cut off. The encoding for that is called
-  `mono8`; `step` says how many bytes a row has.
-- The stamp is the simulated time at which the picture was taken, the frame is the camera's name. A picture may come
-  after the next one was asked for, or not at all.
+- A pixel is one byte, the average of its red, green and blue, rounded or cut off. That encoding is called `mono8`;
+  `step` says how many bytes a row has.
+- The stamp is the simulated time at the moment of asking, the frame is the camera's name. A picture may come after
+  you have asked for the next one, or not at all.
 - It works with pictures of any size, on any body that has such a camera, and with any time step.
-- When the simulation stops, `stop` closes the camera; `unconfigure` has the node destroy the publisher.
+- When the simulation stops, `stop` closes the camera. In `unconfigure`, the node destroys the publisher.
 
-Hint 1: Look at who does what: control only asks for a picture, in every two hundredth step. What is done with it is the
-business of the function that it is delivered to.
+Hint 1: Look at who does what: control only asks for a picture, in every two hundredth step. The function that gets
+the picture does the rest.
 
-Hint 2: In control have the camera capture a picture, and hand over the function that is to get it, and the simulated
-time. In that function, which is given the pixels and that time, fill the message: height and width from pixels.shape,
-one byte per pixel in each row.
+Hint 2: In control have the camera capture a picture; pass the function that gets it, and the simulated time. In that
+function, which gets the pixels and that time, fill the message: height and width from pixels.shape, one byte per
+pixel in each row.
 
 Hint 3: self.camera.capture(self.publish, self.io.time_ns); then message.height, message.width, _ = pixels.shape;
 message.step = message.width; message.data = array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()); the stamp is
 Time(nanoseconds=time_ns).to_msg().
 
-Notice that the control loop never waits for a picture, and that gray costs a sixth of what colour did.
+Notice that the control loop never waits for a picture, and that gray, half as often, needs a sixth of the bytes per
+second that colour needs.
 """
 
 from __future__ import annotations

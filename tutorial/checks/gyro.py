@@ -1,28 +1,29 @@
-"""The exercise `gyro`: publish means of what a sensor measures.
+"""The exercise `gyro`: publish averages of what a sensor measures.
 
-Write the controller `GyroPublisher`, for a robot that has a gyroscope and no accelerometer. It publishes an `Imu`
-on the topic `gyro` of its body, 10 times per simulated second, as near as whole steps allow. For the body `Tank`
-the topic is `Tank/gyro`, without a slash in front: so it is in the namespace of the node.
+Write the controller `GyroPublisher`, for a robot that has a gyroscope and no accelerometer. It publishes an `Imu` on
+the topic `gyro` of its body, 10 times per simulated second, as nearly as whole steps allow. For the body `Tank` the
+topic is `Tank/gyro`, without a slash in front, so it is in the namespace of the node.
 
-- Its angular velocity is the mean of what the sensor `GYRO` has measured, one value per step, since the last
-  message; the first message has what there is.
-- What is not measured says so: -1 is the first number in the covariances of orientation and linear acceleration.
+- Its angular velocity is the average of what the sensor `GYRO` has measured, one value per step, since the last
+  message. The first message goes out at the first step, so it has one value.
+- It marks what is not measured: -1 is the first number in the covariances of orientation and linear acceleration.
 - Its stamp is the simulated time at which it is sent.
-- Its frame is `Tank/base_link`, with the body's name. The sensor's own frame, `Tank/GYRO`, is right, too.
+- Its frame is the sensor's own, `Tank/GYRO`, with the body's name. On the tank the chassis, `Tank/base_link`, is
+  right, too, because the sensor is fixed to it.
 - It works on any body that has such a sensor, and with any time step.
-- When it leaves the body it has the node destroy its publisher, in `unconfigure`.
+- In `unconfigure`, when it leaves the body, the node destroys its publisher.
 
-Hint 1: Look at what happens how often: measuring in every step, sending in every hundredth. What is measured has to be
-kept from the one to the other.
+Hint 1: Look at what happens how often: you measure in every step, and send in every hundredth. Keep what you measure
+until you send it.
 
 Hint 2: In initialize look up the sensor, and begin with an empty list. In control append the sensor's value, in every
-step; when it is time to, send the mean of the list, and empty it. Mark what is not measured.
+step; when it is time to, send the average of the list, and empty it. Mark what is not measured.
 
 Hint 3: self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, x, y, z =
 np.mean(self.samples, axis=0).tolist() go into message.angular_velocity, -1.0 into both covariances,
 message.orientation_covariance[0] = -1.0, and so on. Publish, then self.samples.clear().
 
-Notice that the mean of many measurements shakes less than any of them, and nothing between them is lost.
+Notice that the average of many measurements shakes less than any of them, and you lose nothing between them.
 """
 
 from __future__ import annotations

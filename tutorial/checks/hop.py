@@ -1,26 +1,28 @@
 """The exercise `hop`: a timer on the main thread, and state that ends with the controller.
 
-Write the controller `HopViewer`. It listens to the topic `imu` of its body, which for the body `Tank` is
-`/Tank/imu` (type `Imu`), and when it hears of a blow, the displayed body hops.
+Write the controller `HopViewer`. It listens to the topic `imu` of its body, which for the body `Tank` is `/Tank/imu`
+(type `Imu`). When it hears of a blow, the displayed body hops:
 
 - A blow is a horizontal acceleration, x and y together, of more than 20 m/s².
 - The body stands 0.1 m higher than it stood, and 0.5 s after the blow exactly where it stood before.
-- A blow that comes while it is up makes it 0.5 s again; it goes no higher. A harmless message changes nothing.
-- No blow is lost among other messages, however busy the threads are.
-- The timer is asyncio's, on the main thread. Whoever draws is told of both moves.
+- If another blow comes while the body is up, it stays up for 0.5 s from then; it goes no higher. A harmless message
+  changes nothing.
+- No blow gets lost among other messages, however busy the threads are.
+- The timer is asyncio's, on the main thread. After each move come `calc_forward_kinematics` and `notify_change`.
 - When the controller leaves the body, no timer is left, the body stands where it stood, and nothing listens.
 
-Hint 1: Look at what has to be remembered between two calls: where the body stood, and the timer. Whether there is a
+Hint 1: Look at what you have to remember between two calls: where the body stood, and the timer. Whether there is a
 timer also says whether the body is up.
 
-Hint 2: Begin with self.timer = None. Landing, if there is a timer, cancels it, sets it to None and puts the body back.
-A blow lands first; then it notes the position, moves the body up, and makes a new timer. unconfigure lands, too.
+Hint 2: Begin with self.timer = None. Landing, if there is a timer, cancels it, sets it to None and puts the body
+back. A blow lands first; then it notes the position, moves the body up, and makes a new timer. unconfigure lands,
+too.
 
 Hint 3: self.place = self.body.position, whose x, y, z become x, y, z + 0.1; then calc_forward_kinematics and
 notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses after land. Put
-back self.place itself: what is added and taken off again is not exactly the same.
+back self.place itself: if you add and subtract, the result is not exactly the same.
 
-Notice that one method lands, for the timer, the next blow and unconfigure: whoever comes first ends it.
+Notice that one method lands, for the timer, the next blow and unconfigure: the first of them ends the hop.
 """
 
 from __future__ import annotations

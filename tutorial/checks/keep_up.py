@@ -1,19 +1,19 @@
 """The exercise `keep_up`: a viewer that shows the newest message, and lets at most one call wait.
 
-Write the controller `CalmViewer`, for messages that are whole states. It does what `MyViewer` does, but keeps up
-with any publisher: while the main thread is busy, at most one call waits for it, and what it shows then is the
-newest message. The last one before the publisher falls silent is always shown.
+Write the controller `CalmViewer`, for messages that are whole states. It does what `MyViewer` does, but keeps up with
+any publisher: while the main thread is busy, at most one call waits for it, and then it shows the newest message. It
+always shows the last message before the publisher falls silent.
 
-Hint 1: Look at what waits while the main thread is busy: with MyViewer a call for every message, although only the
-newest will be seen. What would have to happen to a call that still waits when the next message comes?
+Hint 1: Look at what waits while the main thread is busy: with MyViewer a call for every message, although you will
+see only the newest. What would have to happen to a call that still waits when the next message comes?
 
-Hint 2: ControllerConfig has two ways to post. One of them replaces a call that still waits, if both were posted under
-the same key: the key says what the call is about. All else stays as in MyViewer.
+Hint 2: ControllerConfig has two ways to post. With one of them a new call replaces a waiting one, if you post both
+under the same key: the key says what the call is about. All else stays as in MyViewer.
 
 Hint 3: In configure keep config.call_latest in place of config.call_later. It takes a key first, which has to be the
 same for every message and may be the body's name; then the function and the message, as before.
 
-Notice what is lost: a call that is replaced never runs, so every message has to name all joints.
+Notice what you lose: a call that is replaced never runs, so every message has to name all joints.
 """
 
 from __future__ import annotations

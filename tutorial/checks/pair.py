@@ -1,26 +1,26 @@
 """The exercise `pair`: two messages of one moment.
 
-Write the class `Pairs`, which brings together what two topics say of one moment. Its method `add(stream, message)`
-is called for each message as it comes; `stream` is `"joints"` or `"pose"`. It returns the two messages that have
-the same stamp, `joints, pose`, as soon as both are there, and otherwise `None`.
+Write the class `Pairs`, which brings together two topics' messages of one moment. The viewer calls its method
+`add(stream, message)` for each message as it comes; `stream` is `"joints"` or `"pose"`. It returns the two messages
+that have the same stamp, `joints, pose`, as soon as both are there, and otherwise `None`.
 
 - Either of them may come first, and one topic may be ahead of the other.
-- When a pair is found, what came before its first message is past: drop it, its partner would come too late. What
-  came after that message may still find its partner.
-- Up to 50 messages wait, of each topic or of both together, as you like. If there are more, the one that *came*
-  first gives way.
-- A publisher that is started again begins at 0, and is paired at once.
+- When a pair is complete, everything that came before its first message is past: drop it, its partner would come too
+  late. Everything that came after that message may still find its partner.
+- Up to 50 messages wait, of each topic or of both together, as you like. If there are more, drop the one that *came*
+  first.
+- A publisher that starts again begins at 0. Pair its messages at once.
 
-Hint 1: Look at what has to be found when a message comes: the one of the other stream that has the same stamp. What
-would you have to keep, and by which key, so that it is found at once?
+Hint 1: Look at what you have to find when a message comes: the one of the other stream that has the same stamp. What
+would you have to keep, and by which key, to find it at once?
 
-Hint 2: Keep a dict from stamps to what came of that stamp, by stream. A dict remembers in which order its keys came, so
-its first key is the one that has waited longest: drop from there, up to the stamp of a pair, or when there are more
-than 50.
+Hint 2: Keep a dict from stamps to the messages of that stamp, by stream. A dict remembers in which order its keys
+came, so its first key is the one that has waited longest: drop from there, up to the stamp of a pair, or when there
+are more than 50.
 
 Hint 3: The stamp is message.header.stamp.sec, message.header.stamp.nanosec. together: self.waiting.setdefault(stamp,
-{}), with together[stream] set to the message. If it has two, delete next(iter(self.waiting)) as long as the stamp is in
-there, and return both.
+{}), with together[stream] set to the message. If it has two, delete next(iter(self.waiting)) as long as the stamp is
+in there, and return both.
 
 Notice that the order of arrival is enough to know what is past, also after a new start.
 """

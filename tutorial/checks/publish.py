@@ -1,25 +1,25 @@
 """The exercise `publish`: publish joint states at another rate.
 
-Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body, which for
-the body `Tank` is `/Tank/turret`, 25 times per simulated second, as nearly as whole steps allow.
+Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body, which for the
+body `Tank` is `/Tank/turret`, 25 times per simulated second, as nearly as whole steps allow.
 
 - Each message names all joints of the body, in the body's order, with position, velocity and effort.
 - Its stamp is the simulated time at which it is sent.
 - It works on any body, and with any time step.
-- When it leaves the body it has the node destroy its publisher, in `unconfigure`.
+- In `unconfigure`, when it leaves the body, the node destroys its publisher.
 
 Hint 1: Look at what comes from where: the topic from config.body.name, the joints from io.body.joints, the rate from
-io.step and io.time_step, the stamp from io.time_ns. Nothing comes from the wall clock, and no name is typed.
+io.step and io.time_step, the stamp from io.time_ns. Nothing comes from the wall clock, and you type no joint's name.
 
-Hint 2: Make the publisher in configure. In initialize keep io, and compute how many steps there are from one message to
-the next. In control, when it is time to, make a new message, fill one list for each field, all over the same joints,
-stamp it and publish it. Take the publisher back in unconfigure.
+Hint 2: Make the publisher in configure. In initialize keep io, and compute how many steps there are from one message
+to the next. In control, when it is time to, make a new message, fill one list for each field, all over the same
+joints, stamp it and publish it. In unconfigure have the node destroy the publisher.
 
 Hint 3: self.steps_per_message = round(1 / (25 * io.time_step)); if self.io.step % self.steps_per_message == 0;
 message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg(); message.position = [joint.position for joint in
 self.joints], and so on; self.node.destroy_publisher(self.publisher).
 
-Notice that neither the rate nor the stamp asks for the wall clock: a slow simulation publishes the same.
+Notice that neither the rate nor the stamp uses the wall clock: a slow simulation publishes the same.
 """
 
 from __future__ import annotations

@@ -4,16 +4,16 @@ Write the controller `MyViewer`. It listens to the topic `joint_state` of its bo
 `/Tank/joint_state` (type `JointState`), and shows on the displayed body what it hears.
 
 - The displayed body belongs to the main thread: the callback only posts, with `config.call_later`.
-- What is posted matches by name (`match_joints`), sets the positions, computes the kinematics, and tells the
-  observers.
-- It works on any body, and when it leaves the body it has the node destroy its subscription.
+- The posted call matches by name (`match_joints`), sets the positions, computes the kinematics, and notifies
+  (`notify_change`).
+- It works on any body. In `unconfigure`, when it leaves the body, the node destroys its subscription.
 
-Hint 1: Look at the two threads: the callback runs on the executor's, and the displayed body belongs to the main thread.
-What moves it may only run there.
+Hint 1: Look at the two threads: the callback runs on the executor's, and the displayed body belongs to the main
+thread. Code that moves the body may only run there.
 
-Hint 2: In configure keep config.body and config.call_later, and subscribe to a topic made from the body's name. The
-callback has one line: it posts a method, with the message. That method matches, sets the positions, computes the
-kinematics and notifies, in this order.
+Hint 2: In configure keep config.body and config.call_later, and then subscribe to a topic made from the body's name:
+the callback may run at once. The callback has one line: it posts a method, with the message. That method matches,
+sets the positions, computes the kinematics and notifies, in this order.
 
 Hint 3: The callback: self.call_later(self.update, message), without parentheses after update. In update: positions,
 report = match_joints(self.body.joint_names, message), then set_joint_positions, calc_forward_kinematics and

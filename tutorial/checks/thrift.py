@@ -1,27 +1,27 @@
 """The exercise `thrift`: publish the joints that have moved.
 
-Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topic `joint_state` of its body, but
-only what is news:
+Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topic `joint_state` of its body, but only
+what is new:
 
-- 50 times per simulated second, as nearly as whole steps allow, it looks which joints are more than 0.001 rad (or
-  m) from the position that was last sent for them;
-- the message names these joints, with their positions; if there are none, nothing is sent;
+- 50 times per simulated second, as nearly as whole steps allow, it looks which joints are more than 0.001 rad (or m)
+  away from the position that it last sent for them;
+- the message names these joints, with their positions; if there are none, it sends nothing;
 - the first message names all joints, and so does the first one after a restart of the simulation;
 - the stamp is the simulated time at which it is sent. Velocity and effort stay empty.
-- When it leaves the body it has the node destroy its publisher, in `unconfigure`.
+- In `unconfigure`, when it leaves the body, the node destroys its publisher.
 
-Hint 1: Look at what is compared with what: each joint's position with the one that was last sent for this joint, which
-may have been long ago. Not with that of the last look, and not all joints together.
+Hint 1: Look at what you compare with what: each joint's position with the one that you last sent for this joint,
+which may have been long ago. Not with that of the last look, and not all joints together.
 
-Hint 2: Keep a dict from each joint's name to the position that was last sent for it. It is empty in the beginning, so
-all joints are news. Look every so many steps; collect what is news; only if there is any, send it, and only then note
-down what was sent.
+Hint 2: Keep a dict from each joint's name to the position that you last sent for it. It is empty at the beginning, so
+all joints are new. Look every so many steps; collect what is new; only if there is any, send it, and only then note
+what you have sent.
 
-Hint 3: news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) > 0.001}.
-If it is not empty: message.name = list(news), message.position = list(news.values()), publish, then
+Hint 3: news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) >
+0.001}. If it is not empty: message.name = list(news), message.position = list(news.values()), publish, then
 self.sent.update(news). In unconfigure: self.node.destroy_publisher(self.publisher).
 
-Notice that these messages are read by name: the viewer of step 3 shows them without a change.
+Notice that receivers have to match these messages by name: the viewer of step 3 shows them without a change.
 """
 
 from __future__ import annotations

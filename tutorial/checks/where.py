@@ -1,25 +1,24 @@
 """The exercise `where`: from one frame to the next.
 
-Write the function `where_is(transforms, point)`. It returns x, y and z of a point [m], seen from the outermost
-frame.
+Write the function `where_is(transforms, point)`. It returns x, y and z of a point [m], seen from the outermost frame.
 
 - `transforms` is a list of `TransformStamped`, from the outside to the inside: the parent of the first one is the
   outermost frame, and the child of each is the parent of the next.
 - `point` is x, y, z in the child of the last one: a tuple, a list or an array, of whole numbers or others. Without
-  transforms it is returned as it is.
+  transforms, return it as it is.
 - It works with any number of transforms and with any rotation, and leaves the list, the messages and the point as
   they are.
 
-Hint 1: Look at the frame that the point is in: only one of the transforms knows that frame, the last one. What does it
-make of the point, and which frame is it in then?
+Hint 1: Look at the frame that the point is in: only one of the transforms knows that frame, the last one. Where is
+the point after this transform, and in which frame?
 
 Hint 2: Go through the transforms from the last to the first. Each turns the point by its rotation, with turned, and
-then adds its translation; what comes out is given to the one before.
+then adds its translation; the transform before it gets the result.
 
 Hint 3: for stamped in reversed(transforms): t = stamped.transform.translation, and point becomes
-turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). In the end the point is returned.
+turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). In the end return the point.
 
-Notice that it goes from frame to frame, however many there are: tf2 composes them in just this way.
+Notice that it goes from frame to frame, however many there are: tf2 does just the same.
 """
 
 from __future__ import annotations

@@ -39,9 +39,8 @@ def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
             with clear_ros_errors():
                 await question(node, **options)
 
-        given = ["--ros-args", "-p", "use_sim_time:=true"] if use_sim_time else []
         try:
-            with named_node(f"_tank_{os.getpid()}", [*ros_args, *given]) as thread:
+            with named_node(f"_tank_{os.getpid()}", ros_args, use_sim_time) as thread:
                 return signal.SIGINT if until_asked(program(thread.node)) else 0
         except TutorialError as error:
             say(f"{error}\n", err=True)
@@ -54,20 +53,22 @@ def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
 
 
 @contextmanager
-def named_node(name: str, ros_args: Sequence[str]) -> Iterator[NodeThread]:
+def named_node(name: str, ros_args: Sequence[str], use_sim_time: bool = False) -> Iterator[NodeThread]:
     """Make a node with a thread of its own, for as long as the context lasts.
 
     Args:
         name: its name, unless it is remapped.
         ros_args: ROS 2's arguments.
+        use_sim_time: the node's parameter, for a clock that follows ``/clock``.
 
     Raises:
         TutorialError: a name or an argument is wrong.
     """
     from tutorial.ros.node_thread import NodeThread
 
+    given = ["--ros-args", "-p", "use_sim_time:=true"] if use_sim_time else []
     with clear_ros_errors():
-        thread = NodeThread(name, ros_args)
+        thread = NodeThread(name, [*ros_args, *given])
     with thread:
         yield thread
 

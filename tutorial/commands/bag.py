@@ -42,6 +42,7 @@ def bag() -> None:
 @click.option(
     "-d", "--max-bag-duration", "longest", type=AboveZero, metavar="SECONDS", help="A new file after so long."
 )
+@click.option("--use-sim-time", is_flag=True, help="Note the simulated time of receipt, from /clock.")
 @click.pass_obj
 def record(
     ros_args: list[str],
@@ -51,6 +52,7 @@ def record(
     output: Path | None,
     storage: str,
     longest: float | None,
+    use_sim_time: bool,
 ) -> None:
     """Record TOPICS, or with -a all of them, until Ctrl-C."""
     from tutorial.ros.bags import Recorder
@@ -60,7 +62,7 @@ def record(
     path = output or Path(time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
     stop = threading.Event()
     handle_signals(stop.set)
-    with named_node("rosbag2_recorder", ros_args) as thread:
+    with named_node("rosbag2_recorder", ros_args, use_sim_time) as thread:
         with clear_ros_errors():
             recorder = Recorder(thread.node, path, None if everything else topics, storage, longest or math.inf)
         with recorder, status_line() as status:

@@ -1,5 +1,4 @@
 """The controllers that the tutorial builds, one file per step.
 
-A controller is known to projects by its class name; its file is called the same in lower_snake. Nothing else lists
-them.
+Projects name a controller by its class; its file has the same name in lower_snake. There is no other list of them.
 """

@@ -1,4 +1,4 @@
-"""Step 8: record the joint states that are published of the body."""
+"""Step 8: record the joint states of the body."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 
 
 def open_bag(folder: Path, topic: str) -> tuple[Writer, Connection]:
-    """Begin a bag of joint states, named after the moment, as `ros2 bag record` does."""
+    """Open a new bag for joint states. Its name has the current time, as with `ros2 bag record`."""
     name = f"rosbag2_{datetime.now():%Y_%m_%d-%H_%M_%S}"
     bag = Writer(folder / name, version=9, storage_plugin=StoragePlugin.MCAP)  # as of Jazzy
     bag.open()
@@ -25,12 +25,12 @@ def open_bag(folder: Path, topic: str) -> tuple[Writer, Connection]:
 
 
 class BagRecorder(SimpleController):
-    """Record the joint states that are published of the body, byte for byte."""
+    """Record the joint states that others publish about the body, byte for byte."""
 
-    folder = Path()  # that the bags go to: where the program was started
+    folder = Path()  # of the bags: the one in which the program was started
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Begin a bag, and a thread that writes into it."""
+        """Open a bag, and start a thread that writes into it; then listen."""
         self.node = config.node
         topic = self.node.resolve_topic_name(f"{config.body.name}/joint_state")
         self.bag, self.connection = open_bag(self.folder, topic)
@@ -40,17 +40,17 @@ class BagRecorder(SimpleController):
         self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1000, raw=True)
 
     def on_joint_state(self, payload: bytes) -> None:  # executor's thread: put it into the queue and return
-        """Note when the message was received, and leave it to the thread that writes."""
+        """Put the message and the time of receipt into the writing thread's queue."""
         if self.writer.is_alive():  # it ends when the disk is full
             self.received.put((self.node.get_clock().now().nanoseconds, payload))
 
     def write(self) -> None:  # the recorder's own thread: a disk takes its time
-        """Write what is received, until there is nothing more to come."""
+        """Write the messages from the queue, until None comes."""
         while received := self.received.get():
             self.bag.write(self.connection, *received)
 
     def unconfigure(self) -> None:  # main thread
-        """Stop listening, have the rest written, and complete the bag."""
+        """Stop listening, let the thread write the rest, and close the bag."""
         self.node.destroy_subscription(self.subscription)
         self.received.put(None)
         self.writer.join()

@@ -15,10 +15,10 @@ RATE = 10  # [Hz], in simulation time
 
 
 class CameraPublisher(SimpleController):
-    """Publish pictures at 10 Hz. The control loop only presses the button; rendering and sending happen elsewhere."""
+    """Publish pictures at 10 Hz. The control loop only asks for them; another thread renders and publishes."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Announce the topic, named after the body."""
+        """Create the publisher. Its topic is named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(Image, f"{config.body.name}/camera/image", 1)
 
@@ -29,28 +29,28 @@ class CameraPublisher(SimpleController):
         self.steps_per_picture = round(1 / (RATE * io.time_step))
 
     def control(self) -> None:  # simulation thread, every step
-        """Have a picture taken, when it is time to."""
+        """Ask for a picture, when it is time."""
         if self.io.step % self.steps_per_picture == 0:
             self.camera.capture(self.publish, self.io.time_ns)
 
     def publish(self, pixels: NDArray[np.uint8], time_ns: int) -> None:  # camera's thread
-        """Publish a picture, stamped with the time at which it was taken."""
+        """Publish a picture. Its stamp is the simulated time at which control asked for it [ns]."""
         message = image(pixels)
         message.header.stamp = Time(nanoseconds=time_ns).to_msg()
         message.header.frame_id = self.camera.name
         self.publisher.publish(message)
 
     def stop(self) -> None:  # a thread of the simulation's, after the last step
-        """Have no picture delivered any more."""
+        """Close the camera: no picture comes any more."""
         self.camera.close()
 
     def unconfigure(self) -> None:  # main thread
-        """Take the topic back."""
+        """Destroy the publisher."""
         self.node.destroy_publisher(self.publisher)
 
 
 def image(pixels: NDArray[np.uint8]) -> Image:
-    """Write down pixels, shape (height, width, 3), row by row from the top."""
+    """Return a message of the pixels, shape (height, width, 3), row by row from the top."""
     message = Image()
     message.height, message.width, _ = pixels.shape
     message.encoding = "rgb8"

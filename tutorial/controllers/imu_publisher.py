@@ -15,12 +15,12 @@ RATE = 20  # [Hz], in simulation time
 
 
 class ImuPublisher(SimpleController):
-    """Publish acceleration [m/s^2] and angular velocity [rad/s] at 20 Hz: means of the steps since the last message."""
+    """Publish acceleration [m/s^2] and angular velocity [rad/s] at 20 Hz, averaged since the last message."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Announce the topic, named after the body."""
+        """Create the publisher. Its topic is named after the body."""
         self.node = config.node
-        self.publisher = self.node.create_publisher(Imu, f"{config.body.name}/imu", 1)
+        self.publisher = self.node.create_publisher(Imu, f"{config.body.name}/imu", 10)
 
     def initialize(self, io: ControllerIO) -> None:  # simulation thread, before the first step
         """Look up the sensors of the simulated body."""
@@ -30,7 +30,7 @@ class ImuPublisher(SimpleController):
         self.steps_per_message = round(1 / (RATE * io.time_step))
 
     def control(self) -> None:  # simulation thread, every step
-        """Note what is measured; publish the means, when it is time to."""
+        """Note what the sensors measure; publish the averages, when it is time."""
         self.samples.append([sensor.value for sensor in self.sensors])
         if self.io.step % self.steps_per_message == 0:
             message = imu(*np.mean(self.samples, axis=0).tolist())
@@ -40,12 +40,12 @@ class ImuPublisher(SimpleController):
             self.samples.clear()
 
     def unconfigure(self) -> None:  # main thread
-        """Take the topic back."""
+        """Destroy the publisher."""
         self.node.destroy_publisher(self.publisher)
 
 
 def imu(acceleration: Sequence[float], velocity: Sequence[float]) -> Imu:
-    """Write down what was measured along x, y and z [m/s^2], [rad/s]; which way is up was not."""
+    """Return a message of acceleration [m/s^2] and angular velocity [rad/s], each x, y, z; without an orientation."""
     message = Imu()
     a, w = message.linear_acceleration, message.angular_velocity
     a.x, a.y, a.z = acceleration

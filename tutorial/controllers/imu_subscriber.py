@@ -1,4 +1,4 @@
-"""Step 5: show what another program's inertial sensors measure, and shake when it has hit something."""
+"""Step 5: show what another program's inertial sensors measure, and shake when its tank hits something."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ class ImuSubscriber(SimpleController):
         self.subscription = self.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 10)
 
     def on_imu(self, message: Imu) -> None:  # executor's thread: post and return
-        """Hand the message to the main thread. Every one: a blow is an event, and may not be replaced."""
+        """Hand every message to the main thread: a blow is an event, and must not get lost."""
         self.call_later(self.update, message)
 
     def update(self, message: Imu) -> None:  # main thread
-        """Write into the displayed body's sensors what the message says."""
+        """Write the message's values into the displayed body's sensors; shake after a blow."""
         a, w = message.linear_acceleration, message.angular_velocity
         self.body.sensor("ACCEL_SENSOR").value = a.x, a.y, a.z
         self.body.sensor("GYRO").value = w.x, w.y, w.z
@@ -44,27 +44,27 @@ class ImuSubscriber(SimpleController):
             self.shaker.start()
 
     def unconfigure(self) -> None:  # main thread
-        """Stop listening, and stop shaking: no timer outlives the controller."""
+        """Stop listening, and stop shaking, so that no timer outlives the controller."""
         self.node.destroy_subscription(self.subscription)
         self.shaker.stop()
 
 
 class Shaker:
-    """Shakes a displayed body for a while, and puts it back exactly where it was. All of it on the main thread."""
+    """Shakes a displayed body for a while, and puts it back exactly where it was. Main thread only."""
 
     def __init__(self, body: Body) -> None:
         self.body = body
         self.timer: asyncio.TimerHandle | None = None
 
     def start(self) -> None:
-        """Shake from now on; when it does already, go on for longer, about the same place."""
+        """Shake from now on. If the body shakes already, go on for longer, about the same place."""
         self.ends_at = asyncio.get_running_loop().time() + DURATION
         if self.timer is None:
             self.place = self.body.position
             self.shake()
 
     def shake(self) -> None:
-        """Stand a little off, and come again; or stop, when it is time to."""
+        """Move the body a little, and make the next timer; stop when the time is over."""
         loop = asyncio.get_running_loop()
         if loop.time() < self.ends_at:
             self.timer = loop.call_later(PERIOD, self.shake)
@@ -73,7 +73,7 @@ class Shaker:
             self.stop()
 
     def stop(self) -> None:
-        """Put the body back. When nothing shakes, nothing happens."""
+        """Put the body back. Does nothing if the body does not shake."""
         if self.timer is not None:
             self.timer.cancel()
             self.timer = None
@@ -81,7 +81,7 @@ class Shaker:
 
 
 def stand_at(body: Body, position: NDArray[np.float64]) -> None:
-    """Stand a displayed body there [m], and have it drawn."""
+    """Move a displayed body to a position [m], shape (3,), and update the view."""
     body.position = position
     body.calc_forward_kinematics()
     body.notify_change()

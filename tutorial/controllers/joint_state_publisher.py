@@ -14,7 +14,7 @@ class JointStatePublisher(SimpleController):
     """Publish position [rad], velocity [rad/s] and effort [N.m] of every joint at 50 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Announce the topic, named after the body."""
+        """Create the publisher. Its topic is named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/joint_state", 1)
 
@@ -25,12 +25,12 @@ class JointStatePublisher(SimpleController):
         self.steps_per_message = round(1 / (RATE * io.time_step))
 
     def control(self) -> None:  # simulation thread, every step
-        """Publish, when it is time to."""
+        """Publish, when it is time."""
         if self.io.step % self.steps_per_message == 0:
             self.publisher.publish(self.joint_state())
 
     def joint_state(self) -> JointState:
-        """Write the joints down in one message, stamped with the simulation's time."""
+        """Return a message of all joints, with the simulated time as its stamp."""
         message = JointState()
         message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
         message.name = [joint.name for joint in self.joints]
@@ -40,5 +40,5 @@ class JointStatePublisher(SimpleController):
         return message
 
     def unconfigure(self) -> None:  # main thread
-        """Take the topic back."""
+        """Destroy the publisher."""
         self.node.destroy_publisher(self.publisher)

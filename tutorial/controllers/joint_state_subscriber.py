@@ -12,7 +12,7 @@ class JointStateSubscriber(SimpleController):
     """Show the joint states that another program publishes."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread, when the controller joins a body
-        """Subscribe to the topic that is named after the body."""
+        """Subscribe to the body's topic."""
         self.body = config.body
         self.node = config.node
         self.call_later = config.call_later
@@ -25,7 +25,7 @@ class JointStateSubscriber(SimpleController):
         self.call_later(self.update, message)
 
     def update(self, message: JointState) -> None:  # main thread: the only one that may touch the body
-        """Move the body's joints to where the message says."""
+        """Move the body's joints as the message says, and update the view."""
         positions, report = self.matcher.match(message)
         self.body.set_joint_positions(positions)
         self.body.calc_forward_kinematics()

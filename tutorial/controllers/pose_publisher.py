@@ -13,10 +13,10 @@ RATE = 50  # [Hz], in simulation time
 
 
 class PosePublisher(SimpleController):
-    """Publish where the body's root is in the frame ``odom``, at 50 Hz: as a transform, and with its velocity."""
+    """Publish the pose of the body's root in the frame ``odom`` at 50 Hz, as a transform, and as odometry."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Announce everybody's topic of transforms, and one that is named after the body."""
+        """Create the publishers: of ``/tf``, which all robots share, and of the body's own topic."""
         self.node = config.node
         self.tf_publisher = self.node.create_publisher(TFMessage, "/tf", 100)
         self.odom_publisher = self.node.create_publisher(Odometry, f"{config.body.name}/odom", 10)
@@ -27,23 +27,23 @@ class PosePublisher(SimpleController):
         self.steps_per_message = round(1 / (RATE * io.time_step))
 
     def control(self) -> None:  # simulation thread, every step
-        """Publish, when it is time to."""
+        """Publish, when it is time."""
         if self.io.step % self.steps_per_message == 0:
             message = odometry(self.io)
             self.odom_publisher.publish(message)
             self.tf_publisher.publish(TFMessage(transforms=[transform(message)]))
 
     def unconfigure(self) -> None:  # main thread
-        """Take the topics back."""
+        """Destroy the publishers."""
         self.node.destroy_publisher(self.tf_publisher)
         self.node.destroy_publisher(self.odom_publisher)
 
 
 def odometry(io: ControllerIO) -> Odometry:
-    """Write down where the body's root is and how it moves, stamped with the simulation's time.
+    """Return the pose and the velocity of the body's root, with the simulated time as stamp.
 
-    The pose is in the parent frame, the velocity in the child's, as REP 105 and the message have it. The covariances
-    stay zero: a simulator knows both exactly.
+    The pose [m] is in the parent frame, the velocity [m/s], [rad/s] in the child frame, as the message's definition
+    says. The covariances stay zero: a simulator knows both exactly.
     """
     message = Odometry()
     message.header.stamp = Time(nanoseconds=io.time_ns).to_msg()
@@ -57,7 +57,7 @@ def odometry(io: ControllerIO) -> Odometry:
 
 
 def transform(message: Odometry) -> TransformStamped:
-    """Write the pose of a message as a transform, from its child frame to the parent."""
+    """Return the pose of an odometry message as a transform, from its child frame to the parent."""
     p, q = message.pose.pose.position, message.pose.pose.orientation
     stamped = TransformStamped(header=message.header, child_frame_id=message.child_frame_id)
     stamped.transform.translation = Vector3(x=p.x, y=p.y, z=p.z)

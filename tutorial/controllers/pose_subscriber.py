@@ -22,10 +22,10 @@ ALONE, REPEATED = "without a partner of the same stamp", "of a stamp that was th
 
 
 class PoseSubscriber(SimpleController):
-    """Show the pose and the joint states that another program publishes: those of one stamp together, or not at all."""
+    """Show the pose and the joint states that another program publishes: both of one stamp together, or neither."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Subscribe to the body's joint states, and to everybody's transforms."""
+        """Subscribe to the body's joint states, and to the transforms of all robots."""
         self.node, self.call_later = config.node, config.call_later
         self.frame = f"{config.body.name}/base_link"
         self.display = PoseDisplay(config, lambda: self.joint_states.get_publisher_count())  # before messages come
@@ -35,13 +35,13 @@ class PoseSubscriber(SimpleController):
 
     def on_joint_state(self, message: JointState) -> None:  # executor's thread: post and return
         """Hand the message to the main thread."""
-        self.call_later(self.display.take, "joint_state", message)
+        self.call_later(self.display.take, "joints", message)
 
     def on_tf(self, message: TFMessage) -> None:  # executor's thread
-        """Hand the transform of this body to the main thread; it need not see the others'."""
+        """Hand the transform of this body to the main thread, and leave out the others'."""
         own = [each for each in message.transforms[:MOST] if each.child_frame_id == self.frame]
         for transform in own[:1]:
-            self.call_later(self.display.take, "transform", transform)
+            self.call_later(self.display.take, "pose", transform)
 
     def unconfigure(self) -> None:  # main thread
         """Stop listening."""
@@ -50,13 +50,13 @@ class PoseSubscriber(SimpleController):
 
 
 class StampPairs:
-    """Finds the messages of two streams that have the same stamp, as `message_filters.TimeSynchronizer` does.
+    """Finds the messages of two streams that have the same stamp, much like `message_filters.TimeSynchronizer`.
 
-    A message waits for its partner. Both streams are in order, so what came before a pair has no partner any more. When
-    too many wait, the one that came first gives way, whatever its stamp: a publisher may be started again, from 0.
+    A message waits for its partner. Both streams are in order, so a message that came before a pair gets no partner
+    any more. If too many wait, the one that came first goes, whatever its stamp: a publisher may start again, from 0.
 
     Args:
-        leave_out: called with the reason whenever a message gets no partner.
+        leave_out: called with the reason for each message that gets no partner.
     """
 
     def __init__(self, leave_out: Callable[[str], object]) -> None:
@@ -65,7 +65,7 @@ class StampPairs:
         self.newest: tuple[int, int] | None = None  # the stamp of the last pair
 
     def add(self, stream: str, message: Any) -> dict[str, Any] | None:
-        """Take the next message of a stream. Returns the pair that it completes, by stream."""
+        """Take the next message of a stream. Return the pair that it completes, by stream; None if there is none."""
         stamp = message.header.stamp.sec, message.header.stamp.nanosec
         if stamp == self.newest:
             self.leave_out(REPEATED)
@@ -80,17 +80,17 @@ class StampPairs:
         return self.waiting.pop(stamp) if complete else None
 
     def drop(self, stamp: tuple[int, int], why: str) -> None:
-        """Forget the message of a stamp that waits."""
+        """Drop the waiting message of a stamp."""
         del self.waiting[stamp]
         self.leave_out(why)
 
 
 class PoseDisplay:
-    """Shows where a body was, and its joints. All of it on the main thread.
+    """Shows a body's pose and its joints. Main thread only.
 
     Args:
         config: with the displayed body.
-        publishers: returns how many publish the joint states.
+        publishers: returns the number of publishers of the joint states.
     """
 
     def __init__(self, config: ControllerConfig, publishers: Callable[[], int]) -> None:
@@ -99,17 +99,17 @@ class PoseDisplay:
         self.pairs = StampPairs(self.tally.leave_out)
 
     def take(self, stream: str, message: JointState | TransformStamped) -> None:
-        """Show the message together with the one of the same stamp, if that is there."""
+        """Show the message and its partner, if that has come; otherwise keep the message."""
         if fault := fault_of(message):
             self.tally.leave_out(fault)
         elif pair := self.pairs.add(stream, message):
             self.show(**pair)
 
-    def show(self, joint_state: JointState, transform: TransformStamped) -> None:
-        """Move the body and its joints to where they were at one moment; what is late moves neither."""
-        positions, report = self.matcher.match(joint_state)
+    def show(self, joints: JointState, pose: TransformStamped) -> None:
+        """Set the pose and the joints of one moment in one go. A late message moves neither."""
+        positions, report = self.matcher.match(joints)
         if not report.dropped:
-            p, q = transform.transform.translation, transform.transform.rotation
+            p, q = pose.transform.translation, pose.transform.rotation
             self.body.position = p.x, p.y, p.z
             self.body.orientation_wxyz = q.w, q.x, q.y, q.z
             self.body.set_joint_positions(positions)
@@ -119,11 +119,11 @@ class PoseDisplay:
 
 
 class Tally:
-    """Counts what is shown and what is left out. The log tells, once in five seconds, but not how it all began.
+    """Counts what the viewer shows and leaves out. Logs it once in five seconds, but not at the very beginning.
 
     Attributes:
-        shown: how many pairs.
-        left_out: how many messages, by the reason.
+        shown: the number of pairs.
+        left_out: the number of messages, by reason.
     """
 
     def __init__(self, config: ControllerConfig) -> None:
@@ -132,7 +132,7 @@ class Tally:
         self.left_out = Counter[str]()
 
     def leave_out(self, why: str) -> None:
-        """Count a message that is not shown."""
+        """Count a message that the viewer does not show."""
         self.left_out[why] += 1
         if self.shown or self.left_out[why] > MOST_WAITING:
             counts = ", ".join(f"{count} {why}" for why, count in self.left_out.items())
@@ -140,7 +140,7 @@ class Tally:
 
 
 def fault_of(message: JointState | TransformStamped) -> str:
-    """Say why a message is nothing to be shown, nor to be kept; empty if it is."""
+    """Return why the viewer cannot show a message; empty if it can."""
     if isinstance(message, JointState):
         too_many = max(map(len, (message.name, message.position, message.velocity, message.effort))) > MOST
         too_long = too_many or sum(map(len, (message.header.frame_id, *message.name))) > LONGEST

@@ -1,4 +1,4 @@
-"""Beside step 7: tell other programs what the robot looks like, and how it moves."""
+"""Step 7: tell other programs what the robot looks like, and how it moves."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ FOR_LATECOMERS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL
 
 
 class RobotDescriptionPublisher(SimpleController):
-    """Publish the body as URDF. Once: whoever subscribes later is sent the last message, which is the only one."""
+    """Publish the body as URDF, once. A late subscriber gets this message, too: the topic is transient local."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Announce the topic, named after the body, and publish."""
+        """Create the publisher, and publish. The topic is named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(String, f"{config.body.name}/robot_description", FOR_LATECOMERS)
         self.publisher.publish(String(data=robot_description(config.body)))
 
     def unconfigure(self) -> None:  # main thread
-        """Take the topic back."""
+        """Destroy the publisher."""
         self.node.destroy_publisher(self.publisher)

@@ -54,7 +54,7 @@ class TankController(SimpleController):
 
 
 class AimedJoint:
-    """One joint that a stick moves: a reference angle, and a PD control that holds the joint there."""
+    """One joint that a stick moves: a reference angle, and a PD controller that holds the joint there."""
 
     def __init__(self, joint: Joint, time_step: float) -> None:
         self.joint = joint
@@ -75,9 +75,9 @@ class AimedJoint:
 
 
 def four_axes(message: Joy) -> list[float]:
-    """Return the sticks' axes, each in [-1, 1]; one that the message lacks, or that is not finite, counts as 0.
+    """Return the sticks' axes, each in [-1, 1]. An axis that is missing, or not finite, counts as 0.
 
-    Anybody may publish anything, so whatever arrives is bounded before it is used.
+    Anybody may publish anything, so limit every value before you use it.
     """
     axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]  # a message may have a million
     return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]
@@ -90,13 +90,13 @@ def sticks(message: Joy) -> tuple[float, float, float, float]:
 
 
 def dead_zone(axis: float, width: float) -> float:
-    """Zero near the middle, where a stick at rest never quite is."""
+    """Return 0 near the middle, where a released stick never rests exactly; otherwise the axis."""
     return axis if abs(axis) > width else 0.0
 
 
 def complain(node: Node, message: Joy) -> None:
-    """Say in the log, once in five seconds, which axes are beyond what a stick can do."""
+    """Log, once in five seconds, which axes are outside the range of a stick."""
     odd = [axis for axis in message.axes[:4] if not -1.0 <= axis <= 1.0]  # NaN is between no numbers
     if odd:
-        text = f"/joy has axes that no stick has: {odd}. They are limited, or count as 0"
+        text = f"/joy has axes outside -1 to 1: {odd}. They are limited, or count as 0"
         node.get_logger().warning(text, throttle_duration_sec=5.0)

@@ -8,9 +8,12 @@ from functools import cache
 from unittest.mock import Mock
 
 import pytest
+from builtin_interfaces.msg import Time
 from programs import until
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
@@ -76,6 +79,20 @@ def test_what_was_sent_last_is_there_though_the_end_comes_at_once_and_whoever_sp
         publish(recorder, publisher, payloads())
         nodes[0].destroy_publisher(publisher)
     assert recorded(recorder.path) == payloads()
+
+
+def test_the_time_of_receipt_is_that_of_clock_if_the_node_uses_simulated_time(nodes, publisher, tmp_path):
+    nodes[1].set_parameters([Parameter("use_sim_time", value=True)])
+    clock = nodes[0].create_publisher(Clock, "/clock", 1)
+    with Recorder(nodes[1], tmp_path / "bag", ["/a"]) as recorder:
+        publish(recorder, publisher, payloads(1))  # simulated time is not known yet
+        until(lambda: recorder._received, "the message before the time")
+        until(clock.get_subscription_count, "the match")
+        clock.publish(Clock(clock=Time(sec=5)))
+        until(lambda: nodes[1].get_clock().now().nanoseconds, "the time")
+        publish(recorder, publisher, payloads(1))
+        until(lambda: recorder.counts["/a"], "the message")
+    assert [time_ns for _, time_ns, _ in Bag(recorder.path).raw_messages(["/a"])] == [5_000_000_000]
 
 
 def test_a_topic_that_appears_later_is_recorded_and_so_is_its_quality_of_service(nodes, tmp_path):

@@ -42,7 +42,8 @@ class Recorder:
     """Records topics into a bag, for as long as the context lasts.
 
     Messages are kept as they travel, byte for byte. Their callback posts and returns; a thread of the recorder's own
-    writes them, once a second at the latest, and looks for topics that are new.
+    writes them, once a second at the latest, and looks for topics that are new. The time of receipt is simulated time
+    if the node's parameter ``use_sim_time`` is true.
 
     Args:
         node: that subscribes; its thread must spin.
@@ -204,10 +205,14 @@ class Recorder:
     def _on_message(self, topic: str, payload: bytes, info: Mapping[str, Any]) -> None:
         """Keep the message for the recorder's thread. The thread that spins."""
         self._received += 1
+        clock = self._node.get_clock()
+        time_ns = clock.now().nanoseconds if clock.ros_time_is_active else info["received_timestamp"]
+        if not time_ns:
+            return  # before the first message of /clock, simulated time is not known
         with self._lock:
             if self.error is None and self._waiting_bytes <= MOST_WAITING:
                 self._waiting_bytes += len(payload)
-                self._waiting.append((topic, info["received_timestamp"], info["source_timestamp"], payload))
+                self._waiting.append((topic, time_ns, info["source_timestamp"], payload))
             else:
                 if not self.lost:
                     _log.warning("messages are lost: the disk is too slow, or full")
