@@ -66,7 +66,7 @@ class GyroPublisher(SimpleController):
         if self.io.step % self.steps_per_message == 0:
             message = Imu()
             message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
-            message.header.frame_id = f"{self.io.body.name}/base_link"
+            message.header.frame_id = f"{self.io.body.name}/{self.sensor.name}"
             velocity = message.angular_velocity
             velocity.x, velocity.y, velocity.z = np.mean(self.samples, axis=0).tolist()
             message.orientation_covariance[0] = -1.0
@@ -131,7 +131,8 @@ the sign is turned round, or it is in degrees: send what the sensor says, in rad
 """
 OTHERWISE = {
     "": "Compare with the mean, component by component, of the measurements since the last message.",
-    "the frame": 'Most likely the body or link is missing: message.header.frame_id = f"{self.io.body.name}/base_link".',
+    "the frame": "Most likely the body or the sensor is missing: "
+    'message.header.frame_id = f"{self.io.body.name}/GYRO".',
     "what is not measured": "Most likely one of them is not marked, or angular_velocity is, too: -1.0 in "
     "orientation_covariance[0] and linear_acceleration_covariance[0] says that these two are not measured.",
     "on a robot with a gyroscope alone": "Most likely something is asked for that not every robot has: use only GYRO.",
@@ -181,11 +182,11 @@ def marks(_rig: Rig, sent: list[Sent]) -> str:
 
 
 def frame(_rig: Rig, sent: list[Sent]) -> str:
-    """Observe the frame of the last message; the sensor's own is as good."""
+    """Observe the frame of the last message; that of what the sensor is fixed to is as good as its own."""
     frame_id = sent[-1].message.header.frame_id
     name, _, rest = frame_id.partition("/")
-    own = name == "Rover" and any(word in rest.lower() for word in ("gyro", "imu"))
-    return "'Rover/base_link'" if own else repr(frame_id)
+    known = name == "Rover" and any(word in rest.lower() for word in ("gyro", "imu", "base_link", "chassis"))
+    return "'Rover/GYRO'" if known else repr(frame_id)
 
 
 PUBLISHING = Publishing(Imu, "gyro", 10, shaken, means)

@@ -85,5 +85,5 @@ class AnotherFrame(GyroPublisher):
 
 WRONG = [
     (OnItsOwnThread, "a timer or a thread publishes"),
-    (AnotherFrame, "the body or link is missing"),
+    (AnotherFrame, "the body or the sensor is missing"),
 ]
