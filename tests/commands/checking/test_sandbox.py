@@ -50,6 +50,9 @@ say(
     write=lambda: secret.write_text("hacked"),
     delete=secret.unlink,
     make=lambda: (mine / "new").touch(),
+    root=Path("/new").touch,
+    device=Path("/dev/new").touch,
+    setting=lambda: os.open("/proc/sys/kernel/core_pattern", os.O_WRONLY),
     package=lambda: Path(mujoco.__file__).touch(),
     own=lambda: (folder / "x").write_text("1234"),
     read=secret.read_text,
@@ -126,7 +129,9 @@ def test_my_files_processes_and_the_network_are_out_of_reach_and_what_is_needed_
     for name in ("write", "delete", "make", "read", "listing", "bus", "look"):
         assert found[name] == "FileNotFoundError", name
     assert (tmp_path / "mine" / "secret.txt").read_text() == "the solutions"
-    assert (found["package"], found["tcp"]) == ("OSError", "ConnectionRefusedError")
+    assert found["root"] == found["device"] == found["package"] == "OSError"  # it is read-only
+    assert found["setting"] == ("PermissionError" if os.getuid() else "OSError")
+    assert found["tcp"] == "ConnectionRefusedError"
     assert (found["datagram"], found["kill"]) == ("OSError", "ProcessLookupError")
     assert found["mount"] == found["again"] == "['-1']"
     assert found["capable"] == "['CapEff:', '0000000000000000']"

@@ -45,10 +45,11 @@ def sandbox(folder: str) -> list[str]:
     readable = [word for path in _readable() for word in ("--ro-bind-try", path, path)]
     course = [word for path in _course() for word in ("--dir", path)]
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
+    closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # root could set the kernel's
     return [
         *_keyring(),
         *("bwrap", "--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
-        *(*readable, *course, "--proc", "/proc", "--dev", "/dev", *bounded, "--chdir", folder, "--"),
+        *(*readable, *course, "--proc", "/proc", "--dev", "/dev", *bounded, *closed, "--chdir", folder, "--"),
     ]
 
 
