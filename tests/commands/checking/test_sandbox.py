@@ -164,6 +164,10 @@ def test_where_there_is_no_sandbox_it_is_said_with_the_mend(monkeypatch, tmp_pat
     with pytest.raises(TutorialError, match=r"bwrap is not found\. On Debian and Ubuntu, sudo apt-get .*--no-sandbox"):
         need_sandbox()
     monkeypatch.undo()
+    monkeypatch.setattr(sandbox, "find_library", lambda _: None)
+    with pytest.raises(TutorialError, match=r"libseccomp\.so\.2 is not found\. On Debian"):
+        need_sandbox()
+    monkeypatch.undo()
     (tmp_path / "bwrap").write_text("#!/bin/sh\necho No permissions to create a new namespace >&2\nexit 1\n")
     (tmp_path / "bwrap").chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
