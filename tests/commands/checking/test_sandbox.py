@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import shlex
 import shutil
 import socket
 import subprocess
@@ -50,6 +49,9 @@ say(
     write=lambda: secret.write_text("hacked"),
     delete=secret.unlink,
     make=lambda: (mine / "new").touch(),
+    root=Path("/new").touch,
+    device=Path("/dev/new").touch,
+    setting=lambda: os.open("/proc/sys/kernel/core_pattern", os.O_WRONLY),
     package=lambda: Path(mujoco.__file__).touch(),
     own=lambda: (folder / "x").write_text("1234"),
     read=secret.read_text,
@@ -126,7 +128,9 @@ def test_my_files_processes_and_the_network_are_out_of_reach_and_what_is_needed_
     for name in ("write", "delete", "make", "read", "listing", "bus", "look"):
         assert found[name] == "FileNotFoundError", name
     assert (tmp_path / "mine" / "secret.txt").read_text() == "the solutions"
-    assert (found["package"], found["tcp"]) == ("OSError", "ConnectionRefusedError")
+    assert found["root"] == found["device"] == found["package"] == "OSError"  # it is read-only
+    assert found["setting"] == ("PermissionError" if os.getuid() else "OSError")
+    assert found["tcp"] == "ConnectionRefusedError"
     assert (found["datagram"], found["kill"]) == ("OSError", "ProcessLookupError")
     assert found["mount"] == found["again"] == "['-1']"
     assert found["capable"] == "['CapEff:', '0000000000000000']"
@@ -140,19 +144,28 @@ def test_files_memory_and_processes_have_an_end(inside):
 
 
 @pytest.mark.process
-@pytest.mark.skipif(not sandbox._keyring(), reason="there is no keyctl that works: apt-get install keyutils")
-def test_keys_of_my_session_are_not_there(tmp_path):
-    need_sandbox_here()
-    look = shlex.join([*sandbox.sandbox(str(tmp_path)), "sh", "-c", "keyctl show @s; keyctl show @u"])
-    script = f"keyctl add user mine secret @s && keyctl add user mine secret @u && {look}; keyctl show @s"
-    done = subprocess.run(["keyctl", "session", "-", "sh", "-c", script], capture_output=True, text=True, check=True)
-    assert done.stdout.count("user: mine") == 1
+@pytest.mark.skipif(shutil.which("keyctl") is None, reason="there is no keyctl: apt-get install keyutils")
+def test_keys_of_my_session_are_refused(inside):
+    show = "subprocess.run(['keyctl', 'show', '@u'], capture_output=True, text=True).stderr"
+    found = inside(f"say(keys=lambda: {show})")
+    assert "Operation not permitted" in found["keys"]
+
+
+def test_the_current_folder_is_not_there_though_python_may_import_from_it(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", ".")
+    assert str(tmp_path) not in sandbox.sandbox("/tmp")
 
 
 @pytest.mark.process
 def test_where_there_is_no_sandbox_it_is_said_with_the_mend(monkeypatch, tmp_path):
     monkeypatch.setattr(shutil, "which", lambda _: None)
     with pytest.raises(TutorialError, match=r"bwrap is not found\. On Debian and Ubuntu, sudo apt-get .*--no-sandbox"):
+        need_sandbox()
+    monkeypatch.undo()
+    monkeypatch.setattr(sandbox, "find_library", lambda _: None)
+    with pytest.raises(TutorialError, match=r"libseccomp\.so\.2 is not found\. On Debian"):
         need_sandbox()
     monkeypatch.undo()
     (tmp_path / "bwrap").write_text("#!/bin/sh\necho No permissions to create a new namespace >&2\nexit 1\n")

@@ -2,11 +2,12 @@
 
 In it are the files that Python, ROS 2 and the tutorial consist of, to be read; one empty folder of a bounded size, to
 be written to; a network that has only its own loopback; and processes that all end with the first. It needs Linux, the
-program ``bwrap``, and a system that lets ordinary users make namespaces.
+program ``bwrap``, the library libseccomp, and a system that lets ordinary users make namespaces.
 """
 
 from __future__ import annotations
 
+import ctypes
 import os
 import resource
 import shutil
@@ -14,7 +15,8 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
-from functools import cache
+from ctypes.util import find_library
+from pathlib import Path
 
 from tutorial.errors import TutorialError
 from tutorial.paths import COURSE, PACKAGE, is_course
@@ -30,9 +32,11 @@ LIMITS = {
     resource.RLIMIT_CORE: 0,
 }
 PROCESSES = 256  # with their threads
+SECCOMP = "libseccomp.so.2"
+SCMP_ACT_ALLOW, SCMP_ACT_EPERM = 0x7FFF0000, 0x00050001  # of its seccomp.h
 NO_SANDBOX = (
     "an answer is a stranger's program, and there is no sandbox for it here: {}. On Debian and Ubuntu, sudo apt-get "
-    "install bubblewrap brings one. Where you trust the answers, or in a virtual machine, give --no-sandbox."
+    "install bubblewrap libseccomp2 brings one. Where you trust the answers, or in a virtual machine, give --no-sandbox."
 )
 
 
@@ -45,10 +49,10 @@ def sandbox(folder: str) -> list[str]:
     readable = [word for path in _readable() for word in ("--ro-bind-try", path, path)]
     course = [word for path in _course() for word in ("--dir", path)]
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
+    closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # root could set the kernel's
     return [
-        *_keyring(),
         *("bwrap", "--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
-        *(*readable, *course, "--proc", "/proc", "--dev", "/dev", *bounded, "--chdir", folder, "--"),
+        *(*readable, *course, "--proc", "/proc", "--dev", "/dev", *bounded, *closed, "--chdir", folder, "--"),
     ]
 
 
@@ -58,8 +62,9 @@ def need_sandbox() -> None:
     Raises:
         TutorialError: there is none; the text says why, and the mend.
     """
-    if shutil.which("bwrap") is None:
-        raise TutorialError(NO_SANDBOX.format("the program bwrap is not found"))
+    for what, found in (("the program bwrap", shutil.which("bwrap")), (SECCOMP, find_library("seccomp"))):
+        if found is None:
+            raise TutorialError(NO_SANDBOX.format(f"{what} is not found"))
     done = subprocess.run([*sandbox("/tmp"), "true"], capture_output=True, text=True, check=False)
     if done.returncode:
         raise TutorialError(NO_SANDBOX.format(done.stderr.strip() or "bwrap fails"))
@@ -70,31 +75,37 @@ def limit(seconds: int, is_sandboxed: bool) -> None:
 
     Args:
         seconds: of processor time that each process may take [s].
-        is_sandboxed: whether processes are counted in the sandbox alone.
+        is_sandboxed: whether processes are counted in the sandbox alone, and the kernel's keys are refused.
     """
     processes = {resource.RLIMIT_NPROC: PROCESSES} if is_sandboxed else {}
     for what, most in {**LIMITS, **processes, resource.RLIMIT_CPU: seconds}.items():
         with suppress(ValueError, OSError):  # macOS knows no limit of address space; a lower one may hold already
             resource.setrlimit(what, (most, most))
+    if is_sandboxed:
+        _refuse_keys()
 
 
-@cache
-def _keyring() -> tuple[str, ...]:
-    """Return the words that give a command a session keyring of its own, where that can be: bubblewrap leaves mine."""
-    words = ("keyctl", "session", "-")
-    works = (
-        shutil.which("keyctl") and subprocess.run([*words, "true"], capture_output=True, check=False).returncode == 0
-    )
-    return words if works else ()
+def _refuse_keys() -> None:
+    """Have the kernel refuse this process, and all that will come from it, the calls about its keys.
+
+    Namespaces don't part them: a user's process can link the keys of any session of his to its own.
+    """
+    library = ctypes.CDLL(SECCOMP)
+    library.seccomp_init.restype = ctypes.c_void_p
+    rules = ctypes.c_void_p(library.seccomp_init(SCMP_ACT_ALLOW))
+    for call in (b"add_key", b"request_key", b"keyctl"):
+        library.seccomp_rule_add(rules, SCMP_ACT_EPERM, library.seccomp_syscall_resolve_name(call), 0)
+    if library.seccomp_load(rules):
+        raise OSError("the kernel takes no filter of calls")
 
 
 def _readable() -> Iterator[str]:
     """Yield what can be read in the sandbox."""
     yield from SYSTEM
     named = (os.environ.get(name, "") for name in ("PYTHONPATH", "AMENT_PREFIX_PATH", "LD_LIBRARY_PATH"))
-    entries = {*sys.path, *(entry for entries in named for entry in entries.split(os.pathsep))} - {""}
-    for entry in sorted(entries - {str(PACKAGE.parent)}):  # what lies beside the package stays closed
-        yield os.path.abspath(entry)  # noqa: PTH100 - where a link leads is not its name
+    entries = [*sys.path, *(entry for entries in named for entry in entries.split(os.pathsep))]
+    known = {os.path.abspath(entry) for entry in entries if entry}  # noqa: PTH100 - where a link leads is not its name
+    yield from sorted(known - {str(PACKAGE.parent), str(Path.cwd())})  # what is beside the package, or here, is closed
     for own in (sys.prefix, sys.base_prefix, PACKAGE, PACKAGE.parent / "project"):
         yield str(own)
 
