@@ -36,7 +36,7 @@ SECCOMP = "libseccomp.so.2"
 SCMP_ACT_ALLOW, SCMP_ACT_EPERM = 0x7FFF0000, 0x00050001  # of its seccomp.h
 NO_SANDBOX = (
     "an answer is a stranger's program, and there is no sandbox for it here: {}. On Debian and Ubuntu, sudo apt-get "
-    "install bubblewrap libseccomp2 brings one. Where you trust the answers, or in a virtual machine, give --no-sandbox."
+    "install bubblewrap libseccomp2 installs one. If you trust the answers, or in a virtual machine, give --no-sandbox."
 )
 
 
