@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 import shutil
 import sqlite3
@@ -280,6 +281,10 @@ TABLES = """
     CREATE TABLE messages(id, topic_id, timestamp, data);
     INSERT INTO topics VALUES (1, x'1b5b324a', x'ff', '', '');
 """
+ENDLESS = """CREATE VIEW messages AS
+    WITH RECURSIVE count(id) AS (SELECT 1 UNION ALL SELECT id + 1 FROM count)
+    SELECT id, 1 AS topic_id, id AS timestamp, x'00' AS data FROM count;
+"""
 
 
 @pytest.mark.parametrize(
@@ -289,6 +294,8 @@ TABLES = """
         ("CREATE TABLE topics(x)", "no such column: id"),
         (f"{TABLES}INSERT INTO messages VALUES (1, 1, 'now', 2)", "a row in it is no message"),
         (f"{TABLES}INSERT INTO messages VALUES (1, 1, -5, 2), (2, 7, 0, x'00')", "a row in it is no message"),
+        (f"{TABLES}DROP TABLE messages; {ENDLESS}", "not authorized"),
+        (f"{TABLES}INSERT INTO messages VALUES (1, 1, 0, zeroblob({2**27 + 1}))", "string or blob too big"),
     ],
 )
 def test_a_hostile_database_is_a_clear_error(tmp_path, script, said):
@@ -333,7 +340,19 @@ def test_messages_come_in_the_order_of_time(tmp_path, storage):
 
 
 MERGED = "a0: &a0 {x: 1}\n" + "".join(f"a{i + 1}: &a{i + 1} {{<<: [{f'*a{i}, ' * 9}]}}\n" for i in range(20))
-SPOILT = ["", "a: [", "[]", "rosbag2_bagfile_information: 3", "&a [*a, *a]", "[" * 200_000, "!!bool x", MERGED]
+HUGE = f"rosbag2_bagfile_information: {{version: 0x{'f' * 5000}}}"
+SPOILT = [
+    "",
+    "a: [",
+    "[]",
+    "rosbag2_bagfile_information: 3",
+    "&a [*a, *a]",
+    "[" * 200_000,
+    "!!bool x",
+    MERGED,
+    HUGE,
+    "#" * 2**21,
+]
 
 
 @pytest.mark.parametrize("spoilt", SPOILT, ids=lambda text: text[:10])
@@ -342,6 +361,15 @@ def test_metadata_that_say_nothing_are_no_more_than_damage(tmp_path, spoilt):
     (tmp_path / "bag" / "metadata.yaml").write_text(spoilt)
     found, damage = read(tmp_path / "bag")
     assert "metadata.yaml: " in damage
+    assert found == written
+
+
+def test_metadata_that_are_no_file_are_missing(tmp_path):
+    written = write(tmp_path / "bag")
+    (tmp_path / "bag" / "metadata.yaml").unlink()
+    os.mkfifo(tmp_path / "bag" / "metadata.yaml")
+    found, damage = read(tmp_path / "bag")
+    assert "metadata.yaml is missing" in damage
     assert found == written
 
 

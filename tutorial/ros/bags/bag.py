@@ -24,6 +24,7 @@ from tutorial.ros.topics.names import escape_name, message_class
 __all__ = ["Bag", "BagTopic"]
 
 READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
+LARGEST_METADATA = 2**20  # bytes: a thousand topics have less
 MOST_FAULTS = 5  # of a bag, that are told
 CDR_HEAD = 4  # bytes that every payload begins with
 
@@ -207,11 +208,14 @@ class Bag:
         return [file for file in files if file.suffix == files[0].suffix], told
 
     def _read_metadata(self) -> _Information:
-        try:
-            data = (self.path / "metadata.yaml").read_bytes()
-            return msgspec.convert(read_yaml(data), _Metadata).rosbag2_bagfile_information
-        except FileNotFoundError:
+        path = self.path / "metadata.yaml"
+        if not is_file(path):
             self._say("its metadata.yaml is missing, as of a recording that was killed")
+            return _Information()
+        try:
+            if path.stat().st_size > LARGEST_METADATA:
+                raise OSError("it has more than 1 MB")
+            return msgspec.convert(read_yaml(path.read_bytes()), _Metadata).rosbag2_bagfile_information
         except (OSError, msgspec.ValidationError) as error:
             self._say(f"metadata.yaml: {printable(str(error))}")
         except Exception:  # noqa: BLE001 - what a stranger has written may be anything

@@ -12,7 +12,7 @@ from typing import Any
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import Channel, Damaged, RawMessage
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, RawMessage
 
 __all__ = ["SqliteReader", "SqliteWriter"]
 
@@ -122,4 +122,11 @@ class SqliteReader:
         address = f"{self._path.absolute().as_uri()}?{self._how}"
         with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as database:
             database.text_factory = lambda data: data.decode("utf-8", "backslashreplace")
+            database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)
+            database.set_authorizer(_refuse_views)
             yield from database.execute(query, values)
+
+
+def _refuse_views(*what: str | None) -> int:
+    """Let a query read tables alone: a view may never end."""
+    return sqlite3.SQLITE_DENY if what[-1] else sqlite3.SQLITE_OK

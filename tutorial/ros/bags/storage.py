@@ -63,6 +63,10 @@ class _Loader(yaml.SafeLoader):
         """Leave a mapping as it is."""
 
 
+_Loader.add_constructor("tag:yaml.org,2002:int", lambda loader, node: int(loader.construct_scalar(node)))
+"""Numbers in a bag are decimal. Python reads others of any length, which it then cannot print."""
+
+
 def read_yaml(text: str | bytes) -> Any:
     """Read what a bag has in YAML. PyYAML's faster loader, in C, ends the process on text that is nested too deeply.
 
