@@ -127,6 +127,6 @@ class SqliteReader:
             yield from database.execute(query, values)
 
 
-def _refuse_views(*what: str | None) -> int:
+def _refuse_views(_action: int, *names: str | None) -> int:
     """Let a query read tables alone: a view may never end."""
-    return sqlite3.SQLITE_DENY if what[-1] else sqlite3.SQLITE_OK
+    return sqlite3.SQLITE_DENY if names[-1] else sqlite3.SQLITE_OK

@@ -63,7 +63,7 @@ class _Loader(yaml.SafeLoader):
         """Leave a mapping as it is."""
 
 
-_Loader.add_constructor("tag:yaml.org,2002:int", lambda loader, node: int(loader.construct_scalar(node)))
+_Loader.add_constructor("tag:yaml.org,2002:int", lambda _loader, node: int(node.value))
 """Numbers in a bag are decimal. Python reads others of any length, which it then cannot print."""
 
 
