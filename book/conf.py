@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -13,8 +14,10 @@ sys.modules["rfc3987_syntax"] = None  # not imported: it takes a second, and no 
 
 # ruff: noqa: E402
 from docutils.nodes import SkipNode
+from drive_page import fetch, write_site
 from latex2mathml.converter import convert
 from notebook_pages import write_pages
+from sphinx.util.logging import getLogger
 
 import tutorial  # noqa: F401  (promises an rclpy to the API page)
 from tutorial.view import replay
@@ -47,6 +50,9 @@ html_show_sphinx = False
 copybutton_prompt_text = "$ "
 copybutton_only_copy_prompt_lines = False
 
+logger = getLogger(__name__)
+
+WITHOUT_NPM = "This copy of the book was made without npm, so the tank does not drive here."
 VIEWER = ("main.min.js", "main.min.js.LICENSE.txt")
 
 
@@ -54,9 +60,11 @@ def setup(app: Any) -> None:
     """Have Sphinx write the notebooks' pages first, and put the one player of replays where all pages find it."""
     write_pages(BOOK.parent / "notebooks", BOOK / "notebooks")
     app.add_html_math_renderer("mathml", (visit_math, None), (visit_math_block, None))
-    app.connect("env-get-outdated", lambda *_: ["controllers"])
+    app.connect("env-get-outdated", lambda *_: ["controllers", "drive"])
     app.connect("source-read", add_controllers)
+    app.connect("source-read", leave_drive_out)
     app.connect("html-page-context", add_player)
+    app.connect("html-page-context", add_drive)
     app.connect("build-finished", write_player)
 
 
@@ -79,11 +87,26 @@ def add_player(app: Any, _page: str, _template: str, context: dict[str, Any], _t
         app.add_js_file("replay.js", loading_method="defer")
 
 
+def leave_drive_out(_app: Any, page: str, source: list[str]) -> None:
+    """Say on the page on which the tank drives that it does not, where there is no npm to fetch what it drives with."""
+    if page == "drive" and not fetch():
+        source[0] = re.sub(r"```\{raw\} html.*?```", WITHOUT_NPM, source[0], flags=re.DOTALL)
+        logger.info(WITHOUT_NPM)
+
+
+def add_drive(app: Any, page: str, *_: Any) -> None:
+    """Give the page on which the tank drives its script."""
+    if page == "drive" and fetch():
+        app.add_css_file("drive.css")
+        app.add_js_file("drive.js", loading_method="defer")
+
+
 def write_player(app: Any, error: Exception | None) -> None:
-    """Write what plays the replays of all pages."""
+    """Write what plays the replays of all pages, and what the tank drives with."""
     if error is not None or app.builder.format != "html":
         return
     static = Path(app.outdir) / "_static"
+    write_site(static)
     static.joinpath("replay.js").write_text(replay.script(), encoding="utf-8")
     static.joinpath("replay.css").write_text(replay.style(), encoding="utf-8")
     for name in VIEWER:

@@ -11,7 +11,7 @@ import mujoco
 from tutorial.errors import TutorialError
 from tutorial.mujoco_warnings import mujoco_warns
 
-__all__ = ["Placement", "compose"]
+__all__ = ["Placement", "compose", "world_spec"]
 
 mujoco.set_mju_user_warning(mujoco_warns)
 
@@ -49,6 +49,19 @@ def compose(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco
     Raises:
         TutorialError: a model does not load or the whole does not compile; the text is MuJoCo's.
     """
+    world = world_spec(placements, time_step)
+    try:
+        return world.compile()
+    except ValueError as error:
+        raise TutorialError(f"the world does not compile. MuJoCo says: {error}") from error
+
+
+def world_spec(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco.MjSpec:
+    """Make what `compose` compiles, with the same arguments.
+
+    Raises:
+        TutorialError: a model does not load; the text is MuJoCo's.
+    """
     world = mujoco.MjSpec()
     world.modelname = "world"
     world.option.timestep = time_step
@@ -64,7 +77,4 @@ def compose(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco
         part.option.integrator = world.option.integrator
         frame = world.worldbody.add_frame(pos=placement.position, quat=placement.orientation_wxyz)
         world.attach(part, prefix=f"{placement.name}/", frame=frame)
-    try:
-        return world.compile()
-    except ValueError as error:
-        raise TutorialError(f"the world does not compile. MuJoCo says: {error}") from error
+    return world

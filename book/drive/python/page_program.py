@@ -1,0 +1,172 @@
+"""One program of the page: a node, the tank, and its controllers, of which the visitor edits one."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from cyclonedds import wires
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from sensor_msgs.msg import Joy
+
+from tutorial.body import Body, State
+from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
+from tutorial.controller_files import find_controller, load_controllers
+from tutorial.errors import TutorialError, tell
+from tutorial.handoff import CallQueue
+from tutorial.ros.joy import joy_message
+
+TIME_STEP = 0.001  # [s]
+LONGEST_DEBT = 0.25  # [s] of real time that is caught up, as in the course's simulation
+LONGEST_TURN = 0.03  # [s] of stepping, after which the page's messages have a turn
+
+
+class Program:
+    """A program. Everything in it runs on one thread: a browser's worker has no other.
+
+    Args:
+        mujoco: the browser's MuJoCo.
+        setup: what ``book/drive_page.py`` says of the program.
+        wire: what sends bytes and announcements to the page's other programs.
+        say: called with a line that matching a message's joints has led to.
+    """
+
+    def __init__(self, mujoco: Any, setup: Any, wire: Any, say: Any) -> None:
+        setup = setup.to_py()
+        self.state = State(mujoco, setup["xml"])
+        self.state.reset()
+        self._own = setup["controller"]
+        self._file = Path(setup["file"]).absolute()
+        self._bodies = [Body(self.state, "Tank", setup["joints"], setup["actuators"]) for _ in range(2)]
+        self._bodies[0].on_change(lambda report: say(str(report)))
+        self._wire = wires[0]
+        self._wire.send, self._wire.announce = wire.send, wire.announce
+        rclpy.init(args=[], domain_id=0)
+        self._executor = SingleThreadedExecutor()
+        self._node = self._make_node(setup["node"])
+        self._calls = CallQueue(asyncio.get_event_loop())
+        if setup["simulates"]:
+            self._joystick = self._make_node("joystick").create_publisher(Joy, "joy", 1)
+        self._controllers: dict[str, tuple[SimpleController, ControllerIO, Any]] = {}
+        self._simulates = setup["simulates"]
+        self._started_at = 0.0
+        self._has_failed = False
+        self.step = 0
+        for name in setup["others"]:
+            self._start(name, find_controller(name))
+
+    def run(self, source: str) -> str:
+        """Put the visitor's controller in the place of the one before; return what is wrong, "" if nothing is."""
+        self._file.write_text(source)
+        return self._attempt(self._replace)
+
+    def reset(self) -> str:
+        """Begin at time 0, in the initial pose, with controllers initialized anew; return what is wrong."""
+        return self._attempt(self._restart)
+
+    def turn(self, now: float) -> str:
+        """Do what is due: callbacks, and steps up to a time of the page [s]; return what is wrong."""
+        return "" if self._has_failed else self._attempt(self._work, now)
+
+    def sticks(self, axes: Any, buttons: Any) -> None:
+        """Publish what the joystick says."""
+        self._joystick.publish(joy_message(self._node, axes.to_py(), buttons.to_py()))
+
+    def hear(self, program: str, described: str) -> None:
+        """Take note of another program of the page."""
+        self._wire.hear(program, described)
+
+    def receive(self, topic: str, type_name: str, data: Any) -> None:
+        """Take bytes that another program has published."""
+        self._wire.receive(topic, type_name, data.to_bytes())
+
+    def described(self) -> str:
+        """Tell the other programs what there is in this one."""
+        return self._wire.described()
+
+    def joints(self) -> Any:
+        """Return position [rad] and effort [N.m] of each joint by its name."""
+        from pyodide.ffi import to_js  # noqa: PLC0415 - only a browser has it
+
+        return to_js([[joint.name, joint.position, joint.effort] for joint in self._bodies[0].joints])
+
+    def advance(self) -> None:
+        """Ask every controller, and let MuJoCo step once.
+
+        Raises:
+            TutorialError: a controller failed; the text is the course's.
+        """
+        for name, (controller, io, _) in self._controllers.items():
+            io.step = self.step
+            try:
+                controller.control()
+            except BaseException as error:
+                told = f"{name} failed at {io.time:.3f} s of simulated time: {tell(error, str(self._file))}"
+                raise TutorialError(told) from error
+        self.state.step_world()
+        self.step += 1
+
+    def _attempt(self, do: Callable[..., None], *arguments: object) -> str:
+        """Do something with the controllers; return what is wrong, as the course says it. Then all stands still."""
+        self._has_failed = False
+        try:
+            do(*arguments)
+        except BaseException as error:  # noqa: BLE001 - whatever it is, the page says it
+            self._has_failed = True
+            return str(error) if isinstance(error, TutorialError) else tell(error, str(self._file))
+        return ""
+
+    def _make_node(self, name: str) -> Node:
+        node = Node(name)
+        self._executor.add_node(node)
+        return node
+
+    def _replace(self) -> None:
+        if self._own in self._controllers:
+            controller, _, scope = self._controllers.pop(self._own)
+            scope.close()
+            controller.unconfigure()
+        self._start(self._own, load_controllers(self._file, only=self._own)[self._own])
+
+    def _start(self, name: str, controller_class: type[SimpleController]) -> None:
+        displayed, simulated = self._bodies
+        scope = self._calls.scope(name)
+        controller, io = controller_class(), ControllerIO(simulated, TIME_STEP)
+        controller.configure(ControllerConfig(displayed, self._node, scope.call_later, scope.call_latest))
+        self._controllers[name] = (controller, io, scope)
+        if self._simulates:
+            io.step = self.step
+            controller.initialize(io)
+
+    def _restart(self) -> None:
+        self.state.reset()
+        self.step, self._started_at = 0, 0.0
+        for controller, io, _ in self._controllers.values():
+            controller.stop()
+            io.step = 0
+            controller.initialize(io)
+
+    def _work(self, now: float) -> None:
+        for _ in range(1 + sum(len(getattr(each, "samples", ())) for each in self._wire.endpoints)):
+            self._executor.spin_once(timeout_sec=0)
+        error, self._calls.error = self._calls.error, None
+        if error:
+            raise error
+        if self._simulates:
+            self._step(now)
+
+    def _step(self, now: float) -> None:
+        """Step until simulated time has come as far as a time of the page [s], or for a while."""
+        self._started_at = max(self._started_at, now - self.step * TIME_STEP - LONGEST_DEBT)
+        due = int((now - self._started_at) / TIME_STEP) - self.step
+        self.state.look_up()
+        deadline = time.perf_counter() + LONGEST_TURN
+        for _ in range(due):
+            self.advance()
+            if time.perf_counter() > deadline:
+                break

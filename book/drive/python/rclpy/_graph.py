@@ -1,0 +1,62 @@
+"""Who is there in the page's programs, as `cyclonedds.Wire` knows: in the place of the pocket ROS 2's module."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from types import SimpleNamespace
+from typing import Any
+
+from cyclonedds import Entity, Participant
+
+PUBLISHERS, SUBSCRIPTIONS = True, False
+DiscoveredEndpoint = Any
+
+
+class Graph:
+    """The node graph as seen from one participant."""
+
+    def __init__(self, participant: Participant) -> None:
+        self.participant = participant
+        self.changes = Entity(participant)
+        self._wire = participant.wire
+
+    def add_node(self, namespace: str, name: str) -> Any:
+        """Announce a node of this program."""
+        names = {"node_namespace": namespace, "node_name": name, "guids": []}
+        node = SimpleNamespace(participant=self.participant, **names)
+        self._wire.nodes.append(node)
+        self._wire.tell()
+        return node
+
+    def remove_node(self, node: Any) -> None:
+        """Announce that a node is gone."""
+        self._wire.nodes = [other for other in self._wire.nodes if other is not node]
+        self._wire.tell()
+
+    def set_endpoints(self, node: Any, writers: Iterable[bytes], readers: Iterable[bytes]) -> None:
+        """Announce which endpoints are a node's."""
+        node.guids = [*writers, *readers]
+        self._wire.tell()
+
+    def nodes(self) -> list[Any]:
+        """Return all nodes, those of this program first."""
+        return self._wire.all_nodes()
+
+    def owners(self) -> dict[bytes, Any]:
+        """Return the nodes by the identifiers of their endpoints."""
+        return {guid: node for node in self.nodes() for guid in node.guids}
+
+    def is_complete(self) -> bool:
+        """Whether all is known, as it always is."""
+        return True
+
+    def listen(self) -> None:
+        """Take what others have announced, which `Wire.hear` does."""
+
+    def endpoints(self, kind: bool, wire_topic: str | None = None, *, full: bool = False) -> list[DiscoveredEndpoint]:  # noqa: ARG002
+        """Return the writers or readers on a topic, or on all."""
+        return [
+            SimpleNamespace(guid=each.guid.bytes, topic_name=each.topic_name, type_name=each.type_name, qos=each.qos)
+            for each in self._wire.everyone()
+            if each.is_writer is kind and wire_topic in (None, each.topic_name)
+        ]

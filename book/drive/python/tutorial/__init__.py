@@ -1,0 +1,1 @@
+"""The parts of the course that run in the page."""

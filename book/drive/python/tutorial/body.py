@@ -1,0 +1,156 @@
+"""A body of the page: the joints and actuators that the course's controllers ask for, over MuJoCo for a browser."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Callable, Mapping
+from math import inf
+from typing import Any
+
+from tutorial.errors import TutorialError, did_you_mean
+
+
+class State:
+    """A copy of MuJoCo's state, which Python reads and writes much faster than the original in the browser.
+
+    Args:
+        mujoco: the browser's MuJoCo.
+        xml: the world.
+    """
+
+    def __init__(self, mujoco: Any, xml: str) -> None:
+        self._mujoco = mujoco
+        self.model = mujoco.MjModel.from_xml_string(xml)
+        self.data = mujoco.MjData.new(self.model)
+        nq, nv, nu = self.model.nq, self.model.nv, self.model.nu
+        self.qpos, self.qvel, self.effort, self.ctrl = (array("d", bytes(8 * size)) for size in (nq, nv, nv, nu))
+        self.step_world = self.kinematics = lambda: None
+        self.look_up()
+
+    def look_up(self) -> None:
+        """Look up where MuJoCo has its arrays: they move when it takes more memory."""
+        mujoco, model, data = self._mujoco, self.model, self.data
+        pairs = ((data.qpos, self.qpos), (data.qvel, self.qvel), (data.qfrc_actuator, self.effort))
+        qpos, ctrl = data.qpos, data.ctrl
+
+        def step_world() -> None:
+            ctrl.assign(self.ctrl)
+            mujoco.mj_step(model, data)
+            for theirs, ours in pairs:
+                theirs.assign_to(ours)
+
+        def kinematics() -> None:
+            qpos.assign(self.qpos)
+            mujoco.mj_kinematics(model, data)
+
+        self.step_world, self.kinematics = step_world, kinematics
+        for theirs, ours in (*pairs, (ctrl, self.ctrl)):
+            theirs.assign_to(ours)
+
+    def reset(self) -> None:
+        """Go back to the initial pose."""
+        self._mujoco.mj_resetData(self.model, self.data)
+        self._mujoco.mj_forward(self.model, self.data)
+        self.look_up()
+
+
+class Joint:
+    """A hinge joint: its name, its range [rad], position [rad], velocity [rad/s] and effort [N.m]."""
+
+    def __init__(self, state: State, name: str, limits: list[float] | None, qpos: int, dof: int, ctrl: int) -> None:
+        self.name = name
+        self.range = tuple(limits) if limits else (-inf, inf)
+        self._state, self._qpos, self._dof, self._ctrl = state, qpos, dof, ctrl
+
+    @property
+    def position(self) -> float:
+        """Position [rad]."""
+        return self._state.qpos[self._qpos]
+
+    @position.setter
+    def position(self, value: float) -> None:
+        self._state.qpos[self._qpos] = value
+
+    @property
+    def velocity(self) -> float:
+        """Velocity [rad/s]."""
+        return self._state.qvel[self._dof]
+
+    @property
+    def effort(self) -> float:
+        """Torque that the motor applied in the last step [N.m]. Setting it commands the motor's next one."""
+        return self._state.effort[self._dof]
+
+    @effort.setter
+    def effort(self, value: float) -> None:
+        self._state.ctrl[self._ctrl] = value
+
+
+class Actuator:
+    """An actuator that is not a joint's motor, such as a track: its control signal, for a track its speed [m/s]."""
+
+    def __init__(self, state: State, name: str, ctrl: int) -> None:
+        self.name = name
+        self._state, self._adr = state, ctrl
+
+    @property
+    def ctrl(self) -> float:
+        """The control signal."""
+        return self._state.ctrl[self._adr]
+
+    @ctrl.setter
+    def ctrl(self, value: float) -> None:
+        self._state.ctrl[self._adr] = value
+
+
+class Body:
+    """The tank: simulated in one program, displayed in the other."""
+
+    def __init__(self, state: State, name: str, joints: list[dict[str, Any]], actuators: dict[str, int]) -> None:
+        self.name = name
+        self._state = state
+        self.joints = tuple(Joint(state, **joint) for joint in joints)
+        self._joints = {joint.name: joint for joint in self.joints}
+        self._actuators = {each: Actuator(state, each, ctrl) for each, ctrl in actuators.items()}
+        self._observers: list[Callable[[Any], object]] = []
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The names of its joints."""
+        return tuple(self._joints)
+
+    @property
+    def joint_ranges(self) -> dict[str, tuple[float, ...]]:
+        """The ranges of its joints by name [rad]."""
+        return {joint.name: joint.range for joint in self.joints}
+
+    def joint(self, name: str) -> Joint:
+        """Find a joint by name."""
+        return self._find("joint", self._joints, name)
+
+    def actuator(self, name: str) -> Actuator:
+        """Find an actuator by name."""
+        return self._find("actuator", self._actuators, name)
+
+    def set_joint_positions(self, positions: Mapping[str, float]) -> None:
+        """Move joints [rad]; the others stay where they are."""
+        for name, position in positions.items():
+            self.joint(name).position = position
+
+    def calc_forward_kinematics(self) -> None:
+        """Compute where the links are."""
+        self._state.kinematics()
+
+    def notify_change(self, report: Any = None) -> None:
+        """Tell whoever displays the body that it has changed, and what joint matching made of the message."""
+        for observer in self._observers:
+            observer(report)
+
+    def on_change(self, observer: Callable[[Any], object]) -> None:
+        """Have ``observer(report)`` called whenever the body has changed."""
+        self._observers.append(observer)
+
+    def _find(self, kind: str, known: dict[str, Any], name: str) -> Any:
+        if name not in known:
+            raise TutorialError(f"the body {self.name!r} has no {kind} {name!r}.{did_you_mean(name, known)}")
+        return known[name]

@@ -1,0 +1,171 @@
+"""The files of the page `drive`: the course's own Python, its models, and Python and MuJoCo for a browser.
+
+The page's controllers are those of the course, as they are. What a browser does not have, Cyclone DDS and the thread of
+a simulation, is made up for by ``drive/python``.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import zipfile
+from functools import cache
+from importlib.metadata import distribution
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from pocket_ros2 import PATH as POCKET
+from tutorial.body import Body
+from tutorial.paths import HOME, find_project
+from tutorial.project import Project
+from tutorial.view.assets import read_static
+from tutorial.view.bodies import View
+from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
+from tutorial.world import compose, world_spec
+
+HERE = Path(__file__).parent / "drive"
+FETCHED = Path(__file__).parent / "_build" / "npm"
+
+PACKAGES = {
+    "@mujoco/mujoco@3.14.0": ("mujoco.js", "mujoco.wasm"),
+    "pyodide@314.0.7": ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip"),
+}
+"""What is fetched with npm, and which files of it the page needs. Nothing of it is in the repository."""
+
+IDL = ("__init__", "_builder", "_machinery", "_main", "_support", "_type_helper", "_type_normalize", "types")
+CYCLONE = ("cyclonedds/qos.py", *(f"cyclonedds/idl/{name}.py" for name in IDL))
+"""Of Cyclone DDS's package what is Python: its policies, and the codec by which the pocket ROS 2 encodes."""
+
+LOCK = "pyodide-lock.json"
+"""Which further packages Pyodide knows; the page has none of them."""
+
+MODULES = ("controller", "controller_files", "errors", "handoff", "joints", "paths", "ros/__init__", "ros/joy")
+"""Of ``tutorial``, besides the controllers."""
+
+PROGRAMS = {
+    "simulation": ("step2", "TankController", "tank_controller.py"),
+    "viewer": ("step3", "JointStateSubscriber", "joint_state_subscriber.py"),
+}
+"""The page's programs: which project each runs, and which of its controllers the visitor edits, in which file."""
+
+
+@cache
+def fetch() -> Path | None:
+    """Fetch the packages with npm, unless they are there; None where there is no npm, or it fails."""
+    marker = FETCHED / "fetched.json"
+    if marker.is_file() and json.loads(marker.read_text()) == [*PACKAGES]:
+        return FETCHED / "node_modules"
+    npm = shutil.which("npm")
+    if npm is None:
+        return None
+    FETCHED.mkdir(parents=True, exist_ok=True)
+    options = ("--no-save", "--no-package-lock", "--no-audit", "--no-fund", "--ignore-scripts", "--loglevel=error")
+    done = subprocess.run([npm, "install", "--prefix", FETCHED, *options, *PACKAGES], check=False, timeout=600)
+    if done.returncode:
+        return None
+    marker.write_text(json.dumps([*PACKAGES]))
+    return FETCHED / "node_modules"
+
+
+def python_files() -> dict[str, bytes]:
+    """Return the page's Python by path: the course's, the pocket ROS 2, and what stands in for the rest."""
+    course = [HOME / "tutorial" / f"{name}.py" for name in MODULES]
+    files = {path: path.relative_to(HOME) for path in (*course, *(HOME / "tutorial/controllers").glob("*.py"))}
+    cyclone = Path(str(distribution("cyclonedds").locate_file("")))
+    files |= {cyclone / name: Path(name) for name in CYCLONE}
+    for root in (POCKET, HERE / "python"):  # the latter's files take the place of the former's
+        files |= {path: path.relative_to(root) for path in root.rglob("*") if path.suffix in (".py", ".json")}
+    return {str(name): path.read_bytes() for path, name in files.items() if name.parts[0] != "launch"}
+
+
+def write_python(folder: Path) -> None:
+    """Write the page's Python into a folder, from which any Python can import it."""
+    for name, text in python_files().items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(text)
+
+
+def script() -> str:
+    """Return the page's script, with what it shares with the widgets."""
+    sticks = read_static("make.js", "cell.js", "joystick.js").replace("\nexport default ", "\nreturn ")
+    shared = read_static("make.js", "scene.js", "viewer.js")
+    page = (HERE / "drive.js").read_text(encoding="utf-8")
+    text = f"{shared}\nconst joystick = (() => {{\n{sticks}\n}})();\n{page}".replace("\nexport ", "\n")
+    return f"(() => {{\n{text}\n}})();\n"
+
+
+def style() -> str:
+    """Return how the page looks."""
+    return read_static("scene_view.css", "joystick.css") + (HERE / "drive.css").read_text(encoding="utf-8")
+
+
+def write_site(static: Path) -> None:
+    """Write all files of the page into the book's folder of static files; none where there is no npm to fetch with."""
+    packages = fetch()
+    if packages is None:
+        return
+    folder = static / "drive"
+    folder.mkdir(parents=True, exist_ok=True)
+    for package, names in PACKAGES.items():
+        for name in names:
+            shutil.copyfile(packages / package.rpartition("@")[0] / name, folder / name)
+    lock = json.loads((packages / "pyodide" / LOCK).read_text(encoding="utf-8"))
+    (folder / LOCK).write_text(json.dumps(lock | {"packages": {}}), encoding="utf-8")  # or it offers others' sites
+    with zipfile.ZipFile(folder / "course.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in python_files().items():
+            archive.writestr(name, text)
+    setups = {}
+    for name, (project, controller, file) in PROGRAMS.items():
+        setups[name], scene = _program(name, Project.load(find_project(project)), controller, file)
+        (folder / f"{name}.scene").write_bytes(scene)
+    (folder / "world.json").write_text(json.dumps(setups), encoding="utf-8")
+    shutil.copyfile(HERE / "worker.js", folder / "worker.js")
+    (static / "drive.js").write_text(script(), encoding="utf-8")
+    (static / "drive.css").write_text(style(), encoding="utf-8")
+
+
+def _program(name: str, project: Project, controller: str, file: str) -> tuple[dict[str, Any], bytes]:
+    """Return what a program of the page is given, and the scene that its view begins with."""
+    placements = [each.placement for each in project.bodies]
+    spec = world_spec(placements)
+    model = spec.compile()
+    scene = Scene()
+    view = View(scene)
+    for placement in placements:
+        view.add(placement.name, compose([placement]))
+    if len(placements) == 1:
+        view.look_at_bodies(placements[0].name)
+    (tank,) = (each for each in project.bodies if each.placement.name == "Tank")
+    body = Body("Tank", model, mujoco.MjData(model))
+    motors = {joint.name: joint._ctrl_adr for joint in body.joints if joint._ctrl_adr is not None}
+    actuators = [model.actuator(i).name.removeprefix("Tank/") for i in range(model.nu)]
+    setup = {
+        "title": "The tank in its laboratory" if project.time_step else "The viewer, a second program",
+        "node": "tank" if project.time_step else "viewer",
+        "simulates": project.time_step is not None,
+        "xml": spec.to_xml().replace(' input="vel"', ""),  # which MuJoCo 4 writes, and 3.14 does not know
+        "joints": [
+            {"name": j.name, "limits": j.range, "qpos": j.qpos_adr, "dof": j._dof_adr, "ctrl": motors[j.name]}
+            for j in body.joints
+        ],
+        "actuators": {each: i for i, each in enumerate(actuators) if each not in motors},
+        "controller": controller,
+        "file": file,
+        "source": (HOME / "tutorial/controllers" / file).read_text(encoding="utf-8"),
+        "others": [name for each in tank.controllers if (name := each.__name__) != controller],
+        "paths": _paths(scene, model),
+    }
+    return setup, scene.snapshot()
+
+
+def _paths(scene: Scene, model: mujoco.MjModel) -> dict[int, str]:
+    """Return, by MuJoCo's number of a body that moves, where it is in the scene."""
+    records = unpack_records(scene.snapshot())
+    commands = [unpack_command(payload) for kind, payload in records if kind is Record.COMMAND]
+    paths = {each["path"] for each in commands if each["type"] == "set_transform"}
+    names = {model.body(i).name.replace("/", "."): i for i in range(model.nbody) if model.body_weldid[i]}
+    return {names[name]: path for path in sorted(paths) if (name := path.rpartition("/")[2]) in names}
