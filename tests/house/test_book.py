@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import asyncio
+import gzip
 import json
 import re
 import subprocess
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import urlsplit
 
 import pytest
-from browser import Witness, chromium, open_browser
+from browser import Witness, chromium, open_browser, until
 
 from tutorial.paths import HOME
 
@@ -50,8 +56,10 @@ def test_every_widget_of_the_notebooks_is_kept(monkeypatch):
 
 @pytest.mark.timeout(320)
 def test_it_is_small_and_shares_one_viewer(site):
-    size = sum(path.stat().st_size for path in site.rglob("*") if path.is_file())
+    driven = [*(site / "_static/drive").glob("*"), site / "_static/main.min.js"]
+    size = sum(path.stat().st_size for path in site.rglob("*") if path.is_file() and path not in driven)
     assert size < 15 * MEGABYTE
+    assert sum(len(gzip.compress(path.read_bytes(), 6)) for path in driven) < 10 * MEGABYTE
     assert len(list(site.rglob("main.min.js"))) == 1
     assert not [page for page in pages(site) if 'id="tank-viewer"' in page.read_text(encoding="utf-8")]
 
@@ -105,3 +113,165 @@ def test_pages_open_without_a_complaint_and_their_runs_move(site):
             assert {urlsplit(url).scheme for url in witness.requests} <= {"file", "blob", "data"}
 
     asyncio.run(asyncio.wait_for(main(), 300))
+
+
+class Quiet(SimpleHTTPRequestHandler):
+    """Serves files, and an icon that is none: browsers ask for one outside of the book."""
+
+    def do_GET(self):
+        if self.path == "/favicon.ico":
+            self.send_response(204)
+            self.end_headers()
+        else:
+            super().do_GET()
+
+    def log_message(self, *_):
+        pass
+
+
+@contextmanager
+def served(folder) -> Iterator[str]:
+    """Serve a folder; its address, without a slash at the end."""
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=folder)) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}"
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+class DrivePage:
+    """The page on which the tank drives, as a visitor uses it."""
+
+    def __init__(self, page):
+        self.page = page
+
+    async def joints(self, program):
+        """Positions [rad] and efforts [N.m] of a program's tank."""
+        found = await self.page.evaluate(f"drive.drive.{program}.state?.joints ?? []")
+        return {name: (position, effort) for name, position, effort in found}
+
+    async def x(self):
+        """Where the simulated tank is [m], along the laboratory."""
+        return await self.page.evaluate(
+            """(() => {
+                const {state, setup} = drive.drive.simulation;
+                const [body] = Object.entries(setup.paths).find(([, path]) => path.endsWith("CHASSIS"));
+                return state.xpos[3 * body];
+            })()"""
+        )
+
+    async def edit(self, old, new):
+        """Change the controller, and run it."""
+        text = self.page.locator(".drive-text")
+        source = await text.input_value()
+        assert source.count(old) == 1
+        await text.fill(source.replace(old, new))
+        await self.page.get_by_role("button", name="Run").click()
+
+    async def says(self, words):
+        """Wait for an error that is shown; "" for none."""
+
+        async def is_said():
+            return words in await self.page.inner_text(".drive-error") if words else not await self.error_is_there()
+
+        await until(is_said, f"the page says {words!r}")
+
+    async def error_is_there(self):
+        return await self.page.locator(".drive-error").is_visible()
+
+    async def holds(self, joint, low, high):
+        """Wait until a simulated joint is within a range [rad]."""
+
+        async def is_there():
+            return low < (await self.joints("simulation"))[joint][0] < high
+
+        await until(is_there, f"{joint} is between {low} and {high}")
+
+    async def moves(self, from_x):
+        """Wait until the tank has come further than a place [m]."""
+
+        async def has_moved():
+            return await self.x() > from_x
+
+        await until(has_moved, f"the tank is beyond {from_x}")
+
+
+@pytest.mark.browser
+@pytest.mark.timeout(320)
+def test_the_tank_drives_in_the_visitors_browser(site):
+    if not (site / "_static/drive.js").exists():
+        pytest.skip("there is no npm, so the book is made without this page")
+    browser = chromium()
+
+    async def main(address):
+        async with open_browser(browser, 1280, 900, scale=0.5) as page:
+            witness, visitor = Witness(page), DrivePage(page)
+            await page.goto(f"{address}/{site.name}/drive.html")  # below a prefix
+            before = [url for url in witness.requests if "/_static/drive/" in url or "main.min.js" in url]
+            assert not before, "something heavy was asked for before the button was pressed"
+            await page.get_by_role("button", name="Start").click()
+            await page.wait_for_function("drive.drive.isReady")
+
+            await page.keyboard.down("KeyW")  # the joystick has the focus
+            await visitor.moves(-1.9)
+            await page.keyboard.up("KeyW")
+
+            await page.keyboard.down("ArrowUp")
+            await visitor.holds("TURRET_P", 0.2, 1.0)
+            await page.keyboard.up("ArrowUp")
+
+            async def viewer_shows_the_same():
+                simulated, shown = await visitor.joints("simulation"), await visitor.joints("viewer")
+                return bool(shown) and all(abs(q - shown[name][0]) < 1e-6 for name, (q, _) in simulated.items())
+
+            await until(viewer_shows_the_same, "the viewer's joints are the simulation's")
+            assert (await visitor.joints("viewer"))["TURRET_P"][0] > 0.2
+            await until(lambda: has_text(page, ".drive-topics", "/Tank/joint_state"), "the topic is shown")
+
+            await page.get_by_role("button", name="Reset").click()
+            await visitor.holds("TURRET_P", -0.0101, -0.0095)  # 1.96 N.m of the gun's weight, by 200 N.m/rad
+            await visitor.edit("P_GAIN = 200.0", "P_GAIN = 2000.0")
+            await visitor.holds("TURRET_P", -0.0112, -0.0104)  # a tenth of that below where it was aimed to be
+            await visitor.edit("self.joint.effort = P_GAIN", "self.joint.effort = 0.0 * P_GAIN")
+
+            async def has_no_torque():
+                return (await visitor.joints("simulation"))["TURRET_P"][1] == 0.0
+
+            await until(has_no_torque, "the edited gain has changed the torque")
+
+            await visitor.edit("return axis if", "return 1 / 0 if")
+            line = (await page.locator(".drive-text").input_value()).partition("return 1 / 0 if")[0].count("\n") + 1
+            await page.keyboard.down("KeyW")
+            await visitor.says(f"tank_controller.py, line {line}, in dead_zone: ZeroDivisionError: division by zero")
+            await page.keyboard.up("KeyW")
+            await visitor.edit("return 1 / 0 if", "while True: pass\n    return axis if")
+            await visitor.says("Is there a loop that never ends?")
+            await page.get_by_role("button", name="Original").click()
+            await visitor.says("")
+
+            await page.set_viewport_size({"width": 390, "height": 800})
+            assert not await page.evaluate("document.documentElement.scrollWidth > innerWidth")
+            stick = page.locator(".tank-stick-pad").first
+            await stick.scroll_into_view_if_needed()
+            box = await stick.bounding_box()
+            await visitor.moves(-3.0)  # its program is there again
+            x = await visitor.x()
+            await page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+            await page.mouse.down()
+            await page.mouse.move(box["x"] + box["width"] / 2, box["y"])
+            await visitor.moves(x + 0.1)
+            await page.mouse.up()
+            assert {urlsplit(url).netloc for url in witness.requests if not url.startswith(("blob:", "data:"))} == {
+                urlsplit(address).netloc
+            }
+            assert not witness.complaints
+
+    with served(site.parent) as address:
+        asyncio.run(asyncio.wait_for(main(address), 300))
+
+
+async def has_text(page, selector, text):
+    return text in await page.inner_text(selector)

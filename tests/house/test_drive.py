@@ -1,0 +1,97 @@
+"""What the page on which the tank drives is made of: its rclpy is the pocket ROS 2, and its physics MuJoCo's."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from behaviours import EXPRESSIONS, RECORD, prelude, snippets
+from controlled import Node
+from sensor_msgs.msg import Joy
+
+from tutorial.controllers.tank_controller import TankController
+from tutorial.paths import HOME, find_project
+from tutorial.project import Project
+from tutorial.simulation import Simulation
+
+pytestmark = pytest.mark.process
+
+SUPPORT = HOME / "tests/ros/pocket/support"
+
+
+@pytest.fixture
+def drive_page(monkeypatch):
+    monkeypatch.syspath_prepend(HOME / "book")
+    import drive_page
+
+    return drive_page
+
+
+def recorded() -> list[tuple[str, str, dict[str, object]]]:
+    """Each snippet that a real rclpy has run, with its prelude and outcome."""
+    records = [json.loads(file.read_text()) for file in (RECORD.with_name("rclpy_behaviour.json"), RECORD)]
+    rows = [(record["prelude"], row["code"], row) for record in records for row in record["rows"]]
+    for group in json.loads(EXPRESSIONS.read_text(encoding="utf-8"))["groups"]:
+        printed = (f"{text}\n" for text in group["expressions"].values())
+        rows += [(prelude(), code, {"printed": text}) for code, text in zip(snippets(group), printed)]
+    return rows
+
+
+IN_THE_PAGE = """
+import json, sys
+from behaviours import outcome
+import cyclonedds, rclpy
+assert all(module.__file__.startswith(sys.argv[1]) for module in (cyclonedds, rclpy))
+print(json.dumps([outcome(*snippet) for snippet in json.load(sys.stdin)]))
+"""
+
+
+@pytest.mark.pocket
+def test_its_rclpy_does_what_a_real_one_did(drive_page, tmp_path, domain):
+    drive_page.write_python(tmp_path)
+    (tmp_path / "numpy.py").unlink()  # some snippets need the real one
+    rows = recorded()
+    done = subprocess.run(
+        [sys.executable, "-c", IN_THE_PAGE, str(tmp_path)],
+        input=json.dumps([row[:2] for row in rows]),
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(SUPPORT)]), "ROS_DOMAIN_ID": str(domain)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+    )
+    assert done.returncode == 0, done.stderr
+    for (_, code, row), seen in zip(rows, json.loads(done.stdout), strict=True):
+        expected = {"printed": row["printed"], "raises": row.get("raises"), "logged": sorted(row.get("logged", ()))}
+        assert seen == expected, code
+
+
+def test_its_tank_drives_as_the_course_has_it(drive_page, tmp_path):
+    node = shutil.which("node")
+    if node is None or drive_page.fetch() is None:
+        pytest.skip("there is no npm, so the book is made without this page")
+    drive_page.write_site(tmp_path)
+    script = HOME / "tests/support/drive_without_page.mjs"
+    drive = [(0.0, 0.7, 0.6, 0.2)] * 30 + [(0.5, -1.0, -1.0, 0.0)] * 20  # a second of it, a message each 20 ms
+    done = subprocess.run(
+        [node, script, tmp_path / "drive", json.dumps(drive)], capture_output=True, text=True, check=False, timeout=100
+    )
+    assert done.returncode == 0, done.stderr
+    seen = json.loads(done.stdout)
+    assert not seen["error"]
+
+    controller = TankController()
+    project = Project.load(find_project("step1"))
+    controller.configure(SimpleNamespace(node=Node()))
+    simulation = Simulation([each.placement for each in project.bodies], [("Tank", controller)])
+    for axes in drive:
+        controller.on_joy(Joy(axes=[*axes, 0.0, 0.0]))
+        simulation.advance(0.02)
+    assert np.abs(simulation.data.qpos - seen["qpos"]).max() < 1e-6
+    assert simulation.bodies["Tank"].position[0] > -1.8
