@@ -7,6 +7,8 @@ const STUCK = 6;  // looks without an answer, after which a program is ended
 const STUCK_TEXT = "The controller has not returned for three seconds, so its program was ended. Is there a loop that never ends? " +
   "Mend it, and press Run.";
 
+const SEEN = 5;  // digits of a pose that make a difference to the eye
+
 const file = (name) => new URL(name, FILES);
 
 async function read(name, kind) {
@@ -35,6 +37,7 @@ class WorldView {
     this.line = make("div", "tank-view-line", {role: "status"});
     this.node.append(this.pane, this.line);
     this.scene = scene;
+    this.shown = new Map();
   }
 
   /** Once it is on the page. */
@@ -52,10 +55,16 @@ class WorldView {
   /** xpos, xmat: of all MuJoCo bodies, as MuJoCo has them. */
   show(xpos, xmat) {
     if (!this.picture) return;
+    const {viewer} = this.picture;
     for (const [body, path] of this.paths) {
       const [a, b, c, d, e, f, g, h, i] = xmat.subarray(9 * body, 9 * body + 9);
       const [x, y, z] = xpos.subarray(3 * body, 3 * body + 3);
-      this.picture.viewer.set_transform(path, [a, d, g, 0, b, e, h, 0, c, f, i, 0, x, y, z, 1]);
+      const matrix = [a, d, g, 0, b, e, h, 0, c, f, i, 0, x, y, z, 1];
+      const rounded = matrix.map((value) => value.toFixed(SEEN)).join();
+      if (this.shown.get(body) === rounded) continue;  // a page that stands still costs no battery
+      this.shown.set(body, rounded);
+      viewer.set_transform(path, matrix);
+      viewer.set_dirty();
     }
   }
 }
@@ -235,7 +244,9 @@ class Drive {
     await this.simulation.start(say);
     this.build();
     this.isReady = true;
-    this.viewer.start().catch((error) => this.viewer.view.line.replaceChildren(`It does not start: ${error.message}`));
+    const {line} = this.viewer.view;
+    line.textContent = "Loading…";
+    this.viewer.start().catch((error) => { line.textContent = `It does not start: ${error.message}`; });
     setInterval(() => {
       if (!document.hidden) this.programs.forEach((program) => program.look());
     }, LOOK_EVERY);

@@ -15,7 +15,7 @@ os.register_at_fork = lambda **_: None  # nothing is forked in a browser
 
 const bytes = async (name) => new Uint8Array(await (await fetch(new URL(name, import.meta.url))).arrayBuffer());
 
-let name, channel, program;
+let name, channel, program;  // the last: what of Python's is called, looked up once
 
 /** What the program is given to reach the others. */
 const wire = {
@@ -40,7 +40,10 @@ const commands = {
     python.unpackArchive(files, "zip", {extractDir: FOLDER});
     python.runPython(PREPARE);
     channel = new BroadcastChannel(wireName);
-    program = python.pyimport("page_program").Program(mujoco, setup, wire, (text) => postMessage({type: "line", text}));
+    const say = (text) => postMessage({type: "line", text});
+    const made = python.pyimport("page_program").Program(mujoco, setup, wire, say);
+    program = {data: made.state.data, wire: made.wire};
+    for (const method of ["run", "reset", "turn", "sticks", "joints", "steps"]) program[method] = made[method];
     channel.onmessage = ({data}) => hear(data);
     channel.postMessage({from: name, hello: true});
     report("run", program.run(setup.source));
@@ -61,9 +64,9 @@ onmessage = ({data}) => {
 
 /** Take what another program says. */
 function hear({from, topic, type, data, described, hello}) {
-  if (topic) program.receive(topic, type, data);
-  else if (described) program.hear(from, described);
-  else if (hello) wire.announce(program.described());
+  if (topic) program.wire.receive(topic, type, data);
+  else if (described) program.wire.hear(from, described);
+  else if (hello) wire.announce(program.wire.described());
 }
 
 function report(after, error) {
@@ -73,7 +76,7 @@ function report(after, error) {
 function turn() {
   const error = program.turn(performance.now() / 1000);
   if (error) report("turn", error);
-  const {state, step} = program, {data} = state;
-  postMessage({type: "state", xpos: data.xpos.slice(), xmat: data.xmat.slice(), step, joints: program.joints()});
+  const {data: {xpos, xmat}} = program;
+  postMessage({type: "state", xpos: xpos.slice(), xmat: xmat.slice(), step: program.steps(), joints: program.joints()});
   setTimeout(turn, TURN);
 }

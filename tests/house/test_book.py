@@ -215,8 +215,10 @@ def test_the_tank_drives_in_the_visitors_browser(site):
             await page.get_by_role("button", name="Start").click()
             await page.wait_for_function("drive.drive.isReady")
 
+            views = page.locator(".drive-view .tank-view-pane")
+            stood = [await views.nth(i).screenshot() for i in range(2)]
             await page.keyboard.down("KeyW")  # the joystick has the focus
-            await visitor.moves(-1.9)
+            await visitor.moves(-1.5)
             await page.keyboard.up("KeyW")
 
             await page.keyboard.down("ArrowUp")
@@ -229,6 +231,11 @@ def test_the_tank_drives_in_the_visitors_browser(site):
 
             await until(viewer_shows_the_same, "the viewer's joints are the simulation's")
             assert (await visitor.joints("viewer"))["TURRET_P"][0] > 0.2
+
+            async def are_drawn():
+                return all([await views.nth(i).screenshot() != stood[i] for i in range(2)])
+
+            await until(are_drawn, "both views show that the tank has moved")
             await until(lambda: has_text(page, ".drive-topics", "/Tank/joint_state"), "the topic is shown")
 
             await page.get_by_role("button", name="Reset").click()

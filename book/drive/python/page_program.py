@@ -17,7 +17,7 @@ from sensor_msgs.msg import Joy
 from tutorial.body import Body, State
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.controller_files import find_controller, load_controllers
-from tutorial.errors import TutorialError, tell
+from tutorial.errors import tell
 from tutorial.handoff import CallQueue
 from tutorial.ros.joy import joy_message
 
@@ -39,13 +39,12 @@ class Program:
     def __init__(self, mujoco: Any, setup: Any, wire: Any, say: Any) -> None:
         setup = setup.to_py()
         self.state = State(mujoco, setup["xml"])
-        self.state.reset()
         self._own = setup["controller"]
         self._file = Path(setup["file"]).absolute()
         self._bodies = [Body(self.state, "Tank", setup["joints"], setup["actuators"]) for _ in range(2)]
         self._bodies[0].on_change(lambda report: say(str(report)))
-        self._wire = wires[0]
-        self._wire.send, self._wire.announce = wire.send, wire.announce
+        self.wire = wires[0]
+        self.wire.send, self.wire.announce = wire.send, wire.announce
         rclpy.init(args=[], domain_id=0)
         self._executor = SingleThreadedExecutor()
         self._node = self._make_node(setup["node"])
@@ -55,7 +54,7 @@ class Program:
         self._controllers: dict[str, tuple[SimpleController, ControllerIO, Any]] = {}
         self._simulates = setup["simulates"]
         self._started_at = 0.0
-        self._has_failed = False
+        self._has_failed, self._at_work = False, ""
         self.step = 0
         for name in setup["others"]:
             self._start(name, find_controller(name))
@@ -77,17 +76,9 @@ class Program:
         """Publish what the joystick says."""
         self._joystick.publish(joy_message(self._node, axes.to_py(), buttons.to_py()))
 
-    def hear(self, program: str, described: str) -> None:
-        """Take note of another program of the page."""
-        self._wire.hear(program, described)
-
-    def receive(self, topic: str, type_name: str, data: Any) -> None:
-        """Take bytes that another program has published."""
-        self._wire.receive(topic, type_name, data.to_bytes())
-
-    def described(self) -> str:
-        """Tell the other programs what there is in this one."""
-        return self._wire.described()
+    def steps(self) -> int:
+        """Return how many steps have been simulated."""
+        return self.step
 
     def joints(self) -> Any:
         """Return position [rad] and effort [N.m] of each joint by its name."""
@@ -96,29 +87,25 @@ class Program:
         return to_js([[joint.name, joint.position, joint.effort] for joint in self._bodies[0].joints])
 
     def advance(self) -> None:
-        """Ask every controller, and let MuJoCo step once.
-
-        Raises:
-            TutorialError: a controller failed; the text is the course's.
-        """
+        """Ask every controller, and let MuJoCo step once."""
         for name, (controller, io, _) in self._controllers.items():
-            io.step = self.step
-            try:
-                controller.control()
-            except BaseException as error:
-                told = f"{name} failed at {io.time:.3f} s of simulated time: {tell(error, str(self._file))}"
-                raise TutorialError(told) from error
-        self.state.step_world()
+            io.step, self._at_work = self.step, name
+            controller.control()
+        self._at_work = ""
+        self.state.step()
         self.step += 1
 
     def _attempt(self, do: Callable[..., None], *arguments: object) -> str:
         """Do something with the controllers; return what is wrong, as the course says it. Then all stands still."""
-        self._has_failed = False
+        self._has_failed, self._at_work = False, ""
         try:
             do(*arguments)
         except BaseException as error:  # noqa: BLE001 - whatever it is, the page says it
             self._has_failed = True
-            return str(error) if isinstance(error, TutorialError) else tell(error, str(self._file))
+            told = tell(error, str(self._file))
+            if self._at_work:
+                return f"{self._at_work} failed at {self.step * TIME_STEP:.3f} s of simulated time: {told}"
+            return str(error) if isinstance(error.__cause__, Exception) else told
         return ""
 
     def _make_node(self, name: str) -> Node:
@@ -140,19 +127,19 @@ class Program:
         controller.configure(ControllerConfig(displayed, self._node, scope.call_later, scope.call_latest))
         self._controllers[name] = (controller, io, scope)
         if self._simulates:
-            io.step = self.step
+            io.step, self._at_work = self.step, name
             controller.initialize(io)
 
     def _restart(self) -> None:
         self.state.reset()
         self.step, self._started_at = 0, 0.0
-        for controller, io, _ in self._controllers.values():
+        for name, (controller, io, _) in self._controllers.items():
+            io.step, self._at_work = 0, name
             controller.stop()
-            io.step = 0
             controller.initialize(io)
 
     def _work(self, now: float) -> None:
-        for _ in range(1 + sum(len(getattr(each, "samples", ())) for each in self._wire.endpoints)):
+        for _ in range(1 + sum(len(getattr(each, "samples", ())) for each in self.wire.endpoints)):
             self._executor.spin_once(timeout_sec=0)
         error, self._calls.error = self._calls.error, None
         if error:

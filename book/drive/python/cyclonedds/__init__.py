@@ -14,6 +14,7 @@ import time
 import uuid
 from collections import defaultdict, deque
 from collections.abc import Callable
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -22,13 +23,8 @@ from cyclonedds.qos import Policy, Qos
 for module in ("core", "domain", "pub", "sub", "topic"):
     sys.modules[f"{__name__}.{module}"] = sys.modules[__name__]  # all of these are this one
 
-ANOTHER_TYPE, RELIABILITY, LIVELINESS, DEADLINE, DURABILITY = (
-    24,
-    11,
-    8,
-    4,
-    2,
-)  # DDS's numbers of what keeps endpoints apart
+DURABILITY, DEADLINE, LIVELINESS, RELIABILITY, ANOTHER_TYPE = 2, 4, 8, 11, 24
+"""DDS's numbers of what keeps two endpoints apart."""
 
 changed = threading.Condition(threading.RLock())
 """Held where endpoints or messages come and go, and told."""
@@ -56,6 +52,16 @@ class Entity:
         """Delete it, which the pocket ROS 2 calls by hand."""
 
 
+@dataclass(eq=False)
+class Node:
+    """A node, with the identifiers of its endpoints, and of this program's nodes the participant."""
+
+    node_namespace: str
+    node_name: str
+    guids: list[bytes]
+    participant: Participant | None = None
+
+
 class Wire:
     """Who publishes and subscribes in a domain: in this program, and in the page's other programs.
 
@@ -69,8 +75,8 @@ class Wire:
 
     def __init__(self) -> None:
         self.endpoints: list[Endpoint] = []
-        self.nodes: list[Any] = []
-        self.others: dict[str, tuple[list[Any], list[Any]]] = {}
+        self.nodes: list[Node] = []
+        self.others: dict[str, tuple[list[Any], list[Node]]] = {}
         self.send: Callable[[str, str, bytes], object] = lambda *_: None
         self.announce: Callable[[str], object] = lambda _: None
 
@@ -78,28 +84,28 @@ class Wire:
         """Return all endpoints of the page."""
         return [*self.endpoints, *(each for endpoints, _ in self.others.values() for each in endpoints)]
 
-    def all_nodes(self) -> list[Any]:
+    def all_nodes(self) -> list[Node]:
         """Return all nodes of the page."""
         return [*self.nodes, *(each for _, nodes in self.others.values() for each in nodes)]
 
     def described(self) -> str:
         """Write down this program's endpoints and nodes, for `hear`."""
-        endpoints = [(e.guid.hex, e.is_writer, e.topic_name, e.type_name, e.qos.asdict()) for e in self.endpoints]
-        nodes = [(node.node_namespace, node.node_name, [guid.hex() for guid in node.guids]) for node in self.nodes]
+        names = ("is_writer", "topic_name", "type_name")
+        endpoints = [
+            {name: getattr(each, name) for name in names} | {"guid": each.guid.hex, "qos": each.qos.asdict()}
+            for each in self.endpoints
+        ]
+        nodes = [(each.node_namespace, each.node_name, [guid.hex() for guid in each.guids]) for each in self.nodes]
         return json.dumps((endpoints, nodes))
 
     def hear(self, program: str, described: str) -> None:
         """Take note of another program's endpoints and nodes."""
         endpoints, nodes = json.loads(described)
+        for each in endpoints:
+            each |= {"guid": uuid.UUID(each["guid"]), "qos": Qos.fromdict(each["qos"])}
         self.others[program] = (
-            [
-                SimpleNamespace(guid=uuid.UUID(guid), is_writer=w, topic_name=topic, type_name=t, qos=Qos.fromdict(qos))
-                for guid, w, topic, t, qos in endpoints
-            ],
-            [
-                SimpleNamespace(node_namespace=namespace, node_name=name, guids=[*map(bytes.fromhex, guids)])
-                for namespace, name, guids in nodes
-            ],
+            [SimpleNamespace(**each) for each in endpoints],
+            [Node(namespace, name, [*map(bytes.fromhex, guids)]) for namespace, name, guids in nodes],
         )
         self._compare()
 
@@ -108,12 +114,12 @@ class Wire:
         self._compare()
         self.announce(self.described())
 
-    def receive(self, topic: str, type_name: str, data: bytes) -> None:
-        """Give this program's readers what was published."""
+    def receive(self, topic: str, type_name: str, data: Any) -> None:
+        """Give this program's readers what another one has published: bytes, as JavaScript has them."""
         with changed:
             for each in self.endpoints:
                 if isinstance(each, DataReader) and (each.topic_name, each.type_name) == (topic, type_name):
-                    each.put(data)
+                    each.put(data.to_bytes())
             changed.notify_all()
 
     def _compare(self) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any
 
-from cyclonedds import Entity, Participant
+from cyclonedds import Entity, Node, Participant
 
 PUBLISHERS, SUBSCRIPTIONS = True, False
 DiscoveredEndpoint = Any
@@ -20,29 +20,28 @@ class Graph:
         self.changes = Entity(participant)
         self._wire = participant.wire
 
-    def add_node(self, namespace: str, name: str) -> Any:
+    def add_node(self, namespace: str, name: str) -> Node:
         """Announce a node of this program."""
-        names = {"node_namespace": namespace, "node_name": name, "guids": []}
-        node = SimpleNamespace(participant=self.participant, **names)
+        node = Node(namespace, name, [], self.participant)
         self._wire.nodes.append(node)
         self._wire.tell()
         return node
 
-    def remove_node(self, node: Any) -> None:
+    def remove_node(self, node: Node) -> None:
         """Announce that a node is gone."""
         self._wire.nodes = [other for other in self._wire.nodes if other is not node]
         self._wire.tell()
 
-    def set_endpoints(self, node: Any, writers: Iterable[bytes], readers: Iterable[bytes]) -> None:
+    def set_endpoints(self, node: Node, writers: Iterable[bytes], readers: Iterable[bytes]) -> None:
         """Announce which endpoints are a node's."""
         node.guids = [*writers, *readers]
         self._wire.tell()
 
-    def nodes(self) -> list[Any]:
+    def nodes(self) -> list[Node]:
         """Return all nodes, those of this program first."""
         return self._wire.all_nodes()
 
-    def owners(self) -> dict[bytes, Any]:
+    def owners(self) -> dict[bytes, Node]:
         """Return the nodes by the identifiers of their endpoints."""
         return {guid: node for node in self.nodes() for guid in node.guids}
 

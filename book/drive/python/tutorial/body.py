@@ -24,34 +24,36 @@ class State:
         self.data = mujoco.MjData.new(self.model)
         nq, nv, nu = self.model.nq, self.model.nv, self.model.nu
         self.qpos, self.qvel, self.effort, self.ctrl = (array("d", bytes(8 * size)) for size in (nq, nv, nv, nu))
-        self.step_world = self.kinematics = lambda: None
-        self.look_up()
+        self.reset()
 
     def look_up(self) -> None:
         """Look up where MuJoCo has its arrays: they move when it takes more memory."""
-        mujoco, model, data = self._mujoco, self.model, self.data
-        pairs = ((data.qpos, self.qpos), (data.qvel, self.qvel), (data.qfrc_actuator, self.effort))
-        qpos, ctrl = data.qpos, data.ctrl
+        data = self.data
+        self._ctrl, self._qpos = data.ctrl, data.qpos
+        self._views = ((self._qpos, self.qpos), (data.qvel, self.qvel), (data.qfrc_actuator, self.effort))
 
-        def step_world() -> None:
-            ctrl.assign(self.ctrl)
-            mujoco.mj_step(model, data)
-            for theirs, ours in pairs:
-                theirs.assign_to(ours)
+    def step(self) -> None:
+        """Let MuJoCo step."""
+        self._ctrl.assign(self.ctrl)
+        self._mujoco.mj_step(self.model, self.data)
+        self._copy()
 
-        def kinematics() -> None:
-            qpos.assign(self.qpos)
-            mujoco.mj_kinematics(model, data)
-
-        self.step_world, self.kinematics = step_world, kinematics
-        for theirs, ours in (*pairs, (ctrl, self.ctrl)):
-            theirs.assign_to(ours)
+    def kinematics(self) -> None:
+        """Compute where the links are."""
+        self._qpos.assign(self.qpos)
+        self._mujoco.mj_kinematics(self.model, self.data)
 
     def reset(self) -> None:
         """Go back to the initial pose."""
         self._mujoco.mj_resetData(self.model, self.data)
         self._mujoco.mj_forward(self.model, self.data)
         self.look_up()
+        self._copy()
+        self._ctrl.assign_to(self.ctrl)
+
+    def _copy(self) -> None:
+        for theirs, ours in self._views:
+            theirs.assign_to(ours)
 
 
 class Joint:
