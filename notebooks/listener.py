@@ -21,9 +21,9 @@ class JointListener(Node):
         self.get_logger().info(", ".join(where) or "nothing heard yet")
 
 
-def main():
+def main(args=None):
     try:
-        rclpy.init()
+        rclpy.init(args=args)
         rclpy.spin(JointListener())  # waits, and calls what there is to call, until Ctrl-C
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
