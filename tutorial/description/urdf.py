@@ -2,7 +2,7 @@
 
 The links are the model's bodies, in the same places, and the joints that move are those that joint states speak of.
 Names are the model's, without the body's before them: robot_state_publisher adds that (``frame_prefix``). A link whose
-name a joint has, too, gets another. Sensors and cameras have links of their own, which are the frames of their messages.
+name a joint has, too, gets another. Sensors and cameras have links of their own, the frames of their messages.
 """
 
 from __future__ import annotations

@@ -56,9 +56,10 @@ def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple
     else:
         kind, words, code = "controller", _controller(*controller), controller[0].read_bytes()
     maintainer, email = find_maintainer()
-    modules = IMPORTED.findall(code.decode())
+    modules = set(IMPORTED.findall(code.decode()))
     messages = {module for module in modules if module.endswith(("_msgs", "_interfaces", "_srvs"))}
-    needs = sorted({"rclpy", "ros2launch", *messages, *(DEPENDENCIES[each] for each in modules if each in DEPENDENCIES)})
+    others = {DEPENDENCIES[module] for module in modules & DEPENDENCIES.keys()}
+    needs = sorted({"rclpy", "ros2launch"} | messages | others)
     words = {
         **words,
         "package": name,
