@@ -65,9 +65,13 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     done: dict[Path, dict[str, Judged]] = {}
     interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done))
     results = [(names[path], done[path]) for path in paths if path in done]
-    if junit is not None:
-        junit.write(as_junit(results))
     _show(results, as_json)
+    if junit is not None:
+        try:
+            with junit as file:
+                file.write(as_junit(results))
+        except OSError as error:
+            raise TutorialError(f"the JUnit report cannot be written: {error.strerror}.") from error
     if interrupted:
         say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.\n", err=True)
         return INTERRUPTED
