@@ -51,7 +51,6 @@ class Run:
     Attributes:
         thread: the thread.
         is_own: whether the thread was made for the run, and ends with it.
-        duration: for how long it was started [s]; None for ever.
         controller: the controller that is at work, or was last; None while MuJoCo is.
         laps: grows after each step, when no controller is at work.
         stopping: set to ask the run to end.
@@ -61,7 +60,6 @@ class Run:
 
     thread: threading.Thread
     is_own: bool = False
-    duration: float | None = None
     controller: SimpleController | None = None
     laps: int = 0
     stopping: threading.Event = field(default_factory=threading.Event)
@@ -213,12 +211,6 @@ class SteppedWorld:
             if run.abandoned:
                 break
         return failed
-
-    def _reset(self) -> None:
-        """Go back to time 0 and the initial pose."""
-        mujoco.mj_resetData(self.model, self.data)
-        self.step = 0
-        self.snapshot.put(self._snap())
 
     def _controller_error(self, run: Run, error: BaseException) -> ControllerError:
         """Say which controller failed, when, and in which line."""

@@ -25,7 +25,6 @@ from typing import Any, Literal, NamedTuple
 from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.ros.backend import install_backend
-from tutorial.ros.domains import LAST
 
 __all__ = ["doctor"]
 
@@ -190,7 +189,7 @@ def domain() -> Diagnosis:
     try:
         is_known, names = ask(_nodes)
     except TutorialError as error:
-        mend = f"mend what is said of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to {LAST}"
+        mend = "mend what is said of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
         return Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", mend)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
