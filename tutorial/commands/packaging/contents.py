@@ -24,14 +24,7 @@ EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Z
 """What catkin_pkg, with which colcon reads a package.xml, takes for an address."""
 IMPORTED = re.compile(r"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 """Where code imports a module."""
-DEPENDENCIES = {
-    "cv2": "python3-opencv",
-    "matplotlib": "python3-matplotlib",
-    "numpy": "python3-numpy",
-    "scipy": "python3-scipy",
-    "tf2_ros": "tf2_ros_py",
-    "yaml": "python3-yaml",
-}
+DEPENDENCIES = {"cv2": "python3-opencv", "numpy": "python3-numpy", "tf2_ros": "tf2_ros_py", "yaml": "python3-yaml"}
 """What rosdep calls the package of a module. Messages have the name of theirs."""
 NOBODY = ("Your Name", "you@example.com")
 """The maintainer whom the learner has to fill in."""
