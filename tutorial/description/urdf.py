@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 from collections import Counter
 from math import pi
+from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Comment, Element, SubElement
 
@@ -206,9 +207,11 @@ class _Writer:
         """Add a link for each sensor on a site, called like it, and for each camera: its optical frame."""
         model = self.model
         sensors = np.flatnonzero(model.sensor_objtype == int(mujoco.mjtObj.mjOBJ_SITE)).tolist()
-        frames = [(model.sensor(i).name, model.site(model.sensor_objid[i]), np.eye(4)) for i in sensors]
         cameras = map(model.camera, range(model.ncam))
-        frames += [(f"{camera.name}_optical", camera, OPTICAL) for camera in cameras]
+        frames: list[tuple[str, Any, Matrix]] = [
+            *((model.sensor(i).name, model.site(model.sensor_objid[i]), np.eye(4)) for i in sensors),
+            *((f"{camera.name}_optical", camera, OPTICAL) for camera in cameras),
+        ]
         for name, found, turned in frames:
             body = int(found.bodyid[0])
             if body != WORLD and body in self.links:
