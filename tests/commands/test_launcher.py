@@ -129,11 +129,10 @@ def machine(monkeypatch):
 def test_lines_have_the_process_in_front_and_reach_no_terminal_raw(machine, launch_file, monkeypatch):
     monkeypatch.setenv("LANG", "C")
     monkeypatch.setattr(launcher.shutil, "which", lambda word, path: None)
-    monkeypatch.setattr(launcher, "LONGEST", 20)
     more = ("", "additional_env={'B': '2'}", "env={'PATH': '/nowhere'}")
     path = launch_file(", ".join(f"ExecuteProcess(cmd=['echo'], {each})" for each in more))
     assert machine.run(path, A="1", B="1") == 0
-    texts = ("hello", "x" * 20, "x" * 10, "\\x1b[2J\\u202eb\tc\\x85d")
+    texts = ("hello", "x" * 30, "\\x1b[2J\\u202eb\tc\\x85d")
     assert sorted(machine.lines) == sorted(
         f"{name} | {text}" for name in ("echo  ", "echo-2", "echo-3") for text in texts
     )

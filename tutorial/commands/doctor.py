@@ -24,7 +24,7 @@ from typing import Any, Literal, NamedTuple
 
 from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError, did_you_mean
-from tutorial.ros.backend import install_backend
+from tutorial.ros.backend import ros_backend
 from tutorial.ros.domains import LAST
 
 __all__ = ["doctor"]
@@ -143,7 +143,7 @@ def backend() -> Diagnosis:
     """Say which ROS 2 is in use, and why."""
     wanted, distro = os.environ.get("TUTORIAL_ROS"), os.environ.get("ROS_DISTRO")
     try:
-        is_real = install_backend() == "rclpy"
+        is_real = ros_backend() == "rclpy"
     except TutorialError as error:
         return Diagnosis("problem", str(error), "unset TUTORIAL_ROS")
     name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if is_real else "the pocket ROS 2, on Cyclone DDS"
@@ -173,7 +173,7 @@ def backend() -> Diagnosis:
 
 def discovery() -> Diagnosis:
     """Say in plain words how far the nodes here look for others, and what was set by hand."""
-    reach = os.environ.get(RANGE) or ("SUBNET" if install_backend() == "rclpy" else "LOCALHOST")
+    reach = os.environ.get(RANGE) or ("SUBNET" if ros_backend() == "rclpy" else "LOCALHOST")
     if reach not in RANGES:
         return Diagnosis("problem", f"{RANGE} is {reach!r}.{did_you_mean(reach, RANGES)}", f"unset {RANGE}")
     text = f"{reach}: {RANGES[reach]}"

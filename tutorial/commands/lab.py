@@ -38,10 +38,7 @@ def own_course() -> Path:
         TutorialError: the folder cannot be written to, or belongs to somebody else.
     """
     elsewhere = "Go to a folder of your own, for instance with cd ~, and type it again."
-    try:
-        course = Path.cwd() / OWN if HOME == SHIPPED else HOME
-    except FileNotFoundError as error:
-        raise TutorialError(f"the current directory has been deleted. {elsewhere}") from error
+    course = Path.cwd() / OWN if HOME == SHIPPED else HOME
     if course.exists() and not is_ours(course):
         raise TutorialError(f"{course} belongs to another user. {elsewhere}")
     if (course / "tutorial" / "__init__.py").exists():  # a checkout, which has all it needs

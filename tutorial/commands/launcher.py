@@ -34,7 +34,6 @@ __all__ = ["Launcher", "load_launch_file"]
 
 PATIENCE = 8.0  # [s] from asking a process to stop to killing it
 LOOK_EVERY = 0.1  # [s] between two looks at what still runs
-LONGEST = 1 << 16  # characters of a line; a longer one is printed in parts
 COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue")
 
 
@@ -143,7 +142,7 @@ class Launcher:
         """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
         with process:
             assert process.stdout is not None
-            while line := process.stdout.readline(LONGEST):
+            for line in process.stdout:
                 self._say(name, printable_lines(line.rstrip("\n")))
             status = process.wait()
         if status >= 0:  # else there may be something left of its group, which is going to be stopped

@@ -26,7 +26,6 @@ __all__ = ["package"]
 )
 @click.option(
     "--destination-directory",
-    "--destination",
     "destination",
     type=click.Path(file_okay=False, path_type=Path),
     default=Path(),

@@ -94,7 +94,7 @@ def _ordered(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> list[Vertex]:
 
 
 def _heights(layer: Mapping[Vertex, int], links: Sequence[Edge]) -> dict[Vertex, float]:
-    """Find each vertex's place from top to bottom: each layer is centred, in the order of what leads to its vertices."""
+    """Find each vertex's place from top to bottom: each layer is centred, in the order of what leads to it."""
     before = _neighbours((b, a) if layer[a] < layer[b] else (a, b) for a, b in links)
     columns = defaultdict(list)
     for vertex, number in layer.items():
