@@ -14,8 +14,6 @@ from tutorial.joints import Arrival, JointReport
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
 from tutorial.world import Placement
 
-__all__ = ["Item", "JointWatch"]
-
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages, and two looks at who else publishes
 STALE_AFTER = 1.0  # [s] without a word of a joint, after which it is shown as stale
 CONTESTED_FOR = 2.0  # [s] after the last message of another publisher, in which that is said below the view

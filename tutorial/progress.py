@@ -17,8 +17,6 @@ from typing import Any
 
 import msgspec
 
-__all__ = ["FILE", "Overview", "read_progress", "remember"]
-
 FILE = ".tank_progress.json"
 VARIABLE = "TANK_PROGRESS"  # names another file, for tests
 

@@ -11,8 +11,6 @@ import mujoco
 from tutorial.errors import TutorialError
 from tutorial.mujoco_warnings import mujoco_warns
 
-__all__ = ["Placement", "compose"]
-
 mujoco.set_mju_user_warning(mujoco_warns)
 
 

@@ -22,12 +22,10 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib import metadata
 from typing import Any, Literal, NamedTuple
 
-from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError, did_you_mean
+from tutorial.printing import say
 from tutorial.ros.backend import ros_backend
 from tutorial.ros.domains import LAST
-
-__all__ = ["doctor"]
 
 WIDTH = 100  # columns, of which the first 20 are for subject and level
 PATIENCE = 45  # [s] that an answer may take: a loaded machine is slow to import

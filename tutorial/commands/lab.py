@@ -16,8 +16,6 @@ from nbformat.sign import NotebookNotary
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME, PACKAGE, SHIPPED, is_ours
 
-__all__ = ["lab_command", "own_course", "trust"]
-
 _log = logging.getLogger(__name__)
 
 OWN = "tank-tutorial"

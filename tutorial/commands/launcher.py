@@ -30,8 +30,6 @@ from tutorial.paths import with_own_commands
 if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
 
-__all__ = ["Launcher", "load_launch_file"]
-
 PATIENCE = 8.0  # [s] from asking a process to stop to killing it
 LOOK_EVERY = 0.1  # [s] between two looks at what still runs
 COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue")

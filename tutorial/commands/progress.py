@@ -8,10 +8,8 @@ from pathlib import Path
 
 import click
 
-from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError
-
-__all__ = ["progress"]
+from tutorial.printing import say
 
 
 @click.command(short_help="Show which exercises are solved.")

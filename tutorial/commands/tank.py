@@ -21,23 +21,15 @@ from tutorial.commands.check import check
 from tutorial.commands.options import duration_option, headless_option, linger_option, part_class, report_option
 from tutorial.commands.package import package
 from tutorial.commands.progress import progress
-from tutorial.commands.terminal import (
-    INTERRUPTED,
-    handle_signals,
-    prepare_output,
-    progress_bar,
-    say,
-    until_asked,
-)
+from tutorial.commands.terminal import INTERRUPTED, handle_signals, prepare_output, progress_bar, until_asked
 from tutorial.commands.topic import node, topic
 from tutorial.commands.urdf import urdf
 from tutorial.errors import TutorialError, printable
+from tutorial.printing import say
 
 if TYPE_CHECKING:
     from tutorial.commands.joystick import Gamepad, ScriptedDrive
     from tutorial.project import Project
-
-__all__ = ["main"]
 
 FILE = click.Path(path_type=Path)
 LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow

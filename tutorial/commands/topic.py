@@ -15,8 +15,6 @@ from tutorial.printing import say, say_all
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode
 
-__all__ = ["node", "topic"]
-
 SAME_NAME = (
     "WARNING: Be aware that there are nodes in the graph that share an exact name, "
     "which can have unintended side effects."

@@ -6,9 +6,7 @@ from __future__ import annotations
 
 import click
 
-from tutorial.commands.terminal import say
-
-__all__ = ["urdf"]
+from tutorial.printing import say
 
 
 @click.command(short_help="Print a robot's description, a URDF.")

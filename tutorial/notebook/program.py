@@ -22,8 +22,6 @@ from tutorial.view.bodies import View
 from tutorial.view.replay import recorded
 from tutorial.view.scene import Scene
 
-__all__ = ["EndedEarly", "Program"]
-
 T = TypeVar("T")
 
 LONGEST_PAUSE = 1.0  # [s] in a replay: between two cells, one thinks

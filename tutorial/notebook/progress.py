@@ -5,8 +5,6 @@ from __future__ import annotations
 from tutorial.checks.catalogue import exercise_names
 from tutorial.progress import Overview
 
-__all__ = ["progress"]
-
 
 def progress(step: int | None = None) -> Overview:
     """Show which exercises are solved; that is remembered beside the notebook, in ``.tank_progress.json``.

@@ -7,8 +7,6 @@ from tutorial.printing import say, say_all
 from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
-
 PATIENCE = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
 REPORTS = 2  # of `topic_hz`
 

@@ -10,8 +10,6 @@ from typing import Literal
 
 from tutorial.errors import TutorialError, did_you_mean
 
-__all__ = ["promise", "ros_backend"]
-
 Backend = Literal["rclpy", "pocket"]
 
 

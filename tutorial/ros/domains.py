@@ -9,8 +9,6 @@ from contextlib import contextmanager
 
 from tutorial.errors import TutorialError
 
-__all__ = ["FIRST", "LAST", "reserved_domain"]
-
 FIRST, LAST = 1, 101  # those whose ports ROS 2 says are free on every system
 
 

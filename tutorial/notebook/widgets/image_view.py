@@ -14,8 +14,6 @@ from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
 from tutorial.ros.topics.endpoints import reader_qos
 from tutorial.view.assets import read_static
 
-__all__ = ["ImageView"]
-
 CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1}  # what is shown, with the bytes of a pixel
 LARGEST = 1920 * 1080  # [pixels]
 LOOK_EVERY = 0.5  # [s] from one look at who publishes to the next

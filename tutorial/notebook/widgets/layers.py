@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import mean
 
-__all__ = ["Edge", "Layout", "Place", "Vertex", "lay_out"]
-
 Vertex = tuple[str, ...]
 Edge = tuple[Vertex, Vertex]
 Place = tuple[float, float]
