@@ -47,7 +47,7 @@ async def test_what_is_before_the_tank_arrives_in_lockstep_ten_times_a_second(pr
         assert host.error is None
     assert stamps_ms(heard) == [*range(0, 1201, 100)]
     message = heard[10]
-    assert (message.header.frame_id, message.encoding) == ("CAMERA", "rgb8")
+    assert (message.header.frame_id, message.encoding) == ("Tank/CAMERA_optical", "rgb8")
     assert (message.width, message.height, message.step, len(message.data)) == (320, 240, 960, 230_400)
     pixels = np.frombuffer(bytes(message.data), np.uint8).reshape(240, 320, 3)
     assert is_red(pixels[120, 160])

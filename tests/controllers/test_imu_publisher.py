@@ -61,7 +61,7 @@ def test_what_is_not_measured_is_said(tank):
     o = message.orientation
     assert (o.x, o.y, o.z, o.w) == (0.0, 0.0, 0.0, 0.0)
     assert message.orientation_covariance.tolist() == [-1.0] + [0.0] * 8
-    assert message.header.frame_id == "Tank/base_link"
+    assert message.header.frame_id == "Tank/GYRO"
     assert not message.linear_acceleration_covariance.any()
     assert not message.angular_velocity_covariance.any()
 
@@ -72,7 +72,7 @@ def test_another_robot_with_another_time_step_has_sensors_too():
     simulation.advance(1.002)
     sent = node.sent["Kran/imu"]
     assert stamps_ms(sent) == [50 * i for i in range(21)]
-    assert sent[-1].header.frame_id == "Kran/base_link"
+    assert sent[-1].header.frame_id == "Kran/GYRO"
     assert np.linalg.norm(numbers(sent[-1].linear_acceleration)) == pytest.approx(9.807, rel=0.02)
 
 

@@ -64,9 +64,13 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     done: dict[Path, dict[str, Judged]] = {}
     interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done))
     results = [(names[path], done[path]) for path in paths if path in done]
+    _show(results, as_json, not no_sandbox)
     if junit is not None:
-        junit.write(as_junit(results))
-    _show(results, as_json)
+        try:
+            with junit as file:
+                file.write(as_junit(results))
+        except OSError as error:
+            raise TutorialError(f"the JUnit report cannot be written: {error.strerror}.") from error
     if interrupted:
         say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.\n", err=True)
         return INTERRUPTED
@@ -124,15 +128,15 @@ async def _judge_all(
                 group.create_task(judge_one(path))
 
 
-def _show(results: Results, as_json: bool) -> None:
+def _show(results: Results, as_json: bool, is_sandboxed: bool) -> None:
     from rich.console import Console
 
     from tutorial.commands.checking import report
 
     if as_json:
-        say(json.dumps(report.as_json(results), indent=2) + "\n")
+        say(json.dumps(report.as_json(results, is_sandboxed), indent=2) + "\n")
         return
     console = Console(highlight=False)
     console.print(report.table(results))
-    for line in report.summary(results):
+    for line in report.summary(results, is_sandboxed):
         console.print(line, markup=False)

@@ -25,7 +25,6 @@ from typing import Any, Literal, NamedTuple
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.printing import say
 from tutorial.ros.backend import ros_backend
-from tutorial.ros.domains import LAST
 
 WIDTH = 100  # columns, of which the first 20 are for subject and level
 PATIENCE = 45  # [s] that an answer may take: a loaded machine is slow to import
@@ -188,7 +187,7 @@ def domain() -> Diagnosis:
     try:
         is_known, names = ask(_nodes)
     except TutorialError as error:
-        mend = f"mend what is said of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to {LAST}"
+        mend = "mend what is said of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
         return Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", mend)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]

@@ -35,9 +35,13 @@ FILE = click.Path(path_type=Path)
 LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow
 
 
-def main() -> None:
-    """Run the command that the shell was given, and exit with its status."""
-    words, ros_args = _split(sys.argv[1:])
+def main(args: list[str] | None = None) -> None:
+    """Run a command, and exit with its status.
+
+    Args:
+        args: its words; None for those that the shell was given.
+    """
+    words, ros_args = _split(sys.argv[1:] if args is None else args)
     prepare_output()
     try:
         status = tank.main(args=words, prog_name="tank", standalone_mode=False, obj=ros_args)

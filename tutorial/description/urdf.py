@@ -1,13 +1,15 @@
 """A body's MuJoCo model as URDF, the robot description that rviz2, robot_state_publisher and others read.
 
 The links are the model's bodies, in the same places, and the joints that move are those that joint states speak of.
-Names are the model's, without the body's before them: robot_state_publisher adds that (``frame_prefix``).
+Names are the model's, without the body's before them: robot_state_publisher adds that (``frame_prefix``). A link whose
+name a joint has, too, gets another. Sensors and cameras have links of their own, the frames of their messages.
 """
 
 from __future__ import annotations
 
 import logging
 from collections import Counter
+from math import pi
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Comment, Element, SubElement
 
@@ -26,6 +28,9 @@ WORLD, FIRST = 0, 1
 """MuJoCo's numbers of the world, which the bodies stand in, and of the root."""
 
 FREE, BALL, SLIDE = (int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("FREE", "BALL", "SLIDE"))
+
+OPTICAL = turn((1.0, 0.0, 0.0), pi)
+"""From a camera's axes in MuJoCo, z back and y up, to those of an optical frame, z ahead and y down (REP 103)."""
 
 _log = logging.getLogger(__name__)
 
@@ -68,6 +73,7 @@ class _Writer:
                 self._add_body(number)
         for geom in range(self.model.ngeom):
             self._add_geom(geom)
+        self._add_sensors()
         self._say_what_is_missing()
         ElementTree.indent(self.robot)
         # in ASCII, where other characters are numbers: so it is the same in every file and on every terminal
@@ -86,6 +92,7 @@ class _Writer:
             self.links[number] = parent
         else:
             own = name if name and name != ROOT else self._unused("link", name or f"body_{number}")
+            own = self._unused("link", f"{own}_link") if own in self.published else own
             self.links[number] = self._lead(parent, joints, place, own)
         self._add_inertia(self.links[number], number)
 
@@ -189,6 +196,23 @@ class _Writer:
             self.left_out["shapes in no body"] += 1
         elif number in self.links and (missing := add_shapes(self.links[number], self.model, geom)):
             self.left_out[missing] += 1
+
+    def _add_sensors(self) -> None:
+        """Add a link for each sensor on a site, called like it, and for each camera: its optical frame."""
+        model = self.model
+        for sensor in np.flatnonzero(model.sensor_objtype == int(mujoco.mjtObj.mjOBJ_SITE)).tolist():
+            site, name = model.sensor_objid[sensor], self._plain(model.sensor(sensor).name)
+            self._add_fixed(model.site_bodyid[site], name, pose(model.site_pos[site], model.site_quat[site]))
+        for camera in range(model.ncam):
+            name, place = self._plain(model.camera(camera).name), pose(model.cam_pos[camera], model.cam_quat[camera])
+            self._add_fixed(model.cam_bodyid[camera], f"{name}_optical", place @ OPTICAL)
+
+    def _add_fixed(self, body: int, name: str, place: Matrix) -> None:
+        """Add a link that is fixed to a body's."""
+        if body != WORLD and body in self.links:
+            link = self._add_link(self._unused("link", name))
+            joint = self._unused("joint", f"{link.attrib['name']}_fixed")
+            self._add_joint(joint, "fixed", self.links[body], link, place)
 
     def _say_what_is_missing(self) -> None:
         """Say it at the top of the description, and in the log what makes it move other than the robot.

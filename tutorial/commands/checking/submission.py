@@ -119,10 +119,9 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
 
 
 def _environment(folder: str) -> dict[str, str]:
-    kept = {name: value for name, value in os.environ.items() if name.startswith(KEPT)}
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     return {
-        **kept,
+        **{name: value for name, value in os.environ.items() if name.startswith(KEPT)},
         **{"HOME": folder, "TMPDIR": folder, "PYTHONPATH": home, "PYTHONUSERBASE": site.getuserbase()},
         **{"PYTHONUTF8": "1", "PYTHONDONTWRITEBYTECODE": "1"},
         **{"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},  # each thread takes memory, of which there is a limit
