@@ -24,8 +24,6 @@ from tutorial.ros.bags.qos import offered
 from tutorial.ros.topics import wait_for_graph
 from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
 
-__all__ = ["Player"]
-
 CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as rclcpp's ClockQoS
 SETTLE_FOR = 0.3  # [s] that a subscription needs longer than the publisher to know of the other, on Fast DDS
