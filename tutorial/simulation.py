@@ -121,12 +121,7 @@ class Simulation(SteppedWorld):
             thread = threading.Thread(target=lambda: self._main(run, last_step), name="simulation", daemon=True)
             run = Run(thread, is_own=True)
             self._begin(run)
-            try:
-                thread.start()
-            except BaseException:
-                if thread.ident is None:
-                    self._end(run, None)
-                raise
+            thread.start()
 
     def stop(self) -> None:
         """End the run and stop the controllers. Idempotent. What was simulated stays.
