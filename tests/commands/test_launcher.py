@@ -195,7 +195,7 @@ DEFINED = "def generate_launch_description()"
         (f"\n{DEFINED}: 1 / 0", ".py, line 2, in generate_launch_description: ZeroDivisionError: division by zero"),
         ("raise SystemExit(0)", "test.launch.py, line 1: SystemExit: 0"),
         (f"{DEFINED}: pass", "returned no LaunchDescription"),
-        (FILE.format(""), "describes no process"),
+        (FILE.format(""), "returned no LaunchDescription with a process"),
         (FILE.format("ExecuteProcess(cmd=[])"), "its cmd is []. Give a list of words, such as cmd=['tank', 'joy']"),
         (FILE.format("ExecuteProcess(cmd=[''])"), "its cmd is ['']. Give"),
         (FILE.format("ExecuteProcess(cmd='tank joy')"), "its cmd is 'tank joy'. Give a list of words"),

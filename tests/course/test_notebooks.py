@@ -124,7 +124,9 @@ class Bare(ast.NodeTransformer):
 
 
 ASKED = [each for those in exercises().values() for each in those]
-CONTROLLERS_ASKED = [e.name for e in ASKED if isinstance(e.right_answer, type) and issubclass(e.right_answer, SimpleController)]
+CONTROLLERS_ASKED = [
+    e.name for e in ASKED if isinstance(e.right_answer, type) and issubclass(e.right_answer, SimpleController)
+]
 
 
 def test_what_answers_an_exercise_is_folded(notebook):

@@ -58,10 +58,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
             raise TutorialError(f"{path} uses more than the tutorial's launch has: {error}. {mend}") from error
         except (Exception, SystemExit) as error:
             raise TutorialError(f"{path} failed: {tell(error, str(path))}") from error
-    if not isinstance(description, launch.LaunchDescription):
-        raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription.")
-    if not description.entities:
-        raise TutorialError(f"{path} describes no process. Give its LaunchDescription an ExecuteProcess.")
+    if not isinstance(description, launch.LaunchDescription) or not description.entities:
+        raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription with a process.")
     for entity in description.entities:
         if not isinstance(entity, launch.actions.ExecuteProcess):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
