@@ -236,7 +236,8 @@ def _rclpy() -> tuple[str, str | None, str]:
 def _nodes() -> tuple[bool, list[str]]:
     """Whether the graph is known, and who is in it, but for hidden nodes, which this one is."""
     from tutorial.ros.node_thread import NodeThread
-    from tutorial.ros.topics import node_names, wait_for_graph
+    from tutorial.ros.topics.graph import wait_for_graph
+    from tutorial.ros.topics.listing import node_names
     from tutorial.ros.topics.names import escape_name
 
     with NodeThread("_doctor") as thread:
