@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from geometry_msgs.msg import TransformStamped
     from rclpy.node import Node
 
-__all__ = ["Tally", "fault_of"]
-
 LARGEST = 100_000  # numbers and characters of a message of joint states: no robot has so many
 FARTHEST = 1e9  # [m] single precision, with which views draw, still holds its square
 TOLERANCE = 0.01  # by which a quaternion's squared length may differ from 1

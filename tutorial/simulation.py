@@ -13,10 +13,8 @@ from enum import Enum
 from tutorial.body import FindCamera
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, where
-from tutorial.stepped_world import ControllerError, Run, Snapshot, SteppedWorld
+from tutorial.stepped_world import ControllerError, Run, SteppedWorld
 from tutorial.world import Placement
-
-__all__ = ["ControllerError", "Simulation", "Snapshot", "State"]
 
 SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005 a busy cell starves a thread that wakes a thousand times a second
 REST = 0.002  # [s] between two batches of steps
@@ -123,12 +121,7 @@ class Simulation(SteppedWorld):
             thread = threading.Thread(target=lambda: self._main(run, last_step), name="simulation", daemon=True)
             run = Run(thread, is_own=True)
             self._begin(run)
-            try:
-                thread.start()
-            except BaseException:
-                if thread.ident is None:
-                    self._end(run, None)
-                raise
+            thread.start()
 
     def stop(self) -> None:
         """End the run and stop the controllers. Idempotent. What was simulated stays.

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["ControllerError", "Run", "Snapshot", "SteppedWorld"]
-
 LOOK_EVERY = 0.001  # [s] while a run is watched
 _log = logging.getLogger(__name__)
 

@@ -11,8 +11,6 @@ import mujoco
 from tutorial.errors import TutorialError
 from tutorial.mujoco_warnings import mujoco_warns
 
-__all__ = ["Placement", "compose"]
-
 FAILS = (ValueError, RuntimeError)
 """What MuJoCo raises of a model: RuntimeError where there is no memory for it."""
 

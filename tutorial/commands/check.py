@@ -14,15 +14,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tutorial.commands.options import Seconds
-from tutorial.commands.terminal import INTERRUPTED, say, until_asked
+from tutorial.commands.terminal import INTERRUPTED, until_asked
 from tutorial.errors import TutorialError, printable
 from tutorial.paths import is_file, is_folder
+from tutorial.printing import say
 
 if TYPE_CHECKING:
     from tutorial.commands.checking.messages import Judged
     from tutorial.commands.checking.report import Results
-
-__all__ = ["check"]
 
 TOGETHER = 2  # notebooks at a time
 LIMIT = 60.0  # [s] that an answer may take

@@ -9,8 +9,6 @@ import numpy as np
 
 from tutorial.description.poses import numbers
 
-__all__ = ["add_dynamics", "add_limit"]
-
 UNLIMITED = 1e9
 """Where the model sets no limit [rad, m, N.m, N, rad/s or m/s]: URDF wants a number."""
 

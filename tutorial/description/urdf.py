@@ -22,8 +22,6 @@ from tutorial.description.limits import add_dynamics, add_limit
 from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift, turn
 from tutorial.description.shapes import add_shapes
 
-__all__ = ["robot_description"]
-
 ROOT = "base_link"
 """The link that stands where the body's root does. A free joint moves it, and is not in the description."""
 

@@ -8,8 +8,6 @@ from rosgraph_msgs.msg import Clock
 
 from tutorial.controller import ControllerIO, SimpleController
 
-__all__ = ["CLOCK_TOPIC", "ClockPublisher"]
-
 CLOCK_TOPIC = "/clock"
 RATE = 100  # [Hz] at least, in simulated time
 

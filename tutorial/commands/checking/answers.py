@@ -15,8 +15,6 @@ import symtable
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-__all__ = ["Answer", "cells_of", "find_answers"]
-
 CHECKS = "tutorial.checks."
 MAGIC = re.compile(r"^(\s*)(?:[%!?].*|.*\?)$", re.MULTILINE)
 """A line that is IPython's own."""

@@ -8,8 +8,6 @@ import msgspec
 
 from tutorial.errors import printable_lines
 
-__all__ = ["Judged", "Opened", "Outcome", "clean"]
-
 LONGEST = 4000  # characters of a text that is told
 FORGED = "The answer has the process that judged it say 'right', and not as the check does: look at what it does."
 

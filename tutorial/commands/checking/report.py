@@ -13,8 +13,6 @@ from rich.text import Text
 
 from tutorial.commands.checking.messages import Judged, Outcome
 
-__all__ = ["Results", "as_json", "as_junit", "summary", "table"]
-
 Results = Sequence[tuple[str, dict[str, Judged]]]
 """What each notebook is called, and what became of its answers, as `judge` returns it."""
 

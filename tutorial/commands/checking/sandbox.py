@@ -21,8 +21,6 @@ from pathlib import Path
 from tutorial.errors import TutorialError
 from tutorial.paths import COURSE, PACKAGE, is_course
 
-__all__ = ["limit", "need_sandbox", "sandbox"]
-
 FOLDER_SIZE = 64 << 20  # bytes of all files
 SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/etc", "/opt", "/sys")
 LIMITS = {

@@ -19,8 +19,6 @@ from tutorial.commands.checking.sandbox import sandbox
 from tutorial.parent_watch import signal_group
 from tutorial.paths import PACKAGE
 
-__all__ = ["judge"]
-
 LARGEST = 50 << 20  # bytes of a notebook
 LINE = 1 << 16  # bytes of a message
 OUTLAST = 4  # times its limit that an answer may take of the processor: two threads and more may be at work

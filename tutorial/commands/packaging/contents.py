@@ -15,8 +15,6 @@ from tutorial.errors import TutorialError, did_you_mean
 from tutorial.paths import HOME, PACKAGE, find_home
 from tutorial.project import Project
 
-__all__ = ["NOBODY", "find_maintainer", "make_package"]
-
 TEMPLATES = Path(__file__).parent / "template"
 VALID = re.compile(r"[a-z](_?[a-z0-9])+")
 """What ROS 2 takes for a package's name: REP 144."""

@@ -12,8 +12,6 @@ from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.graph_watch import Topology
 from tutorial.notebook.widgets.layers import Edge, Layout, Place, Vertex, lay_out
 
-__all__ = ["picture"]
-
 MARGIN = 8.0  # [px]
 HEIGHT = 42.0  # [px] of a node and of a topic
 LONGEST_NAME = 30  # characters

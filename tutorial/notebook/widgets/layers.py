@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from statistics import mean
 
-__all__ = ["Edge", "Layout", "Place", "Vertex", "lay_out"]
-
 Vertex = tuple[str, ...]
 Edge = tuple[Vertex, Vertex]
 Place = tuple[float, float]
@@ -94,7 +92,7 @@ def _ordered(vertices: Iterable[Vertex], edges: Sequence[Edge]) -> list[Vertex]:
 
 
 def _heights(layer: Mapping[Vertex, int], links: Sequence[Edge]) -> dict[Vertex, float]:
-    """Find each vertex's place from top to bottom: each layer is centred, in the order of what leads to its vertices."""
+    """Find each vertex's place from top to bottom: each layer is centred, in the order of what leads to it."""
     before = _neighbours((b, a) if layer[a] < layer[b] else (a, b) for a, b in links)
     columns = defaultdict(list)
     for vertex, number in layer.items():
