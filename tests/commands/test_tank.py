@@ -36,11 +36,12 @@ class TankController(SimpleController):
         ("bag record", 2, "name topics, or give -a for all of them."),
         ("bag record -a /joy", 2, "name topics, or give -a for all of them."),
         ("bag record -a -s rosbag1", 2, "'rosbag1' is not one of 'mcap', 'sqlite3'"),
-        ("bag record -a --max-bag-duration 0", 2, "0.0 is not in the range"),
+        ("bag record -a --max-bag-duration 0", 2, "0 is not in the range x>=1"),
         ("bag play", 2, "Missing argument 'BAG'"),
         ("bag play a b", 2, "'b' is too much: one bag is played at a time."),
         ("bag play a --rate 0", 2, "0.0 is not in the range"),
         ("bag play a --clock often", 2, "'often' is not a valid number"),
+        ("bag play a --clock 1e308", 2, "1e+308 is not in the range 0<x<=1000."),
         ("chaos --from a-b", 1, "topic name"),
         ("chaos -f shufle", 2, "there is no fault 'shufle'. Did you mean 'shuffle'?"),
         (
