@@ -33,6 +33,8 @@ class TankController(SimpleController):
         ("topic pub /x", 2, "Missing argument 'MESSAGE_TYPE'."),
         ("topic pub /x std_msgs/msg/String -r 0", 2, "0.0 is not in the range x>0."),
         ("topic pub /x std_msgs/msg/String -r inf", 2, "'inf' is not a number."),
+        ("check no.ipynb", 2, "Path 'no.ipynb' does not exist."),
+        ("progress nowhere", 2, "Directory 'nowhere' does not exist."),
         ("bag record", 2, "name topics, or give -a for all of them."),
         ("bag record -a /joy", 2, "name topics, or give -a for all of them."),
         ("bag record -a -s rosbag1", 2, "'rosbag1' is not one of 'mcap', 'sqlite3'"),
