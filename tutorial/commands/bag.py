@@ -90,7 +90,7 @@ def info(bag: Path) -> None:
 @click.option("-l", "--loop", is_flag=True, help="Begin anew at the end, until Ctrl-C.")
 @click.option(
     "--clock",
-    type=AboveZero,
+    type=Finite(min=0, min_open=True, max=1000),  # as often as a simulation steps; far above, no message has its turn
     is_flag=False,
     flag_value=CLOCK_RATE,
     metavar="[HZ]",

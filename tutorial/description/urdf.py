@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 from collections import Counter
 from math import pi
+from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Comment, Element, SubElement
 
@@ -125,9 +126,7 @@ class _Writer:
             if ends:
                 return link
             parent = link
-        link = self._add_link(name)
-        self._add_joint(self._unused("joint", f"{name}_fixed"), "fixed", parent, link, place)
-        return link
+        return self._add_fixed(parent, name, place)
 
     def _joints(self, number: int) -> list[int]:
         """Return MuJoCo's numbers of a body's joints that joint states speak of; count those that are fixed."""
@@ -161,6 +160,11 @@ class _Writer:
 
     def _add_link(self, name: str) -> Element:
         return SubElement(self.robot, "link", name=name)
+
+    def _add_fixed(self, parent: Element, name: str, place: Matrix) -> Element:
+        link = self._add_link(name)
+        self._add_joint(self._unused("joint", f"{name}_fixed"), "fixed", parent, link, place)
+        return link
 
     def _add_joint(self, name: str, kind: str, parent: Element, child: Element, place: Matrix) -> Element:
         element = SubElement(self.robot, "joint", name=name, type=kind)
@@ -200,19 +204,17 @@ class _Writer:
     def _add_sensors(self) -> None:
         """Add a link for each sensor on a site, called like it, and for each camera: its optical frame."""
         model = self.model
-        for sensor in np.flatnonzero(model.sensor_objtype == int(mujoco.mjtObj.mjOBJ_SITE)).tolist():
-            site, name = model.sensor_objid[sensor], self._plain(model.sensor(sensor).name)
-            self._add_fixed(model.site_bodyid[site], name, pose(model.site_pos[site], model.site_quat[site]))
-        for camera in range(model.ncam):
-            name, place = self._plain(model.camera(camera).name), pose(model.cam_pos[camera], model.cam_quat[camera])
-            self._add_fixed(model.cam_bodyid[camera], f"{name}_optical", place @ OPTICAL)
-
-    def _add_fixed(self, body: int, name: str, place: Matrix) -> None:
-        """Add a link that is fixed to a body's."""
-        if body != WORLD and body in self.links:
-            link = self._add_link(self._unused("link", name))
-            joint = self._unused("joint", f"{link.attrib['name']}_fixed")
-            self._add_joint(joint, "fixed", self.links[body], link, place)
+        sensors = np.flatnonzero(model.sensor_objtype == int(mujoco.mjtObj.mjOBJ_SITE)).tolist()
+        cameras = map(model.camera, range(model.ncam))
+        frames: list[tuple[str, Any, Matrix]] = [
+            *((model.sensor(i).name, model.site(model.sensor_objid[i]), np.eye(4)) for i in sensors),
+            *((f"{camera.name}_optical", camera, OPTICAL) for camera in cameras),
+        ]
+        for name, found, turned in frames:
+            body = int(found.bodyid[0])
+            if body != WORLD and body in self.links:
+                own = self._unused("link", self._plain(name))
+                self._add_fixed(self.links[body], own, pose(found.pos, found.quat) @ turned)
 
     def _say_what_is_missing(self) -> None:
         """Say it at the top of the description, and in the log what makes it move other than the robot.

@@ -39,7 +39,7 @@ def main() -> NoReturn:
     known = {each.name: each for those in exercises().values() for each in those}
     answers, problem = _open(int(notebook), known)
     message = _judge(known[exercise[0]], answers[exercise[0]]) if exercise else Opened(list(answers), problem)
-    with open(report, "wb") as file:
+    with os.fdopen(report, "wb") as file:
         file.write(msgspec.json.encode(message) + b"\n")
     os._exit(0)
 

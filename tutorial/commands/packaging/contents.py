@@ -22,14 +22,7 @@ EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Z
 """What catkin_pkg, with which colcon reads a package.xml, takes for an address."""
 IMPORTED = re.compile(r"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
 """Where code imports a module."""
-DEPENDENCIES = {
-    "cv2": "python3-opencv",
-    "matplotlib": "python3-matplotlib",
-    "numpy": "python3-numpy",
-    "scipy": "python3-scipy",
-    "tf2_ros": "tf2_ros_py",
-    "yaml": "python3-yaml",
-}
+DEPENDENCIES = {"cv2": "python3-opencv", "numpy": "python3-numpy", "tf2_ros": "tf2_ros_py", "yaml": "python3-yaml"}
 """What rosdep calls the package of a module. Messages have the name of theirs."""
 NOBODY = ("Your Name", "you@example.com")
 """The maintainer whom the learner has to fill in."""
@@ -54,11 +47,10 @@ def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple
     else:
         kind, words, code = "controller", _controller(*controller), controller[0].read_bytes()
     maintainer, email = find_maintainer()
-    modules = IMPORTED.findall(code.decode())
+    modules = set(IMPORTED.findall(code.decode()))
     messages = {module for module in modules if module.endswith(("_msgs", "_interfaces", "_srvs"))}
-    needs = sorted(
-        {"rclpy", "ros2launch", *messages, *(DEPENDENCIES[each] for each in modules if each in DEPENDENCIES)}
-    )
+    others = {DEPENDENCIES[module] for module in modules & DEPENDENCIES.keys()}
+    needs = sorted({"rclpy", "ros2launch"} | messages | others)
     words = {
         **words,
         "package": name,
