@@ -411,7 +411,7 @@ async def some_frames(host, rng):
 
 ACTS = (
     *(("run", 0.02), ("run", 0.05), ("refresh",), ("remove", "A"), ("remove", "B"), ("close",), ("some_frames",)),
-    *(("simulation.start", 0.01), ("simulation.stop",), ("simulation.restart",)),
+    *(("simulation.start", 0.01), ("simulation.stop",)),
 )
 
 

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from tutorial.trace import HandoffTrace
     from tutorial.view.bodies import View
 
-__all__ = ["Host"]
-
 FRAME = 1 / 30  # [s] between two frames of the view
 QUIET = 0.3  # [s] without a message, after which nothing more is taken to be on its way
 LOOK_EVERY = 1.0  # [s] for what others in the domain do

@@ -14,12 +14,11 @@ import click
 
 from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.options import Finite, Seconds
-from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, say, status_line
+from tutorial.commands.terminal import INTERRUPTED, handle_signals, progress_bar, status_line
+from tutorial.printing import say
 
 if TYPE_CHECKING:
     from tutorial.ros.bags import Bag, Recorder
-
-__all__ = ["bag"]
 
 LOOK_EVERY = 0.2  # [s] for how far a recording is
 CLOCK_RATE = 40.0  # [Hz], as of ros2 bag
@@ -91,7 +90,7 @@ def info(bag: Path) -> None:
 @click.option("-l", "--loop", is_flag=True, help="Begin anew at the end, until Ctrl-C.")
 @click.option(
     "--clock",
-    type=AboveZero,
+    type=Finite(min=0, min_open=True, max=1000),  # as often as a simulation steps; far above, no message has its turn
     is_flag=False,
     flag_value=CLOCK_RATE,
     metavar="[HZ]",

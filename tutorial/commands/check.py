@@ -14,15 +14,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tutorial.commands.options import Seconds
-from tutorial.commands.terminal import INTERRUPTED, say, until_asked
+from tutorial.commands.terminal import INTERRUPTED, until_asked
 from tutorial.errors import TutorialError, printable
 from tutorial.paths import is_file, is_folder
+from tutorial.printing import say
 
 if TYPE_CHECKING:
     from tutorial.commands.checking.messages import Judged
     from tutorial.commands.checking.report import Results
-
-__all__ = ["check"]
 
 TOGETHER = 2  # notebooks at a time
 LIMIT = 60.0  # [s] that an answer may take
@@ -65,9 +64,13 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     done: dict[Path, dict[str, Judged]] = {}
     interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done))
     results = [(names[path], done[path]) for path in paths if path in done]
+    _show(results, as_json, not no_sandbox)
     if junit is not None:
-        junit.write(as_junit(results))
-    _show(results, as_json)
+        try:
+            with junit as file:
+                file.write(as_junit(results))
+        except OSError as error:
+            raise TutorialError(f"the JUnit report cannot be written: {error.strerror}.") from error
     if interrupted:
         say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.\n", err=True)
         return INTERRUPTED
@@ -125,15 +128,15 @@ async def _judge_all(
                 group.create_task(judge_one(path))
 
 
-def _show(results: Results, as_json: bool) -> None:
+def _show(results: Results, as_json: bool, is_sandboxed: bool) -> None:
     from rich.console import Console
 
     from tutorial.commands.checking import report
 
     if as_json:
-        say(json.dumps(report.as_json(results), indent=2) + "\n")
+        say(json.dumps(report.as_json(results, is_sandboxed), indent=2) + "\n")
         return
     console = Console(highlight=False)
     console.print(report.table(results))
-    for line in report.summary(results):
+    for line in report.summary(results, is_sandboxed):
         console.print(line, markup=False)

@@ -19,8 +19,6 @@ from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.ros.node_thread import MeteredNode
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["Gamepad", "ScriptedDrive", "publish_joystick"]
-
 
 class _Moment(msgspec.Struct, forbid_unknown_fields=True):
     time: Annotated[float, msgspec.Meta(ge=0)]

@@ -30,11 +30,8 @@ from tutorial.paths import with_own_commands
 if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
 
-__all__ = ["Launcher", "load_launch_file"]
-
 PATIENCE = 8.0  # [s] from asking a process to stop to killing it
 LOOK_EVERY = 0.1  # [s] between two looks at what still runs
-LONGEST = 1 << 16  # characters of a line; a longer one is printed in parts
 COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue")
 
 
@@ -61,10 +58,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
             raise TutorialError(f"{path} uses more than the tutorial's launch has: {error}. {mend}") from error
         except (Exception, SystemExit) as error:
             raise TutorialError(f"{path} failed: {tell(error, str(path))}") from error
-    if not isinstance(description, launch.LaunchDescription):
-        raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription.")
-    if not description.entities:
-        raise TutorialError(f"{path} describes no process. Give its LaunchDescription an ExecuteProcess.")
+    if not isinstance(description, launch.LaunchDescription) or not description.entities:
+        raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription with a process.")
     for entity in description.entities:
         if not isinstance(entity, launch.actions.ExecuteProcess):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
@@ -143,7 +138,7 @@ class Launcher:
         """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
         with process:
             assert process.stdout is not None
-            while line := process.stdout.readline(LONGEST):
+            for line in process.stdout:
                 self._say(name, printable_lines(line.rstrip("\n")))
             status = process.wait()
         if status >= 0:  # else there may be something left of its group, which is going to be stopped

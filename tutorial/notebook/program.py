@@ -25,8 +25,6 @@ from tutorial.view.bodies import View
 from tutorial.view.replay import recorded
 from tutorial.view.scene import Scene
 
-__all__ = ["EndedEarly", "Program"]
-
 T = TypeVar("T")
 
 REST_AFTER = 300.0  # [s] without a page, after which a simulation that was started rests

@@ -10,8 +10,6 @@ from contextlib import contextmanager
 
 from tutorial.errors import TutorialError
 
-__all__ = ["reserved_domain"]
-
 DOMAINS = [*range(1, 102), *(range(215, 233) if sys.platform == "linux" else ())]
 """Those whose ports the system gives to no other program (ROS 2's documentation, "The ROS_DOMAIN_ID")."""
 

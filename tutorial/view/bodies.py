@@ -15,8 +15,6 @@ from tutorial.view.arrows import Arrow, arrows_of
 from tutorial.view.paint import Paint
 from tutorial.view.scene import Scene, Vector
 
-__all__ = ["View"]
-
 ROOT = "/Bodies"
 
 CAMERA: tuple[Vector, Vector] = ((-4.4, -3.4, 2.6), (-0.6, -0.1, 0.0))

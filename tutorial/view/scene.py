@@ -21,8 +21,6 @@ from numpy.typing import NDArray
 
 from tutorial.handoff import ThreadGuard
 
-__all__ = ["LINE_LENGTH", "Record", "Scene", "Sink", "pack_command", "pack_record", "unpack_command", "unpack_records"]
-
 logger = logging.getLogger(__name__)
 
 LINE_LENGTH = 200

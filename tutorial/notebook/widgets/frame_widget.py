@@ -19,8 +19,6 @@ import traitlets
 from tutorial.handoff import CallQueue
 from tutorial.notebook.widgets.cell_widget import CellWidget, kernel_loop, parse_message
 
-__all__ = ["Frame", "FrameWidget"]
-
 Frame = tuple[bytes, dict[str, Any]]
 """What there is to see, binary, and what else there is to say of it, as JSON."""
 

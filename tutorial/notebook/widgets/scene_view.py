@@ -6,8 +6,6 @@ from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
 from tutorial.view.assets import read_static, zipped_viewer
 from tutorial.view.scene import Scene
 
-__all__ = ["SceneView"]
-
 
 class SceneView(FrameWidget):
     """Shows a scene in a notebook's cell, as often as it is displayed, on every page that has the notebook open.

@@ -12,8 +12,6 @@ from tutorial.notebook.widgets.chart import draw_x_axis
 from tutorial.notebook.widgets.picture import Picture
 from tutorial.trace import Handoff, Moment
 
-__all__ = ["swimlane"]
-
 WIDTH = 760  # [px]
 LEFT, RIGHT = 118, WIDTH - 24  # [px] where the time axis begins and ends
 FIRST_LANE, LANE = 62, 92  # [px] the first lane's line, and from one to the next
