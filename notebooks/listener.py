@@ -10,7 +10,7 @@ class JointListener(Node):
     def __init__(self):
         super().__init__("listener")
         self.positions = {}
-        self.subscription = self.create_subscription(JointState, "/Tank/joint_state", self.on_joint_state, 1)
+        self.subscription = self.create_subscription(JointState, "Tank/joint_state", self.on_joint_state, 10)
         self.timer = self.create_timer(1.0, self.on_timer)
 
     def on_joint_state(self, message):
@@ -21,9 +21,9 @@ class JointListener(Node):
         self.get_logger().info(", ".join(where) or "nothing heard yet")
 
 
-def main():
+def main(args=None):
     try:
-        rclpy.init()
+        rclpy.init(args=args)
         rclpy.spin(JointListener())  # waits, and calls what there is to call, until Ctrl-C
     except (KeyboardInterrupt, ExternalShutdownException):
         pass

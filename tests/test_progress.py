@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
 import re
 from datetime import date
 
@@ -76,13 +75,6 @@ def test_a_broken_file_is_said_and_left_as_it_is(notebook, text):
     assert (notebook / FILE).read_text(encoding="latin-1") == text
 
 
-@pytest.mark.parametrize("make", [os.mkfifo, lambda path: path.touch() or os.truncate(path, 3 * 10**9)])
-def test_what_is_no_small_file_is_not_read(notebook, make):
-    make(notebook / FILE)
-    remember("aim")
-    assert "it is no file of at most 1 MB." in read_progress()[1]
-
-
 def test_a_write_that_fails_leaves_the_file_as_it_was(notebook, monkeypatch):
     remember("aim")
 
@@ -117,6 +109,3 @@ def test_tank_progress_shows_the_folder_one_is_in_or_names(program, folder):
         running = program("progress", *words)
         assert running.ends() == 0
         assert re.search(r" aim +solved on 2026-01-02\n", running.output)
-    running = program("progress", folder / "nothing")
-    assert running.ends() == 1
-    assert f"Error: there is no folder '{folder / 'nothing'}'" in running.output

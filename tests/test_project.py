@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import resource
 import sys
 from pathlib import Path
 
+import psutil
 import pytest
 
 from tutorial import controllers
@@ -16,6 +18,7 @@ from tutorial.controllers.joint_state_subscriber import JointStateSubscriber
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME, find_launch_file, find_project
 from tutorial.project import Project
+from tutorial.world import Placement, compose
 
 
 @pytest.fixture
@@ -101,6 +104,8 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
         project.with_robot(model)
     with pytest.raises(TutorialError, match=r"the model 'none\.xml' does not load\. MuJoCo says: "):
         project.with_robot(Path("none.xml"))
+    with pytest.raises(TutorialError, match=r"the model 'm\\udce4\.xml' does not load\. .* can't encode character"):
+        project.with_robot(Path("m\udce4.xml"))
 
 
 @pytest.mark.parametrize(
@@ -187,16 +192,30 @@ def test_a_file_that_is_no_text_is_named_with_its_line(tmp_path):
         ("<mujoco><worldbody><geom type='cube'/></worldbody></mujoco>", "' does not load. MuJoCo says: XML Error"),
         ("<mujoco><worldbody><body quat='0 0 0 0'><geom size='1'/></body></worldbody></mujoco>", "MuJoCo says:"),
         ("\0", "does not load. MuJoCo says:"),
+        ("<mujoco><worldbody><body name='\xe4'><geom size='1'/></body></worldbody></mujoco>", "can't decode byte 0xe4"),
     ],
-    ids=["includes itself", "wrong", "a quaternion of zeros", "binary"],
+    ids=["includes itself", "wrong", "a quaternion of zeros", "binary", "Latin-1"],
 )
 def test_a_model_that_cannot_be_simulated_is_named_with_the_line(write, tmp_path, model, said):
     path = write(body())
-    (tmp_path / "models" / "tank.xml").write_text(model)
+    (tmp_path / "models" / "tank.xml").write_text(model, encoding="latin-1")
     with pytest.raises(TutorialError) as info:
         Project.load(path)
     assert str(info.value).startswith(f"{path}, line 2: the ")
     assert said in str(info.value)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the memory is bounded on Linux alone")
+def test_a_model_for_which_there_is_no_memory_is_named(tmp_path):
+    field = "<mujoco><asset><hfield name='h' nrow='12000' ncol='12000' size='1 1 1 1'/></asset></mujoco>"
+    (tmp_path / "field.xml").write_text(field)
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (psutil.Process().memory_info().vms + 2**28, before[1]))
+    try:
+        with pytest.raises(TutorialError, match=r"the model '.*field\.xml' does not load\. MuJoCo says: "):
+            compose([Placement("Field", tmp_path / "field.xml")])
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
 
 
 OWN = """

@@ -106,10 +106,9 @@ class TestAdvance:
 
 
 class TestRealTime:
-    def test_keeps_pace_stops_at_its_duration_restarted_or_not_and_starts_again_there(self, recorder):
-        recorder.simulation.start(0.5)
+    def test_keeps_pace_stops_at_its_duration_and_starts_again_there(self, recorder):
         began = time.monotonic()
-        recorder.simulation.restart()
+        recorder.simulation.start(0.5)
         until(lambda: not recorder.simulation.running)
         assert time.monotonic() - began >= 0.48
         assert recorder.simulation.step == 500
@@ -137,20 +136,6 @@ class TestRealTime:
         assert "simulation" not in [thread.name for thread in threading.enumerate()]
         assert not simulation.running
         assert sys.getswitchinterval() == before
-
-    def test_restart_goes_back_to_the_beginning_and_goes_on(self, recorder):
-        simulation = recorder.simulation
-        initial = simulation.snapshot.get().qpos
-        simulation.start()
-        until(lambda: simulation.step > 50)
-        simulation.restart()
-        assert simulation.running
-        simulation.stop()
-        assert recorder.calls == ["initialize", "stop", "initialize", "stop"]
-        simulation.restart()
-        assert simulation.step == 0
-        assert np.array_equal(simulation.snapshot.get().qpos, initial)
-        assert not simulation.running
 
     @pytest.mark.parametrize(("steps", "said"), [(40, []), (36, ["0.94", "0.90"]), (10, ["0.30", "0.25"])])
     def test_says_when_the_machine_cannot_keep_up(self, steps, said, caplog, monkeypatch):
@@ -262,9 +247,8 @@ def test_the_last_of_several_puts_the_switch_interval_back():
     first.start()
     second.start()
     until(lambda: first.step and second.step)
-    short = sys.getswitchinterval()
     first.stop()
-    assert sys.getswitchinterval() == short < before, "the second still runs"
+    until(lambda: sys.getswitchinterval() < before, "the second, which still runs")
     second.stop()
     assert sys.getswitchinterval() == before
 
@@ -299,12 +283,12 @@ def stuck(monkeypatch):
 SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in act\. Mend it, and make the simulation"
 
 
-CALLS = {"advance": (0.01,), "start": (), "restart": (), "release": ("Tank",)}
+CALLS = {"advance": (0.01,), "start": (), "release": ("Tank",)}
 
 
 class TestAControllerThatDoesNotReturn:
     @pytest.mark.parametrize("method", ["initialize", "control", "stop"])
-    @pytest.mark.parametrize("call", ["restart", "release", "stop"])
+    @pytest.mark.parametrize("call", ["release", "stop"])
     def test_is_not_waited_for_without_end(self, stuck, call, method, monkeypatch):
         stuck.method = method
         if method == "stop":
@@ -317,7 +301,7 @@ class TestAControllerThatDoesNotReturn:
         assert stuck.simulation.state is State.ABANDONED
 
     def test_and_its_simulation_are_never_touched_again_and_everything_says_so(self, stuck, caplog):
-        simulation, before = stuck.simulation, sys.getswitchinterval()
+        simulation = stuck.simulation
         stuck.start()
         simulation.stop()
         simulation.stop()
@@ -329,7 +313,6 @@ class TestAControllerThatDoesNotReturn:
         assert not simulation.running
         stuck.let.set()
         until(lambda: "simulation" not in [thread.name for thread in threading.enumerate()])
-        assert sys.getswitchinterval() == before
         assert (simulation.error, simulation.state) == (error, State.ABANDONED)
         assert "Stuck does not return" in str(error)
         assert simulation.snapshot.get() is snapshot
@@ -392,7 +375,7 @@ def test_a_controller_cannot_wait_for_itself(method):
 
 ACTS = (
     *(("start",), ("start", 0.005), ("advance", 0.02), ("pause", 0.005), ("pause", 0.01), ("stop",)),
-    *(("restart",), ("release", "A")),
+    ("release", "A"),
 )
 
 
@@ -444,9 +427,8 @@ def let_two_visit(seed, model):
 def test_whatever_two_threads_do_nothing_hangs_and_no_failure_is_unseen(tens, tmp_path, monkeypatch, caplog):
     monkeypatch.setattr("tutorial.simulation.STUCK", 0.05)
     model = box_model(tmp_path)
-    interval, threads = sys.getswitchinterval(), set(threading.enumerate())
+    threads = set(threading.enumerate())
     for seed in range(10 * tens, 10 * tens + 10):
         untold = let_two_visit(seed, model)
         until(lambda: set(threading.enumerate()) <= threads)
         assert [text for text in untold if text not in caplog.text] == [], f"seed {seed}"
-        assert sys.getswitchinterval() == interval, f"seed {seed}"

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 FindCamera = Callable[["Body", str], Any]
 
-__all__ = ["Actuator", "Body", "Joint", "Sensor"]
-
 SHOWN_GROUPS = 3  # MuJoCo's convention: groups 0 to 2 are shown, the others are inner workings
 ONE_DOF = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     from tutorial.body import Body
 
-__all__ = ["ControllerConfig", "ControllerIO", "SimpleController"]
-
 Ts = TypeVarTuple("Ts")
 
 

@@ -14,8 +14,6 @@ from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean, tell
 from tutorial.paths import is_file
 
-__all__ = ["controller_names", "find_controller", "load_controllers"]
-
 
 def controller_names() -> dict[str, str]:
     """Map the names of the library's controllers to their modules: ``tank_controller.py`` holds ``TankController``."""

@@ -10,17 +10,6 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 
-__all__ = [
-    "TutorialError",
-    "WrongThreadError",
-    "did_you_mean",
-    "file_of",
-    "printable",
-    "printable_lines",
-    "tell",
-    "where",
-]
-
 WIDE_SPACES = "\u00a0\u3000"  # not breaking, and as wide as a Japanese character: Python takes them for unprintable
 
 

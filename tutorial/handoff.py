@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
     from tutorial.trace import Handoff, HandoffTrace
 
-__all__ = ["CallQueue", "CallScope", "Latest", "ThreadGuard"]
-
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
 

@@ -7,6 +7,7 @@ import logging
 import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractAsyncContextManager
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tutorial.body import Body
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from tutorial.project import BodyItem, Project
     from tutorial.trace import HandoffTrace
     from tutorial.view.bodies import View
-
-__all__ = ["Host"]
 
 FRAME = 1 / 30  # [s] between two frames of the view
 QUIET = 0.3  # [s] without a message, after which nothing more is taken to be on its way
@@ -55,16 +54,17 @@ class Host(AbstractAsyncContextManager["Host"]):
         project: what to run.
         ros_args: command line arguments, of which ROS 2 takes those after ``--ros-args``. The node is called ``tank``
             unless it is remapped.
-        view: where to draw; None to show nothing.
+        view: where to draw, while its scene is watched; None to show nothing.
         trace: where to write down when each message is received, posted and applied; None for nowhere.
 
     Attributes:
         bodies: the displayed bodies by name.
         simulation: the simulated copy of them, or None for a program that only displays.
         node: the program's node.
+        note: what stands first below the view, until the next start.
 
     Raises:
-        TutorialError: a controller does not fit its body.
+        TutorialError: a controller does not fit its body. When the context ends: one failed to leave it.
     """
 
     def __init__(
@@ -87,6 +87,9 @@ class Host(AbstractAsyncContextManager["Host"]):
         self._looked = 0.0
         self._said: dict[str, int] = {}  # the last count for each warning's text
         self._closed = False
+        self.note = ""
+        if view is not None:
+            view.scene.catch_up = partial(self._draw, view)
         try:
             self._clock = ClockPublisher(self.node) if project.clock else None
             for entry in project.bodies:  # messages come from now on, and wait until the loop runs
@@ -102,8 +105,10 @@ class Host(AbstractAsyncContextManager["Host"]):
             self.close()
             raise
 
-    async def __aexit__(self, *_: object) -> None:
+    async def __aexit__(self, kind: object, *_: object) -> None:
         self.close()
+        if kind in (None, asyncio.CancelledError) and any(item.failed for item in self._items.values()):
+            raise TutorialError("a controller has failed in unconfigure(): the log says where.")
 
     @property
     def bodies(self) -> dict[str, Body]:
@@ -128,6 +133,7 @@ class Host(AbstractAsyncContextManager["Host"]):
 
     def forget_errors(self) -> None:
         """What callbacks and posted calls raised before does not count any more. `run` does it. Main thread."""
+        self.note = ""
         self._ros.error = self._cameras.error = self._calls.error = None
 
     async def run(
@@ -279,21 +285,24 @@ class Host(AbstractAsyncContextManager["Host"]):
         )
 
     def refresh(self) -> None:
-        """Draw one frame: show what has changed since the last. `run` does it; call it when nothing runs."""
+        """Show what has changed since the last frame. `run` does it; call it when nothing runs."""
         if self._closed:
             return
         self._look_around()
         if self.simulation is not None:
             self._shown = self.simulation.copy_to(self.bodies.values())
-        if self._view is None:
-            return
+        if self._view is not None and self._view.scene.watched:
+            self._draw(self._view)
+
+    def _draw(self, view: View) -> None:
+        """Draw one frame."""
         for name, item in self._items.items():
             if item.take_dirty():
-                self._view.update(name, item.body.data)
-            self._view.show_stale(name, item.joints.stale())
-        lines, readings = self._below(self._view)
-        self._view.line("  |  ".join(filter(None, (self._trouble(), *lines))), readings)
-        self._view.flush()
+                view.update(name, item.body.data)
+            view.show_stale(name, item.joints.stale())
+        lines, readings = self._below(view)
+        view.line("  |  ".join(filter(None, (self.note, self._trouble(), *lines))), readings)
+        view.flush()
 
     def _below(self, view: View) -> tuple[list[str], list[tuple[str, ...]]]:
         """What is known of each body's messages, and what its sensors have measured.

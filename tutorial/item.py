@@ -14,8 +14,6 @@ from tutorial.joints import Arrival, JointReport
 from tutorial.ros.node_thread import MeteredNode, TopicMeter
 from tutorial.world import Placement
 
-__all__ = ["Item", "JointWatch"]
-
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about one body's messages, and two looks at who else publishes
 STALE_AFTER = 1.0  # [s] without a word of a joint, after which it is shown as stale
 CONTESTED_FOR = 2.0  # [s] after the last message of another publisher, in which that is said below the view
@@ -42,6 +40,7 @@ class JointWatch:
 
     def __init__(self, body: Body, node: MeteredNode) -> None:
         self._body = body
+        self._node = node
         self.meters: list[TopicMeter] = []
         self.applied = 0
         self.tally: Counter[str] = Counter()
@@ -49,7 +48,9 @@ class JointWatch:
         self._reported_at = 0.0
         self._complained_at = -COMPLAIN_EVERY
         self._heard: dict[str, float] = {}  # when there was a position last, by joint
-        self._others = _OtherPublishers(body.name, node)
+        self._contested_at = -CONTESTED_FOR  # when a message of another publisher came last
+        self._asked_at = -COMPLAIN_EVERY
+        self._publishers = ""  # who they are, in words
 
     @property
     def topics(self) -> list[str]:
@@ -60,7 +61,7 @@ class JointWatch:
         """Note what was made of one message."""
         self.tally.update(report.counts())
         if report.arrival is Arrival.ANOTHER:
-            self._others.heard(self.topics)
+            self._ask_who_publishes()
             return
         now = time.monotonic()
         self._report, self._reported_at = report, now
@@ -79,14 +80,14 @@ class JointWatch:
     @property
     def in_order(self) -> bool:
         """Whether messages of one publisher go on coming, for all joints, and nothing was wrong with the last."""
-        return self._report is not None and self._report.clean and not self._others.said() and not self.stale()
+        return self._report is not None and self._report.clean and not self._contested() and not self.stale()
 
     def line(self) -> str:
         """What stands below the view: the last report, who else publishes, stale joints, and the age of the report."""
         if self._report is None:
             return f"{self._body.name}: {self._nothing_yet()}" if self.meters else ""
         stale = _some([f"{joint}: nothing for {age} s" for joint, age in self.stale().items()])
-        said = "; ".join(filter(None, (str(self._report), self._others.said(), stale)))
+        said = "; ".join(filter(None, (str(self._report), self._contested(), stale)))
         return f"{self._body.name}: {said} ({time.monotonic() - self._reported_at:.1f} s ago)"
 
     def _nothing_yet(self) -> str:
@@ -96,40 +97,24 @@ class JointWatch:
             return f"nothing of what has come on {topic} could be shown yet"
         return f"nothing has come on {topic} yet"
 
+    def _contested(self) -> str:
+        """Say who publishes; empty when nothing of another publisher has come for a while."""
+        return self._publishers if time.monotonic() - self._contested_at < CONTESTED_FOR else ""
 
-class _OtherPublishers:
-    """Knows who else publishes what reaches a body: said below the view while it goes on, and logged when it changes.
-
-    Args:
-        body: the body's name.
-        node: the node to ask.
-    """
-
-    def __init__(self, body: str, node: MeteredNode) -> None:
-        self._body = body
-        self._node = node
-        self._heard_at = -CONTESTED_FOR
-        self._asked_at = -COMPLAIN_EVERY
-        self._said = ""
-
-    def said(self) -> str:
-        """Return who publishes; empty when nothing of another has come for a while."""
-        return self._said if time.monotonic() - self._heard_at < CONTESTED_FOR else ""
-
-    def heard(self, topics: list[str]) -> None:
-        """Note a message of another publisher, and ask now and then who publishes on the topics."""
-        now = self._heard_at = time.monotonic()
+    def _ask_who_publishes(self) -> None:
+        """Note a message of another publisher, and ask now and then who publishes; a change is logged."""
+        now = self._contested_at = time.monotonic()
         if now - self._asked_at < COMPLAIN_EVERY:
             return
         self._asked_at = now
-        before, self._said = self._said, "another publisher is not followed"
-        for topic in topics:
+        before, self._publishers = self._publishers, "another publisher is not followed"
+        for topic in self.topics:
             nodes = self._node.get_publishers_info_by_topic(topic)
             if len(nodes) > 1:
                 names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})
-                self._said = f"{len(nodes)} publish on {topic}, one is followed: {printable(_some(names))}"
-                if self._said != before:
-                    _log.warning("%s: %s", self._body, self._said)
+                self._publishers = f"{len(nodes)} publish on {topic}, one is followed: {printable(_some(names))}"
+                if self._publishers != before:
+                    _log.warning("%s: %s", self._body.name, self._publishers)
 
 
 class Item:
@@ -144,6 +129,7 @@ class Item:
         body: the displayed body.
         controllers: those that have joined it.
         joints: what is known of its joint states.
+        failed: whether a controller has failed to leave it.
 
     Raises:
         TutorialError: the model does not load.
@@ -153,6 +139,7 @@ class Item:
         self.body = Body.displayed(placement)
         self.controllers: list[SimpleController] = []
         self.joints = JointWatch(self.body, node)
+        self.failed = False
         self._node = node
         self._calls = calls
         self._scopes: list[CallScope] = []
@@ -193,6 +180,7 @@ class Item:
                 controller.unconfigure()
             except (Exception, SystemExit):  # noqa: BLE001 - whatever it is, the others still have to leave
                 _log.exception("%s of %s failed in unconfigure()", type(controller).__name__, self.body.name)
+                self.failed = True
 
     def _changed(self, report: JointReport | None) -> None:
         """Note that the body is to be drawn, and what its message was like."""

@@ -20,8 +20,6 @@ from tutorial.errors import did_you_mean
 if TYPE_CHECKING:
     from sensor_msgs.msg import JointState
 
-__all__ = ["Arrival", "JointMatcher", "JointReport", "match_joints"]
-
 NAMES_KEPT = 3  # in each part of a report, so that it stays small whatever comes in
 SECOND_NS = 1_000_000_000  # a stamp that steps back further than this is a publisher that was started again
 PAUSE_NS = 10 * SECOND_NS  # that a publisher may make, where there are two

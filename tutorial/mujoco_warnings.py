@@ -6,8 +6,6 @@ import logging
 import time
 from contextlib import suppress
 
-__all__ = ["mujoco_warns"]
-
 WARN_EVERY = 5.0  # [s] between two log lines
 AFTER_WARNING = {
     " in CTRL at ": "All controls count as 0 until each is a number again.",

@@ -15,23 +15,6 @@ from pathlib import Path
 
 from tutorial.errors import TutorialError, did_you_mean
 
-__all__ = [
-    "COURSE",
-    "HOME",
-    "PACKAGE",
-    "SHIPPED",
-    "find_drive",
-    "find_home",
-    "find_launch_file",
-    "find_model",
-    "find_project",
-    "is_course",
-    "is_file",
-    "is_folder",
-    "is_ours",
-    "with_own_commands",
-]
-
 COURSE = ("launch_py", "notebooks", "project")
 """What a course folder has in it."""
 

@@ -9,8 +9,6 @@ import click
 
 from tutorial.errors import printable_lines
 
-__all__ = ["say", "say_all"]
-
 
 def say(text: str, err: bool = False) -> None:
     """Print a text that has its line breaks, at once, also into a pipe. All that the commands print goes through here.

@@ -20,8 +20,6 @@ from tutorial.paths import is_file
 from tutorial.world import Placement, compose
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["BodyItem", "Project"]
-
 Coordinate = Annotated[float, msgspec.Meta(ge=-10_000, le=10_000)]  # [m]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 

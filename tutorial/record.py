@@ -16,8 +16,6 @@ from tutorial.joints import JointReport
 from tutorial.ros.backend import ros_backend
 from tutorial.ros.node_thread import TopicMeter
 
-__all__ = ["make_record", "write_record"]
-
 
 def make_record(node: str, seconds: float, meters: Sequence[TopicMeter], items: Sequence[Item] = ()) -> dict[str, Any]:
     """Sum up what a process did.

@@ -13,12 +13,11 @@ from enum import Enum
 from tutorial.body import FindCamera
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, where
-from tutorial.stepped_world import ControllerError, Run, Snapshot, SteppedWorld
+from tutorial.stepped_world import ControllerError, Run, SteppedWorld
 from tutorial.world import Placement
 
-__all__ = ["ControllerError", "Simulation", "Snapshot", "State"]
-
 SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005 a busy cell starves a thread that wakes a thousand times a second
+USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between two batches of steps
 LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up; what is beyond is given up
 REPORT_EVERY = 5.0  # [s] between two complaints that the machine can't keep up
@@ -32,8 +31,8 @@ class State(Enum):
     """What a simulation does.
 
     ``start`` and ``advance`` lead from IDLE or FAILED to RUNNING. From there it comes to IDLE when the duration is over
-    or at ``stop``, and ``restart`` leads from FAILED to IDLE. If a controller raises, also when it is stopped, the
-    simulation is FAILED in the end. If one does not return, it is ABANDONED for ever.
+    or at ``stop``. If a controller raises, also when it is stopped, the simulation is FAILED in the end. If one does
+    not return, it is ABANDONED for ever.
     """
 
     IDLE = "idle"  #: nothing; it can be stepped
@@ -89,7 +88,7 @@ class Simulation(SteppedWorld):
             TutorialError: the simulation is running, or another thread has stopped it meanwhile.
         """
         if seconds < 0:
-            raise TutorialError(f"advance({seconds}): time does not go back. Give seconds >= 0, or call restart().")
+            raise TutorialError(f"advance({seconds}): time does not go back. Give seconds >= 0.")
         run, error = Run(threading.current_thread()), None
         try:
             with self._turn("advance()"):
@@ -118,8 +117,12 @@ class Simulation(SteppedWorld):
             TutorialError: it is running already.
         """
         with self._turn("start()"):
-            self._check_idle("the simulation is running already. Call stop() first, or restart().")
-            self._start(duration)
+            self._check_idle("the simulation is running already. Call stop() first.")
+            last_step = None if duration is None else self.step + round(duration / self.time_step)
+            thread = threading.Thread(target=lambda: self._main(run, last_step), name="simulation", daemon=True)
+            run = Run(thread, is_own=True)
+            self._begin(run)
+            thread.start()
 
     def stop(self) -> None:
         """End the run and stop the controllers. Idempotent. What was simulated stays.
@@ -127,27 +130,11 @@ class Simulation(SteppedWorld):
         A controller that does not return keeps its thread, which then ends with the process: `error` says where it is.
         """
         with self._turn("stop()"):
-            self._halt()
-            self._stop_all()
-
-    def restart(self) -> None:
-        """Go back to time 0 and the initial pose, with controllers initialized anew.
-
-        If it was running on its own thread, it starts again, for as long as it was started for.
-
-        Raises:
-            ControllerError: a controller does not return.
-        """
-        with self._turn("restart()"):
-            run, was_running = self._run, self.running
-            self._halt()
-            if self.state is not State.ABANDONED:
-                self.state, self.error = State.IDLE, None
-            self._stop_all()
-            self._check_abandoned()
-            self._reset()
-            if was_running and run.is_own:
-                self._start(run.duration)
+            self._run.stopping.set()
+            self._wait_for(self._run)
+            if self._initialized and self.state is not State.ABANDONED:
+                self._initialized = False
+                self._stop_controllers([controller for controller, _ in self._controllers])
 
     def release(self, body: str) -> None:
         """Stop the controllers of a body, for good; the body itself stays in the world, which may be running.
@@ -217,35 +204,12 @@ class Simulation(SteppedWorld):
                 self._run.abandon()
         _log.error("%s", text)
 
-    def _start(self, duration: float | None) -> None:
-        """Begin a thread of its own."""
-        last_step = None if duration is None else self.step + round(duration / self.time_step)
-        thread = threading.Thread(target=lambda: self._main(run, last_step), name="simulation", daemon=True)
-        run = Run(thread, is_own=True, duration=duration)
-        self._begin(run)
-        try:
-            thread.start()
-        except BaseException:
-            if thread.ident is None:
-                self._end(run, None)
-            raise
-
-    def _halt(self) -> None:
-        """Have the run come to its end, or give it up."""
-        self._run.stopping.set()
-        self._wait_for(self._run)
-
     def _wait_for(self, run: Run) -> None:
         """Wait for the end of a run, or give it up."""
         if not run.finished.wait(STUCK):
             self._abandon(run)
         if run.is_own and not run.abandoned:
             run.thread.join(STUCK)  # it has nothing more to do
-
-    def _stop_all(self) -> None:
-        if self._initialized and self.state is not State.ABANDONED:
-            self._initialized = False
-            self._stop_controllers([controller for controller, _ in self._controllers])
 
     def _stop_controllers(self, controllers: list[SimpleController]) -> None:
         """Stop controllers on a thread that can be given up, as any of them may keep it."""
@@ -267,12 +231,12 @@ class Simulation(SteppedWorld):
         """The simulation's thread."""
         failed: ControllerError | None = None
         try:
-            with _short_switch_interval:
-                self._initialize(run)
-                self._keep_pace(run, last_step)
+            self._initialize(run)
+            self._keep_pace(run, last_step)
         except BaseException as error:  # noqa: BLE001 - whatever it is, the thread must not end without a word
             failed = error if isinstance(error, ControllerError) else self._controller_error(run, error)
             _log.error("%s", failed)
+        sys.setswitchinterval(USUAL_INTERVAL)
         self._end(run, failed)
 
     def _keep_pace(self, run: Run, last_step: int | None) -> None:
@@ -282,6 +246,7 @@ class Simulation(SteppedWorld):
         """
         pace = _Pace(self.step, self.time_step)
         while not run.stopping.is_set() and (last_step is None or self.step < last_step):
+            sys.setswitchinterval(SWITCH_INTERVAL)  # each time: another simulation that ends puts it back
             due = pace.steps_due(self.step)
             if last_step is not None:
                 due = min(due, last_step - self.step)
@@ -289,29 +254,6 @@ class Simulation(SteppedWorld):
             if not run.abandoned:
                 self.snapshot.put(self._snap())
             time.sleep(REST)
-
-
-class _SwitchInterval:
-    """Python's switch interval, which is short as long as there is a thread that steps in real time."""
-
-    def __init__(self) -> None:
-        self._lock, self._holders, self._before = threading.Lock(), 0, 0.0
-
-    def __enter__(self) -> None:
-        with self._lock:
-            if not self._holders:
-                self._before = sys.getswitchinterval()
-                sys.setswitchinterval(SWITCH_INTERVAL)
-            self._holders += 1
-
-    def __exit__(self, *_: object) -> None:
-        with self._lock:
-            self._holders -= 1
-            if not self._holders:
-                sys.setswitchinterval(self._before)
-
-
-_short_switch_interval = _SwitchInterval()
 
 
 class _Pace:

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ["ControllerError", "Run", "Snapshot", "SteppedWorld"]
-
 LOOK_EVERY = 0.001  # [s] while a run is watched
 _log = logging.getLogger(__name__)
 
@@ -51,7 +49,6 @@ class Run:
     Attributes:
         thread: the thread.
         is_own: whether the thread was made for the run, and ends with it.
-        duration: for how long it was started [s]; None for ever.
         controller: the controller that is at work, or was last; None while MuJoCo is.
         laps: grows after each step, when no controller is at work.
         stopping: set to ask the run to end.
@@ -61,7 +58,6 @@ class Run:
 
     thread: threading.Thread
     is_own: bool = False
-    duration: float | None = None
     controller: SimpleController | None = None
     laps: int = 0
     stopping: threading.Event = field(default_factory=threading.Event)
@@ -213,12 +209,6 @@ class SteppedWorld:
             if run.abandoned:
                 break
         return failed
-
-    def _reset(self) -> None:
-        """Go back to time 0 and the initial pose."""
-        mujoco.mj_resetData(self.model, self.data)
-        self.step = 0
-        self.snapshot.put(self._snap())
 
     def _controller_error(self, run: Run, error: BaseException) -> ControllerError:
         """Say which controller failed, when, and in which line."""

@@ -14,8 +14,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-__all__ = ["Handoff", "HandoffTrace", "Moment"]
-
 
 @dataclass(frozen=True)
 class Moment:

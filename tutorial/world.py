@@ -11,7 +11,8 @@ import mujoco
 from tutorial.errors import TutorialError
 from tutorial.mujoco_warnings import mujoco_warns
 
-__all__ = ["Placement", "compose", "world_spec"]
+FAILS = (ValueError, RuntimeError)
+"""What MuJoCo raises of a model: RuntimeError where there is no memory for it."""
 
 mujoco.set_mju_user_warning(mujoco_warns)
 
@@ -51,9 +52,11 @@ def compose(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco
     """
     world = world_spec(placements, time_step)
     try:
-        return world.compile()
-    except ValueError as error:
+        model = world.compile()
+        model.names.decode()  # what is in other encodings compiles, and then has no names
+    except FAILS as error:
         raise TutorialError(f"the world does not compile. MuJoCo says: {error}") from error
+    return model
 
 
 def world_spec(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco.MjSpec:
@@ -69,12 +72,13 @@ def world_spec(placements: Iterable[Placement], time_step: float = 0.001) -> muj
     world.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     for placement in placements:
         try:
+            str(placement.model).encode()  # MuJoCo takes names in UTF-8 alone
             part = mujoco.MjSpec.from_file(str(placement.model))
-        except ValueError as error:
+            part.option.timestep = time_step
+            part.option.gravity = world.option.gravity
+            part.option.integrator = world.option.integrator
+            frame = world.worldbody.add_frame(pos=placement.position, quat=placement.orientation_wxyz)
+            world.attach(part, prefix=f"{placement.name}/", frame=frame)
+        except FAILS as error:
             raise TutorialError(f"the model {str(placement.model)!r} does not load. MuJoCo says: {error}") from error
-        part.option.timestep = time_step
-        part.option.gravity = world.option.gravity
-        part.option.integrator = world.option.integrator
-        frame = world.worldbody.add_frame(pos=placement.position, quat=placement.orientation_wxyz)
-        world.attach(part, prefix=f"{placement.name}/", frame=frame)
     return world

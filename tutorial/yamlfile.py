@@ -14,8 +14,6 @@ from msgspec import inspect
 
 from tutorial.errors import TutorialError, did_you_mean, printable
 
-__all__ = ["YamlFile"]
-
 T = TypeVar("T")
 
 WORDS = {

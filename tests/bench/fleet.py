@@ -47,7 +47,9 @@ def publish(tanks: int) -> None:
 async def show(tanks: int) -> float:
     """Return what one tank's messages cost in a second, once all tanks have been heard [s]."""
     project = Project.load(find_project("fleet"))
-    async with Host(replace(project, bodies=project.bodies[:tanks]), view=View(Scene())) as host:
+    view = View(scene := Scene())
+    scene.attach(len)
+    async with Host(replace(project, bodies=project.bodies[:tanks]), view=view) as host:
         running = asyncio.ensure_future(host.run())
         received = [meter for meter in host.node.meters if meter.direction == "received"]
         while not all(meter.count for meter in received):

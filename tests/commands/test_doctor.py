@@ -37,7 +37,7 @@ def machine(monkeypatch):
             monkeypatch.setenv(name, value)
         monkeypatch.setattr(doctor, "ask", answered)
         wanted = environment.get("TUTORIAL_ROS", "rclpy" if is_real else "pocket")
-        monkeypatch.setattr(doctor, "install_backend", lambda: wanted)
+        monkeypatch.setattr(doctor, "ros_backend", lambda: wanted)
 
     return machine
 

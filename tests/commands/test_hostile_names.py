@@ -107,12 +107,17 @@ def test_a_bag_of_what_they_say(hostile, tank, tmp_path, monkeypatch):
     assert f"Topic: {SAID} | Type: {STRING} | Count: " in info.output
 
 
-def test_a_node_without_a_name_and_a_topic_whose_name_is_no_text(tank, monkeypatch):
-    """With which a real ROS 2 lists nothing at all: that is an error, with its words. Others go on."""
-    is_real, unknown = ros_backend() == "rclpy", "\N{REPLACEMENT CHARACTER}" * 2
-    node, topic = ("empty node name", "can't decode") if is_real else ("/\n", f"/{unknown}\n")
-    with hostile_domain("nameless", "no_text") as number:
+@pytest.mark.parametrize(
+    ("kind", "listing", "on_real", "on_pocket"),
+    [
+        ("nameless", "node", "empty node name", "/\n"),
+        ("no_text", "topic", "can't decode", "/" + "\N{REPLACEMENT CHARACTER}" * 2 + "\n"),
+    ],
+)
+def test_a_name_with_which_a_real_ros_2_lists_nothing_at_all(tank, monkeypatch, kind, listing, on_real, on_pocket):
+    """That is an error there, with its words. Others go on."""
+    is_real = ros_backend() == "rclpy"
+    with hostile_domain(kind) as number:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        prints(tank, ("node", "list"), is_real, [node])
-        prints(tank, ("topic", "list"), is_real, [topic])
+        prints(tank, (listing, "list"), is_real, [on_real if is_real else on_pocket])
         prints(tank, ("run", "step3", "--headless", "--duration", "2"), 0, [])

@@ -1,16 +1,20 @@
-"""Drive files, and what is said when they are wrong."""
+"""Drive files, what is said when they are wrong, and how long a joystick lasts."""
 
 from __future__ import annotations
 
 import re
 import subprocess
 import sys
+import threading
 
 import pytest
+from programs import PATIENCE
+from sensor_msgs.msg import Joy
 
-from tutorial.commands.joystick import ScriptedDrive
+from tutorial.commands.joystick import ScriptedDrive, publish_joystick
 from tutorial.errors import TutorialError
 from tutorial.paths import find_drive
+from tutorial.ros.node_thread import NodeThread
 
 
 @pytest.fixture
@@ -38,6 +42,21 @@ def test_the_tour_loads_and_moves_every_stick():
     tour = ScriptedDrive(find_drive("tour"))
     seen = [tour.read(t / 10)[0] for t in range(150)]
     assert all(any(axes[i] != 0 for axes in seen) for i in range(4))
+
+
+def test_it_ends_with_its_simulation_while_others_go_on_listening(domain):
+    with NodeThread("joy") as joy, NodeThread("simulation") as simulation, NodeThread("bystander") as bystander:
+        bystander.node.create_subscription(Joy, "joy", lambda _: None, 1)
+        subscription = simulation.node.create_subscription(Joy, "joy", lambda _: None, 1)
+
+        def leave(_seconds):
+            (publisher,) = (each for each in joy.node.publishers if each.topic_name == "/joy")
+            if publisher.get_subscription_count() == 2:
+                simulation.node.destroy_subscription(subscription)
+
+        stop = threading.Event()
+        drive = ScriptedDrive(find_drive("tour"))
+        assert publish_joystick(joy.node, drive, 0.1, 2 * PATIENCE, stop, leave) < PATIENCE
 
 
 @pytest.mark.parametrize(

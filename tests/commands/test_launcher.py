@@ -129,11 +129,10 @@ def machine(monkeypatch):
 def test_lines_have_the_process_in_front_and_reach_no_terminal_raw(machine, launch_file, monkeypatch):
     monkeypatch.setenv("LANG", "C")
     monkeypatch.setattr(launcher.shutil, "which", lambda word, path: None)
-    monkeypatch.setattr(launcher, "LONGEST", 20)
     more = ("", "additional_env={'B': '2'}", "env={'PATH': '/nowhere'}")
     path = launch_file(", ".join(f"ExecuteProcess(cmd=['echo'], {each})" for each in more))
     assert machine.run(path, A="1", B="1") == 0
-    texts = ("hello", "x" * 20, "x" * 10, "\\x1b[2J\\u202eb\tc\\x85d")
+    texts = ("hello", "x" * 30, "\\x1b[2J\\u202eb\tc\\x85d")
     assert sorted(machine.lines) == sorted(
         f"{name} | {text}" for name in ("echo  ", "echo-2", "echo-3") for text in texts
     )
@@ -196,7 +195,7 @@ DEFINED = "def generate_launch_description()"
         (f"\n{DEFINED}: 1 / 0", ".py, line 2, in generate_launch_description: ZeroDivisionError: division by zero"),
         ("raise SystemExit(0)", "test.launch.py, line 1: SystemExit: 0"),
         (f"{DEFINED}: pass", "returned no LaunchDescription"),
-        (FILE.format(""), "describes no process"),
+        (FILE.format(""), "returned no LaunchDescription with a process"),
         (FILE.format("ExecuteProcess(cmd=[])"), "its cmd is []. Give a list of words, such as cmd=['tank', 'joy']"),
         (FILE.format("ExecuteProcess(cmd=[''])"), "its cmd is ['']. Give"),
         (FILE.format("ExecuteProcess(cmd='tank joy')"), "its cmd is 'tank joy'. Give a list of words"),

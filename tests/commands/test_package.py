@@ -69,7 +69,7 @@ def test_a_viewer_is_called_one_and_its_messages_are_declared(here):
     (here / "mine.py").write_text(source + "\nimport geometry_msgs.msg as g\n", encoding="utf-8")
     make("my_viewer", "--controller", "mine.py")
     assert 'name="viewer"' in (here / "my_viewer" / "launch" / "my_viewer.launch.py").read_text()
-    assert depends(here / "my_viewer") == {"geometry_msgs", "rclpy", "ros2launch", "sensor_msgs"}
+    assert depends(here / "my_viewer") == {"geometry_msgs", "python3-numpy", "rclpy", "ros2launch", "sensor_msgs"}
 
 
 @pytest.mark.parametrize("arguments", [[], ["--controller", "mine.py:TankController"]])

@@ -12,7 +12,8 @@ import pytest
 from programs import until
 
 from tutorial.commands import terminal
-from tutorial.commands.terminal import prepare_output, progress_bar, say
+from tutorial.commands.terminal import prepare_output, progress_bar
+from tutorial.printing import say
 
 INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 IN_C = (

@@ -54,15 +54,16 @@ class Viewer:
     """A `PoseSubscriber` on a displayed body."""
 
     def __init__(self, model="tank"):
-        self.node, self.posted, self.reports = Node(), 0, []
+        self.node, self.calls, self.reports = Node(), [], []
         self.body = Body.displayed(Placement("Robot", HOME / "project" / "models" / f"{model}.xml", PLACE))
         self.body.on_change(self.reports.append)
         self.controller = PoseSubscriber()
-        self.controller.configure(ControllerConfig(self.body, self.node, self.post, None))
+        self.controller.configure(ControllerConfig(self.body, self.node, lambda *call: self.calls.append(call), None))
 
-    def post(self, function, *args):
-        self.posted += 1
-        function(*args)
+    def run_calls(self):
+        for function, *args in self.calls:
+            function(*args)
+        self.calls.clear()
 
     def hear(self, *messages):
         for message in messages:
@@ -70,11 +71,12 @@ class Viewer:
                 self.controller.on_joint_state(message)
             else:
                 self.controller.on_tf(TFMessage(transforms=[message]))
+            self.run_calls()
         return self.body.position[0], self.body.joints[0].position
 
     @property
     def left_out(self):
-        return dict(self.controller.display.tally.left_out)
+        return dict(self.controller.tally.left_out)
 
 
 @pytest.fixture
@@ -114,7 +116,9 @@ def test_messages_may_come_as_soon_as_it_listens(monkeypatch):
         return subscription
 
     monkeypatch.setattr(Node, "create_subscription", listen_and_hear)
-    assert Viewer().posted == 2
+    viewer = Viewer()
+    viewer.run_calls()
+    assert viewer.controller.tally.shown == 1
 
 
 def test_what_is_fixed_to_the_ground_is_moved_too():
@@ -148,7 +152,7 @@ def test_joints_without_any_pose_are_not_shown_and_do_not_pile_up(viewer):
     viewer.hear(*(joint_state(20 * i, 0.1) for i in range(2 * MOST_WAITING, 500)))
     assert viewer.node.said[-1] == f"Robot: messages not shown so far: {500 - MOST_WAITING} {ALONE}"
     assert viewer.left_out == {ALONE: 500 - MOST_WAITING}
-    assert len(viewer.controller.display.pairs.waiting) == MOST_WAITING
+    assert len(viewer.controller.pairs.waiting) == MOST_WAITING
     assert not viewer.reports
 
 
@@ -208,28 +212,29 @@ def test_what_is_no_pose_is_never_shown_but_counted(viewer, why, message):
 @pytest.mark.parametrize(
     "message",
     [
-        JointState(name=["A"] * 10_001, position=[0.0] * 10_001),
-        JointState(name=["A"], position=[0.0] * 1_000_000),
-        JointState(name=["A" * 1_000_001], position=[0.0]),
+        JointState(name=[""] * 100_001),
+        JointState(name=["A"], position=[0.0] * 100_000),
+        JointState(name=["A" * 100_000], position=[0.0]),
     ],
 )
 def test_what_is_too_large_is_not_kept(viewer, message):
     viewer.hear(stamped(message, 20), transform(20, 5.0))
     assert viewer.left_out == {"with more joints than a robot has": 1}
-    assert list(viewer.controller.display.pairs.waiting.values()) == [{"pose": transform(20, 5.0)}]
+    assert list(viewer.controller.pairs.waiting.values()) == [{"pose": transform(20, 5.0)}]
 
 
 def test_only_its_own_transform_reaches_the_main_thread(viewer):
     others = [transform(20, child=f"Robot_{i}/base_link") for i in range(9_000)]
     viewer.controller.on_tf(TFMessage(transforms=others))
-    assert viewer.posted == 0
+    assert len(viewer.calls) == 0
     viewer.controller.on_tf(TFMessage(transforms=[*others, transform(20, 5.0), transform(20, 6.0)]))
-    assert viewer.posted == 1
-    viewer.controller.on_tf(TFMessage(transforms=2 * others + [transform(40)]))
-    assert viewer.posted == 1, "no robot has so many links"
+    assert len(viewer.calls) == 1
 
 
-@given(st.lists(st.tuples(st.sampled_from("ab"), st.integers(0, 12)), max_size=60))
+STREAMS = "joints", "pose"
+
+
+@given(st.lists(st.tuples(st.sampled_from(STREAMS), st.integers(0, 12)), max_size=60))
 def test_a_pair_is_of_one_stamp_and_each_message_is_in_a_pair_waits_or_is_left_out(arrivals):
     left_out, paired = [], 0
     pairs = StampPairs(left_out.append)
@@ -237,20 +242,20 @@ def test_a_pair_is_of_one_stamp_and_each_message_is_in_a_pair_waits_or_is_left_o
         message = stamped(JointState(name=[stream, str(count)]), at)
         pair = pairs.add(stream, message)
         if pair is not None:
-            assert {name: each.name[0] for name, each in pair.items()} == {"a": "a", "b": "b"}
-            assert pair[stream] is message
-            assert pair["a"].header.stamp == pair["b"].header.stamp
+            assert tuple(each.name[0] for each in pair) == STREAMS
+            assert pair[STREAMS.index(stream)] is message
+            assert pair[0].header.stamp == pair[1].header.stamp
             paired += 2
         assert count == paired + len(pairs.waiting) + len(left_out)
 
 
-@given(st.lists(st.tuples(st.sampled_from("ab"), st.integers(1, 60)), max_size=10))
+@given(st.lists(st.tuples(st.sampled_from(STREAMS), st.integers(1, 60)), max_size=10))
 def test_two_streams_in_order_lose_nothing_however_they_are_interleaved(runs):
-    left_out, found, sent = [], [], {"a": 0, "b": 0}
+    left_out, found, sent = [], [], dict.fromkeys(STREAMS, 0)
     pairs = StampPairs(left_out.append)
     for turn in (stream for stream, length in runs for _ in range(length)):
-        ahead = sent["a"] - sent["b"]
-        stream = "ab"[ahead > 0] if abs(ahead) == MOST_WAITING else turn
+        ahead = sent["joints"] - sent["pose"]
+        stream = STREAMS[ahead > 0] if abs(ahead) == MOST_WAITING else turn
         sent[stream] += 1
         if pairs.add(stream, stamped(JointState(), 20 * sent[stream])) is not None:
             assert sent[stream] == min(sent.values())

@@ -16,7 +16,6 @@ from tutorial.host import Host
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
 
-AS_IT_IS = ["listener.py"]
 WITH_THE_COURSE = ["-c", "import tutorial; exec(open('listener.py').read())"]
 
 pytestmark = pytest.mark.process
@@ -49,18 +48,24 @@ def test_every_tank_of_a_fleet_moves(domain):
         asyncio.run(scenario())
 
 
-@pytest.mark.parametrize("arguments", [AS_IT_IS, WITH_THE_COURSE])
-def test_the_listener_says_where_the_joints_are(domain, backend, arguments):
-    if backend == "pocket" and arguments == AS_IT_IS:
+LISTENER = "step2", "[listener]: TURRET_Y 0.00, TURRET_P -0.01\n"
+FRAMES = "step7", "[frames]: the radar is 0.41 m above the floor\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "project", "line"),
+    [(["listener.py"], *LISTENER), (WITH_THE_COURSE, *LISTENER), (["frames.py"], *FRAMES)],
+)
+def test_a_node_without_the_course_says_what_it_hears(domain, backend, arguments, project, line):
+    if backend == "pocket" and arguments != WITH_THE_COURSE:
         pytest.skip("it takes an installed ROS 2 to run it as it is")
 
-    async def scenario(listener):
-        async with Host(Project.load(find_project("step2"))) as host:
+    async def scenario(node):
+        async with Host(Project.load(find_project(project))) as host:
             running = asyncio.create_task(host.run())
-            lines = iter(listener.stderr.readline, "")
-            said = await asyncio.to_thread(next, (line for line in lines if "TURRET_P -0.01" in line))
+            lines = iter(node.stderr.readline, "")
+            assert await asyncio.to_thread(lambda: any(said.endswith(line) for said in lines))
             running.cancel()
-            assert said.endswith("[listener]: TURRET_Y 0.00, TURRET_P -0.01\n")
 
-    with script(*arguments) as listener:
-        asyncio.run(asyncio.wait_for(scenario(listener), PATIENCE))
+    with script(*arguments) as node:
+        asyncio.run(asyncio.wait_for(scenario(node), PATIENCE))

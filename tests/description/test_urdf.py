@@ -54,7 +54,7 @@ LIMITED = """
     <body name="ARM">
       <freejoint/>
       <geom size="0.1"/>
-      <body name="A"><joint name="A" range="-1 2" damping="3" frictionloss="0.5"/><geom size="0.1"/></body>
+      <body name="A"><joint name="A" range="-1 2" damping="3" frictionloss="0.5" user="4.5"/><geom size="0.1"/></body>
       <body name="B"><joint name="B" axis="0 1 0"/><geom size="0.1"/></body>
       <body name="C"><joint name="C" range="0 1" actuatorfrcrange="-5 7"/><geom size="0.1"/></body>
       <body name="D"><joint name="D" type="slide"/><geom size="0.1"/></body>
@@ -155,7 +155,7 @@ def inertia(model, number):
     return axes @ np.diag(model.body_inertia[number]) @ axes.T
 
 
-@pytest.mark.parametrize(("file", "links"), [("tank", 17), ("crane", 5)])
+@pytest.mark.parametrize(("file", "links"), [("tank", 20), ("crane", 8)])
 def test_links_joints_masses_and_inertias_are_mujocos(file, links):
     body = body_of(MODELS / f"{file}.xml")
     robot = Robot(robot_description(body))
@@ -165,11 +165,29 @@ def test_links_joints_masses_and_inertias_are_mujocos(file, links):
     for name, ends in body.joint_ranges.items():
         assert model.joint(name).range == pytest.approx(ends)
     assert robot.links["base_link"].find("inertial") is None  # KDL knows no root that has one
+    assert set(robot.links).isdisjoint(robot.joints)
     names = {i: own.body(i).name.removeprefix("Robot/") for i in range(1, own.nbody)}
+    names = {i: f"{name}_link" if name in body.joint_names else name for i, name in names.items()}
     if file == "tank":
         body.orientation_wxyz = 0.5, 0.5, -0.5, 0.5  # it lies on its side
         body.calc_forward_kinematics()
     assert_same_robot(body, model, names)
+
+
+@pytest.mark.parametrize("file", ["tank", "crane"])
+def test_sensors_and_cameras_have_links_and_a_camera_looks_along_z(file):
+    own = body_of(MODELS / f"{file}.xml").model
+    model = Robot(robot_description(body_of(MODELS / f"{file}.xml"))).read()
+    expected, data = mujoco.MjData(own), mujoco.MjData(model)
+    mujoco.mj_forward(own, expected)
+    mujoco.mj_forward(model, data)
+    root, camera, optical = expected.body(1), expected.camera("Robot/CAMERA"), data.body("CAMERA_optical")
+    assert root.xmat.tolist() == np.eye(3).ravel().tolist()
+    for sensor in ("ACCEL_SENSOR", "GYRO"):
+        np.testing.assert_allclose(root.xpos + data.body(sensor).xpos, expected.site("Robot/IMU").xpos)
+    np.testing.assert_allclose(root.xpos + optical.xpos, camera.xpos)
+    right, up, back = camera.xmat.reshape(3, 3).T
+    np.testing.assert_allclose(optical.xmat.reshape(3, 3).T, (right, -up, -back), atol=1e-9)
 
 
 def test_every_link_of_a_curious_model_is_where_mujoco_has_it(described):
@@ -203,7 +221,7 @@ def test_a_limit_says_what_the_actuators_can_do(described):
     limits = {name: dict(robot.joints[name].find("limit").attrib) for name in "ABCD"}
     many = "1000000000"
     assert limits == {
-        "A": {"lower": "-1", "upper": "2", "effort": "30", "velocity": many},
+        "A": {"lower": "-1", "upper": "2", "effort": "30", "velocity": "4.5"},
         "B": {"effort": "45", "velocity": many},
         "C": {"lower": "0", "upper": "1", "effort": "7", "velocity": many},
         "D": {"lower": f"-{many}", "upper": many, "effort": many, "velocity": many},

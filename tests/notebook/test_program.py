@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+import re
 import signal
 import socket
 import threading
@@ -13,11 +15,14 @@ import pytest
 from kernels import kernel
 from programs import marked
 from programs import until as wait_until
+from scenes import lines
 from sensor_msgs.msg import JointState
 
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.notebook import close_all, open_node, open_program, until
+from tutorial.notebook import program as program_module
+from tutorial.notebook.widgets.frame_widget import FrameWidget
 from tutorial.paths import find_project
 from tutorial.project import Project
 
@@ -107,6 +112,26 @@ async def test_time_is_started_and_stopped_twice_and_not_when_closed():
             act()
     with pytest.raises(TutorialError, match="this program is closed"):
         await program.run(0.1)
+
+
+async def test_a_started_simulation_rests_when_its_page_is_gone_and_never_without_one(monkeypatch):
+    def below():
+        return lines(program.view.whole()[0])[0]
+
+    monkeypatch.setattr(FrameWidget, "heard_at", math.inf)
+    monkeypatch.setattr(program_module, "REST_AFTER", 0.0)
+    program = open_program("step1")
+    program.start()
+    await until(lambda: program.simulation.time > 0.2)
+    program.view._handle_custom_msg({"type": "here", "view": "page"}, [])
+    await until(lambda: not program.simulation.running)
+    assert re.match(r"paused at [\d.]+ s: the notebook was on no page for 0 min\. Start it again", below())
+    program.advance(0.1)
+    await program.run(0.1)
+    monkeypatch.setattr(program_module, "REST_AFTER", 300.0)
+    program.start()
+    await until(lambda: "paused" not in below())
+    assert program.simulation.running
 
 
 LOOPS = """

@@ -159,7 +159,7 @@ def test_a_whole_picture_arrives_in_a_real_topic_echo(rmw):
         beside.says(CAMERA, "topic", "list")
         whole = "data: '<sequence type: uint8, length: 230400>'"
         said = beside.says(whole, "topic", "echo", "--once", "--no-arr", CAMERA)
-        assert {"encoding: rgb8", "step: 960", "  frame_id: CAMERA"} <= set(said.splitlines())
+        assert {"encoding: rgb8", "step: 960", "  frame_id: Tank/CAMERA_optical"} <= set(said.splitlines())
 
 
 def test_packages_are_run_and_launched_there(rmw, tmp_path):

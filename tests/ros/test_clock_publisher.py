@@ -56,7 +56,8 @@ def test_nodes_and_their_timers_go_by_the_simulations_time(domain):
         assert calls == [100 * i * STEP for i in range(1, 11)]
 
         advance(5)
-        simulation.restart()
+        simulation.stop()
+        simulation = Simulation([tank], [("", controller)])
         simulation.advance(0.001)
         until(lambda: clock.now().nanoseconds == 0, "the time to jump back")
         advance(10)

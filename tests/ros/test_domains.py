@@ -11,9 +11,8 @@ from tutorial.ros.domains import reserved_domain
 
 def test_nobody_else_has_it_until_it_is_given_back(monkeypatch):
     with reserved_domain() as mine:
-        monkeypatch.setattr(domains, "FIRST", mine)
-        monkeypatch.setattr(domains, "LAST", mine)
-        with pytest.raises(TutorialError, match=f"all ROS domains from {mine} to {mine} are taken"):
+        monkeypatch.setattr(domains, "DOMAINS", [mine])
+        with pytest.raises(TutorialError, match="all 1 ROS domains of this machine are taken: shut down kernels"):
             reserved_domain().__enter__()
     with reserved_domain() as again:
         assert again == mine

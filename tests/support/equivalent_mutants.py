@@ -123,6 +123,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
             FOUR_AXES, FOUR_AXES.replace("axes[:4]", "axes[:5]")
         ),
     },
+    "timeout": {UNRELATED: (swapped("self.message = message", "self.since = seconds"),)},
     "drive": {
         UNRELATED: exchanged(
             "drive",

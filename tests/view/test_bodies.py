@@ -182,7 +182,7 @@ def test_a_moving_body_is_where_mujoco_has_it_and_only_it_is_sent(falling):
         assert pose[3].tolist() == [0, 0, 0, 1]
         assert eye.moved == [BALL]
     assert eye.messages == 1 + 5
-    late = Eye(view._scene)
+    late = Eye(view.scene)
     assert late.objects == eye.objects
     for path, transform in eye.transforms.items():
         np.testing.assert_array_equal(late.transforms[path], transform)
@@ -202,9 +202,9 @@ def test_what_is_nowhere_stays_where_it_was_and_the_others_move(falling, far):
 def test_what_is_removed_is_away_and_can_be_added_again(falling):
     *_, view, _ = falling
     view.remove("world")
-    assert Eye(view._scene).objects == {}
+    assert Eye(view.scene).objects == {}
     view.add("world", SPHERE)
-    assert list(Eye(view._scene).objects) == ["/Bodies/world/b/g"]
+    assert list(Eye(view.scene).objects) == ["/Bodies/world/b/g"]
 
 
 def test_the_grid_is_there_as_long_as_there_is_no_floor():
@@ -215,7 +215,7 @@ def test_the_grid_is_there_as_long_as_there_is_no_floor():
         (view.remove, ("room",), True),
     ):
         change(*arguments)
-        assert Eye(view._scene).properties["/Grid", "visible"] is visible
+        assert Eye(view.scene).properties["/Grid", "visible"] is visible
 
 
 TURRET = """
@@ -251,7 +251,7 @@ def test_what_stale_joints_move_is_grey_until_they_are_heard_of_again():
     assert colours("PITCH") == {"Tank.tower": [0, 1, 0, 1], "Tank.lid": [1, 0, 0, 0.5], "Tank.gun": [*grey, 1.0]}
     assert colours("PITCH", "RECOIL") == {}
     assert colours("RECOIL") == {}
-    assert Eye(view._scene).properties["/Bodies/Tank/Tank.barrel/Tank.gun/<object>", "color"] == [*grey, 1.0]
+    assert Eye(view.scene).properties["/Bodies/Tank/Tank.barrel/Tank.gun/<object>", "color"] == [*grey, 1.0]
     assert colours() == {"Tank.gun": [0, 0, 1, 1]}
 
 
@@ -262,7 +262,7 @@ def test_a_close_up_is_as_far_away_as_the_body_is_large(size):
     view, eye = drawn(Ball=model)
     view.look_at_bodies("Ball")
     view.flush()
-    camera = [payload for kind, payload in unpack_records(view._scene.snapshot()) if kind is Record.CAMERA]
+    camera = [payload for kind, payload in unpack_records(view.scene.snapshot()) if kind is Record.CAMERA]
     numbers = np.frombuffer(camera[-1], dtype="<f8")
     assert numbers[3:] == pytest.approx([1, 2, 3])
     assert np.linalg.norm(numbers[:3] - numbers[3:]) == pytest.approx(np.sqrt(2) * model.stat.extent)

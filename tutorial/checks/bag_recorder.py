@@ -1,5 +1,6 @@
-"""The exercise of step 8: find in a bag where a stream was interrupted."""
+"""Exercises of step 8: a thread that writes, and where a stream in a bag was interrupted."""
 
 from tutorial.checks.gaps import gaps
+from tutorial.checks.record import record
 
-__all__ = ["gaps"]
+__all__ = ["record", "gaps"]  # noqa: RUF022 - in the notebook's order

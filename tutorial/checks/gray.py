@@ -6,8 +6,8 @@ topic is `Tank/camera/gray`, without a slash in front, so it is in the namespace
 
 - A pixel is one byte, the average of its red, green and blue, rounded or cut off. That encoding is called `mono8`;
   `step` says how many bytes a row has.
-- The stamp is the simulated time at the moment of asking, the frame is the camera's name. A picture may come after
-  you have asked for the next one, or not at all.
+- The stamp is the simulated time at the moment of asking. The frame is the camera's optical frame, for the body `Tank`
+  `Tank/CAMERA_optical`. A picture may come after you have asked for the next one, or not at all.
 - It works with pictures of any size, on any body that has such a camera, and with any time step.
 - When the simulation stops, `stop` closes the camera. In `unconfigure`, the node destroys the publisher.
 
@@ -74,7 +74,7 @@ class GrayPublisher(SimpleController):
         """Publish a picture, on the camera's thread."""
         message = Image()
         message.header.stamp = Time(nanoseconds=time_ns).to_msg()
-        message.header.frame_id = self.camera.name
+        message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical"
         message.height, message.width, _ = pixels.shape
         message.encoding = "mono8"
         message.step = message.width
@@ -128,7 +128,8 @@ OTHERWISE = {
     "the row": "Most likely step is left out, or that of colours: a row has message.step = message.width bytes.",
     "pictures that come late, or not at all": "Most likely the time is that of delivery or of a later request, or "
     "pictures are counted. Hand the time on, self.camera.capture(self.publish, self.io.time_ns).",
-    "the frame": "Most likely the frame is left out, or the body's: it is message.header.frame_id = self.camera.name.",
+    "the frame": "Most likely the frame is left out, or the body's. It is the camera's, "
+    'message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical".',
     "after stop": "Most likely the camera is not closed: in stop, self.camera.close().",
 }
 
@@ -246,12 +247,17 @@ def left_open(answer: type) -> str:
     return f"pictures of {number or 'no'} camera are still delivered"
 
 
+def frame(frame_id: str) -> str:
+    """Say in which frame a picture is; the camera's name alone counts, too."""
+    return repr("Rover/CAMERA_optical" if frame_id == "CAMERA" else frame_id)
+
+
 TRIED = {
     "what is sent": PUBLISHING.sent(0.7),
     "the size": PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.width} x {sent[-1].message.height}"),
     "the encoding": PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.encoding)),
     "the row": PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
-    "the frame": PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.header.frame_id)),
+    "the frame": PUBLISHING.sent(0.3, lambda _, sent: frame(sent[-1].message.header.frame_id)),
     "pictures that come late, or not at all": late,
     "after stop": left_open,
 }

@@ -1,8 +1,9 @@
-"""Exercises of step 1: hear a button, read axes from anybody, hold a joint where the stick has put it, and drive."""
+"""Exercises of step 1: hear a button, read axes from anybody, hold a joint where the stick puts it, drive, and stop."""
 
 from tutorial.checks.aim import aim
 from tutorial.checks.bound import bound
 from tutorial.checks.drive import drive
 from tutorial.checks.fire import fire
+from tutorial.checks.timeout import timeout
 
-__all__ = ["fire", "bound", "aim", "drive"]  # noqa: RUF022 - in the notebook's order
+__all__ = ["fire", "bound", "aim", "drive", "timeout"]  # noqa: RUF022 - in the notebook's order

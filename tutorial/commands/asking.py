@@ -14,13 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tutorial.commands.terminal import say, until_asked
+from tutorial.commands.terminal import until_asked
 from tutorial.errors import TutorialError
+from tutorial.printing import say
 
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode, NodeThread
-
-__all__ = ["asks", "clear_ros_errors", "named_node"]
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
 

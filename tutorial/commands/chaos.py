@@ -10,11 +10,10 @@ from collections.abc import Sequence
 import click
 
 from tutorial.commands.asking import clear_ros_errors, named_node
-from tutorial.commands.terminal import handle_signals, say
+from tutorial.commands.terminal import handle_signals
 from tutorial.errors import TutorialError
+from tutorial.printing import say
 from tutorial.ros.chaos import FAULTS, Chaos, parse_fault
-
-__all__ = ["chaos"]
 
 EPILOG = "\b\nThe faults:\n" + "\n".join(f"  {name:10} {what}" for name, what in FAULTS.items())
 

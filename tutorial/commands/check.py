@@ -14,22 +14,20 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tutorial.commands.options import Seconds
-from tutorial.commands.terminal import INTERRUPTED, say, until_asked
+from tutorial.commands.terminal import INTERRUPTED, until_asked
 from tutorial.errors import TutorialError, printable
-from tutorial.paths import is_file, is_folder
+from tutorial.printing import say
 
 if TYPE_CHECKING:
     from tutorial.commands.checking.messages import Judged
     from tutorial.commands.checking.report import Results
-
-__all__ = ["check"]
 
 TOGETHER = 2  # notebooks at a time
 LIMIT = 60.0  # [s] that an answer may take
 
 
 @click.command(short_help="Check the answers in learners' notebooks.")
-@click.argument("notebooks", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("notebooks", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 @click.option(
     "--jobs", type=click.IntRange(1, 64), default=TOGETHER, show_default=True, help="Judge so many notebooks at a time."
 )
@@ -65,9 +63,13 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     done: dict[Path, dict[str, Judged]] = {}
     interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done))
     results = [(names[path], done[path]) for path in paths if path in done]
+    _show(results, as_json, not no_sandbox)
     if junit is not None:
-        junit.write(as_junit(results))
-    _show(results, as_json)
+        try:
+            with junit as file:
+                file.write(as_junit(results))
+        except OSError as error:
+            raise TutorialError(f"the JUnit report cannot be written: {error.strerror}.") from error
     if interrupted:
         say(f"Interrupted: {len(paths) - len(done)} of {len(paths)} notebooks are not judged.\n", err=True)
         return INTERRUPTED
@@ -76,15 +78,9 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
 
 
 def _found(given: Sequence[Path]) -> list[Path]:
-    """Find the notebooks, each once; of a folder, those beneath it, without the copies that Jupyter keeps.
-
-    Raises:
-        TutorialError: there is nothing of such a name.
-    """
+    """Find the notebooks, each once; of a folder, those beneath it, without the copies that Jupyter keeps."""
     found: dict[Path, None] = {}
     for path in given:
-        if not (is_file(path) or is_folder(path)):
-            raise TutorialError(f"there is no file or folder {str(path)!r}")
         inner = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
         found |= dict.fromkeys(each for each in inner if ".ipynb_checkpoints" not in each.parts)
     return list(found)
@@ -125,15 +121,15 @@ async def _judge_all(
                 group.create_task(judge_one(path))
 
 
-def _show(results: Results, as_json: bool) -> None:
+def _show(results: Results, as_json: bool, is_sandboxed: bool) -> None:
     from rich.console import Console
 
     from tutorial.commands.checking import report
 
     if as_json:
-        say(json.dumps(report.as_json(results), indent=2) + "\n")
+        say(json.dumps(report.as_json(results, is_sandboxed), indent=2) + "\n")
         return
     console = Console(highlight=False)
     console.print(report.table(results))
-    for line in report.summary(results):
+    for line in report.summary(results, is_sandboxed):
         console.print(line, markup=False)

@@ -12,8 +12,6 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-__all__ = ["read_records", "summary"]
-
 COUNTS = ("published", "received", "applied")
 
 

@@ -22,12 +22,9 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib import metadata
 from typing import Any, Literal, NamedTuple
 
-from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError, did_you_mean
-from tutorial.ros.backend import install_backend
-from tutorial.ros.domains import LAST
-
-__all__ = ["doctor"]
+from tutorial.printing import say
+from tutorial.ros.backend import ros_backend
 
 WIDTH = 100  # columns, of which the first 20 are for subject and level
 PATIENCE = 45  # [s] that an answer may take: a loaded machine is slow to import
@@ -143,7 +140,7 @@ def backend() -> Diagnosis:
     """Say which ROS 2 is in use, and why."""
     wanted, distro = os.environ.get("TUTORIAL_ROS"), os.environ.get("ROS_DISTRO")
     try:
-        is_real = install_backend() == "rclpy"
+        is_real = ros_backend() == "rclpy"
     except TutorialError as error:
         return Diagnosis("problem", str(error), "unset TUTORIAL_ROS")
     name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if is_real else "the pocket ROS 2, on Cyclone DDS"
@@ -173,7 +170,7 @@ def backend() -> Diagnosis:
 
 def discovery() -> Diagnosis:
     """Say in plain words how far the nodes here look for others, and what was set by hand."""
-    reach = os.environ.get(RANGE) or ("SUBNET" if install_backend() == "rclpy" else "LOCALHOST")
+    reach = os.environ.get(RANGE) or ("SUBNET" if ros_backend() == "rclpy" else "LOCALHOST")
     if reach not in RANGES:
         return Diagnosis("problem", f"{RANGE} is {reach!r}.{did_you_mean(reach, RANGES)}", f"unset {RANGE}")
     text = f"{reach}: {RANGES[reach]}"
@@ -190,7 +187,7 @@ def domain() -> Diagnosis:
     try:
         is_known, names = ask(_nodes)
     except TutorialError as error:
-        mend = f"mend what is said of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to {LAST}"
+        mend = "mend what is said of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
         return Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", mend)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]
@@ -239,7 +236,8 @@ def _rclpy() -> tuple[str, str | None, str]:
 def _nodes() -> tuple[bool, list[str]]:
     """Whether the graph is known, and who is in it, but for hidden nodes, which this one is."""
     from tutorial.ros.node_thread import NodeThread
-    from tutorial.ros.topics import node_names, wait_for_graph
+    from tutorial.ros.topics.graph import wait_for_graph
+    from tutorial.ros.topics.listing import node_names
     from tutorial.ros.topics.names import escape_name
 
     with NodeThread("_doctor") as thread:

@@ -19,8 +19,6 @@ from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.ros.node_thread import MeteredNode
 from tutorial.yamlfile import YamlFile
 
-__all__ = ["Gamepad", "ScriptedDrive", "publish_joystick"]
-
 
 class _Moment(msgspec.Struct, forbid_unknown_fields=True):
     time: Annotated[float, msgspec.Meta(ge=0)]
@@ -125,7 +123,8 @@ def publish_joystick(
         node: the node to publish with.
         source: the joystick.
         duration: how long [s]; None for until `stop`.
-        linger: after the duration, go on for at most so long [s], until the subscriptions have come and gone.
+        linger: after the duration, go on for at most so long [s], until a subscription that had come has gone. Others
+            may stay: whoever listens in does not keep the joystick.
         stop: set it to stop, from any thread.
         progress: called with the seconds that have passed.
 
@@ -135,14 +134,14 @@ def publish_joystick(
     publisher = node.create_publisher(Joy, "joy", 1)
     began = time.monotonic()
     met_at: float | None = None
-    tick = 0
+    most = tick = 0
     while not stop.wait(max(0.0, began + tick / RATE - time.monotonic())):
         elapsed = time.monotonic() - began
         subscriptions = publisher.get_subscription_count()
         if met_at is None and subscriptions:
             met_at = elapsed
-        deserted = met_at is not None and not subscriptions
-        if duration is not None and elapsed >= duration and (deserted or elapsed >= duration + linger):
+        most = max(most, subscriptions)
+        if duration is not None and elapsed >= duration and (subscriptions < most or elapsed >= duration + linger):
             break
         publisher.publish(joy_message(node, *source.read(elapsed - met_at if met_at is not None else 0.0)))
         progress(elapsed)

@@ -16,8 +16,6 @@ from nbformat.sign import NotebookNotary
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME, PACKAGE, SHIPPED, is_ours
 
-__all__ = ["lab_command", "own_course", "trust"]
-
 _log = logging.getLogger(__name__)
 
 OWN = "tank-tutorial"
@@ -38,10 +36,7 @@ def own_course() -> Path:
         TutorialError: the folder cannot be written to, or belongs to somebody else.
     """
     elsewhere = "Go to a folder of your own, for instance with cd ~, and type it again."
-    try:
-        course = Path.cwd() / OWN if HOME == SHIPPED else HOME
-    except FileNotFoundError as error:
-        raise TutorialError(f"the current directory has been deleted. {elsewhere}") from error
+    course = Path.cwd() / OWN if HOME == SHIPPED else HOME
     if course.exists() and not is_ours(course):
         raise TutorialError(f"{course} belongs to another user. {elsewhere}")
     if (course / "tutorial" / "__init__.py").exists():  # a checkout, which has all it needs
@@ -58,6 +53,8 @@ def own_course() -> Path:
 def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]:
     """Return the command that opens JupyterLab on the first notebook: for this machine alone, and quiet.
 
+    If a JupyterHub starts it, it is the student's server, and the hub says where it listens.
+
     Args:
         arguments: more of JupyterLab's own, which come before what is set here.
         course: the course folder, which is all that JupyterLab shows.
@@ -65,7 +62,6 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
     settings = {
         "ServerApp.root_dir": course,
         "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",
-        "ServerApp.ip": "127.0.0.1",
         "ServerApp.allow_root": True,  # for in a container there is nobody else
         "ServerApp.allow_origin_pat": _forwarded_origin(),
         "ServerApp.max_body_size": 64_000_000,  # bytes, read before it is asked who sent them; notebooks are smaller
@@ -73,8 +69,11 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         "ServerApp.answer_yes": True,  # one Ctrl-C ends it
         "Application.log_level": "ERROR",
     }
+    program = "jupyterhub.singleuser" if "JUPYTERHUB_SERVICE_URL" in os.environ else "jupyterlab"
+    if program == "jupyterlab":
+        settings["ServerApp.ip"] = "127.0.0.1"
     options = (f"--{name}={value}" for name, value in settings.items())
-    return [sys.executable, "-P", "-m", "jupyterlab", *options, *arguments]
+    return [sys.executable, "-P", "-m", program, *options, *arguments]
 
 
 def _forwarded_origin() -> str:

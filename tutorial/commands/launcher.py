@@ -13,13 +13,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import datetime
 from importlib import import_module
-from itertools import chain, count, cycle
+from itertools import chain, count
 from pathlib import Path
 from subprocess import Popen
 from types import ModuleType
 from typing import TYPE_CHECKING, TextIO
-
-import click
 
 import pocket_ros2
 from tutorial import parent_watch
@@ -30,12 +28,8 @@ from tutorial.paths import with_own_commands
 if TYPE_CHECKING:
     from launch.actions import ExecuteProcess
 
-__all__ = ["Launcher", "load_launch_file"]
-
 PATIENCE = 8.0  # [s] from asking a process to stop to killing it
 LOOK_EVERY = 0.1  # [s] between two looks at what still runs
-LONGEST = 1 << 16  # characters of a line; a longer one is printed in parts
-COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue")
 
 
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
@@ -61,10 +55,8 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
             raise TutorialError(f"{path} uses more than the tutorial's launch has: {error}. {mend}") from error
         except (Exception, SystemExit) as error:
             raise TutorialError(f"{path} failed: {tell(error, str(path))}") from error
-    if not isinstance(description, launch.LaunchDescription):
-        raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription.")
-    if not description.entities:
-        raise TutorialError(f"{path} describes no process. Give its LaunchDescription an ExecuteProcess.")
+    if not isinstance(description, launch.LaunchDescription) or not description.entities:
+        raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription with a process.")
     for entity in description.entities:
         if not isinstance(entity, launch.actions.ExecuteProcess):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
@@ -92,7 +84,6 @@ class Launcher:
         self._environment = environment
         self._output = output
         self._width = max(map(len, self._processes))
-        self._colours = dict(zip(self._processes, cycle(COLOURS)))
         self._running: dict[str, Popen[str]] = {}
         self._readers: list[threading.Thread] = []
         self._stop = threading.Event()
@@ -143,7 +134,7 @@ class Launcher:
         """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
         with process:
             assert process.stdout is not None
-            while line := process.stdout.readline(LONGEST):
+            for line in process.stdout:
                 self._say(name, printable_lines(line.rstrip("\n")))
             status = process.wait()
         if status >= 0:  # else there may be something left of its group, which is going to be stopped
@@ -173,11 +164,8 @@ class Launcher:
         return bool(self._running)
 
     def _say(self, name: str, line: str) -> None:
-        prefix = f"{datetime.now():%H:%M:%S} {name:{self._width}} | "
-        if self._output.isatty():
-            prefix = click.style(prefix, fg=self._colours[name])
         try:
-            self._output.write(f"{prefix}{line}\n")
+            self._output.write(f"{datetime.now():%H:%M:%S} {name:{self._width}} | {line}\n")
             self._output.flush()
         except BrokenPipeError:  # the reader has gone, as head does
             self._stop.set()

@@ -9,8 +9,6 @@ from typing import Any
 
 import click
 
-__all__ = ["Finite", "Seconds", "duration_option", "headless_option", "linger_option", "part_class", "report_option"]
-
 
 class Finite(click.FloatRange):
     """A number, which "nan" and "inf" are not."""

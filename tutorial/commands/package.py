@@ -10,10 +10,8 @@ from pathlib import Path
 import click
 
 from tutorial.commands.options import part_class
-from tutorial.commands.terminal import say
 from tutorial.errors import TutorialError, printable
-
-__all__ = ["package"]
+from tutorial.printing import say
 
 
 @click.command(short_help="Make a ROS 2 package of a controller of your own.")
@@ -26,7 +24,6 @@ __all__ = ["package"]
 )
 @click.option(
     "--destination-directory",
-    "--destination",
     "destination",
     type=click.Path(file_okay=False, path_type=Path),
     default=Path(),

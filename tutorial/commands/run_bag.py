@@ -12,8 +12,6 @@ from tutorial.commands.asking import named_node
 from tutorial.host import Host
 from tutorial.ros.bags import Recorder
 
-__all__ = ["bag_of"]
-
 LOOK_EVERY = 0.02  # [s]
 MEET_FOR = 5.0  # [s] at most, before the program runs
 

@@ -20,32 +20,26 @@ from tutorial.commands.chaos import chaos
 from tutorial.commands.check import check
 from tutorial.commands.options import duration_option, headless_option, linger_option, part_class, report_option
 from tutorial.commands.package import package
-from tutorial.commands.progress import progress
-from tutorial.commands.terminal import (
-    INTERRUPTED,
-    handle_signals,
-    prepare_output,
-    progress_bar,
-    say,
-    until_asked,
-)
+from tutorial.commands.terminal import INTERRUPTED, handle_signals, prepare_output, progress_bar, until_asked
 from tutorial.commands.topic import node, topic
-from tutorial.commands.urdf import urdf
 from tutorial.errors import TutorialError, printable
+from tutorial.printing import say
 
 if TYPE_CHECKING:
     from tutorial.commands.joystick import Gamepad, ScriptedDrive
     from tutorial.project import Project
 
-__all__ = ["main"]
-
 FILE = click.Path(path_type=Path)
 LINGER = 30.0  # [s] that launched processes wait for each other, beyond twice the duration: a machine may be slow
 
 
-def main() -> None:
-    """Run the command that the shell was given, and exit with its status."""
-    words, ros_args = _split(sys.argv[1:])
+def main(args: list[str] | None = None) -> None:
+    """Run a command, and exit with its status.
+
+    Args:
+        args: its words; None for those that the shell was given.
+    """
+    words, ros_args = _split(sys.argv[1:] if args is None else args)
     prepare_output()
     try:
         status = tank.main(args=words, prog_name="tank", standalone_mode=False, obj=ros_args)
@@ -175,14 +169,42 @@ def check_up() -> int:
     return doctor()
 
 
+@tank.command(short_help="Show which exercises are solved.")
+@click.argument("folder", required=False, type=click.Path(exists=True, file_okay=False, path_type=Path))
+def progress(folder: Path | None) -> None:
+    """Show which exercises are solved in the notebooks of FOLDER; without it, of the course folder one is in."""
+    from tutorial.checks.catalogue import exercise_names
+    from tutorial.paths import HOME
+    from tutorial.progress import FILE, Overview
+
+    places = [Path(), Path("notebooks")] if folder is None else [folder, folder / "notebooks"]
+    default = HOME / "notebooks" if folder is None else folder
+    place = next((place for place in places if (place / FILE).exists()), default)
+    say(f"{Overview(exercise_names(), place)!r}\n")
+
+
+@tank.command(short_help="Print a robot's description, a URDF.")
+@click.argument("model")
+def urdf(model: str) -> None:
+    """Print MODEL as URDF: an MJCF file, or the name of one of the tutorial's, such as tank.
+
+    It is what RobotDescriptionPublisher publishes: tank urdf tank > tank.urdf.
+    """
+    from tutorial.body import Body
+    from tutorial.description.urdf import robot_description
+    from tutorial.paths import find_model
+    from tutorial.world import Placement
+
+    path = find_model(model)
+    say(robot_description(Body.displayed(Placement(path.stem.capitalize(), path))))
+
+
 tank.add_command(bag)
 tank.add_command(chaos)
 tank.add_command(check)
 tank.add_command(node)
 tank.add_command(package)
-tank.add_command(progress)
 tank.add_command(topic)
-tank.add_command(urdf)
 
 
 def _split(words: list[str]) -> tuple[list[str], list[str]]:

@@ -16,17 +16,6 @@ from tqdm import tqdm
 from tqdm.contrib.logging import logging_redirect_tqdm
 
 from tutorial.errors import printable_lines
-from tutorial.printing import say
-
-__all__ = [
-    "INTERRUPTED",
-    "handle_signals",
-    "prepare_output",
-    "progress_bar",
-    "say",
-    "status_line",
-    "until_asked",
-]
 
 ENDINGS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 INTERRUPTED = 130  # the exit status that shells expect after Ctrl-C

@@ -15,8 +15,6 @@ from tutorial.printing import say, say_all
 if TYPE_CHECKING:
     from tutorial.ros.node_thread import MeteredNode
 
-__all__ = ["node", "topic"]
-
 SAME_NAME = (
     "WARNING: Be aware that there are nodes in the graph that share an exact name, "
     "which can have unintended side effects."
@@ -33,7 +31,7 @@ def topic() -> None:
 @asks
 async def list_topics(node: MeteredNode, show_types: bool) -> None:
     """List the topics there are."""
-    from tutorial.ros.topics import topic_list
+    from tutorial.ros.topics.listing import topic_list
 
     say(await topic_list(node, show_types))
 
@@ -44,7 +42,7 @@ async def list_topics(node: MeteredNode, show_types: bool) -> None:
 @asks
 async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
     """Say what type a topic has, and who publishes and subscribes."""
-    from tutorial.ros.topics import topic_info
+    from tutorial.ros.topics.listing import topic_info
 
     say(await topic_info(node, topic_name, verbose))
 
@@ -57,7 +55,7 @@ async def info(node: MeteredNode, topic_name: str, verbose: bool) -> None:
 @asks
 async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None, no_arr: bool) -> None:
     """Print the messages of a topic as they come, until Ctrl-C."""
-    from tutorial.ros.topics import topic_echo
+    from tutorial.ros.topics.listening import topic_echo
 
     await say_all(topic_echo(node, topic_name, once=once, field=field, no_arr=no_arr))
 
@@ -68,7 +66,7 @@ async def echo(node: MeteredNode, topic_name: str, once: bool, field: str | None
 @asks
 async def hz(node: MeteredNode, topic_name: str) -> None:
     """Measure how often messages come on a topic, until Ctrl-C."""
-    from tutorial.ros.topics import topic_hz
+    from tutorial.ros.topics.listening import topic_hz
 
     await say_all(topic_hz(node, topic_name))
 
@@ -82,8 +80,8 @@ async def hz(node: MeteredNode, topic_name: str) -> None:
 @asks
 async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str, rate: float, once: bool) -> None:
     """Publish a message. VALUES are its fields in YAML: '{axes: [0.0, 0.5]}'."""
-    from tutorial.ros.topics import topic_pub
     from tutorial.ros.topics.populate import populated
+    from tutorial.ros.topics.publishing import topic_pub
 
     await say_all(topic_pub(node, topic_name, populated(message_type, values), rate, once))
 
@@ -97,7 +95,8 @@ def node() -> None:
 @asks
 async def list_nodes(asker: MeteredNode) -> None:
     """List the nodes there are, in all programs."""
-    from tutorial.ros.topics import node_names, wait_for_graph
+    from tutorial.ros.topics.graph import wait_for_graph
+    from tutorial.ros.topics.listing import node_names
     from tutorial.ros.topics.names import escape_name
 
     await wait_for_graph(asker)

@@ -37,7 +37,7 @@ class CameraPublisher(SimpleController):
         """Publish a picture. Its stamp is the simulated time at which control asked for it [ns]."""
         message = image(pixels)
         message.header.stamp = Time(nanoseconds=time_ns).to_msg()
-        message.header.frame_id = self.camera.name
+        message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical"
         self.publisher.publish(message)
 
     def stop(self) -> None:  # a thread of the simulation's, after the last step

@@ -35,7 +35,7 @@ class ImuPublisher(SimpleController):
         if self.io.step % self.steps_per_message == 0:
             message = imu(*np.mean(self.samples, axis=0).tolist())
             message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
-            message.header.frame_id = f"{self.io.body.name}/base_link"
+            message.header.frame_id = f"{self.io.body.name}/GYRO"
             self.publisher.publish(message)
             self.samples.clear()
 

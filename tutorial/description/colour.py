@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from tutorial.body import SHOWN_GROUPS
 
-__all__ = ["colour_of", "is_seen", "takes_material"]
-
 Array = NDArray[np.float64]
 
 _UNTOUCHED = (0.5, 0.5, 0.5, 1.0)

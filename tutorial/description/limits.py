@@ -9,15 +9,17 @@ import numpy as np
 
 from tutorial.description.poses import numbers
 
-__all__ = ["add_dynamics", "add_limit"]
-
 UNLIMITED = 1e9
-"""Where the model sets no limit, as for every speed [rad, m, N.m, N, rad/s or m/s]: URDF wants a number."""
+"""Where the model sets no limit [rad, m, N.m, N, rad/s or m/s]: URDF wants a number."""
 
 
 def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:
-    """Add a ``<limit>``: the range, where the joint has one or slides, and what its actuators can do."""
-    limit = {"effort": numbers([_effort(model, joint)]), "velocity": numbers([UNLIMITED])}
+    """Add a ``<limit>``: the range, where the joint has one or slides, what its actuators can do, and its speed.
+
+    MuJoCo limits no speed: a model says it as the joint's ``user`` value.
+    """
+    fastest = (*model.jnt_user[joint], 0.0)[0] or UNLIMITED
+    limit = {"effort": numbers([_effort(model, joint)]), "velocity": numbers([fastest])}
     if model.jnt_limited[joint] or model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:
         lower, upper = model.jnt_range[joint] if model.jnt_limited[joint] else (-UNLIMITED, UNLIMITED)
         limit = {"lower": numbers([lower]), "upper": numbers([upper]), **limit}

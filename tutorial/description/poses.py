@@ -11,8 +11,6 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Matrix", "add_origin", "numbers", "pose", "shift", "turn"]
-
 Matrix = NDArray[np.floating[Any]]
 
 NOTHING = 1e-12

@@ -11,8 +11,6 @@ import numpy as np
 from tutorial.description.colour import colour_of, is_seen, takes_material
 from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift
 
-__all__ = ["add_shapes"]
-
 Shape = tuple[str, dict[str, str], Matrix]
 """A tag of URDF, its attributes, and where it is within the geom."""
 

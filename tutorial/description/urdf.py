@@ -1,13 +1,16 @@
 """A body's MuJoCo model as URDF, the robot description that rviz2, robot_state_publisher and others read.
 
 The links are the model's bodies, in the same places, and the joints that move are those that joint states speak of.
-Names are the model's, without the body's before them: robot_state_publisher adds that (``frame_prefix``).
+Names are the model's, without the body's before them: robot_state_publisher adds that (``frame_prefix``). A link whose
+name a joint has, too, gets another. Sensors and cameras have links of their own, the frames of their messages.
 """
 
 from __future__ import annotations
 
 import logging
 from collections import Counter
+from math import pi
+from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Comment, Element, SubElement
 
@@ -19,8 +22,6 @@ from tutorial.description.limits import add_dynamics, add_limit
 from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift, turn
 from tutorial.description.shapes import add_shapes
 
-__all__ = ["robot_description"]
-
 ROOT = "base_link"
 """The link that stands where the body's root does. A free joint moves it, and is not in the description."""
 
@@ -28,6 +29,9 @@ WORLD, FIRST = 0, 1
 """MuJoCo's numbers of the world, which the bodies stand in, and of the root."""
 
 FREE, BALL, SLIDE = (int(getattr(mujoco.mjtJoint, f"mjJNT_{kind}")) for kind in ("FREE", "BALL", "SLIDE"))
+
+OPTICAL = turn((1.0, 0.0, 0.0), pi)
+"""From a camera's axes in MuJoCo, z back and y up, to those of an optical frame, z ahead and y down (REP 103)."""
 
 _log = logging.getLogger(__name__)
 
@@ -70,6 +74,7 @@ class _Writer:
                 self._add_body(number)
         for geom in range(self.model.ngeom):
             self._add_geom(geom)
+        self._add_sensors()
         self._say_what_is_missing()
         ElementTree.indent(self.robot)
         # in ASCII, where other characters are numbers: so it is the same in every file and on every terminal
@@ -88,6 +93,7 @@ class _Writer:
             self.links[number] = parent
         else:
             own = name if name and name != ROOT else self._unused("link", name or f"body_{number}")
+            own = self._unused("link", f"{own}_link") if own in self.published else own
             self.links[number] = self._lead(parent, joints, place, own)
         self._add_inertia(self.links[number], number)
 
@@ -120,9 +126,7 @@ class _Writer:
             if ends:
                 return link
             parent = link
-        link = self._add_link(name)
-        self._add_joint(self._unused("joint", f"{name}_fixed"), "fixed", parent, link, place)
-        return link
+        return self._add_fixed(parent, name, place)
 
     def _joints(self, number: int) -> list[int]:
         """Return MuJoCo's numbers of a body's joints that joint states speak of; count those that are fixed."""
@@ -156,6 +160,11 @@ class _Writer:
 
     def _add_link(self, name: str) -> Element:
         return SubElement(self.robot, "link", name=name)
+
+    def _add_fixed(self, parent: Element, name: str, place: Matrix) -> Element:
+        link = self._add_link(name)
+        self._add_joint(self._unused("joint", f"{name}_fixed"), "fixed", parent, link, place)
+        return link
 
     def _add_joint(self, name: str, kind: str, parent: Element, child: Element, place: Matrix) -> Element:
         element = SubElement(self.robot, "joint", name=name, type=kind)
@@ -191,6 +200,21 @@ class _Writer:
             self.left_out["shapes in no body"] += 1
         elif number in self.links and (missing := add_shapes(self.links[number], self.model, geom)):
             self.left_out[missing] += 1
+
+    def _add_sensors(self) -> None:
+        """Add a link for each sensor on a site, called like it, and for each camera: its optical frame."""
+        model = self.model
+        sensors = np.flatnonzero(model.sensor_objtype == int(mujoco.mjtObj.mjOBJ_SITE)).tolist()
+        cameras = map(model.camera, range(model.ncam))
+        frames: list[tuple[str, Any, Matrix]] = [
+            *((model.sensor(i).name, model.site(model.sensor_objid[i]), np.eye(4)) for i in sensors),
+            *((f"{camera.name}_optical", camera, OPTICAL) for camera in cameras),
+        ]
+        for name, found, turned in frames:
+            body = int(found.bodyid[0])
+            if body != WORLD and body in self.links:
+                own = self._unused("link", self._plain(name))
+                self._add_fixed(self.links[body], own, pose(found.pos, found.quat) @ turned)
 
     def _say_what_is_missing(self) -> None:
         """Say it at the top of the description, and in the log what makes it move other than the robot.

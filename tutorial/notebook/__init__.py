@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from ipywidgets import Widget
 
+from tutorial.checks.catalogue import exercise_names
 from tutorial.notebook.bag_tools import bag_play
 from tutorial.notebook.command import Command
 from tutorial.notebook.desk import close_all, keep, log, until
 from tutorial.notebook.process import prepare_process
 from tutorial.notebook.program import Program
-from tutorial.notebook.progress import progress
 from tutorial.notebook.topic_tools import topic_echo, topic_hz, topic_info, topic_list
 from tutorial.notebook.widgets.chaos_panel import ChaosPanel
 from tutorial.notebook.widgets.image_view import ImageView
@@ -24,6 +24,7 @@ from tutorial.notebook.widgets.node_graph import NodeGraph
 from tutorial.notebook.widgets.side_by_side import SideBySide
 from tutorial.notebook.widgets.swimlane import swimlane
 from tutorial.paths import find_project
+from tutorial.progress import Overview
 from tutorial.project import Project
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 
@@ -129,3 +130,12 @@ def side_by_side(*widgets: Widget) -> SideBySide:
     Views share the room that the others leave.
     """
     return SideBySide(*widgets)
+
+
+def progress(step: int | None = None) -> Overview:
+    """Show which exercises are solved; that is remembered beside the notebook, in ``.tank_progress.json``.
+
+    Args:
+        step: the number of the only step to show; None for all.
+    """
+    return Overview(exercise_names(step))

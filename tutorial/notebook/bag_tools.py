@@ -10,8 +10,6 @@ from tutorial.notebook.desk import keep
 from tutorial.ros.bags import Bag, Player
 from tutorial.ros.node_thread import NodeThread
 
-__all__ = ["bag_play"]
-
 
 async def bag_play(bag: Bag | Path | str, rate: float = 1.0, start_offset: float = 0.0) -> None:
     """Publish a bag's messages again, at the times at which they were received; to interrupt the kernel ends it.

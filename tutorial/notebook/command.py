@@ -15,8 +15,6 @@ from tutorial.errors import TutorialError
 from tutorial.notebook.desk import until
 from tutorial.paths import HOME, with_own_commands
 
-__all__ = ["Command"]
-
 PATIENCE = 5.0  # [s] from asking a command to stop to killing it
 LONGEST = 120.0  # [s] that a command may take to end by itself
 LINES_KEPT = 1000

@@ -11,8 +11,6 @@ from typing import Any, TypeVar
 
 from tutorial.errors import TutorialError, printable_lines
 
-__all__ = ["close_all", "keep", "keep_once", "log", "logged", "until"]
-
 PATIENCE = 30.0  # [s] that `until` waits: a classroom's server may be slow
 LOOK_EVERY = 0.01  # [s] between two looks at a condition
 LINES_KEPT = 100
@@ -30,6 +28,7 @@ class LogLines(logging.Handler):
         self.lines: deque[tuple[float, str]] = deque(maxlen=LINES_KEPT)
 
     def emit(self, record: logging.LogRecord) -> None:
+        """Keep a line. Any thread."""
         line = f"[{record.levelname}] {record.getMessage()}"
         if record.exc_info and record.exc_info[1] is not None:
             line += f": {type(record.exc_info[1]).__name__}: {record.exc_info[1]}"

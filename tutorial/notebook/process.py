@@ -15,8 +15,6 @@ from IPython.core.getipython import get_ipython
 from tutorial.notebook.desk import close_all, logged
 from tutorial.ros.domains import reserved_domain
 
-__all__ = ["prepare_process"]
-
 _until_exit = ExitStack()
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import math
+import time
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TypeVar
@@ -14,6 +16,7 @@ from tutorial.body import Body
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.host import FRAME, Host
+from tutorial.notebook.widgets.frame_widget import FrameWidget
 from tutorial.notebook.widgets.scene_view import SceneView
 from tutorial.project import Project
 from tutorial.simulation import Simulation
@@ -22,10 +25,10 @@ from tutorial.view.bodies import View
 from tutorial.view.replay import recorded
 from tutorial.view.scene import Scene
 
-__all__ = ["EndedEarly", "Program"]
-
 T = TypeVar("T")
 
+REST_AFTER = 300.0  # [s] without a page, after which a simulation that was started rests
+RESTS = "paused at %.1f s: the notebook was on no page for %d min. Start it again with start()."
 LONGEST_PAUSE = 1.0  # [s] in a replay: between two cells, one thinks
 
 
@@ -55,6 +58,7 @@ class Program:
         self.view = SceneView(scene, title=node)
         self._running = False
         self._open = True
+        self._started_at = math.inf
         self._loop = asyncio.get_running_loop()
         self._next = self._loop.call_later(FRAME, self._draw)
 
@@ -106,10 +110,13 @@ class Program:
     def start(self) -> None:
         """Let simulated time pass, in real time, until `stop`. When it does already, nothing happens.
 
+        If the notebook's page is gone for some minutes, time stands still, and the view says so.
+
         Raises:
             TutorialError: the program only displays, or was closed.
         """
         self._check_open()
+        self._started_at = time.monotonic()
         if not self.simulation.running:
             self.host.forget_errors()
             self.simulation.start()
@@ -120,6 +127,7 @@ class Program:
         Raises:
             TutorialError: the program only displays.
         """
+        self._started_at = math.inf
         self.simulation.stop()
 
     def advance(self, seconds: float) -> None:
@@ -194,6 +202,8 @@ class Program:
         self._open = False
         self._next.cancel()
         self.host.close()
+        self._scene.catch_up()  # the last picture, also for a page that comes later
+        self._scene.catch_up = lambda: None
         self.view.end()
 
     def _check_open(self) -> None:
@@ -204,7 +214,15 @@ class Program:
         """Draw what happens outside of `run`, again and again."""
         self._next = self._loop.call_later(FRAME, self._draw)
         if not self._running:
+            self._rest()
             self.host.refresh()
+
+    def _rest(self) -> None:
+        """Stop a simulation that goes on while its page has been gone for long; without any page so far, it goes on."""
+        gone_for = time.monotonic() - max(FrameWidget.heard_at, self._started_at)
+        if gone_for > REST_AFTER and self.simulation.running:
+            self.host.note = RESTS % (self.simulation.time, gone_for / 60)
+            self.stop()
 
 
 def _find(name: str, things: dict[str, T], what: str) -> T:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from tutorial.notebook.desk import keep_once
 from tutorial.printing import say, say_all
-from tutorial.ros import topics
 from tutorial.ros.node_thread import MeteredNode, NodeThread
-
-__all__ = ["topic_echo", "topic_hz", "topic_info", "topic_list"]
+from tutorial.ros.topics import listening, listing
 
 PATIENCE = 10.0  # [s] that `topic_echo` and `topic_hz` wait for a message
 REPORTS = 2  # of `topic_hz`
@@ -19,7 +17,7 @@ async def topic_list(show_types: bool = False) -> None:
     Args:
         show_types: with their types, as with ``-t``.
     """
-    say(await topics.topic_list(_asker(), show_types))
+    say(await listing.topic_list(_asker(), show_types))
 
 
 async def topic_info(topic: str, verbose: bool = False) -> None:
@@ -32,7 +30,7 @@ async def topic_info(topic: str, verbose: bool = False) -> None:
     Raises:
         TutorialError: there is no such topic.
     """
-    say(await topics.topic_info(_asker(), topic, verbose))
+    say(await listing.topic_info(_asker(), topic, verbose))
 
 
 async def topic_echo(topic: str, once: bool = False, field: str | None = None, no_arr: bool = False) -> None:
@@ -47,7 +45,7 @@ async def topic_echo(topic: str, once: bool = False, field: str | None = None, n
     Raises:
         TutorialError: there is no such topic or field, or nobody publishes on it for 10 s.
     """
-    await say_all(topics.topic_echo(_asker(), topic, once=once, field=field, no_arr=no_arr, timeout=PATIENCE))
+    await say_all(listening.topic_echo(_asker(), topic, once=once, field=field, no_arr=no_arr, timeout=PATIENCE))
 
 
 async def topic_hz(topic: str, window: int = 10_000) -> None:
@@ -60,7 +58,7 @@ async def topic_hz(topic: str, window: int = 10_000) -> None:
     Raises:
         TutorialError: nobody publishes on it for 10 s.
     """
-    await say_all(topics.topic_hz(_asker(), topic, window=window, timeout=PATIENCE), REPORTS)
+    await say_all(listening.topic_hz(_asker(), topic, window=window, timeout=PATIENCE), REPORTS)
 
 
 def _asker() -> MeteredNode:

@@ -10,21 +10,15 @@ from typing import Literal
 
 from tutorial.errors import TutorialError, did_you_mean
 
-__all__ = ["install_backend", "promise", "ros_backend"]
-
 Backend = Literal["rclpy", "pocket"]
 
 
-def ros_backend() -> Backend:
-    """Say which ROS 2 this process uses: ``"rclpy"``, a real one, or ``"pocket"``, that of this package."""
-    return install_backend()
-
-
 @cache
-def install_backend() -> Backend:
-    """Decide once, and make ``import rclpy`` and the messages work accordingly.
+def ros_backend() -> Backend:
+    """Say which ROS 2 this process uses: ``"rclpy"``, a real one, or ``"pocket"``, that of this package.
 
-    The environment variable ``TUTORIAL_ROS`` decides by hand. Otherwise a real rclpy wins.
+    It is decided once, and ``import rclpy`` and the messages work accordingly. The environment variable
+    ``TUTORIAL_ROS`` decides by hand. Otherwise a real rclpy wins.
 
     Raises:
         TutorialError: ``TUTORIAL_ROS`` names neither.
@@ -45,7 +39,7 @@ def promise() -> None:
     A wrong ``TUTORIAL_ROS`` is no error of ``import tutorial``: without rclpy, ``tank doctor`` can still say so.
     """
     try:
-        install_backend()
+        ros_backend()
     except TutorialError as error:
         sys.meta_path.insert(0, _Refusal(str(error)))
 

@@ -8,8 +8,6 @@ from rosgraph_msgs.msg import Clock
 
 from tutorial.controller import ControllerIO, SimpleController
 
-__all__ = ["CLOCK_TOPIC", "ClockPublisher"]
-
 CLOCK_TOPIC = "/clock"
 RATE = 100  # [Hz] at least, in simulated time
 
@@ -17,7 +15,7 @@ RATE = 100  # [Hz] at least, in simulated time
 class ClockPublisher(SimpleController):
     """Publish simulated time on ``/clock``: a node whose parameter ``use_sim_time`` is true goes by it.
 
-    While the simulation stands nothing comes, and at a restart the time begins at 0 again. It comes before the other
+    While the simulation stands nothing comes; in a new program the time begins at 0 again. It comes before the other
     controllers, so that no stamp is ahead of it. Delivery is reliable where somebody asks for that; nodes ask for best
     effort and the newest message.
 

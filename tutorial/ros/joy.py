@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from rclpy.node import Node
 from sensor_msgs.msg import Joy
 
-__all__ = ["NEUTRAL", "RATE", "joy_message"]
-
 RATE = 50  # [Hz]
 NEUTRAL = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 

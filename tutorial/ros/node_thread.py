@@ -24,8 +24,6 @@ from rclpy.node import Node
 from tutorial.errors import where
 from tutorial.trace import HandoffTrace
 
-__all__ = ["MeteredNode", "NodeThread", "SpinThread", "TopicMeter"]
-
 LATENCIES_KEPT = 10_000
 LOOK = 0.05  # [s] between two looks whether the thread is to end
 COMPLAIN_EVERY = 5.0  # [s] between two log lines about failures in the same words

@@ -13,8 +13,6 @@ import numpy as np
 
 from tutorial.view.scene import Record, Scene, unpack_command, unpack_records
 
-__all__ = ["Animation"]
-
 
 class Animation:
     """What a scene has shown so far: everything that was drawn, and how it moved, came and went.

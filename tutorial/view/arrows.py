@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from tutorial.description.poses import Matrix, pose
 from tutorial.view.shapes import draw_arrow
 
-__all__ = ["Arrow", "Style", "arrows_of"]
-
 LONGEST = 1.0
 """No arrow is longer [m], whatever is published."""
 

@@ -7,8 +7,6 @@ from functools import cache
 from importlib.metadata import distribution
 from pathlib import Path
 
-__all__ = ["STATIC", "meshcats_viewer", "read_static", "zipped_viewer"]
-
 STATIC = Path(__file__).parent / "static"
 """The folder of our own."""
 

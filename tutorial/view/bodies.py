@@ -15,8 +15,6 @@ from tutorial.view.arrows import Arrow, arrows_of
 from tutorial.view.paint import Paint
 from tutorial.view.scene import Scene, Vector
 
-__all__ = ["View"]
-
 ROOT = "/Bodies"
 
 CAMERA: tuple[Vector, Vector] = ((-4.4, -3.4, 2.6), (-0.6, -0.1, 0.0))
@@ -61,10 +59,13 @@ class View:
 
     Args:
         scene: where to draw. Its background, lights, grid and camera are set up.
+
+    Attributes:
+        scene: as given.
     """
 
     def __init__(self, scene: Scene) -> None:
-        self._scene = scene
+        self.scene = scene
         self._bodies: dict[str, _Drawn] = {}
         self._furnish()
 
@@ -101,7 +102,7 @@ class View:
         """
         body = self._bodies[name]
         for path, matrix in body.poses.moved(data):
-            self._scene.send_message({"type": "set_transform", "path": path, "matrix": matrix})
+            self.scene.send_message({"type": "set_transform", "path": path, "matrix": matrix})
         body.measures = body.measures or bool(data.sensordata.any())
         if body.measures:
             for arrow in body.arrows:
@@ -134,7 +135,7 @@ class View:
         Raises:
             WrongThreadError: called on another thread than the scene's.
         """
-        self._scene.send_message({"type": "delete", "path": f"{ROOT}/{name}"})
+        self.scene.send_message({"type": "delete", "path": f"{ROOT}/{name}"})
         del self._bodies[name]
         self._show_grid_without_floor()
 
@@ -149,7 +150,7 @@ class View:
         high = np.max([size.center + size.extent / 2 for size in sizes], axis=0)
         center, extent = (low + high) / 2, float(np.max(high - low))
         x, y, z = (center + CLOSE_UP * extent).tolist()
-        self._scene.look_at((x, y, z), tuple(center.tolist()))
+        self.scene.look_at((x, y, z), tuple(center.tolist()))
         self._set("/Grid", "scale", [extent / GRID] * 3)
 
     def line(self, text: str, readings: Iterable[tuple[str, ...]] = ()) -> None:
@@ -159,7 +160,7 @@ class View:
             WrongThreadError: called on another thread than the scene's.
         """
         rows = list(readings)
-        self._scene.line(text, [HEAD, *rows] if rows else ())
+        self.scene.line(text, [HEAD, *rows] if rows else ())
 
     def flush(self) -> None:
         """Show what was drawn: one message, if anything has changed.
@@ -170,8 +171,8 @@ class View:
         for body in self._bodies.values():
             for arrow in body.arrows if body.measures else ():
                 for command in arrow.step():
-                    self._scene.send_message(command)
-        self._scene.flush()
+                    self.scene.send_message(command)
+        self.scene.flush()
 
     def _show_grid_without_floor(self) -> None:
         """Show the grid as long as no floor is drawn."""
@@ -201,13 +202,13 @@ class View:
         self._set("/Grid", "position", [0, 0, 0.003])  # on a floor at height 0 the two would flicker
         self._set("/Grid/<object>", "color", [1, 1, 1, 0.4])
         self._set("/Cameras/default/rotated/<object>", "fov", 50)
-        self._scene.look_at(*CAMERA)
+        self.scene.look_at(*CAMERA)
 
     def _set(self, path: str, key: str, value: object) -> None:
-        self._scene.send_message({"type": "set_property", "path": path, "property": key, "value": value})
+        self.scene.send_message({"type": "set_property", "path": path, "property": key, "value": value})
 
     def _set_object(self, path: str, drawing: shapes.Json) -> None:
-        self._scene.send_message({"type": "set_object", "path": path, "object": drawing})
+        self.scene.send_message({"type": "set_object", "path": path, "object": drawing})
 
 
 def _label(element: Any) -> str:

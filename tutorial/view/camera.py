@@ -16,8 +16,6 @@ from tutorial.body import Body
 from tutorial.errors import TutorialError, printable
 from tutorial.view.offscreen import USUAL, Offscreen, mend
 
-__all__ = ["Camera", "CameraRenderer"]
-
 PATIENCE = 30.0  # [s] that a picture may take in lockstep, the first one's OpenGL included
 UNSET = (1, 1)  # [px] in the model of a camera without a resolution
 NO_PICTURES = "cameras take no pictures, all else goes on: nothing renders here (%s). %s."

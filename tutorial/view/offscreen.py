@@ -13,8 +13,6 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["USUAL", "Offscreen", "mend"]
-
 USUAL = (320, 240)  # [px] of a camera whose model does not say its resolution
 ON_DEBIAN = "On Debian and Ubuntu, sudo apt-get install libegl1 libgl1 mends it"
 ELSEWHERE = "MuJoCo's documentation of rendering in Python says what this system needs"

@@ -8,8 +8,6 @@ import mujoco
 
 from tutorial.description.colour import colour_of
 
-__all__ = ["Paint"]
-
 STALE = [0.72, 0.73, 0.75]
 """Red, green and blue, each 0 to 1: a grey that none of the tutorial's models has."""
 

@@ -24,8 +24,6 @@ from tutorial.view.animation import Animation
 from tutorial.view.assets import STATIC, read_static, zipped_viewer
 from tutorial.view.scene import Scene
 
-__all__ = ["Replay", "ReplayRecorder", "recorded"]
-
 _log = logging.getLogger(__name__)
 
 FRAME = 1 / 30  # [s] between two frames of what moves

@@ -21,8 +21,6 @@ from numpy.typing import NDArray
 
 from tutorial.handoff import ThreadGuard
 
-__all__ = ["LINE_LENGTH", "Record", "Scene", "Sink", "pack_command", "pack_record", "unpack_command", "unpack_records"]
-
 logger = logging.getLogger(__name__)
 
 LINE_LENGTH = 200
@@ -89,6 +87,9 @@ class Scene:
     It belongs to the thread that made it. What it holds does not grow with time: of each object, transform
     and property only the last one is kept, in the order in which they were last set, which is all that the
     picture depends on. What a viewer has to begin with, such as its grid, can be hidden, but not deleted.
+
+    Attributes:
+        catch_up: draws what was not drawn because nobody was attached.
     """
 
     def __init__(self) -> None:
@@ -96,6 +97,12 @@ class Scene:
         self._kept: dict[Key, bytes] = {}
         self._frame: dict[Key, bytes] = {}
         self._sinks: list[Sink] = []
+        self.catch_up: Callable[[], object] = lambda: None
+
+    @property
+    def watched(self) -> bool:
+        """Whether anyone is attached. While nobody is, nothing needs to be drawn: `snapshot` catches up."""
+        return bool(self._sinks)
 
     def send_message(self, message: dict[str, Any]) -> None:
         """Take one meshcat command. Those who are attached see it after the next `flush`.
@@ -172,16 +179,19 @@ class Scene:
             WrongThreadError: called on another thread than the scene's.
         """
         self._guard.check("Scene.snapshot")
+        if not self.watched:
+            self.catch_up()
         return pack_record(Record.CLEAR, b"") + b"".join(self._kept.values())
 
     def attach(self, sink: Sink) -> None:
-        """Have every later message handed to `sink`. Show it a `snapshot` first.
+        """Have every later message handed to `sink`. Show it a `snapshot` first. Idempotent.
 
         Raises:
             WrongThreadError: called on another thread than the scene's.
         """
         self._guard.check("Scene.attach")
-        self._sinks.append(sink)
+        if sink not in self._sinks:
+            self._sinks.append(sink)
 
     def detach(self, sink: Sink) -> None:
         """Hand nothing more to `sink`. It need not be attached.

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from tutorial.description.colour import colour_of, is_seen
 from tutorial.description.poses import Matrix, pose, shift
 
-__all__ = ["draw_arrow", "draw_geom", "is_drawn", "light"]
-
 Json = dict[str, Any]
 Array = NDArray[np.float64]
 

@@ -22,8 +22,6 @@ from tutorial.errors import TutorialError
 from tutorial.view.assets import STATIC, meshcats_viewer
 from tutorial.view.scene import Scene
 
-__all__ = ["SceneServer"]
-
 ADDRESS = "127.0.0.1"
 PORTS = range(7000, 7100)
 """The first free one is taken."""

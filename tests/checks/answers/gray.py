@@ -28,7 +28,7 @@ class SumsOfThirds(GrayPublisher):
 
     def publish_at(self, stamp, pixels):
         message = Image(height=len(pixels), width=self.camera.width, step=self.camera.width, encoding="mono8")
-        message.header.stamp, message.header.frame_id = stamp, "CAMERA"
+        message.header.stamp, message.header.frame_id = stamp, f"{self.io.body.name}/CAMERA_optical"
         message.data = (pixels / 3).sum(axis=2).astype(np.uint8).ravel().tolist()
         self.publisher.publish(message)
 

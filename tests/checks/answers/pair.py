@@ -12,15 +12,15 @@ def stamp_of(message):
     return message.header.stamp.sec, message.header.stamp.nanosec
 
 
-class Library:
+class Library(StampPairs):
     """As the library does it."""
 
     def __init__(self):
-        self.pairs = StampPairs(lambda why: None)
+        super().__init__(lambda why: None)
 
     def add(self, stream, message):
-        found = self.pairs.add(stream, message)
-        return found and [found["joints"], found["pose"]]
+        found = super().add(stream, message)
+        return found and [*found]
 
 
 class Queues:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
+from tutorial.checks._verdict import Verdict, right, wrong
 from tutorial.checks.tank_controller import aim
 from tutorial.commands.check import _names
 from tutorial.commands.checking._child import _judge
 from tutorial.commands.checking.answers import find_answers
-from tutorial.commands.checking.messages import Outcome
+from tutorial.commands.checking.messages import FORGED, Judged, Outcome
 from tutorial.ros import domains
 
 
@@ -19,6 +22,25 @@ def test_without_a_free_ros_domain_nobody_is_charged(monkeypatch):
     judged = _judge(aim, answer)
     assert judged.outcome is Outcome.NOT_JUDGED
     assert judged.cause.startswith("all ROS domains from 102 to 101 are taken: ")
+
+
+@pytest.mark.parametrize(
+    ("text", "cause"),
+    [
+        ("", ""),
+        ("All right", ""),
+        (str(Verdict((right("it moves"), wrong("it stops", "it is too slow")))), ""),
+        (str(Verdict((right("it moves"),))), "it is too slow"),
+    ],
+)
+def test_a_right_that_is_not_as_a_check_says_it_is_not_judged(text, cause):
+    judged = Judged(Outcome.RIGHT, cause, text)
+    assert (judged.outcome, judged.cause) == (Outcome.NOT_JUDGED, FORGED)
+
+
+def test_a_right_answer_may_print_a_cross():
+    text = str(Verdict((right("it moves"),), output=("✗ it stops",)))
+    assert Judged(Outcome.RIGHT, "", text).outcome is Outcome.RIGHT
 
 
 def test_the_name_of_a_notebook_adds_no_line_to_the_table():

@@ -64,6 +64,8 @@ say(
     look=lambda: Path(f"/proc/{parent}/environ").read_bytes(),
     mount=lambda: output("import ctypes; print(ctypes.CDLL(None).mount(b'x', b'/etc', b'tmpfs', 0, None))"),
     again=lambda: output("import ctypes; print(ctypes.CDLL(None).unshare(0x10000000))"),
+    first_to_go=lambda: Path("/proc/self/oom_score_adj").read_text(),
+    not_last=lambda: Path("/proc/self/oom_score_adj").write_text("0"),
     capable=lambda: output("import re; print(re.search('CapEff:.*', open('/proc/self/status').read())[0])"),
 )
 """
@@ -128,11 +130,12 @@ def test_my_files_processes_and_the_network_are_out_of_reach_and_what_is_needed_
     for name in ("write", "delete", "make", "read", "listing", "bus", "look"):
         assert found[name] == "FileNotFoundError", name
     assert (tmp_path / "mine" / "secret.txt").read_text() == "the solutions"
-    assert found["root"] == found["device"] == found["package"] == "OSError"  # it is read-only
+    assert found["root"] == found["device"] == found["package"] == found["not_last"] == "OSError"  # it is read-only
     assert found["setting"] == ("PermissionError" if os.getuid() else "OSError")
     assert found["tcp"] == "ConnectionRefusedError"
     assert (found["datagram"], found["kill"]) == ("OSError", "ProcessLookupError")
     assert found["mount"] == found["again"] == "['-1']"
+    assert found["first_to_go"] == repr("1000\n")  # where memory runs out, the kernel begins there
     assert found["capable"] == "['CapEff:', '0000000000000000']"
 
 

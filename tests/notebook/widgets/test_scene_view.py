@@ -40,6 +40,17 @@ async def test_a_page_gets_the_whole_scene_and_then_what_changes_also_while_a_ce
     assert [lines(frame) for frame in taken(sent, "frame")] == [["one"], ["two"]]
 
 
+async def test_a_scene_is_watched_as_long_as_a_page_shows_it(scene, sent):
+    widget = SceneView(scene)
+    assert not scene.watched
+    for _ in range(2):
+        await say(widget, "hello")
+        assert scene.watched
+    await say(widget, "bye")
+    show(scene, "nobody looks")
+    assert not scene.watched
+
+
 async def test_the_script_is_sent_to_whoever_asks_once_a_turn(scene, sent):
     widget = SceneView(scene)
     for _ in range(3):

@@ -7,8 +7,8 @@ import asyncio
 import pytest
 
 from tutorial.ros.node_thread import NodeThread
-from tutorial.ros.topics import graph, wait_for_graph
-from tutorial.ros.topics.graph import QUIET_READS, READ_EVERY
+from tutorial.ros.topics import graph
+from tutorial.ros.topics.graph import QUIET_READS, READ_EVERY, wait_for_graph
 
 pytestmark = pytest.mark.pocket
 

@@ -20,8 +20,10 @@ from std_msgs.msg import Empty, Float32MultiArray, String
 
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode, NodeThread
-from tutorial.ros.topics import topic_echo, topic_hz, topic_info, topic_list, wait_for_graph
 from tutorial.ros.topics.endpoints import reader_qos
+from tutorial.ros.topics.graph import wait_for_graph
+from tutorial.ros.topics.listening import topic_echo, topic_hz
+from tutorial.ros.topics.listing import topic_info, topic_list
 from tutorial.ros.topics.message_yaml import field_text, message_to_yaml
 from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
 

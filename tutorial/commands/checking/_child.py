@@ -37,17 +37,10 @@ def main() -> NoReturn:
     limit(int(seconds), is_sandboxed == "True")
     threading.Thread(target=_end_with_the_teacher, name="parent watch", daemon=True).start()
     known = {each.name: each for those in exercises().values() for each in those}
-    found = _open(int(notebook), known)
-    message: Judged | Opened
-    if isinstance(found, str):
-        message = Opened([], found)
-    elif exercise:
-        message = _judge(known[exercise[0]], found[exercise[0]])
-    else:
-        message = Opened(list(found))
-    line = msgspec.json.encode(message) + b"\n"
-    while line:
-        line = line[os.write(report, line) :]
+    answers, problem = _open(int(notebook), known)
+    message = _judge(known[exercise[0]], answers[exercise[0]]) if exercise else Opened(list(answers), problem)
+    with os.fdopen(report, "wb") as file:
+        file.write(msgspec.json.encode(message) + b"\n")
     os._exit(0)
 
 
@@ -57,15 +50,15 @@ def _end_with_the_teacher() -> None:
     os.killpg(0, signal.SIGKILL)
 
 
-def _open(notebook: int, known: Mapping[str, Exercise]) -> dict[str, Answer] | str:
-    """Return the answers in a notebook, by their exercise; or what is wrong with the file."""
+def _open(notebook: int, known: Mapping[str, Exercise]) -> tuple[dict[str, Answer], str]:
+    """Return the answers in a notebook, by their exercise, and what is wrong with the file; empty if nothing is."""
     try:
         with open(notebook, encoding="utf-8") as file:
             cells = cells_of(file.read())
         answers = find_answers(cells, {name: each.right_answer.__name__ for name, each in known.items()})
     except Exception as error:  # noqa: BLE001 - the file may be anything
-        return f"it is no notebook: {type(error).__name__}: {error}"
-    return {answer.exercise: answer for answer in answers}
+        return {}, f"it is no notebook: {type(error).__name__}: {error}"
+    return {answer.exercise: answer for answer in answers}, ""
 
 
 def _judge(exercise: Exercise, answer: Answer) -> Judged:

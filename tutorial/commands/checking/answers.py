@@ -13,10 +13,7 @@ import linecache
 import re
 import symtable
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
-
-__all__ = ["Answer", "cells_of", "find_answers"]
+from typing import Any, NamedTuple
 
 CHECKS = "tutorial.checks."
 MAGIC = re.compile(r"^(\s*)(?:[%!?].*|.*\?)$", re.MULTILINE)
@@ -27,8 +24,7 @@ _BINDING = (
 )
 
 
-@dataclass(frozen=True)
-class Answer:
+class Answer(NamedTuple):
     """What was given to a check.
 
     Attributes:
@@ -67,8 +63,7 @@ class Answer:
             raise failed or error from None
 
 
-@dataclass(frozen=True)
-class _Statement:
+class _Statement(NamedTuple):
     """A statement at the top of a cell.
 
     Attributes:
@@ -84,8 +79,7 @@ class _Statement:
     uses: frozenset[str]
 
 
-@dataclass(frozen=True)
-class _Check:
+class _Check(NamedTuple):
     """A call of a check: of which exercise, what was given, and before which statement."""
 
     exercise: str

@@ -8,9 +8,8 @@ import msgspec
 
 from tutorial.errors import printable_lines
 
-__all__ = ["Judged", "Opened", "Outcome", "clean"]
-
 LONGEST = 4000  # characters of a text that is told
+FORGED = "The answer has the process that judged it say 'right', and not as the check does: look at what it does."
 
 
 class Outcome(StrEnum):
@@ -52,8 +51,14 @@ class Judged(msgspec.Struct):
     text: str = ""
 
     def __post_init__(self) -> None:
-        """Escape what a terminal would obey, in a message made here and in one that was read."""
+        """Escape what a terminal would obey, in a message made here and in one that was read.
+
+        A check that says "right" has a tick for what it has seen, no cross, and no cause: what has not is not judged.
+        """
         self.cause, self.text = clean(self.cause), clean(self.text)
+        marks = {line[:1] for line in self.text.split("\n")}
+        if self.outcome is Outcome.RIGHT and (self.cause or "✓" not in marks or "✗" in marks):
+            self.outcome, self.cause = Outcome.NOT_JUDGED, FORGED
 
 
 def clean(text: str) -> str:

@@ -13,12 +13,12 @@ from rich.text import Text
 
 from tutorial.commands.checking.messages import Judged, Outcome
 
-__all__ = ["Results", "as_json", "as_junit", "summary", "table"]
-
 Results = Sequence[tuple[str, dict[str, Judged]]]
 """What each notebook is called, and what became of its answers, as `judge` returns it."""
 
 STYLES = {Outcome.RIGHT: "green", Outcome.WRONG: "red", Outcome.NOT_TRIED: "dim", Outcome.NOT_JUDGED: "yellow"}
+
+NO_SANDBOX = "There was no sandbox: the answers could read, change and send whatever you can."
 
 
 def table(results: Results) -> Table:
@@ -37,8 +37,8 @@ def table(results: Results) -> Table:
     return columns
 
 
-def summary(results: Results) -> list[str]:
-    """Sum it up: how many of which outcome, and the cause that is the most frequent."""
+def summary(results: Results, is_sandboxed: bool) -> list[str]:
+    """Sum it up: how many of which outcome, the cause that is the most frequent, and that there was no sandbox."""
     answers = [answer for _, verdicts in results for answer in verdicts.items() if answer[0]]
     counts = Counter(judged.outcome for _, judged in answers)
     parts = [f"{counts[outcome]} {outcome}" for outcome in Outcome if counts[outcome]]
@@ -49,6 +49,8 @@ def summary(results: Results) -> list[str]:
     causes = Counter((exercise, judged.cause) for exercise, judged in answers if judged.cause)
     for (exercise, cause), times in causes.most_common(1):
         lines.append(f"The most frequent cause ({_count(times, 'answer')} to {exercise}): {cause}")
+    if not is_sandboxed:
+        lines.append(NO_SANDBOX)
     return lines
 
 
@@ -57,7 +59,7 @@ def _count(number: int, what: str) -> str:
     return f"{number} {what}{'s' * (number != 1)}"
 
 
-def as_json(results: Results) -> dict[str, Any]:
+def as_json(results: Results, is_sandboxed: bool) -> dict[str, Any]:
     """Return all of it as what JSON can hold."""
     return {
         "notebooks": [
@@ -72,7 +74,7 @@ def as_json(results: Results) -> dict[str, Any]:
             }
             for name, verdicts in results
         ],
-        "summary": summary(results),
+        "summary": summary(results, is_sandboxed),
     }
 
 

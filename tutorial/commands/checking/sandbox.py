@@ -21,8 +21,6 @@ from pathlib import Path
 from tutorial.errors import TutorialError
 from tutorial.paths import COURSE, PACKAGE, is_course
 
-__all__ = ["limit", "need_sandbox", "sandbox"]
-
 FOLDER_SIZE = 64 << 20  # bytes of all files
 SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/etc", "/opt", "/sys")
 LIMITS = {
@@ -32,6 +30,7 @@ LIMITS = {
     resource.RLIMIT_CORE: 0,
 }
 PROCESSES = 256  # with their threads
+FIRST_TO_GO = 'echo 1000 > /proc/self/oom_score_adj; exec "$@"'  # where memory runs out, the kernel ends these first
 SECCOMP = "libseccomp.so.2"
 SCMP_ACT_ALLOW, SCMP_ACT_EPERM = 0x7FFF0000, 0x00050001  # of its seccomp.h
 NO_SANDBOX = (
@@ -51,7 +50,8 @@ def sandbox(folder: str) -> list[str]:
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
     closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # root could set the kernel's
     return [
-        *("bwrap", "--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
+        *("sh", "-c", FIRST_TO_GO, "sh", "bwrap"),
+        *("--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
         *(*readable, *course, "--proc", "/proc", "--dev", "/dev", *bounded, *closed, "--chdir", folder, "--"),
     ]
 

@@ -19,8 +19,6 @@ from tutorial.commands.checking.sandbox import sandbox
 from tutorial.parent_watch import signal_group
 from tutorial.paths import PACKAGE
 
-__all__ = ["judge"]
-
 LARGEST = 50 << 20  # bytes of a notebook
 LINE = 1 << 16  # bytes of a message
 OUTLAST = 4  # times its limit that an answer may take of the processor: two threads and more may be at work
@@ -119,10 +117,9 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
 
 
 def _environment(folder: str) -> dict[str, str]:
-    kept = {name: value for name, value in os.environ.items() if name.startswith(KEPT)}
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     return {
-        **kept,
+        **{name: value for name, value in os.environ.items() if name.startswith(KEPT)},
         **{"HOME": folder, "TMPDIR": folder, "PYTHONPATH": home, "PYTHONUSERBASE": site.getuserbase()},
         **{"PYTHONUTF8": "1", "PYTHONDONTWRITEBYTECODE": "1"},
         **{"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},  # each thread takes memory, of which there is a limit

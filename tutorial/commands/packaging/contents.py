@@ -15,21 +15,21 @@ from tutorial.errors import TutorialError, did_you_mean
 from tutorial.paths import HOME, PACKAGE, find_home
 from tutorial.project import Project
 
-__all__ = ["NOBODY", "find_maintainer", "make_package"]
-
 TEMPLATES = Path(__file__).parent / "template"
 VALID = re.compile(r"[a-z](_?[a-z0-9])+")
 """What ROS 2 takes for a package's name: REP 144."""
 EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Za-z]{2,}", re.ASCII)
 """What catkin_pkg, with which colcon reads a package.xml, takes for an address."""
-IMPORTED = re.compile(rb"^\s*(?:from|import)\s+(\w+_(?:msgs|interfaces|srvs))\b", re.MULTILINE)
-"""Where code imports the messages of a ROS 2 package."""
+IMPORTED = re.compile(r"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
+"""Where code imports a module."""
+DEPENDENCIES = {"cv2": "python3-opencv", "numpy": "python3-numpy", "tf2_ros": "tf2_ros_py", "yaml": "python3-yaml"}
+"""What rosdep calls the package of a module. Messages have the name of theirs."""
 NOBODY = ("Your Name", "you@example.com")
 """The maintainer whom the learner has to fill in."""
 
 
 def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple[dict[str, bytes], str]:
-    """Make a package around a controller; without one around an example, the last node of step 3's notebook.
+    """Make a package around a controller; without one around an example, the first node of step 1's notebook.
 
     Args:
         name: the package's.
@@ -47,7 +47,10 @@ def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple
     else:
         kind, words, code = "controller", _controller(*controller), controller[0].read_bytes()
     maintainer, email = find_maintainer()
-    needs = sorted({"rclpy", "ros2launch"} | {module.decode() for module in IMPORTED.findall(code)})
+    modules = set(IMPORTED.findall(code.decode()))
+    messages = {module for module in modules if module.endswith(("_msgs", "_interfaces", "_srvs"))}
+    others = {DEPENDENCIES[module] for module in modules & DEPENDENCIES.keys()}
+    needs = sorted({"rclpy", "ros2launch"} | messages | others)
     words = {
         **words,
         "package": name,

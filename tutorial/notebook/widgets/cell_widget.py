@@ -13,8 +13,6 @@ import traitlets
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 
-__all__ = ["CellWidget", "NodeWidget", "kernel_loop", "parse_message"]
-
 T = TypeVar("T")
 
 

@@ -11,8 +11,6 @@ from tutorial.ros.chaos import FAULTS, Chaos
 from tutorial.ros.chaos.stream import ChaosStream
 from tutorial.ros.node_thread import NodeThread
 
-__all__ = ["ChaosPanel"]
-
 WIDTH = "22em"
 LOOK = 0.5  # [s] between two looks at what has been hit
 

@@ -11,8 +11,6 @@ from xml.etree.ElementTree import Element
 
 from tutorial.notebook.widgets import svg
 
-__all__ = ["MOST_CURVES", "Curve", "Point", "draw_plot", "draw_x_axis", "nice_ticks", "thin", "tick_text"]
-
 Point = tuple[float, float]
 
 WIDTH, HEIGHT = 640, 240  # [px]

@@ -3,11 +3,14 @@
 A view on a page says ``hello``, and is sent the ``whole``: all that there is to see. After that every view is sent each
 ``frame``, which has a number, and says which one it has ``seen``. A view that is too far behind, because its page is
 slow, asleep or closed, is not sent for any more. When it says that it has seen a frame, it is sent the whole again.
+Once a minute it says that it is still ``here``, also if there is no frame to see.
 """
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from typing import Any, ClassVar
 
 import msgspec
@@ -15,8 +18,6 @@ import traitlets
 
 from tutorial.handoff import CallQueue
 from tutorial.notebook.widgets.cell_widget import CellWidget, kernel_loop, parse_message
-
-__all__ = ["Frame", "FrameWidget"]
 
 Frame = tuple[bytes, dict[str, Any]]
 """What there is to see, binary, and what else there is to say of it, as JSON."""
@@ -38,6 +39,7 @@ class FrameWidget(CellWidget):
 
     Attributes:
         AHEAD: how many frames may be on their way to a view.
+        heard_at: when a view of any widget said something last, of `time.monotonic` [s]; infinite before the first.
         calls: what callbacks of any thread post with.
         frame: the number of the last frame that was sent.
 
@@ -46,6 +48,7 @@ class FrameWidget(CellWidget):
     """
 
     AHEAD: ClassVar[int]
+    heard_at: ClassVar[float] = math.inf
     title = traitlets.Unicode().tag(sync=True)
 
     def __init__(self, title: str) -> None:
@@ -63,8 +66,8 @@ class FrameWidget(CellWidget):
         """All that there is to see. Main thread."""
         raise NotImplementedError
 
-    def send_frame(self, content: bytes, **fields: Any) -> None:
-        """Send a frame, if there is a view that keeps up. Main thread.
+    def send_frame(self, content: bytes, **fields: Any) -> bool:
+        """Send a frame, if there is a view that keeps up; return whether there is. Main thread.
 
         Args:
             content: binary.
@@ -73,12 +76,14 @@ class FrameWidget(CellWidget):
         with self._lock:
             self._seen = {view: seen for view, seen in self._seen.items() if self.frame - seen < self.AHEAD}
             if not self._seen:
-                return
+                return False
             self.frame += 1
         self.say("frame", [content], frame=self.frame, **fields)
+        return True
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says: on whatever thread, so what belongs to the main thread is posted."""
+        FrameWidget.heard_at = time.monotonic()
         match parse_message(content, _Words):
             case _Words(type="hello", view=view):
                 self.calls.call_latest(("hello", view), self._welcome, view)

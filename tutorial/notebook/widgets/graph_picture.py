@@ -12,8 +12,6 @@ from tutorial.notebook.widgets import svg
 from tutorial.notebook.widgets.graph_watch import Topology
 from tutorial.notebook.widgets.layers import Edge, Layout, Place, Vertex, lay_out
 
-__all__ = ["picture"]
-
 MARGIN = 8.0  # [px]
 HEIGHT = 42.0  # [px] of a node and of a topic
 LONGEST_NAME = 30  # characters
@@ -103,7 +101,7 @@ def _edges(topology: Topology) -> list[Edge]:
 def _draw_arrow(canvas: Element, edge: Edge, shapes: dict[Vertex, _Shape], layout: Layout) -> None:
     """Draw a line from shape to shape, through the edge's lanes, that leaves and arrives horizontally."""
     (x1, y1), (x2, y2) = (layout.places[end] for end in edge)
-    sign = -1 if edge in layout.backward else 1
+    sign = 1 if x1 < x2 else -1
     dy = TWIN if sign < 0 else 0.0
     start = (x1 + sign * shapes[edge[0]].edge(dy), y1 + dy)
     tip = (x2 - sign * shapes[edge[1]].edge(dy), y2 + dy)

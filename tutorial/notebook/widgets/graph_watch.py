@@ -17,8 +17,6 @@ from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import EVERY_NODE_HAS, escape_name, full_name, is_hidden, message_class
 
-__all__ = ["GraphWatch", "TopicNews", "Topology"]
-
 MOST = 40  # nodes, and topics, that are looked into
 LOOKS_KEPT = 7  # of a topic's count, for its rate
 DEPTH = 100  # messages that may wait for the executor without being lost to the count

@@ -14,8 +14,6 @@ from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
 from tutorial.ros.topics.endpoints import reader_qos
 from tutorial.view.assets import read_static
 
-__all__ = ["ImageView"]
-
 CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1}  # what is shown, with the bytes of a pixel
 LARGEST = 1920 * 1080  # [pixels]
 LOOK_EVERY = 0.5  # [s] from one look at who publishes to the next
@@ -90,11 +88,11 @@ def _frame(message: Image) -> Frame:
     if encoding not in CHANNELS:
         return _no_picture(f"the encoding {printable(encoding[:20])!r} is not shown here, only {', '.join(CHANNELS)}")
     row = CHANNELS[encoding] * width
-    if not 0 < width * height <= LARGEST:
-        return _no_picture(f"a picture of {width} x {height} pixels is not shown here")
-    size, pixels = len(message.data), f"{width} pixels of {encoding}"
-    if step < row or size < step * height:
-        return _no_picture(f"no picture: {size} bytes for {height} rows of {step}, with {pixels}")
+    size = len(message.data)
+    if not 0 < width * height <= LARGEST or step < row or size < step * height:
+        return _no_picture(
+            f"{width} x {height} pixels of {encoding}, in rows of {step} bytes, {size} in all: not shown"
+        )
     rows = np.frombuffer(message.data, np.uint8, step * height).reshape(height, step)
     stamp = message.header.stamp.sec + message.header.stamp.nanosec / 1e9
     line = f"{width} x {height}, {encoding}, {step * height / 1000:.1f} kB, at {stamp:.3f} s"

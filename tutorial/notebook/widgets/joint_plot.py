@@ -18,8 +18,6 @@ from tutorial.notebook.widgets.chart import HEIGHT, MOST_CURVES, WIDTH, Curve, d
 from tutorial.notebook.widgets.picture import LivePicture
 from tutorial.ros.topics.names import escape_name
 
-__all__ = ["JointPlot"]
-
 SECONDS = 10.0  # [s] that are shown
 DRAW_EVERY = 0.1  # [s] at the most often
 SHARE = 0.1  # of the main thread's time that drawing takes at most

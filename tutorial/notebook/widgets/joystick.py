@@ -15,8 +15,6 @@ from tutorial.notebook.widgets.cell_widget import NodeWidget, parse_message
 from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.view.assets import read_static
 
-__all__ = ["Joystick"]
-
 PATIENCE = 0.5
 """After so long without a message from the page [s] the sticks count as released: its tab or the laptop is closed."""
 

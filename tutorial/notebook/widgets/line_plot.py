@@ -9,8 +9,6 @@ from tutorial.errors import TutorialError
 from tutorial.notebook.widgets.chart import MOST_CURVES, Curve, draw_plot
 from tutorial.notebook.widgets.picture import Picture
 
-__all__ = ["line_plot"]
-
 NOTHING = "there is nothing to plot: {}. Give each curve its times and as many values, {{name: (times, values)}}."
 
 

@@ -12,8 +12,6 @@ from tutorial.notebook.widgets.graph_picture import picture
 from tutorial.notebook.widgets.graph_watch import GraphWatch, Topology
 from tutorial.notebook.widgets.picture import LivePicture
 
-__all__ = ["NodeGraph"]
-
 LOOK_EVERY = 0.5  # [s]
 BREATH = 10  # times as long as a look took, before the next
 

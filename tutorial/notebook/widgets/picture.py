@@ -8,8 +8,6 @@ from tutorial.handoff import CallQueue
 from tutorial.notebook.widgets.cell_widget import CellWidget, NodeWidget, kernel_loop
 from tutorial.view.assets import read_static
 
-__all__ = ["LivePicture", "Picture"]
-
 
 class Picture(CellWidget):
     """Shows an SVG in a cell, and every later one in its place.

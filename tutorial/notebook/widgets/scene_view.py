@@ -6,8 +6,6 @@ from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
 from tutorial.view.assets import read_static, zipped_viewer
 from tutorial.view.scene import Scene
 
-__all__ = ["SceneView"]
-
 
 class SceneView(FrameWidget):
     """Shows a scene in a notebook's cell, as often as it is displayed, on every page that has the notebook open.
@@ -33,13 +31,20 @@ class SceneView(FrameWidget):
 
     def __init__(self, scene: Scene, title: str = "Tank") -> None:
         self.scene = scene
-        scene.attach(self.send_frame)
         super().__init__(title)
         self.on_msg(self._on_request)
 
     def whole(self) -> Frame:
-        """The scene."""
-        return self.scene.snapshot(), {}
+        """The scene, which is watched from now on."""
+        content = self.scene.snapshot()
+        if not self.ended:
+            self.scene.attach(self._show)
+        return content, {}
+
+    def _show(self, content: bytes) -> None:
+        """Send a frame; if there is nobody left to send it to, leave the scene alone."""
+        if not self.send_frame(content):
+            self.scene.detach(self._show)
 
     def end(self) -> None:
         """Show no more of what the scene becomes; the last picture stays on the page, also on one that comes later.
@@ -49,7 +54,7 @@ class SceneView(FrameWidget):
         Raises:
             WrongThreadError: called on another thread than the scene's.
         """
-        self.scene.detach(self.send_frame)
+        self.scene.detach(self._show)
         super().end()
 
     def _on_request(self, _widget: object, content: object, _buffers: object) -> None:

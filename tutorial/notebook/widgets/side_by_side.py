@@ -6,8 +6,6 @@ from ipywidgets import HBox, Layout, Widget
 
 from tutorial.notebook.widgets.scene_view import SceneView
 
-__all__ = ["SideBySide"]
-
 
 class SideBySide(HBox):  # type: ignore[misc]
     """Shows widgets in a row; on a narrow page, one below the other.

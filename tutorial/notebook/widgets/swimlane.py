@@ -12,8 +12,6 @@ from tutorial.notebook.widgets.chart import draw_x_axis
 from tutorial.notebook.widgets.picture import Picture
 from tutorial.trace import Handoff, Moment
 
-__all__ = ["swimlane"]
-
 WIDTH = 760  # [px]
 LEFT, RIGHT = 118, WIDTH - 24  # [px] where the time axis begins and ends
 FIRST_LANE, LANE = 62, 92  # [px] the first lane's line, and from one to the next
@@ -131,8 +129,5 @@ def _draw_legend(root: Element, received: int, counts: Counter[str], waited: str
 
 
 def _ms(seconds: float) -> str:
-    """A time with three digits or so."""
-    ms = seconds * 1e3
-    if ms >= 1e3:
-        return f"{seconds:.2f} s"
-    return f"{ms:.0f} ms" if ms >= 99.5 else f"{ms:.1f} ms" if ms >= 9.95 else f"{ms:.2f} ms"
+    """A time with three digits at most."""
+    return f"{seconds:.3g} s" if seconds >= 0.9995 else f"{seconds * 1e3:.3g} ms"

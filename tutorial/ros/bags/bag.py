@@ -21,8 +21,6 @@ from tutorial.ros.bags.sqlite import SqliteReader
 from tutorial.ros.bags.storage import Channel, Damaged, RawMessage, Span, read_yaml
 from tutorial.ros.topics.names import escape_name, message_class
 
-__all__ = ["Bag", "BagTopic"]
-
 READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
 LARGEST_METADATA = 2**20  # bytes: a thousand topics have less
 MOST_FAULTS = 5  # of a bag, that are told

@@ -8,8 +8,6 @@ from tutorial.errors import printable
 from tutorial.ros.bags.bag import Bag
 from tutorial.ros.topics.names import escape_name
 
-__all__ = ["bag_info"]
-
 INDENT = " " * 19
 UNITS = ("B", "KiB", "MiB", "GiB", "TiB")
 

@@ -26,8 +26,6 @@ from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 from tutorial.errors import printable
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, RawMessage
 
-__all__ = ["McapReader", "McapWriter"]
-
 CHUNK_SIZE = 768 * 1024  # [bytes], as ros2 bag's
 LARGEST_RECORD = LARGEST_MESSAGE + 64  # with what stands before the messages [bytes]
 HEAD = struct.Struct("<BQ")  # of a record: its kind and its length

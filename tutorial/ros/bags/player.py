@@ -21,10 +21,8 @@ from rosgraph_msgs.msg import Clock
 from tutorial.errors import TutorialError
 from tutorial.ros.bags.bag import Bag
 from tutorial.ros.bags.qos import offered
-from tutorial.ros.topics import wait_for_graph
+from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
-
-__all__ = ["Player"]
 
 CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as rclcpp's ClockQoS

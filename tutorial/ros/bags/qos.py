@@ -13,8 +13,6 @@ from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 
 from tutorial.ros.bags.storage import read_yaml
 
-__all__ = ["offered", "qos_text"]
-
 DEFAULT_DEPTH = 10
 FOREVER = 2**63 - 1  # [ns]
 POLICIES: dict[str, Any] = {

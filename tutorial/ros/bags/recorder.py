@@ -25,8 +25,6 @@ from tutorial.ros.topics.endpoints import publishers_on, reader_qos
 from tutorial.ros.topics.listing import topics_with_types
 from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, message_class
 
-__all__ = ["Recorder"]
-
 LOOK_EVERY = 0.1  # [s] for new topics, and for what has been received
 QUIET = 0.1  # [s] without a message, after which nothing more is taken to be on its way
 FLUSH_EVERY = 1.0  # [s]: of a recording that is killed, so much is missing

@@ -14,8 +14,6 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 from tutorial.errors import printable
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, RawMessage
 
-__all__ = ["SqliteReader", "SqliteWriter"]
-
 TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics"
 TABLES = Sqlite3Writer.SQLITE_SCHEMA.replace("'rosbags'", "'jazzy'")
 MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # not by the index

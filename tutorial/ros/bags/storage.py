@@ -7,8 +7,6 @@ from typing import Any
 
 import yaml
 
-__all__ = ["LARGEST_MESSAGE", "Channel", "Damaged", "RawMessage", "Span", "read_yaml"]
-
 LARGEST_MESSAGE = 128 * 2**20
 """Of a message, or of a chunk of messages, when it is unpacked [bytes]: some five pictures of the largest cameras."""
 

@@ -14,8 +14,6 @@ from tutorial.ros.bags.mcap import McapWriter
 from tutorial.ros.bags.sqlite import SqliteWriter
 from tutorial.ros.bags.storage import Channel, Span, read_yaml
 
-__all__ = ["BagWriter"]
-
 WRITERS: dict[str, tuple[str, type[McapWriter | SqliteWriter]]] = {
     "mcap": (".mcap", McapWriter),
     "sqlite3": (".db3", SqliteWriter),

@@ -14,8 +14,6 @@ from typing import Any, Literal, NamedTuple
 
 from tutorial.errors import TutorialError, did_you_mean, printable
 
-__all__ = ["FAULTS", "Action", "Chaos", "parse_fault"]
-
 Change = Callable[[Random, Any], None]
 """What a fault does to a message; its random numbers are its own."""
 

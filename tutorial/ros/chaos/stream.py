@@ -12,8 +12,6 @@ from sensor_msgs.msg import JointState
 from tutorial.errors import TutorialError
 from tutorial.ros.chaos.faults import Chaos, set_stamp_ns
 
-__all__ = ["JOINTS", "RATE", "TOPIC", "ChaosStream", "swing"]
-
 JOINTS = ("TURRET_Y", "TURRET_P")
 RATE = 50  # [Hz]
 TOPIC = "/Tank/joint_state"

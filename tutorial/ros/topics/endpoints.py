@@ -10,8 +10,6 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from tutorial.ros.topics.names import is_valid_topic
 
-__all__ = ["publishers_on", "reader_qos", "subscriptions_on"]
-
 SENSOR_DEPTH = 5  # of rclpy's qos_profile_sensor_data, which ros2 begins with
 
 

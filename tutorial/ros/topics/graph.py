@@ -17,8 +17,6 @@ from tutorial.ros.node_thread import NodeThread
 from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.names import EVERY_NODE_HAS, full_name
 
-__all__ = ["wait_for_graph"]
-
 _log = logging.getLogger(__name__)
 
 READ_EVERY = 0.1  # [s] between two looks at the graph

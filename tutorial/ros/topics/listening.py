@@ -23,8 +23,6 @@ from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.message_yaml import field_text
 from tutorial.ros.topics.names import escape_name, full_topic, message_class
 
-__all__ = ["topic_echo", "topic_hz"]
-
 LOOK_EVERY = 0.1  # [s] for a topic that is not there yet
 HZ_EVERY = 1.0  # [s] between two texts of topic_hz
 DEFAULT_WINDOW = 10_000  # intervals, of ros2 topic hz

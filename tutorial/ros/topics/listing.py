@@ -16,8 +16,6 @@ from tutorial.ros.topics.endpoints import publishers_on, subscriptions_on
 from tutorial.ros.topics.graph import wait_for_graph
 from tutorial.ros.topics.names import escape_name, full_name, is_hidden
 
-__all__ = ["node_names", "topic_info", "topic_list", "topics_with_types"]
-
 
 def node_names(node: Node) -> list[str]:
     """Return the full names of the nodes there are, but for hidden ones, sorted; one that several have comes as often.

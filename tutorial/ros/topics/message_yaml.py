@@ -15,8 +15,6 @@ import yaml
 from tutorial.errors import TutorialError, printable
 from tutorial.ros.topics.names import is_message
 
-__all__ = ["field_text", "message_to_yaml"]
-
 TRUNCATE_LENGTH = 128
 """How much of an array or a string ``ros2 topic echo`` prints."""
 

@@ -18,18 +18,6 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from tutorial.errors import TutorialError, printable
 
-__all__ = [
-    "EVERY_NODE_HAS",
-    "LONGEST_NAME",
-    "escape_name",
-    "full_name",
-    "full_topic",
-    "is_hidden",
-    "is_message",
-    "is_valid_topic",
-    "message_class",
-]
-
 LONGEST_NAME = 255
 """Characters of a name in ROS 2."""
 

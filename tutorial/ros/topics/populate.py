@@ -13,8 +13,6 @@ from rclpy.serialization import serialize_message
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.names import is_message, message_class
 
-__all__ = ["populated"]
-
 
 def populated(type_name: str, text: str) -> Any:
     """Make a message and fill it.

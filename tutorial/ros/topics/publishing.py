@@ -17,8 +17,6 @@ from rclpy.node import Node
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.names import full_topic
 
-__all__ = ["topic_pub"]
-
 DEPTH = 10  # of the queue, as of rclpy's default profile
 LOOK_EVERY = 0.1  # [s] for subscriptions
 TELL_EVERY = 10  # of these looks

@@ -48,6 +48,7 @@ function watchKernel(model, onEnd, onConnection) {
 class FrameView {
   static every = 1;  // how many frames come for one answer
   static patience = {first: 2000, most: 30000};  // until the kernel is asked once more [ms]
+  static pulse = 60000;  // between two words that the page is still here [ms]
 
   constructor(model) {
     this.model = model;
@@ -60,6 +61,7 @@ class FrameView {
     model.on("msg:custom", this.onMessage);
     model.on("change:ended", this.onEnded);
     window.addEventListener("pagehide", this.leave);
+    this.pulse = setInterval(() => this.say("here"), FrameView.pulse);
     this.unwatch = watchKernel(model, () => this.onKernelEnd(), (isThere) => this.onConnection(isThere));
   }
 
@@ -99,6 +101,7 @@ class FrameView {
   onKernelEnd() {
     this.isGone = true;
     clearTimeout(this.timer);
+    clearInterval(this.pulse);
     this.onEnded();
   }
 
@@ -106,6 +109,7 @@ class FrameView {
     this.leave();
     this.isGone = true;
     clearTimeout(this.timer);
+    clearInterval(this.pulse);
     this.unwatch();
     this.model.off("msg:custom", this.onMessage);
     this.model.off("change:ended", this.onEnded);

@@ -1,0 +1,98 @@
+"""The exercise `timeout`: right answers in their styles, and what no edit of the solution tells."""
+
+from __future__ import annotations
+
+from tutorial.checks.timeout import CommandTimeout
+
+
+class Deadline:
+    """It keeps until when the message is fresh."""
+
+    def __init__(self):
+        self.last = self.until = None
+
+    def fresh(self, message, seconds):
+        if self.last is not message:
+            self.last, self.until = message, seconds + 0.5
+        return not seconds > self.until
+
+
+class Identity:
+    kept = (None, 0)
+
+    def fresh(self, message, seconds):
+        came = self.kept[1] if self.kept[0] == id(message) else seconds
+        self.kept = id(message), came
+        self.message = message  # so that no other gets its id
+        return seconds <= came + 0.5
+
+
+class Countdown:
+    """It adds up the time between the calls."""
+
+    def __init__(self):
+        self.message, self.before, self.age = None, 0.0, 0.0
+
+    def fresh(self, message, seconds):
+        self.age = 0.0 if message is not self.message else self.age + (seconds - self.before)
+        self.message, self.before = message, seconds
+        return self.age <= 0.5
+
+
+class Early:
+    def __init__(self):
+        self.newest = object()
+
+    def fresh(self, message, seconds):
+        if message is self.newest:
+            return seconds - self.came <= 0.5
+        self.newest = message
+        self.came = seconds
+        return True
+
+
+class Shared(CommandTimeout):
+    came: dict = {}
+
+    def __init__(self):
+        pass
+
+    def fresh(self, message, seconds):
+        if self.came.get("message") is not message:
+            self.came.update(message=message, since=seconds)
+        return seconds - self.came["since"] <= 0.5
+
+
+class SaysTheAge(CommandTimeout):
+    def fresh(self, message, seconds):
+        super().fresh(message, seconds)
+        return seconds - self.since
+
+
+class Never(CommandTimeout):
+    def fresh(self, message, seconds):
+        return False
+
+
+class Counts(CommandTimeout):
+    def fresh(self, message, seconds):
+        self.since = 0 if message is not self.message else self.since + 1
+        self.message = message
+        return self.since < 500
+
+
+class Axes(CommandTimeout):
+    def fresh(self, message, seconds):
+        if self.message is None or list(message.axes) != list(self.message.axes):
+            self.message, self.since = message, seconds
+        return seconds - self.since <= 0.5
+
+
+RIGHT = [Deadline, Identity, Countdown, Early]
+WRONG = [
+    (Shared, ["make it in __init__"]),
+    (SaysTheAge, ["Return True or False"]),
+    (Never, ["another object than before"]),
+    (Counts, ["calls are counted"]),
+    (Axes, ["Compare with `is not`"]),
+]

@@ -1,0 +1,121 @@
+"""The exercise `timeout`: a dead man's switch.
+
+Write the class `CommandTimeout`. Each step calls its method `fresh(message, seconds)` once, with the newest message and
+the simulated time [s]. It returns `True` if this message came at most 0.5 s ago, else `False`.
+
+- A message comes at the first call with another object than before, also if its axes are the same: a held stick sends
+  them again and again.
+- Only `seconds` counts. The message's stamp may be empty, and the computer's clock knows nothing of simulated time.
+- When the next message comes, it is fresh again.
+
+Hint 1: Look at what you know in a call: the message and the time. What of the call before do you have to keep, to see
+that a message is new, and how old it is?
+
+Hint 2: Keep the newest message, and the time at which it came. Compare with `is not`: `!=` looks at what the messages
+hold.
+
+Hint 3: if message is not self.message, set self.message, self.since = message, seconds. Then return whether seconds -
+self.since is at most 0.5.
+
+Notice that a robot whose joystick breaks, or whose network fails, now stops by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+from sensor_msgs.msg import Joy
+
+from tutorial.checks._cases import Case, Cases, call, mistakes
+from tutorial.checks._diagnose import Misuse
+from tutorial.checks._watch import watch
+from tutorial.checks.exercise import Exercise
+
+__all__ = ["CommandTimeout", "timeout"]
+
+
+class CommandTimeout:
+    """Tells whether the newest command is fresh."""
+
+    def __init__(self) -> None:
+        self.message: Joy | None = None
+
+    def fresh(self, message: Joy, seconds: float) -> bool:
+        """Return whether the newest message came at most 0.5 s ago."""
+        if message is not self.message:
+            self.message = message
+            self.since = seconds
+        return seconds - self.since <= 0.5
+
+
+MISTAKES = mistakes("""
+what the messages hold is compared: a stick that is held sends the same again. Compare with `is not`.
+    message is not self.message => message != self.message
+
+the stamp is compared: a message that somebody sends by hand has none. Compare the objects with `is not`.
+    message is not self.message => self.message is None or message.header.stamp != self.message.header.stamp
+
+the stamp is taken for the time at which it came: a message by hand has none. Keep the seconds of the first call.
+    seconds - self.since => seconds - message.header.stamp.sec
+
+every call sets the time, or calls are counted: only a new message sets it, and seconds are compared.
+    return => self.since = seconds // return
+
+the time is kept that the first message came at: each new message sets it.
+    self.since = seconds => self.since = self.__dict__.get("since", seconds)
+
+once a message was too old, none is fresh any more: the next one is.
+    return => self.dead = self.__dict__.get("dead", False) or seconds - self.since > 0.5 // return not self.dead and
+
+a message that was too old is forgotten, and taken for a new one in the next call: keep it.
+    return => self.message = message if seconds - self.since <= 0.5 else None // return
+""")
+OTHERWISE = {"": "Compare with: if the message is another object than before, keep it and the seconds; then subtract."}
+TRUTH = "Return True or False: return seconds - self.since <= 0.5."
+
+
+def tried(calls: str, objects: int = 1) -> Case:
+    """Observe what is returned in calls such as ``"A 0, A 0.5"``, with the message A at 0 s and at 0.5 s.
+
+    Args:
+        calls: one letter is one message; ``a`` is another than ``A``, but holds the same. ``C`` has a stamp, of 6 s.
+        objects: how many objects are called in turns.
+    """
+
+    def case(answer: type) -> list[bool]:
+        messages = {letter: Joy(axes=[ord(letter.lower()) / 128]) for letter in "AaBC"}
+        messages["C"].header.stamp.sec = 6
+        turns = cycle([call(answer) for _ in range(objects)])
+        return [fresh(next(turns), messages[each], float(at)) for each, at in map(str.split, calls.split(","))]
+
+    return case
+
+
+def fresh(timeout: Any, message: Joy, seconds: float) -> bool:
+    """Ask the answer whether a message is fresh."""
+    with watch.call("fresh"):
+        returned = timeout.fresh(message, seconds)
+        if not isinstance(returned, (bool, np.bool_)):
+            raise Misuse(f"it returns a {type(returned).__name__}", TRUTH)
+        return bool(returned)
+
+
+def say(seen: Sequence[bool]) -> str:
+    """Put what was returned into words."""
+    return ", ".join(map(str, seen))
+
+
+TRIED = {
+    "one message at 0, 0.25, 0.5 and 0.75 s": tried("A 0, A 0.25, A 0.5, A 0.75"),
+    "one message, first at 12 s": tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
+    "another message after a second, and again": tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"),
+    "the stick is held, the same comes every 0.25 s": tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
+    "two messages within half a second": tried("A 1, B 1.25, B 1.625, B 2"),
+    "two robots in turns": tried("A 0, B 0.25, A 0.75, B 0.75", objects=2),
+}
+CASES = Cases(CommandTimeout, TRIED, MISTAKES, say, OTHERWISE)
+
+timeout = Exercise("timeout", __doc__, CASES.judge, CommandTimeout)
