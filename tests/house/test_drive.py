@@ -20,7 +20,7 @@ from tutorial.paths import HOME, find_project
 from tutorial.project import Project
 from tutorial.simulation import Simulation
 
-pytestmark = pytest.mark.process
+pytestmark = [pytest.mark.process, pytest.mark.timeout(300)]
 
 SUPPORT = HOME / "tests/ros/pocket/support"
 
@@ -64,7 +64,7 @@ def test_its_rclpy_does_what_a_real_one_did(drive_page, tmp_path, domain):
         capture_output=True,
         text=True,
         check=False,
-        timeout=100,
+        timeout=280,
     )
     assert done.returncode == 0, done.stderr
     for (_, code, row), seen in zip(rows, json.loads(done.stdout), strict=True):
@@ -80,7 +80,7 @@ def test_its_tank_drives_as_the_course_has_it(drive_page, tmp_path):
     script = HOME / "tests/support/drive_without_page.mjs"
     drive = [(0.0, 0.7, 0.6, 0.2)] * 30 + [(0.5, -1.0, -1.0, 0.0)] * 20  # a second of it, a message each 20 ms
     done = subprocess.run(
-        [node, script, tmp_path / "drive", json.dumps(drive)], capture_output=True, text=True, check=False, timeout=100
+        [node, script, tmp_path / "drive", json.dumps(drive)], capture_output=True, text=True, check=False, timeout=280
     )
     assert done.returncode == 0, done.stderr
     seen = json.loads(done.stdout)
