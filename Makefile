@@ -4,10 +4,12 @@
 #   make test                 what needs no further process, browser or build, and the notebooks: some minutes
 #   make test-all             also what needs one
 #   make test-ros2            what meets a real ROS 2; TANK_REAL_ROS2 names a command that runs another one with it
-#   make nightly              ten rounds, soaks, floods, mutants, other examples, and with TANK_REAL_ROS2 all on both its RMWs
+#   make nightly              ten rounds, a class in a JupyterHub, soaks, floods, mutants, other examples, and with TANK_REAL_ROS2 all on both its RMWs
 #   make notebooks            run the notebooks and save their outputs, after a change to them; look at what git shows
 #   make nbval                only the notebooks: run from the top, outputs compared with those that are committed
 #   make lab                  JupyterLab on the first notebook
+#   make hub                  a JupyterHub with the course, to try; it needs npm, too
+#   make hub-load [USERS=30]  so many users in it: memory and processor time of each
 #   make install              .venv with everything that these need; quick when nothing has changed
 #   make steps                the tables of steps, in the README, CONTRIBUTING and the book, after a change to their list
 #   make screenshots          the README's picture, which moves; it takes some minutes
@@ -29,10 +31,12 @@ PYTEST := $(BIN)/python -m pytest
 SIDE_BY_SIDE := -n auto --no-loadscope-reorder
 SLOW := process or browser or build
 APART := ros2 or nightly
+PROXY := configurable-http-proxy@5.3.0
+USERS ?= 30
 RMWS := rmw_cyclonedds_cpp rmw_fastrtps_cpp
 export PYTHONDONTWRITEBYTECODE :=  # modules are compiled once, not by each of hundreds of processes
 
-.PHONY: book wheel demo test test-all test-slow test-ros2 nightly nbval notebooks steps screenshots lab install bench soak mutants lint clean
+.PHONY: book wheel demo test test-all test-slow test-ros2 nightly nbval notebooks steps screenshots lab hub hub-load install bench soak mutants lint clean
 
 demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
@@ -51,7 +55,7 @@ test-ros2: install
 	$(PYTEST) $(SIDE_BY_SIDE) -m ros2 tests
 	for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) -n auto --dist loadfile --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket || exit 1; done
 
-nightly: soak mutants
+nightly: soak mutants .venv/hub
 	$(PYTEST) -m nightly tests
 	$(PYTEST) --hypothesis-profile random -m hypothesis tests
 	$(if $(TANK_REAL_ROS2),for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" || exit 1; done)
@@ -70,6 +74,14 @@ screenshots: install
 
 lab: install
 	@$(BIN)/tank lab
+
+hub: .venv/hub
+	@mkdir -p .hub
+	@echo "Open http://127.0.0.1:8000 and log in with any name. What the users change stays in .hub/homes."
+	@cd .hub && ../$(BIN)/jupyterhub -f ../tests/hub/jupyterhub_config.py --JupyterHub.bind_url=http://127.0.0.1:8000
+
+hub-load: .venv/hub
+	@PYTHONPATH=tests/support $(BIN)/python tests/hub $(USERS)
 
 bench: install
 	@PYTHONPATH=tests/support $(BIN)/python tests/bench
@@ -108,6 +120,11 @@ install: .venv/install
 
 .venv/lint: .venv/install
 	$(PIP) install --progress-bar off -q -c constraints.txt -e ".[lint]" -e $(POCKET)
+	@touch $@
+
+.venv/hub: .venv/install
+	@$(PIP) install --progress-bar off -q -c constraints.txt -e ".[hub]" -e $(POCKET)
+	@npm install --prefix .venv --no-package-lock --silent $(PROXY)
 	@touch $@
 
 clean:

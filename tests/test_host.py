@@ -345,11 +345,14 @@ class Poser(SimpleController):
 
 
 @in_a_loop
-async def test_a_message_without_a_header_is_recorded_and_who_leaves_does_not_end_the_program(step3, caplog):
-    async with Host(step3.with_controllers("Tank", Poser)) as host:
-        record = host.record()
-        assert record["topics"]["/pose"]["published"] == 1
-        assert list(record["joints"]) == list(host.bodies["Tank"].joint_names)
+async def test_a_message_without_a_header_is_recorded_and_a_controller_that_cannot_leave_is_an_error(step3, caplog):
+    host = Host(step3.with_controllers("Tank", Poser))
+    record = host.record()
+    with pytest.raises(TutorialError, match=r"a controller has failed in unconfigure\(\): the log says where"):
+        async with host:
+            pass
+    assert record["topics"]["/pose"]["published"] == 1
+    assert list(record["joints"]) == list(host.bodies["Tank"].joint_names)
     assert "Poser of Tank failed in unconfigure()" in caplog.text
     assert "SystemExit: mine" in caplog.text
 

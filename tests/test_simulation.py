@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import _thread
 import random
+import sys
 import threading
 import time
 from contextlib import nullcontext
@@ -119,7 +120,7 @@ class TestRealTime:
         assert recorder.calls[-2:] == ["initialize", "stop"]
 
     def test_refuses_what_cannot_be_and_leaves_nothing_when_it_stops(self, recorder):
-        simulation = recorder.simulation
+        simulation, before = recorder.simulation, sys.getswitchinterval()
         simulation.start()
         for call, said in (
             (simulation.start, "running already"),
@@ -129,10 +130,12 @@ class TestRealTime:
             with pytest.raises(TutorialError, match=said):
                 call()
         until(lambda: simulation.step > 0)
+        assert sys.getswitchinterval() < before
         simulation.stop()
         simulation.stop()
         assert "simulation" not in [thread.name for thread in threading.enumerate()]
         assert not simulation.running
+        assert sys.getswitchinterval() == before
 
     @pytest.mark.parametrize(("steps", "said"), [(40, []), (36, ["0.94", "0.90"]), (10, ["0.30", "0.25"])])
     def test_says_when_the_machine_cannot_keep_up(self, steps, said, caplog, monkeypatch):
@@ -236,6 +239,18 @@ def test_the_readers_own_interrupt_of_advance_passes_and_it_can_go_on():
     step = simulation.step
     simulation.advance(0.001)
     assert simulation.step == step + 1
+
+
+def test_the_last_of_several_puts_the_switch_interval_back():
+    before = sys.getswitchinterval()
+    first, second = Simulation([TANK]), Simulation([TANK])
+    first.start()
+    second.start()
+    until(lambda: first.step and second.step)
+    first.stop()
+    until(lambda: sys.getswitchinterval() < before, "the second, which still runs")
+    second.stop()
+    assert sys.getswitchinterval() == before
 
 
 class Stuck(Recorder):

@@ -64,7 +64,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         note: what stands first below the view, until the next start.
 
     Raises:
-        TutorialError: a controller does not fit its body.
+        TutorialError: a controller does not fit its body. When the context ends: one failed to leave it.
     """
 
     def __init__(
@@ -105,8 +105,10 @@ class Host(AbstractAsyncContextManager["Host"]):
             self.close()
             raise
 
-    async def __aexit__(self, *_: object) -> None:
+    async def __aexit__(self, kind: object, *_: object) -> None:
         self.close()
+        if kind in (None, asyncio.CancelledError) and any(item.failed for item in self._items.values()):
+            raise TutorialError("a controller has failed in unconfigure(): the log says where.")
 
     @property
     def bodies(self) -> dict[str, Body]:

@@ -129,6 +129,7 @@ class Item:
         body: the displayed body.
         controllers: those that have joined it.
         joints: what is known of its joint states.
+        failed: whether a controller has failed to leave it.
 
     Raises:
         TutorialError: the model does not load.
@@ -138,6 +139,7 @@ class Item:
         self.body = Body.displayed(placement)
         self.controllers: list[SimpleController] = []
         self.joints = JointWatch(self.body, node)
+        self.failed = False
         self._node = node
         self._calls = calls
         self._scopes: list[CallScope] = []
@@ -178,6 +180,7 @@ class Item:
                 controller.unconfigure()
             except (Exception, SystemExit):  # noqa: BLE001 - whatever it is, the others still have to leave
                 _log.exception("%s of %s failed in unconfigure()", type(controller).__name__, self.body.name)
+                self.failed = True
 
     def _changed(self, report: JointReport | None) -> None:
         """Note that the body is to be drawn, and what its message was like."""

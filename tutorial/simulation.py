@@ -17,6 +17,7 @@ from tutorial.stepped_world import ControllerError, Run, SteppedWorld
 from tutorial.world import Placement
 
 SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005 a busy cell starves a thread that wakes a thousand times a second
+USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between two batches of steps
 LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up; what is beyond is given up
 REPORT_EVERY = 5.0  # [s] between two complaints that the machine can't keep up
@@ -230,12 +231,12 @@ class Simulation(SteppedWorld):
         """The simulation's thread."""
         failed: ControllerError | None = None
         try:
-            sys.setswitchinterval(SWITCH_INTERVAL)
             self._initialize(run)
             self._keep_pace(run, last_step)
         except BaseException as error:  # noqa: BLE001 - whatever it is, the thread must not end without a word
             failed = error if isinstance(error, ControllerError) else self._controller_error(run, error)
             _log.error("%s", failed)
+        sys.setswitchinterval(USUAL_INTERVAL)
         self._end(run, failed)
 
     def _keep_pace(self, run: Run, last_step: int | None) -> None:
@@ -245,6 +246,7 @@ class Simulation(SteppedWorld):
         """
         pace = _Pace(self.step, self.time_step)
         while not run.stopping.is_set() and (last_step is None or self.step < last_step):
+            sys.setswitchinterval(SWITCH_INTERVAL)  # each time: another simulation that ends puts it back
             due = pace.steps_due(self.step)
             if last_step is not None:
                 due = min(due, last_step - self.step)

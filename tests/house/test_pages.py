@@ -23,7 +23,23 @@ NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
 PAGES = [HOME / "README.md", HOME / "CONTRIBUTING.md", *sorted((HOME / "book").glob("*.md"))]
 POCKET = HOME / "tutorial/ros/pocket/README.md"
 PROJECT = tomllib.loads((HOME / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-FOREIGN = {".", "bash", "cd", "colcon", "export", "pixi", "python", "python3", "ros2", "rviz2", "source", "sudo"}
+FOREIGN = {
+    ".",
+    "bash",
+    "cd",
+    "colcon",
+    "curl",
+    "docker",
+    "export",
+    "helm",
+    "pixi",
+    "python",
+    "python3",
+    "ros2",
+    "rviz2",
+    "source",
+    "sudo",
+}
 """Programs that are not the tutorial's: of their commands only the files that they name are looked for."""
 FINDERS = {"project": find_project, "step": find_launch_file, "drive": find_drive, "model": find_model}
 

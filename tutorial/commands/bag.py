@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 LOOK_EVERY = 0.2  # [s] for how far a recording is
 CLOCK_RATE = 40.0  # [Hz], as of ros2 bag
 
-AboveZero = Finite(min=0, min_open=True)
-
 bag_argument = click.argument("bag", type=click.Path(path_type=Path), metavar="BAG")
 
 
@@ -39,7 +37,7 @@ def bag() -> None:
 @click.option("-o", "--output", type=Path, metavar="NAME", help="Its folder, a new one; else called after the time.")
 @click.option("-s", "--storage", type=click.Choice(["mcap", "sqlite3"]), default="mcap", show_default=True)
 @click.option(
-    "-d", "--max-bag-duration", "longest", type=AboveZero, metavar="SECONDS", help="A new file after so long."
+    "-d", "--max-bag-duration", "longest", type=click.IntRange(1), metavar="SECONDS", help="A new file after so long."
 )
 @click.option("--use-sim-time", is_flag=True, help="Note the simulated time of receipt, from /clock.")
 @click.pass_obj
@@ -50,7 +48,7 @@ def record(
     everything: bool,
     output: Path | None,
     storage: str,
-    longest: float | None,
+    longest: int | None,
     use_sim_time: bool,
 ) -> None:
     """Record TOPICS, or with -a all of them, until Ctrl-C."""
@@ -86,7 +84,7 @@ def info(bag: Path) -> None:
 @bag.command(short_help="Play a bag.")
 @bag_argument
 @click.argument("more", nargs=-1, metavar="")
-@click.option("-r", "--rate", type=AboveZero, default=1.0, show_default=True, help="How fast.")
+@click.option("-r", "--rate", type=Finite(min=0, min_open=True), default=1.0, show_default=True, help="How fast.")
 @click.option("-l", "--loop", is_flag=True, help="Begin anew at the end, until Ctrl-C.")
 @click.option(
     "--clock",

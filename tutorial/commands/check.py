@@ -16,7 +16,6 @@ import click
 from tutorial.commands.options import Seconds
 from tutorial.commands.terminal import INTERRUPTED, until_asked
 from tutorial.errors import TutorialError, printable
-from tutorial.paths import is_file, is_folder
 from tutorial.printing import say
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ LIMIT = 60.0  # [s] that an answer may take
 
 
 @click.command(short_help="Check the answers in learners' notebooks.")
-@click.argument("notebooks", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("notebooks", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 @click.option(
     "--jobs", type=click.IntRange(1, 64), default=TOGETHER, show_default=True, help="Judge so many notebooks at a time."
 )
@@ -79,15 +78,9 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
 
 
 def _found(given: Sequence[Path]) -> list[Path]:
-    """Find the notebooks, each once; of a folder, those beneath it, without the copies that Jupyter keeps.
-
-    Raises:
-        TutorialError: there is nothing of such a name.
-    """
+    """Find the notebooks, each once; of a folder, those beneath it, without the copies that Jupyter keeps."""
     found: dict[Path, None] = {}
     for path in given:
-        if not (is_file(path) or is_folder(path)):
-            raise TutorialError(f"there is no file or folder {str(path)!r}")
         inner = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
         found |= dict.fromkeys(each for each in inner if ".ipynb_checkpoints" not in each.parts)
     return list(found)

@@ -53,6 +53,8 @@ def own_course() -> Path:
 def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]:
     """Return the command that opens JupyterLab on the first notebook: for this machine alone, and quiet.
 
+    If a JupyterHub starts it, it is the student's server, and the hub says where it listens.
+
     Args:
         arguments: more of JupyterLab's own, which come before what is set here.
         course: the course folder, which is all that JupyterLab shows.
@@ -60,7 +62,6 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
     settings = {
         "ServerApp.root_dir": course,
         "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",
-        "ServerApp.ip": "127.0.0.1",
         "ServerApp.allow_root": True,  # for in a container there is nobody else
         "ServerApp.allow_origin_pat": _forwarded_origin(),
         "ServerApp.max_body_size": 64_000_000,  # bytes, read before it is asked who sent them; notebooks are smaller
@@ -68,8 +69,11 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         "ServerApp.answer_yes": True,  # one Ctrl-C ends it
         "Application.log_level": "ERROR",
     }
+    program = "jupyterhub.singleuser" if "JUPYTERHUB_SERVICE_URL" in os.environ else "jupyterlab"
+    if program == "jupyterlab":
+        settings["ServerApp.ip"] = "127.0.0.1"
     options = (f"--{name}={value}" for name, value in settings.items())
-    return [sys.executable, "-P", "-m", "jupyterlab", *options, *arguments]
+    return [sys.executable, "-P", "-m", program, *options, *arguments]
 
 
 def _forwarded_origin() -> str:

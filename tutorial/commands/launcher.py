@@ -13,13 +13,11 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import datetime
 from importlib import import_module
-from itertools import chain, count, cycle
+from itertools import chain, count
 from pathlib import Path
 from subprocess import Popen
 from types import ModuleType
 from typing import TYPE_CHECKING, TextIO
-
-import click
 
 import pocket_ros2
 from tutorial import parent_watch
@@ -32,7 +30,6 @@ if TYPE_CHECKING:
 
 PATIENCE = 8.0  # [s] from asking a process to stop to killing it
 LOOK_EVERY = 0.1  # [s] between two looks at what still runs
-COLOURS = ("cyan", "yellow", "green", "magenta", "red", "blue")
 
 
 def load_launch_file(path: Path) -> list[ExecuteProcess]:
@@ -87,7 +84,6 @@ class Launcher:
         self._environment = environment
         self._output = output
         self._width = max(map(len, self._processes))
-        self._colours = dict(zip(self._processes, cycle(COLOURS)))
         self._running: dict[str, Popen[str]] = {}
         self._readers: list[threading.Thread] = []
         self._stop = threading.Event()
@@ -168,11 +164,8 @@ class Launcher:
         return bool(self._running)
 
     def _say(self, name: str, line: str) -> None:
-        prefix = f"{datetime.now():%H:%M:%S} {name:{self._width}} | "
-        if self._output.isatty():
-            prefix = click.style(prefix, fg=self._colours[name])
         try:
-            self._output.write(f"{prefix}{line}\n")
+            self._output.write(f"{datetime.now():%H:%M:%S} {name:{self._width}} | {line}\n")
             self._output.flush()
         except BrokenPipeError:  # the reader has gone, as head does
             self._stop.set()

@@ -43,8 +43,8 @@ def number_of(root, tag: str, part_of_style: str) -> int:
 def test_each_thread_has_a_lane_and_each_message_a_way():
     root, texts, alt = drawn(message(0, 5.1), message(20, 31.1))
     assert texts.index("executor") < texts.index("MainThread")
-    assert {"received (2)", "applied after 5.00 ms to 11.0 ms (2)"} <= set(texts)
-    assert alt == "2 messages over 31.1 ms, on executor and MainThread: 2 applied. They waited 5.00 ms to 11.0 ms."
+    assert {"received (2)", "applied after 5 ms to 11 ms (2)"} <= set(texts)
+    assert alt == "2 messages over 31.1 ms, on executor and MainThread: 2 applied. They waited 5 ms to 11 ms."
     for polyline in root.iter("polyline"):
         assert all(LEFT <= float(point.split(",")[0]) <= RIGHT for point in polyline.get("points").split())
 
@@ -52,7 +52,7 @@ def test_each_thread_has_a_lane_and_each_message_a_way():
 def test_only_the_newest_messages_are_drawn():
     messages = [message(20 * i, 20 * i + 1) for i in range(50)]
     assert drawn(*messages)[2].startswith("8 messages over 141 ms")
-    assert drawn(*messages, count=1)[2].startswith("1 messages over 1.00 ms")
+    assert drawn(*messages, count=1)[2].startswith("1 messages over 1 ms")
     assert drawn(message(0, 2010), message(2000, 2010))[2].startswith("2 messages over 2.01 s")
 
 
@@ -72,11 +72,11 @@ def test_what_is_neither_applied_nor_posted_is_shown_too():
     lanes = ["executor", "timer", "MainThread"]
     assert [name for name in texts if name in lanes] == lanes
     assert "not applied yet (2)" in texts
-    assert alt.endswith("1 applied, 1 handled, 2 waiting. They waited 0.90 ms.")
+    assert alt.endswith("1 applied, 1 handled, 2 waiting. They waited 0.9 ms.")
 
 
 def test_what_happened_at_once_or_not_at_all():
     assert drawn()[2] == "nothing was received or posted yet"
     assert repr(swimlane(SimpleNamespace(trace=HandoffTrace()))) == "Picture('handoffs')"
     moment = Moment(100.0, "MainThread")
-    assert drawn(Handoff(posted=moment, applied=moment))[2].endswith("1 applied. They waited 0.00 ms.")
+    assert drawn(Handoff(posted=moment, applied=moment))[2].endswith("1 applied. They waited 0 ms.")

@@ -129,8 +129,5 @@ def _draw_legend(root: Element, received: int, counts: Counter[str], waited: str
 
 
 def _ms(seconds: float) -> str:
-    """A time with three digits or so."""
-    ms = seconds * 1e3
-    if ms >= 1e3:
-        return f"{seconds:.2f} s"
-    return f"{ms:.0f} ms" if ms >= 99.5 else f"{ms:.1f} ms" if ms >= 9.95 else f"{ms:.2f} ms"
+    """A time with three digits at most."""
+    return f"{seconds:.3g} s" if seconds >= 0.9995 else f"{seconds * 1e3:.3g} ms"

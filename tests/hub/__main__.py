@@ -1,0 +1,91 @@
+"""A class in a JupyterHub: memory and processor time of each student, in notebook 1. ``make hub-load USERS=30``.
+
+Each student logs in and runs the notebook up to its tank, which goes on running. Then the page is closed. This measures
+the tank while it runs and nobody watches it, the same when it rests, and the memory of the student's server, kernel and
+other processes, in which what they share counts in equal parts (PSS).
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from hub import Student, cells, hub
+from rich.console import Console
+from rich.table import Table
+
+MEASURED = 20.0  # [s]
+LEAVE = "import tutorial.notebook.program\ntutorial.notebook.program.REST_AFTER = {}"
+FOREVER = 1e9
+
+
+def seconds(student: Student) -> float:
+    """How long the student's processes have computed so far [s]."""
+    return sum(sum(process.cpu_times()[:2]) for process in student.processes())
+
+
+def loads(students: list[Student]) -> list[float]:
+    """How much of a core each student's processes take [%]."""
+    began, before = time.monotonic(), [seconds(student) for student in students]
+    time.sleep(MEASURED)
+    after, took = [seconds(student) for student in students], time.monotonic() - began
+    return [100 * (now - then) / took for now, then in zip(after, before)]
+
+
+def memory(student: Student) -> float:
+    """How much memory the student's processes take [MB]."""
+    return sum(process.memory_full_info().pss for process in student.processes()) / 1e6
+
+
+def attend(student: Student) -> str:
+    """Run the notebook up to its tank, look at it, and close the page; return the kernel's ROS domain."""
+    for cell in cells()[0]:
+        student.run(cell)
+    student.run(LEAVE.format(FOREVER))
+    view = student.run("print(program.view.comm.comm_id)").strip()
+    for word in ("hello", "bye"):
+        student.look(view, word)
+    return student.run("import os\nprint(os.environ['ROS_DOMAIN_ID'])").strip()
+
+
+def rest(student: Student) -> None:
+    """Let the tank rest, as it does some minutes after its page is gone."""
+    student.run(LEAVE.format(0) + "\nawait until(lambda: not program.simulation.running)")
+
+
+def finish(student: Student) -> None:
+    """Run the other cells."""
+    student.run(LEAVE.format(FOREVER) + "\nprogram.start()")
+    for cell in cells()[1]:
+        student.run(cell)
+
+
+def main(users: int) -> None:
+    """Measure, and print a table."""
+    began = time.monotonic()
+    with (
+        tempfile.TemporaryDirectory(prefix="hub-") as folder,
+        hub(Path(folder)) as at,
+        ThreadPoolExecutor(users) as pool,
+    ):
+        students = list(pool.map(lambda number: Student(at, f"student{number}"), range(users)))
+        domains = set(pool.map(attend, students))
+        print(f"{users} students, {len(domains)} domains, all tanks run after {time.monotonic() - began:.0f} s")
+        running = loads(students)
+        list(pool.map(rest, students))
+        resting, megabytes = loads(students), [memory(student) for student in students]
+        list(pool.map(finish, students))
+        print(f"all notebooks have come to their end after {time.monotonic() - began:.0f} s")
+    table = Table("of each student", "least", "median", "most")
+    rows = ("memory [MB]", megabytes), ("unwatched, running [% of a core]", running), ("at rest [% of a core]", resting)
+    for name, values in rows:
+        table.add_row(name, *(f"{value:.1f}" for value in (min(values), statistics.median(values), max(values))))
+    Console().print(table)
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]))

@@ -1,0 +1,181 @@
+"""A real JupyterHub for the tests, the one that ``make hub`` starts, and students who log in and run a notebook."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import uuid
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from http.client import HTTPResponse
+from http.cookiejar import CookieJar
+from pathlib import Path
+from urllib.parse import urlencode
+from urllib.request import HTTPCookieProcessor, Request, build_opener
+
+import nbformat
+import psutil
+from programs import PATIENCE, answer, marked, until
+from websocket import WebSocket, create_connection
+
+CHECKOUT = Path(__file__).parents[2]
+CONFIG = CHECKOUT / "tests/hub/jupyterhub_config.py"
+PROXY = CHECKOUT / ".venv/node_modules/.bin/configurable-http-proxy"
+NOTEBOOK = "notebooks/1_tank_controller.ipynb"
+START = "program.start()"
+LONG = 300.0  # [s] for a server or a cell, while a class begins at once
+
+
+def cells() -> tuple[list[str], list[str]]:
+    """The code cells of notebook 1: those up to its running tank, and those after it."""
+    notebook = nbformat.read(CHECKOUT / NOTEBOOK, as_version=4)
+    sources = [cell.source for cell in notebook.cells if cell.cell_type == "code"]
+    return sources[: (i := sources.index(START) + 1)], sources[i:]
+
+
+@dataclass
+class Hub:
+    """A running JupyterHub.
+
+    Attributes:
+        root: its address.
+        mark: what all its processes are marked with.
+        sockets: the connections to its kernels.
+    """
+
+    root: str
+    mark: str
+    sockets: list[WebSocket] = field(default_factory=list)
+
+    def processes(self) -> list[psutil.Process]:
+        """All that comes from it and runs: hub, proxy, servers and kernels."""
+        return marked(self.mark)
+
+
+@contextmanager
+def hub(folder: Path) -> Iterator[Hub]:
+    """Run a JupyterHub in a folder, and end it as Ctrl-C does, with all that it has started."""
+    public, api, proxy = (f"http://127.0.0.1:{port}" for port in _free_ports(3))
+    ports = (
+        f"--JupyterHub.bind_url={public}",
+        f"--JupyterHub.hub_bind_url={api}",
+        f"--ConfigurableHTTPProxy.api_url={proxy}",
+    )
+    running = Hub(public, uuid.uuid4().hex)
+    environment = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
+    environment["TANK_TEST_MARK"] = running.mark
+    command = [sys.executable, "-m", "jupyterhub", "-f", str(CONFIG), *ports]
+    with (folder / "hub.log").open("wb") as log:
+        started = subprocess.Popen(command, cwd=folder, env=environment, stdout=log, stderr=log)
+    try:
+        until(lambda: b"JupyterHub is now running" in (folder / "hub.log").read_bytes(), "the hub and its proxy")
+        yield running
+        started.send_signal(signal.SIGINT)
+        started.wait(PATIENCE)
+        until(lambda: not running.processes(), f"the end of {running.processes()}")
+    finally:
+        for each in running.sockets:
+            each.shutdown()
+        for process in running.processes():
+            process.kill()
+        started.wait()
+
+
+class Student:
+    """Somebody who logs in to a hub, and runs cells in a notebook's kernel, as JupyterLab does.
+
+    Args:
+        at: the hub.
+        name: any.
+    """
+
+    def __init__(self, at: Hub, name: str) -> None:
+        self._hub, self._name = at, name
+        self._token = self._log_in()
+        self._wait_for_server()
+        wanted = {"path": NOTEBOOK, "type": "notebook", "name": "", "kernel": {"name": "python3"}}
+        with self._ask(f"/user/{name}/api/sessions", wanted) as reply:
+            kernel = json.load(reply)["kernel"]["id"]
+        address = f"{at.root.replace('http', 'ws')}/user/{name}/api/kernels/{kernel}/channels"
+        header = {"Authorization": f"token {self._token}"}
+        self._socket = create_connection(address, timeout=LONG, header=header)
+        at.sockets.append(self._socket)
+        self._session = uuid.uuid4().hex
+
+    def run(self, source: str) -> str:
+        """Run a cell, wait until it is done, and return what it printed; fail if it raised."""
+        asked = self._send("execute_request", code=source, silent=False, store_history=True, allow_stdin=False)
+        text, ended = "", set()
+        while ended != {"execute_reply", "idle"}:
+            said = self._socket.recv()
+            if isinstance(said, bytes):  # a message of a widget with binary parts
+                continue
+            message = json.loads(said)
+            if message["parent_header"].get("msg_id") != asked:
+                continue
+            content = message["content"]
+            text += content.get("text", "")
+            if message["msg_type"] == "execute_reply":
+                assert content["status"] == "ok", f"{self._name}: {content['ename']}: {content['evalue']}, in\n{source}"
+            ended |= {message["msg_type"], content.get("execution_state")} & {"execute_reply", "idle"}
+        return text
+
+    def look(self, comm: str, word: str) -> None:
+        """Say what the page of a widget says, for instance ``hello`` or ``bye``."""
+        self._send("comm_msg", comm_id=comm, data={"method": "custom", "content": {"type": word, "view": "page"}})
+
+    def processes(self) -> list[psutil.Process]:
+        """The student's server, kernels and what these have started."""
+        return [each for each in self._hub.processes() if each.environ().get("JUPYTERHUB_USER") == self._name]
+
+    def _log_in(self) -> str:
+        """Log in with the form, which starts the server, and return a token for all that follows."""
+        jar = CookieJar()
+        opener = build_opener(HTTPCookieProcessor(jar))
+        form = f"{self._hub.root}/hub/login?next="
+
+        def xsrf() -> str:
+            return next(cookie.value or "" for cookie in jar if cookie.name == "_xsrf" and cookie.path == "/hub/")
+
+        opener.open(form, timeout=PATIENCE).close()
+        words = {"username": self._name, "password": "any", "_xsrf": xsrf()}
+        opener.open(form, urlencode(words).encode(), timeout=PATIENCE).close()
+        headers = {"Content-Type": "application/json", "X-XSRFToken": xsrf()}
+        wanted = Request(f"{self._hub.root}/hub/api/users/{self._name}/tokens", b"{}", headers)
+        with opener.open(wanted, timeout=PATIENCE) as reply:
+            return str(json.load(reply)["token"])
+
+    def _wait_for_server(self) -> None:
+        """Follow what the hub says of the server's start, until it is ready."""
+        with self._ask(f"/hub/api/users/{self._name}/server/progress") as events:
+            said = [json.loads(line.removeprefix(b"data:")) for line in events if line.startswith(b"data:")]
+        assert said[-1].get("ready"), f"{self._name}: {said[-1]}"
+
+    def _ask(self, path: str, data: object = None) -> HTTPResponse:
+        headers = {"Authorization": f"token {self._token}", "Content-Type": "application/json"}
+        body = None if data is None else json.dumps(data).encode()
+        return answer(Request(self._hub.root + path, body, headers), LONG)
+
+    def _send(self, kind: str, **content: object) -> str:
+        number = uuid.uuid4().hex
+        header = {
+            "msg_id": number,
+            "msg_type": kind,
+            "session": self._session,
+            "username": self._name,
+            "version": "5.3",
+        }
+        message = {"header": header, "parent_header": {}, "metadata": {}, "content": content, "channel": "shell"}
+        self._socket.send(json.dumps(message))
+        return number
+
+
+def _free_ports(count: int) -> list[int]:
+    with ExitStack() as stack:
+        taken = [stack.enter_context(socket.create_server(("127.0.0.1", 0))) for _ in range(count)]
+        return [each.getsockname()[1] for each in taken]
