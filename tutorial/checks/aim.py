@@ -25,7 +25,7 @@ Notice that a reference which stays within the range answers at once when you re
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import degrees, isnan, nan, radians  # noqa: F401 - some are what mistakes need
+from math import isnan, nan
 from typing import Any
 
 from tutorial.body import Joint

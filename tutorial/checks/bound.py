@@ -34,7 +34,6 @@ from typing import Any
 
 from sensor_msgs.msg import Joy
 
-from tutorial.checks._answer import name_of
 from tutorial.checks._cases import Case, Cases, ask, call, mistakes
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._interleave import traced
@@ -173,7 +172,7 @@ def million(answer: Any) -> list[float]:
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
     if axes.steps > STEPS or most > BYTES:
-        raise Failure(name_of(answer), Misuse("it takes far longer than for four", ALL))
+        raise Misuse("it takes far longer than for four", ALL)
     return numbers(returned)
 
 
@@ -200,10 +199,10 @@ OTHERWISE = {
     "": "Compare with: the first four axes, each by itself, 0 if lacking or not finite, else limited to -1 and 1.",
     "six axes": MANY,
     **dict.fromkeys(("three axes", "one axis", "no axes"), FEW),
-    "NaN for the second axis": NOT_A_NUMBER,
-    **dict.fromkeys(("infinity for the first axis", "minus infinity for the last axis"), INFINITE),
-    **dict.fromkeys(("1.5 for the first axis", "-3 for the third axis", "1e30 for the last axis"), BEYOND),
-    "two messages, one after the other": KEPT,
+    "NaN for": NOT_A_NUMBER,
+    "infinity": INFINITE,
+    **dict.fromkeys(("1.5 for", "-3 for", "1e30 for"), BEYOND),
+    "two messages": KEPT,
 }
 
 
@@ -212,6 +211,6 @@ def say(seen: list[float]) -> str:
     return f"[{', '.join(f'{axis + 0.0:g}' for axis in seen)}]"
 
 
-CASES = Cases(four_axes, TRIED, MISTAKES, say, OTHERWISE, OTHERWISE)
+CASES = Cases(four_axes, TRIED, MISTAKES, say, OTHERWISE, crashes=[""])
 
 bound = Exercise("bound", __doc__, CASES.judge, four_axes, imports=("from math import isfinite",))

@@ -63,9 +63,6 @@ class Pairs:
 
 
 MISTAKES = mistakes("""
-return is missing, or no partner is ever found: a pair is returned by the call of add that completes it.
-    return together["joints"], together["pose"] => return None
-
 the objects are compared, by `is` or id, and each message has a stamp of its own: compare its sec and nanosec.
     message.header.stamp.sec, message.header.stamp.nanosec => id(message.header.stamp)
 
@@ -114,9 +111,6 @@ there is no limit to what waits: of more than 50, the one that came first gives 
 
 only one stream has a limit: of either no more than 50 wait.
     > 50: => > 50 and stream == "joints": => > 50 and stream == "pose":
-
-one gives way too early or too late: 50 may wait, 51 may not, and the partner is looked for first.
-    > 50: => > 49: => > 51:
 
 the smallest stamp gives way, and after a new start that is the newest message: the one that came first has to.
     if len(self.waiting) > 50: => if len(self.waiting) > 50: del self.waiting[min(self.waiting)] // if False:
@@ -241,17 +235,14 @@ TRIED = {
 }  # fmt: skip
 GIVES_WAY = "Compare what gives way: nothing as long as 50 wait, and of more the one that came first."
 SHARED = "Most likely what waits belongs to the class, or to an argument's default: make it in __init__."
-CAUSES = {  # by a word of the cases that they are the cause of
+OTHERWISE = {
+    "": "Compare with: a message waits by its stamp, until the other stream's message of the same stamp is there.",
     "two objects": SHARED,
     "nanosecond": "Most likely the stamps are not compared as they are: sec and nanosec count, to the last digit.",
     "digits": "Most likely the stamps are not compared as they are: both numbers count, sec and nanosec.",
     "late": "Compare what is past: when a pair is found, what came before its first message is dropped, of both.",
     "start": "Most likely it is asked which stamp is larger: after a new start they begin at 0; count on the arrival.",
     **dict.fromkeys(("50 ", "51 ", "60 "), GIVES_WAY),
-}
-OTHERWISE = {
-    "": "Compare with: a message waits by its stamp, until the other stream's message of the same stamp is there.",
-    **{label: cause for word, cause in CAUSES.items() for label in TRIED if word in label},
 }
 
 

@@ -26,7 +26,6 @@ from __future__ import annotations
 
 from functools import partial
 from itertools import pairwise
-from math import degrees  # noqa: F401 - what a mistake needs
 from types import SimpleNamespace  # noqa: F401
 from typing import Any
 

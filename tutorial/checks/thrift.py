@@ -27,7 +27,6 @@ Notice that receivers have to match these messages by name: the viewer of step 3
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, radians  # noqa: F401 - what some mistakes need
 from typing import Any
 
 from rclpy.time import Time
@@ -85,9 +84,6 @@ the whole message is sent as soon as one joint moves: name only those that did.
 only one of the joints that have moved is named, the first, as with break, or the last: name all that have.
     if news: => news = dict([*news.items()][:1]) // if news: => news = dict([*news.items()][-1:]) // if news:
     => news = dict([*news.items()][: 1 if self.sent else None]) // if news:
-
-a message is sent even if no joint has moved: then send none.
-    if news: => if True:
 
 names and positions come from two different lists: take both from the joints that have moved.
     list(news.values())) => list(positions.values())) => list(positions.values())[:len(news)])

@@ -79,7 +79,7 @@ class Squared(GrayPublisher):
 
 
 WRONG = [
-    (NeverCaptures, "nothing is published: look at the condition"),
+    (NeverCaptures, "`self.camera.capture(self.publish, self.io.time_ns)` is missing, or not reached"),
     (AtOnce, "give it without parentheses, self.publish"),
     (Squared, "Compare with array('B'"),
 ]
