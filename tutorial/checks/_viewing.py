@@ -28,7 +28,7 @@ config.node.create_subscription($kind, ...) is missing, or not reached.
 
 # for messages of the type
 the type of the messages is another: give $kind first.
-    ($kind, => (Joy,
+    ($kind, => (object,
 
 # messages come
 $post is missing, or not reached: the callback posts nothing.

@@ -57,9 +57,6 @@ unknown names or NaN are left out before zip, so positions move to other names: 
     message.name, message.position => [n for n in message.name if n in joint_names], message.position
     => message.name, [q for q in message.position if isfinite(q)]
 
-the names are sorted, and the positions are not: they belong together as they come.
-    zip(message.name, => zip(sorted(message.name),
-
 the first of two of the same name counts, as with index or setdefault: the last one does, as in dict(pairs).
     zip(message.name, message.position) => reversed([*zip(message.name, message.position)])
     => zip([n * (n not in message.name[:i]) for i, n in enumerate(message.name)], message.position)
@@ -70,20 +67,11 @@ the last of two of the same name is taken before NaN is left out: the last one t
 of two of the same name the largest position wins, as when pairs are sorted: the last one in the message does.
     zip(message.name, message.position) => sorted(zip(message.name, message.position))
 
-a name that comes twice is left out altogether: the last one counts.
-    isfinite(position) => isfinite(position) and message.name.count(name) == 1
-
 the loop ends at an unknown name: leave out only that one and go on, continue.
     zip(message.name, => zip(takewhile(joint_names.__contains__, message.name),
 
 the loop ends at NaN: leave out only that joint and go on, continue.
     message.position) => takewhile(isfinite, message.position))
-
-the whole message is dropped for an unknown name, for NaN, or for a position too few or too many: leave out only that.
-    return { => if not set(message.name) <= set(joint_names): return dict() // return {
-    => if not all(map(isfinite, message.position)): return dict() // return {
-    => if len(message.position) < len(message.name): return dict() // return {
-    => if len(message.position) != len(message.name): return dict() // return {
 
 0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions like any other.
     isfinite(position) => position and isfinite(position) => position >= 0 and isfinite(position)

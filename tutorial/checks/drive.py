@@ -95,9 +95,6 @@ messages wait in a queue, one for each step: only the newest counts, until there
     axes = => if self.queue: self.joy.put(self.queue.pop(0)) // axes =
     => self.joy.put(self.queue.pop(0) if self.queue else Joy()) // axes =
 
-a message counts for one step only: the stick is where it was last seen, until there is another one. Latest keeps it.
-    left_x, left_y = => self.joy.put(Joy()) // left_x, left_y =
-
 the speeds are limited to 1 m/s, which nobody asked for: in the corner it is 1.5 m/s.
     + 0.5 * left_x => + 0.5 * left_x // for t in (self.track_l, self.track_r): t.ctrl = min(max(t.ctrl, -1.0), 1.0)
 

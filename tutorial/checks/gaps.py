@@ -118,9 +118,6 @@ nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hid
 a late message is told: it says nothing.
     newest = max( => found += [("late", newest, stamp)] if stamp < newest else [] // newest = max(
 
-after a restart nothing is looked at any more: go on.
-    found.append(("restart", newest, stamp)) => found.append(("restart", newest, stamp)) // break
-
 after a restart newest becomes 0, or None: it is the stamp of the new message.
     ("restart", newest, stamp)) => ("restart", newest, stamp)) // stamp = 0
     => ("restart", newest, stamp)) // stamp = None
@@ -150,9 +147,6 @@ the bag's times are told: the stamps are asked for.
 
 a stamp is missing, or the length is told: the three are what happened, the stamp before and the stamp after.
     newest, stamp)) => newest,)) => newest, stamp - newest)) => newest, stamp, stamp - newest))
-
-the last message's stamp is told: a late one is not where the gap begins.
-    newest, stamp)) => stamps_of(messages)[stamps_of(messages).index(stamp) - 1], stamp))
 """)
 EXACT = "Most likely floats are computed, which are rounded: count in whole nanoseconds, without / and 1e9."
 BACK = "Most likely the limit of a restart is another: more than 1 s back, which is 1_000_000_000 ns."

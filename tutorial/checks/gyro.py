@@ -93,9 +93,6 @@ the sum is sent: divide it by how many measurements it has.
 the sum is divided by the number of steps between two messages: the first has fewer measurements, divide by how many.
     np.mean(self.samples, axis=0) => (np.sum(self.samples, axis=0) / self.steps_per_message)
 
-each measurement is averaged with the mean before it, so the newest counts for half: add all up, and divide once.
-    self.samples.append(self.sensor.value) => self.samples = [np.mean([*self.samples, self.sensor.value], axis=0)]
-
 the mean is taken over all numbers at once, or over x, y and z: axis=0 takes it component by component.
     np.mean(self.samples, axis=0) => np.full(3, np.mean(self.samples)) => np.mean(self.samples, axis=1)
 

@@ -35,7 +35,7 @@ from typing import Any
 
 from geometry_msgs.msg import Vector3
 from numpy.typing import ArrayLike
-from sensor_msgs.msg import Imu, Joy  # noqa: F401
+from sensor_msgs.msg import Imu
 
 from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side
 from tutorial.checks._viewing import viewing

@@ -22,7 +22,7 @@ from collections.abc import Sequence
 from functools import partial
 from itertools import count
 
-from sensor_msgs.msg import JointState, Joy  # noqa: F401
+from sensor_msgs.msg import JointState
 
 from tutorial.checks._interleave import interleave
 from tutorial.checks._viewer import Step, Viewer

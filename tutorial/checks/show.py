@@ -29,7 +29,7 @@ from functools import partial
 from itertools import count
 from math import nan
 
-from sensor_msgs.msg import JointState, Joy  # noqa: F401
+from sensor_msgs.msg import JointState
 
 from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side
 from tutorial.checks._viewing import viewing
@@ -175,8 +175,6 @@ a name that the body does not have is looked up, or spoils the message: match_jo
 NaN is set as a position: leave out that joint, and it stays where it is. match_joints does.
     positions, report = => report = dict(zip(message.name, message.position)) // positions, _ =
     positions(positions) => positions({name: q for name, q in report.items() if name in self.body.joint_names})
-one NaN makes the whole message invalid: leave out only that joint, as match_joints does.
-    positions(positions) => positions({} if any(map(isnan, message.position)) else positions)
 
 # two names, one position or none
 an index goes beyond the end: there may be fewer positions than names. match_joints knows that.

@@ -92,31 +92,15 @@ the rotations are multiplied in the wrong order: the outer one times the inner o
     t = stamped => moved = moved + one_by_one(transforms[: transforms.index(stamped)], place(stamped)) // t = stamped
     return point => return one_by_one(transforms, given) + moved
 
-one rotation is used for all: each transform has its own.
-    stamped.transform.rotation => transforms[0].transform.rotation => transforms[-1].transform.rotation
-
 the translation is added before the turn, and so is turned with it: turn first.
     turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) +
 
 only x and y of the translation are added: z, too.
     t.z => 0.0
 
-the translation of one transform alone is added: each has its own.
-    + np.array([t => + (stamped is transforms[0]) * np.array([t => + (stamped is transforms[-1]) * np.array([t
-
-one translation is used for all: each transform has its own.
-    t = stamped => t = transforms[0] => t = transforms[-1]
-
 the translations are added up, and not turned by the frames that they are in.
     + np.array([t => + 0 * np.array([t
     return point => return np.array(point) + sum(map(place, transforms), np.zeros(3))
-
-the point is left out, or added in the end as it is: it has to be turned by each rotation.
-    for stamped in => point, given = HERE, point // for stamped in
-    return point => return point => return np.array(point) + given
-
-the result is rounded: return it as it is.
-    return point => return np.round(point, 1) => return np.round(point, 2) => return np.round(point, 3)
 """)
 HOW_MANY = "Most likely a certain number of transforms is expected, or a frame's name: loop through all of them."
 NONE_GIVEN = "Without transforms the point is returned as it is: take no first transform for granted, and give it back."
