@@ -26,6 +26,9 @@ the body's name is typed, or left out of the topic: it is f"{config.body.name}/$
 control publishes at every step, or the condition is turned round: do so only when io.step % $steps == 0.
     self.io.step % self.$steps == 0 => True => self.io.step % self.$steps
 
+the rate, $hz in a second, is taken for the number of steps: that is round(1 / ($hz * io.time_step)).
+    round(1 / ($hz * io.time_step)) => $hz
+
 the number of steps is written down for 1 ms: compute it from io.time_step.
     * io.time_step => * 0.001
 

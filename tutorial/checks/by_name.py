@@ -73,6 +73,12 @@ the loop ends at an unknown name: leave out only that one and go on, continue.
 the loop ends at NaN: leave out only that joint and go on, continue.
     message.position) => takewhile(isfinite, message.position))
 
+the whole message is dropped for an unknown name, for NaN, or for a position too few or too many: leave out only that.
+    return { => if not set(message.name) <= set(joint_names): return dict() // return {
+    => if not all(map(isfinite, message.position)): return dict() // return {
+    => if len(message.position) < len(message.name): return dict() // return {
+    => if len(message.position) != len(message.name): return dict() // return {
+
 0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions like any other.
     isfinite(position) => position and isfinite(position) => position >= 0 and isfinite(position)
 

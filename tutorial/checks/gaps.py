@@ -94,10 +94,10 @@ the numbers have no sign, as numpy's uint64: less than nothing is a huge number 
     newest - stamp > => (newest - stamp) % 2**64 >
 
 the limit of a gap is another: it is 0.1 s, which is 100_000_000 ns.
-    > 100_000_000 => > 0 => > 10_000_000 => > 200_000_000 => > 500_000_000 => > 1_000_000_000
+    newest > 100_000_000 => newest > 0 => newest > 10_000_000 => newest > 500_000_000 => newest > 1_000_000_000
 
 the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
-    > 1_000_000_000 => > 100_000_000 => > 500_000_000 => > 10_000_000_000
+    stamp > 1_000_000_000 => stamp > 100_000_000 => stamp > 500_000_000 => stamp > 10_000_000_000
 
 a gap of over 1 s does not count: however long, it is one.
     stamp - newest > 100_000_000 => 100_000_000 < stamp - newest <= 1_000_000_000

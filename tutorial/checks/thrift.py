@@ -85,6 +85,9 @@ only one of the joints that have moved is named, the first, as with break, or th
     if news: => news = dict([*news.items()][:1]) // if news: => news = dict([*news.items()][-1:]) // if news:
     => news = dict([*news.items()][: 1 if self.sent else None]) // if news:
 
+a message is sent even if no joint has moved: then send none.
+    if news: => if True:
+
 names and positions come from two different lists: take both from the joints that have moved.
     list(news.values())) => list(positions.values())) => list(positions.values())[:len(news)])
     => list(news.values())) // message.name = list(positions)
