@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import re
 from datetime import date
 
@@ -73,6 +74,13 @@ def test_a_broken_file_is_said_and_left_as_it_is(notebook, text):
     assert f"{FILE} cannot be read, so nothing counts as solved: " in said
     remember("aim")
     assert (notebook / FILE).read_text(encoding="latin-1") == text
+
+
+@pytest.mark.parametrize("make", [os.mkfifo, lambda path: path.touch() or os.truncate(path, 3 * 10**9)])
+def test_what_is_no_small_file_is_not_read(notebook, make):
+    make(notebook / FILE)
+    remember("aim")
+    assert "it is no file of at most 1 MB." in read_progress()[1]
 
 
 def test_a_write_that_fails_leaves_the_file_as_it_was(notebook, monkeypatch):

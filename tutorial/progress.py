@@ -19,6 +19,7 @@ import msgspec
 
 FILE = ".tank_progress.json"
 VARIABLE = "TANK_PROGRESS"  # names another file, for tests
+LARGEST = 2**20  # [bytes] a thousand times what such a file has
 
 
 class _File(msgspec.Struct):
@@ -115,6 +116,8 @@ def _read(path: Path) -> dict[str, date]:
     """
     if not path.exists():
         return {}
+    if not path.is_file() or path.stat().st_size > LARGEST:  # what else is there may be endless, or never say anything
+        raise OSError("it is no file of at most 1 MB")
     return msgspec.json.decode(path.read_bytes(), type=_File).solved
 
 

@@ -51,6 +51,7 @@ def read(path):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_commands_that_a_reader_is_told_to_type_are_understood(page, monkeypatch):
     monkeypatch.chdir(HOME)
+    monkeypatch.setattr(click.Path, "convert", lambda self, path, *_: self.coerce_path_result(path))  # is the reader's
     blocks = re.findall(r"^```console\n(.*?)^```", read(page), re.MULTILINE | re.DOTALL)
     for line in re.findall(r"^\$ (.*)", "\n".join(blocks), re.MULTILINE):
         words = shlex.split(line, comments=True)

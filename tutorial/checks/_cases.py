@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,12 +18,13 @@ from tutorial.checks._mistakes import Mistake, mistakes, slips, with_mistakes
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, watch
+from tutorial.errors import TutorialError
 
 __all__ = ["Cases", "ask", "call", "mistakes", "observed", "same"]
 
 TOLERANCE = 1e-4
 LONGEST = 20.0  # [s] in which mistakes are tried, one and two at once; so that a busy machine comes to an end, too
-CRASHES = (LookupError, ValueError, ArithmeticError, TypeError)
+CRASHES = (LookupError, ValueError, ArithmeticError, TypeError, TutorialError)
 CHANGED = "Most likely pop, sort, append, += or an assignment changes it: leave it as it is, make one of your own."
 CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
 
@@ -42,12 +43,14 @@ class Cases:
             observed. It may raise `Failure`, which is an observation, too.
         mistakes: those that are known, the root causes first.
         say: puts an observation into words.
-        otherwise: the cause to name where no known mistakes explain what is observed, by the first case that shows it;
-            "" for any other.
-        crashes: the cases of which it is the cause, too, that what they give, or None, cannot be computed with.
+        otherwise: the cause to name where no known mistakes explain what is observed, by a part of the text of the
+            first case that shows it. The longest part counts, and "" is a part of every text.
+        crashes: parts of the texts of cases. It is the cause, too, that what they give, or None, cannot be computed
+            with.
         beside: functions of the solution's module that a mistake may change, too.
-        clock: the cause to name of an answer that asks the computer's clock.
+        clock: the cause to name of an answer that asks the computer's clock; "" where that may be right.
         on_ros: tries a right answer with rclpy's own node, and says what comes of it.
+        one_by_one: whether the first case that shows something else than is expected ends it.
     """
 
     solution: Any
@@ -55,46 +58,50 @@ class Cases:
     mistakes: Sequence[Mistake]
     say: Callable[[Any], str]
     otherwise: Mapping[str, str]
-    crashes: Collection[str] = ()
+    crashes: Sequence[str] = ()
     beside: Sequence[Any] = ()
     clock: str = CLOCK
     on_ros: Case | None = None
+    one_by_one: bool = False
 
     def judge(self, answer: Any) -> Iterator[Finding]:
         """Try an answer, say of each case what was observed, and name each mistake where it shows first."""
-        shared, seen, misused = SharedState(answer), dict[str, Any](), dict[str, Failure]()
+        expected, shared, seen = self.expected, SharedState(answer), dict[str, Any]()
         for label, case in self.cases.items():
             seen[label] = each = observed(case, answer)
-            if isinstance(each, Failure) and isinstance(each.error, Misuse):
-                misused[label] = each
+            is_misuse = isinstance(each, Failure) and isinstance(each.error, Misuse)
+            if is_misuse or (self.one_by_one and not same(each, expected[label])):
                 break
+        odd = [label for label in seen if not same(seen[label], expected[label])]
+        by_the_clock, place = self.clock * ("clock" in watch.noted), next(iter(watch.noted.values()), None)
         watch.explaining = True
         failures = {label: each for label, each in seen.items() if isinstance(each, Failure)}
-        odd = [label for label in seen if not same(seen[label], self.expected[label])]
-        by_the_clock = "clock" in watch.noted
-        for raised in (misused, failures):  # what speaks for itself need not be explained
+        misused = {label: each for label, each in failures.items() if isinstance(each.error, Misuse)}
+        for raised in ({}, misused, failures):  # what speaks for itself need not be explained
             told = [label for label in odd if label not in raised]
             rest = {label: each for label, each in seen.items() if label not in raised}
             found = self.explain(rest) if told and not by_the_clock else ()
             if found:
                 break
         causes = self._shown(found, told)
+        is_shared = "." in shared.changed()
         for label in seen:
+            unknown = by_the_clock or self._otherwise(label)
             if label not in odd:
                 yield right(f"{label}: {self.say(seen[label])}")
             elif label in raised:
                 if found and same(observed(self.cases[label], self.mistaken(*found)), seen[label]):
                     continue
                 error = raised[label].error
-                known = label in self.crashes and (isinstance(error, CRASHES) or "NoneType" in str(error))
-                yield raised[label].finding(self.otherwise.get(label) if known else None, label)
+                crashed = isinstance(error, CRASHES) or "NoneType" in str(error)
+                is_known = crashed and unknown != self.otherwise[""] and any(part in label for part in self.crashes)
+                yield raised[label].finding(unknown if is_known else None, label)
                 return
-            elif label in failures and label in causes:
-                yield failures[label].finding(causes[label], label)
             elif label in causes or (not found and label == odd[0]):
-                unknown = self.clock if by_the_clock else self.otherwise.get(label, self.otherwise[""])
-                text = f"{label}: {self.say(seen[label])}; expected: {self.say(self.expected[label])}"
-                yield wrong(text, causes.get(label) or shared.cause(unknown))
+                cause = causes.get(label, unknown)
+                cause = cause if label in causes and not is_shared else shared.cause(cause)
+                text = f"{label}: {self.say(seen[label])}; expected: {self.say(expected[label])}"
+                yield failures[label].finding(cause, label) if label in failures else wrong(text, cause, place)
         if self.on_ros and not odd:
             yield right(f"with another program: {self.on_ros(answer)}")
 
@@ -106,21 +113,24 @@ class Cases:
         """
         raises = [isinstance(each, Failure) for each in seen.values()]
         odd = [label for label in seen if not same(seen[label], self.expected[label])]
-        alone = {each: observed(self.cases[odd[-1]], self.mistaken(each)) for each in self.mistakes}
-        shows = {each for each in self.mistakes if not same(alone[each], self.expected[odd[-1]])}
-        leads = {each for each in self.mistakes if same(alone[each], seen[odd[-1]])}
-        both = (two for two in combinations(self.mistakes, 2) if shows.issuperset(two) or not leads.isdisjoint(two))
+        known = [each for each in self.mistakes if each.fails in ("", odd[-1])]
+        alone = {each: observed(self.cases[odd[-1]], self.mistaken(each)) for each in known}
+        shows = {each for each in known if not same(alone[each], self.expected[odd[-1]])}
+        leads = {each for each in known if same(alone[each], seen[odd[-1]])}
+        both = (two for two in combinations(known, 2) if shows.issuperset(two) or not leads.isdisjoint(two))
         tries = chain(
-            ((each,) for each in self.mistakes if each in leads),
+            ((each,) for each in known if each in leads),
             () if any(raises) or len(odd) == 1 else ((each,) for each in slips(self.solution, self.beside)),
-            () if raises[0] or 2 * len(seen) < len(self.cases) else both,
+            () if raises[0] or self.one_by_one or 2 * len(seen) < len(self.cases) else both,
         )
         end = time.monotonic() + LONGEST
         for chosen in tries:
             if time.monotonic() > end:
                 break
             twin, first = self.mistaken(*chosen), odd[0 if chosen[0] not in alone else -1]
-            if twin and all(same(observed(self.cases[label], twin), seen[label]) for label in (first, *seen)):
+            if twin and all(
+                same(observed(self.cases[label], twin), seen[label]) for label in dict.fromkeys((first, *seen))
+            ):
                 return chosen
         return ()
 
@@ -132,6 +142,9 @@ class Cases:
     def expected(self) -> dict[str, Any]:
         """By case, what is observed of the solution."""
         return {label: case(self.solution) for label, case in self.cases.items()}
+
+    def _otherwise(self, label: str) -> str:
+        return self.otherwise[max((part for part in self.otherwise if part in label), key=len)]
 
     def _shown(self, found: Sequence[Mistake], odd: Sequence[str]) -> dict[str, str]:
         """By case, the cause that it shows; each is shown by the first case that it makes wrong by itself."""

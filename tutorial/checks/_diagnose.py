@@ -52,7 +52,6 @@ _CLASS = "Most likely parentheses are missing: {0} alone is the class, {0}(...) 
 _GENERAL = "Mend this line first; what comes after it has not been looked at."
 _CAUSES = {
     r"NameError": "Most likely its import or definition is missing: write it into the same cell as the class.",
-    r"ImportError|ModuleNotFound": "Most likely the name is spelled differently, or the module is not installed.",
     r"SystemExit": "Most likely an exit() was left over; a controller only returns.",
     r"WrongThreadError": "The displayed body belongs to the main thread: post the call instead, self.call_later(...).",
     r"RuntimeError: .*event loop": "Most likely it asks for the event loop, or calls it, on another thread than the "
@@ -166,9 +165,4 @@ def _unset(answer: type, name: str) -> str:
 
 def _what_there_is(owner: Any, name: str) -> str:
     there = [each for each in dir(owner) if each[0] != "_" and each.islower()]
-    near = get_close_matches(name, there, n=1)
-    if near:
-        return f"Did you mean {near[0]!r}?"
-    kind = type(owner).__name__
-    has = [each for each in there if not each.startswith(("get_fields", "from_"))][:8]
-    return f"{'An' if kind[0] in 'AEIO' else 'A'} {kind} has {', '.join(has)}." if has else _GENERAL
+    return next((f"Did you mean {each!r}?" for each in get_close_matches(name, there, n=1)), _GENERAL)

@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import ast
+import asyncio
 import inspect
+import itertools
+import math
 import re
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from typing import Any
 
-__all__ = ["Mistake", "mistakes", "slips", "with_mistakes"]
+__all__ = ["A_MISTAKE", "Mistake", "mistakes", "slips", "with_mistakes"]
 
+A_MISTAKE = "<a mistake>"  # the file of a solution with mistakes
 NEW_LINE = " // "
+MODULES = {"asyncio": asyncio, "threading": threading}  # what an edit may use, beside math, itertools and its own
 COMPARISONS = (ast.Gt, ast.GtE, ast.Lt, ast.LtE, ast.Eq, ast.NotEq)
-FACTORS = (10, 0.1, 2, 0.5)  # by which a number is another
+FACTORS = (10, 0.1, 2, 0.5, 5)  # by which a number is another
 
 
 @dataclass(frozen=True)
@@ -26,10 +32,12 @@ class Mistake:
     Attributes:
         cause: what names it, after the words "Most likely".
         edits: what in the solution's source is replaced, and by what: all that is like it, one after the other.
+        fails: the case that it fails, and so may explain; "" for any.
     """
 
     cause: str
     edits: tuple[tuple[str, str], ...]
+    fails: str = ""
 
     def made_in(self, source: str) -> str | None:
         """Return the source with the mistake; None for one without what it changes."""
@@ -85,8 +93,8 @@ def with_mistakes(solution: Any, chosen: Sequence[Mistake], beside: Sequence[Any
         source = source and mistake.made_in(source)
     if source is None:
         return None
-    names = dict(vars(sys.modules[solution.__module__]))
-    exec(compile(source, "<a mistake>", "exec"), names)
+    names = {**MODULES, **vars(math), **vars(itertools), **vars(sys.modules[solution.__module__])}
+    exec(compile(source, A_MISTAKE, "exec"), names)
     return names[solution.__name__]
 
 

@@ -23,9 +23,6 @@ FIRST = """
 the body's name is typed, or left out of the topic: it is f"{config.body.name}/$topic".
     {config.body.name}/ => Tank/ => /Tank/ =>
 
-nothing is published: look at the condition, io.step % $steps == 0, and have self.publisher.publish(message) called.
-    self.publisher.publish(message) => pass
-
 control publishes at every step, or the condition is turned round: do so only when io.step % $steps == 0.
     self.io.step % self.$steps == 0 => True => self.io.step % self.$steps
 
@@ -64,7 +61,7 @@ TOPIC = 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$
 OTHERWISE = {
     "on the body Rover": TOPIC,
     "in the namespace /lab": f"Most likely a slash in front leaves out the node's namespace. {TOPIC}",
-    **dict.fromkeys(RATES.values(), PERIOD),
+    "with steps of": PERIOD,
     "the stamp": "Most likely it is counted or kept: message.header.stamp = Time(nanoseconds=$time).to_msg(), always.",
     "two robots in turns": "Most likely what is kept belongs to the class: make it in initialize.",
     "after a restart": "Most likely something of the run before is kept: initialize begins anew, at every start.",
@@ -111,7 +108,9 @@ class Publishing:
             "after a restart": self.restarted,
             "after unconfigure": lambda answer: self.play(answer, 0.1).leave(),
         }
-        causes = {label: Template(text).substitute(words) for label, text in OTHERWISE.items() if label in tried}
+        causes = {
+            label: Template(text).substitute(words) for label, text in OTHERWISE.items() if label in " ".join(tried)
+        }
         known = mistakes(Template(FIRST + table + LAST).substitute(words))
         return Cases(solution, {**tried, **own}, known, say, {**causes, **otherwise}, on_ros=self.on_ros)
 

@@ -25,7 +25,7 @@ Notice that a reference which stays within the range answers at once when you re
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import degrees, isnan, nan, radians  # noqa: F401 - some are what mistakes need
+from math import isnan, nan
 from typing import Any
 
 from tutorial.body import Joint
@@ -72,10 +72,6 @@ the rate is another, or converted from or to degrees: it is 0.002 rad per call.
 
 the rate is made from time_step: the reference moves by 0.002 rad at every call, however long a step is.
     0.002 * stick => 0.002 * stick * self.time_step => 2 * self.time_step * stick
-
-only a part of the stick counts, its sign, one direction, or none near the middle: 0.002 * stick takes it as it is.
-    0.002 * stick => 0.002 * ((stick > 0) - (stick < 0)) => 0.002 * max(stick, 0.0)
-    => 0.002 * (stick if abs(stick) > 0.15 else 0.0)
 
 joint.range limits the stick: it is the reference, an angle, that stays within it.
     0.002 * stick => 0.002 * min(max(stick, self.joint.range[0]), self.joint.range[1])

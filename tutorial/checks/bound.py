@@ -34,7 +34,6 @@ from typing import Any
 
 from sensor_msgs.msg import Joy
 
-from tutorial.checks._answer import name_of
 from tutorial.checks._cases import Case, Cases, ask, call, mistakes
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._interleave import traced
@@ -58,15 +57,8 @@ all axes are returned: the first four are enough, message.axes[:4].
 other axes are taken, or fewer: the sticks are the first four, message.axes[:4].
     message.axes[:4] => message.axes[-4:] => message.axes[1:5] => message.axes[:3]
 
-a message with more axes, or with fewer, counts as rest: those of the first four that are there count.
-    return [ => axes = axes if len(message.axes) <= 4 else [0.0] * 4 // return [
-    => axes = axes if len(message.axes) >= 4 else [0.0] * 4 // return [
-
 the zeros go in front, so the axes move: they go behind.
     return [ => axes = [0.0] * (4 - len(message.axes)) + axes[: len(message.axes)] // return [
-
-an axis that is lacking gets the last one there is, or 1: it counts as 0.
-    0.0, 0.0, 0.0, 0.0] => *[*message.axes[-1:], 0.0][:1] * 4] => 1.0, 1.0, 1.0, 1.0]
 
 one axis that is not finite, or beyond 1 or -1, makes all four 0: each axis counts for itself.
     return [ => if not all(map(isfinite, axes)): axes = [0.0] * 4 // return [
@@ -81,16 +73,9 @@ axes that are not finite, or beyond 1 or -1, are left out, so others move up: pu
 min and max are not where they belong: max(axis, -1.0) lifts what is below -1, min(axis, 1.0) lowers what is above 1.
     min(max(axis, -1.0), 1.0) => max(axis, 1.0) => min(axis, -1.0) => 1.0 => -1.0
 
-an axis beyond 1 or -1, or there, counts as 0: it is limited to that end, and counts as it is there.
-    min(max(axis, -1.0), 1.0) => (axis if abs(axis) <= 1.0 else 0.0) => (axis if abs(axis) < 1.0 else 0.0)
-
 the sign is lost or turned round, or an axis below 0 counts as 0: a stick goes both ways, to -1.
     return [ => axes = list(map(abs, axes)) // return [ => axes = [-each for each in axes] // return [
     => axes = [each if each != each else max(each, 0.0) for each in axes] // return [
-
-axes are rounded, or those near the middle count as 0: from -1 to 1 they count as they are.
-    min(max(axis, -1.0), 1.0) => int(min(max(axis, -1.0), 1.0)) => round(min(max(axis, -1.0), 1.0))
-    => min(max(axis, -1.0), 1.0) * (abs(axis) > 0.2)
 
 only one number is returned: return stands within the loop, and belongs behind it.
     return [ => axes = axes[:1] // return [
@@ -173,7 +158,7 @@ def million(answer: Any) -> list[float]:
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
     if axes.steps > STEPS or most > BYTES:
-        raise Failure(name_of(answer), Misuse("it takes far longer than for four", ALL))
+        raise Misuse("it takes far longer than for four", ALL)
     return numbers(returned)
 
 
@@ -200,10 +185,10 @@ OTHERWISE = {
     "": "Compare with: the first four axes, each by itself, 0 if lacking or not finite, else limited to -1 and 1.",
     "six axes": MANY,
     **dict.fromkeys(("three axes", "one axis", "no axes"), FEW),
-    "NaN for the second axis": NOT_A_NUMBER,
-    **dict.fromkeys(("infinity for the first axis", "minus infinity for the last axis"), INFINITE),
-    **dict.fromkeys(("1.5 for the first axis", "-3 for the third axis", "1e30 for the last axis"), BEYOND),
-    "two messages, one after the other": KEPT,
+    "NaN for": NOT_A_NUMBER,
+    "infinity": INFINITE,
+    **dict.fromkeys(("1.5 for", "-3 for", "1e30 for"), BEYOND),
+    "two messages": KEPT,
 }
 
 
@@ -212,6 +197,6 @@ def say(seen: list[float]) -> str:
     return f"[{', '.join(f'{axis + 0.0:g}' for axis in seen)}]"
 
 
-CASES = Cases(four_axes, TRIED, MISTAKES, say, OTHERWISE, OTHERWISE)
+CASES = Cases(four_axes, TRIED, MISTAKES, say, OTHERWISE, crashes=[""])
 
 bound = Exercise("bound", __doc__, CASES.judge, four_axes, imports=("from math import isfinite",))

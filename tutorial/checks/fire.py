@@ -63,9 +63,6 @@ class FireButton(Listener):
 
 
 MISTAKES = mistakes("""
-nothing is put, or always False: on_joy calls self.fire.put(...), with True if the button is pressed, else False.
-    self.fire.put(pressed) => pass
-
 it looks at message.axes: the buttons are in message.buttons.
     message.buttons => message.axes
 
@@ -92,10 +89,9 @@ NO_TRUTH = "Put whether the button is pressed: True or False. bool(...) makes on
 OTHERWISE = {
     "": "Compare with: whether there is a buttons[0], and it is 1.",
     "the topic": 'Most likely configure lacks what Listener\'s does: super().configure(config) listens to "joy".',
-    "a message without buttons": "Most likely buttons are taken for granted: ask for len(message.buttons) first.",
-    "a message with one button, pressed": "Most likely more buttons are taken for granted: only buttons[0] counts.",
+    "without buttons": "Most likely buttons are taken for granted: ask for len(message.buttons) first.",
+    "one button": "Most likely more buttons are taken for granted: only buttons[0] counts.",
 }
-CRASHES = ("a message without buttons", "a message with one button, pressed")
 
 
 def held(rig: Rig, *states: tuple[int, ...]) -> bool:
@@ -152,6 +148,6 @@ def on_ros(answer: type[SimpleController]) -> str:
     return over_ros(answer, Joy(buttons=[1]), lambda rig: str(held(rig)))
 
 
-CASES = Cases(FireButton, TRIED, MISTAKES, str, OTHERWISE, CRASHES, on_ros=on_ros)
+CASES = Cases(FireButton, TRIED, MISTAKES, str, OTHERWISE, crashes=["without buttons", "one button"], on_ros=on_ros)
 
 fire = Exercise("fire", __doc__, CASES.judge, FireButton, parts=("on_joy",))

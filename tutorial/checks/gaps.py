@@ -80,9 +80,6 @@ each stamp is compared with the first one, or the last where something was found
     ("gap", newest, stamp)) => ("gap", newest, stamp)) => ("gap", newest, stamp)) // continue
     max(newest, stamp) => newest
 
-newest is not renewed after a gap: then it is the stamp of the new message.
-    found.append(("gap", newest, stamp)) => found.append(("gap", newest, stamp)) // continue
-
 the messages are sorted first: then no restart is seen. Take them as they come.
     in messages: => in sorted(messages, key=lambda pair: stamps_of([pair])):
 
@@ -97,8 +94,10 @@ the numbers have no sign, as numpy's uint64: less than nothing is a huge number 
     newest - stamp > => (newest - stamp) % 2**64 >
 
 the limit of a gap is another: it is 0.1 s, which is 100_000_000 ns.
-    stamp - newest > 100_000_000 => stamp - newest > 0 => stamp - newest > 10_000_000 => stamp - newest > 200_000_000
-    => stamp - newest > 500_000_000 => stamp - newest > 1_000_000_000
+    newest > 100_000_000 => newest > 0 => newest > 10_000_000 => newest > 500_000_000 => newest > 1_000_000_000
+
+the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
+    stamp > 1_000_000_000 => stamp > 100_000_000 => stamp > 500_000_000 => stamp > 10_000_000_000
 
 a gap of over 1 s does not count: however long, it is one.
     stamp - newest > 100_000_000 => 100_000_000 < stamp - newest <= 1_000_000_000
@@ -110,10 +109,6 @@ a restart is told as a gap: abs() takes a step back for one ahead.
 any step back counts as a restart, or none at all: up to 1 s back, a message is late, and equal stamps say nothing.
     newest - stamp > 1_000_000_000 => newest - stamp > 0 => newest - stamp > -1
 
-the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
-    newest - stamp > 1_000_000_000 => newest - stamp > 100_000_000 => newest - stamp > 500_000_000
-    => newest - stamp > 10_000_000_000
-
 return stands within the loop: it belongs after it.
     return found => return [] if messages else None
 
@@ -122,12 +117,6 @@ nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hid
 
 a late message is told: it says nothing.
     newest = max( => found += [("late", newest, stamp)] if stamp < newest else [] // newest = max(
-
-the newest stamp does not begin anew after a restart: then it is that of the new message.
-    found.append(("restart", newest, stamp)) => found.append(("restart", newest, stamp)) // continue
-
-after a restart nothing is looked at any more: go on.
-    found.append(("restart", newest, stamp)) => found.append(("restart", newest, stamp)) // break
 
 after a restart newest becomes 0, or None: it is the stamp of the new message.
     ("restart", newest, stamp)) => ("restart", newest, stamp)) // stamp = 0
@@ -158,9 +147,6 @@ the bag's times are told: the stamps are asked for.
 
 a stamp is missing, or the length is told: the three are what happened, the stamp before and the stamp after.
     newest, stamp)) => newest,)) => newest, stamp - newest)) => newest, stamp, stamp - newest))
-
-the last message's stamp is told: a late one is not where the gap begins.
-    newest, stamp)) => stamps_of(messages)[stamps_of(messages).index(stamp) - 1], stamp))
 """)
 EXACT = "Most likely floats are computed, which are rounded: count in whole nanoseconds, without / and 1e9."
 BACK = "Most likely the limit of a restart is another: more than 1 s back, which is 1_000_000_000 ns."
@@ -247,7 +233,8 @@ TRIED = {
     "no message": bag(),
     "a single message": bag(1.0),
 }
-CAUSES = {  # by a word of the cases that they are the cause of
+OTHERWISE = {
+    "": "Compare with: newest is the newest stamp since the last restart, and each stamp is compared with it.",
     "the bag": "Most likely the bag's times are compared: they say when a message was received, not made.",
     "a full second, and no gap": "Most likely the stamps are not compared whole: take sec and nanosec, both.",
     "0.09 s": "Most likely the limit is another: more than 0.1 s, which is 100_000_000 ns, is a gap.",
@@ -260,10 +247,6 @@ CAUSES = {  # by a word of the cases that they are the cause of
     "half a second late": "Most likely a late message is not expected: up to 1 s back, it says nothing.",
     "no message": "Most likely a bag without a message is not expected: return an empty list.",
     "two bags": "Most likely the list is kept from call to call: make a new one in every call.",
-}
-OTHERWISE = {
-    "": "Compare with: newest is the newest stamp since the last restart, and each stamp is compared with it.",
-    **{label: cause for words, cause in CAUSES.items() for label in TRIED if words in label},
 }
 
 

@@ -32,7 +32,7 @@ from array import array
 from collections.abc import Callable
 from functools import cache, partial
 from itertools import zip_longest
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,16 +133,17 @@ OTHERWISE = {
     "after stop": "Most likely the camera is not closed: in stop, self.camera.close().",
 }
 
+Pixels = NDArray[np.uint8]  # (height, width, 3)
 SIZES = {"Rover": (8, 6), "Lift": (5, 7)}  # [px]
 
 
 @cache
-def picture(number: int, width: int, height: int) -> NDArray[np.uint8]:
+def picture(number: int, width: int, height: int) -> Pixels:
     """Make a picture of which no two pixels are alike, and whose means have a third behind the point."""
     random = np.random.default_rng(number)
     grays = random.permutation(width * height) * 3 + 60
     tints = random.permuted([[40, -10, -29]] * len(grays), axis=1)
-    made: NDArray[np.uint8] = (grays[:, np.newaxis] + tints).reshape(height, width, 3).astype(np.uint8)
+    made: Pixels = (grays[:, np.newaxis] + tints).reshape(height, width, 3).astype(np.uint8)
     return made
 
 
@@ -169,21 +170,11 @@ class Camera:
         if not callable(deliver):
             raise Misuse(f"capture is given {deliver!r} in place of a function", AT_ONCE.format("publish"))
         pixels = picture(len(self._rig.orders), self.width, self.height)
-        order = Order(self._rig.io.step, self, pixels, partial(call, deliver, pixels.copy(), *arguments))
-        self._rig.orders.append(order)
+        self._rig.orders.append((self._rig.io.step, self, pixels, partial(call, deliver, pixels.copy(), *arguments)))
 
     def close(self) -> None:
         """Deliver nothing more."""
         self._is_open = False
-
-
-class Order(NamedTuple):
-    """A picture that was asked for, at a step."""
-
-    step: int
-    camera: Camera
-    pixels: NDArray[np.uint8]
-    deliver: Callable[[], None]
 
 
 class CameraRig(Rig):
@@ -197,8 +188,9 @@ class CameraRig(Rig):
 
     Attributes:
         cameras: those that were asked for.
-        orders: the pictures that were asked for since the start.
-        delivered: those that have come.
+        orders: the pictures that were asked for since the start: at which step, from which camera, the pixels, and what
+            delivers them.
+        delivered: those that have come, each with the step at which it was asked for.
     """
 
     def __init__(self, answer: type, delay: int = 0, missed: int = -1, **options: Any) -> None:
@@ -208,21 +200,21 @@ class CameraRig(Rig):
 
     def start(self, step: int = 0) -> None:
         """Begin to simulate."""
-        self.orders, self.delivered = list[Order](), list[Order]()
+        self.orders = list[tuple[int, Camera, Pixels, Callable[[], None]]]()
+        self.delivered = list[tuple[int, Pixels]]()
         super().start(step)
 
     def _deliver(self) -> None:
-        for number, order in enumerate(self.orders):
-            is_due = self.io.step == order.step + self._delay
-            if is_due and number != self._missed and order.camera._is_open:
-                self.delivered.append(order)
-                order.deliver()
+        for number, (step, camera, pixels, deliver) in enumerate(self.orders):
+            if self.io.step == step + self._delay and number != self._missed and camera._is_open:
+                self.delivered.append((step, pixels))
+                deliver()
 
 
 def pictures(rig: CameraRig, sent: list[Sent]) -> Any:
     """Observe whether each message holds the picture that was delivered, in gray."""
     seen = [[*each.message.data] for each in sent]
-    wanted = [order.pixels.mean(axis=2).astype(np.uint8).ravel().tolist() for order in rig.delivered]
+    wanted = [pixels.mean(axis=2).astype(np.uint8).ravel().tolist() for _, pixels in rig.delivered]
     return compared([*zip_longest(seen, wanted, fillvalue=[])], "the pictures in gray", word)
 
 
@@ -238,7 +230,7 @@ def late(answer: type) -> Any:
     """Observe the stamps of pictures that come after the next one was asked for, or not at all."""
     rig = PUBLISHING.play(answer, 1.6, 7, (1,), delay=40, missed=2)
     pairs = zip(PUBLISHING.messages(rig), rig.delivered)
-    return compared_stamps([(each.stamp_ns, order.step * 7_000_000) for each, order in pairs])
+    return compared_stamps([(each.stamp_ns, step * 7_000_000) for each, (step, _) in pairs])
 
 
 def left_open(answer: type) -> str:

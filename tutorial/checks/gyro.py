@@ -80,9 +80,6 @@ class GyroPublisher(SimpleController):
 
 
 MISTAKES = """
-the velocity is left out, or put into another field: it belongs into message.angular_velocity.
-    velocity = message.angular_velocity => velocity = Imu().angular_velocity => velocity = message.linear_acceleration
-
 the sensor is read once, in initialize, and its value is a copy: ask for self.sensor.value in every step.
     self.sensor = io.body.sensor("GYRO") => self.sensor = io.body.sensor("GYRO") // self.once = self.sensor.value
     self.sensor.value) => self.once)
@@ -96,14 +93,8 @@ the sum is sent: divide it by how many measurements it has.
 the sum is divided by the number of steps between two messages: the first has fewer measurements, divide by how many.
     np.mean(self.samples, axis=0) => (np.sum(self.samples, axis=0) / self.steps_per_message)
 
-each measurement is averaged with the mean before it, so the newest counts for half: add all up, and divide once.
-    self.samples.append(self.sensor.value) => self.samples = [np.mean([*self.samples, self.sensor.value], axis=0)]
-
 the mean is taken over all numbers at once, or over x, y and z: axis=0 takes it component by component.
     np.mean(self.samples, axis=0) => np.full(3, np.mean(self.samples)) => np.mean(self.samples, axis=1)
-
-measurements of the messages before count, too: begin anew after each message, self.samples.clear().
-    self.samples.clear() => pass
 
 the sum or the count goes on: begin with both anew after a message, the sum with a new array, which += changes in place.
     self.samples: list[NDArray[np.float64]] = [] => self.samples, self.all = [], []
@@ -194,7 +185,7 @@ TRIED = {
     "what is sent": PUBLISHING.sent(0.45),
     "what is not measured": PUBLISHING.sent(0.25, look=marks),
     "the frame": PUBLISHING.sent(0.25, look=frame),
-    "on the crane, with steps of 20 ms": PUBLISHING.sent(0.45, model="crane", ms=20),
+    "on the crane, 20 ms a step": PUBLISHING.sent(0.45, model="crane", ms=20),
     "on a robot with a gyroscope alone": PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
 }
 CASES = PUBLISHING.cases(GyroPublisher, TRIED, MISTAKES, OTHERWISE)

@@ -28,7 +28,6 @@ Notice that one method lands, for the timer, the next blow and unconfigure: the 
 from __future__ import annotations
 
 import asyncio
-import threading  # noqa: F401 - what a mistake needs
 from collections.abc import Sequence
 from contextlib import closing
 from math import hypot
@@ -36,10 +35,10 @@ from typing import Any
 
 from geometry_msgs.msg import Vector3
 from numpy.typing import ArrayLike
-from sensor_msgs.msg import Imu, Joy  # noqa: F401
+from sensor_msgs.msg import Imu
 
-from tutorial.checks._requirements import Requirements
 from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side
+from tutorial.checks._viewing import viewing
 from tutorial.checks._watch import watch
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
@@ -300,11 +299,6 @@ it is posted with call_latest, which replaces a call that waits: call_later keep
 the subscription keeps one message, and a blow is lost when another comes right behind it: let it keep ten, 10.
     self.on_imu, 10) => self.on_imu, 1)
 
-# the tank and the crane Lift
-HopViewer.place is shared by all objects of the class: keep in each what is its own, self.place = ..., and make it in
-__init__, configure or initialize.
-    self.place => type(self).place
-
 # unconfigure, while it is up, leaves it
 unconfigure does not put the body back where it stood: self.body.position = self.place, and tell who draws.
     self.node.destroy => if self.timer: self.timer.cancel() // return self.node.destroy
@@ -325,6 +319,6 @@ unconfigure puts it back although it is down: ask first whether it is up, if sel
     self.node.destroy => if hasattr(self, "place"): self.move(self.place) // self.node.destroy
 """
 MOVE = "self.body.position = position"
-REQUIREMENTS = Requirements(HopViewer, "imu", imu(*BLOW), MOVE, TRIED, MISTAKES, viewer=Hall, clock="", odd=())
+CASES = viewing(HopViewer, "imu", imu(*BLOW), MOVE, TRIED, MISTAKES, viewer=Hall, clock="")
 
-hop = Exercise("hop", __doc__, REQUIREMENTS.judge, HopViewer)
+hop = Exercise("hop", __doc__, CASES.judge, HopViewer)

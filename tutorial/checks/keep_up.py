@@ -18,20 +18,16 @@ Notice what you lose: a call that is replaced never runs, so every message has t
 
 from __future__ import annotations
 
-import asyncio  # noqa: F401 - what some mistakes need
-import threading  # noqa: F401
 from collections.abc import Sequence
 from functools import partial
 from itertools import count
-from math import degrees, isnan, radians  # noqa: F401
 
-from sensor_msgs.msg import JointState, Joy  # noqa: F401
+from sensor_msgs.msg import JointState
 
 from tutorial.checks._interleave import interleave
-from tutorial.checks._requirements import Requirements
 from tutorial.checks._viewer import Step, Viewer
 from tutorial.checks.exercise import Exercise
-from tutorial.checks.show import FIRST, LAST, MISTAKES, MOVE, joint_state
+from tutorial.checks.show import FIRST, LAST, MISTAKES, joint_state, viewing_joints
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
@@ -141,9 +137,6 @@ the callback keeps the message piece by piece, while the main thread reads it: h
     positions(positions) => positions(dict(self.kept))
 """
 POST = "self.call_latest(self.body.name, self.update, message)"
-TRIED = {**FIRST, **OWN, **LAST}
-REQUIREMENTS = Requirements(
-    CalmViewer, "joint_state", joint_state("P Y", (0.2, 0.1)), MOVE, TRIED, MISTAKES + MORE, POST
-)
+CASES = viewing_joints(CalmViewer, tried={**FIRST, **OWN, **LAST}, table=MISTAKES + MORE, post=POST)
 
-keep_up = Exercise("keep_up", __doc__, REQUIREMENTS.judge, CalmViewer)
+keep_up = Exercise("keep_up", __doc__, CASES.judge, CalmViewer)

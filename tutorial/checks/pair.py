@@ -63,9 +63,6 @@ class Pairs:
 
 
 MISTAKES = mistakes("""
-return is missing, or no partner is ever found: a pair is returned by the call of add that completes it.
-    return together["joints"], together["pose"] => return None
-
 the objects are compared, by `is` or id, and each message has a stamp of its own: compare its sec and nanosec.
     message.header.stamp.sec, message.header.stamp.nanosec => id(message.header.stamp)
 
@@ -109,33 +106,11 @@ a pair goes on waiting after it was returned: take it out, pop.
 only one message of a stream is kept: more may wait, up to 50.
     together = => self.waiting = {k: m for k, m in self.waiting.items() if stream not in m} // together =
 
-there is no limit to what waits: of more than 50, the one that came first gives way.
-    if len(self.waiting) > 50: => if False:
-
-only one stream has a limit: of either no more than 50 wait.
-    > 50: => > 50 and stream == "joints": => > 50 and stream == "pose":
-
-one gives way too early or too late: 50 may wait, 51 may not, and the partner is looked for first.
-    > 50: => > 49: => > 51:
-
-the smallest stamp gives way, and after a new start that is the newest message: the one that came first has to.
-    if len(self.waiting) > 50: => if len(self.waiting) > 50: del self.waiting[min(self.waiting)] // if False:
-
-of more than 50 all are dropped: only the one that came first gives way.
-    if len(self.waiting) > 50: => if len(self.waiting) > 50: self.waiting.clear() // if False:
-    => if len(self.waiting) > 50: self.waiting = {stamp: together} // if False:
-
-what comes when 50 wait is not kept: the one that came first gives way.
-    if len(self.waiting) > 50: => if len(self.waiting) > 50: del self.waiting[stamp] // if False:
-
 an older stamp than the newest is refused: one topic may be ahead of the other, and a new start begins at 0.
     self.waiting: dict => self.newest = {} // self.waiting: dict
     together = => self.newest[OF] = max(stamp, self.newest.get(OF, stamp)) // together =
     together = => if stamp < self.newest[OF]: return None // together =
     OF => stream => None
-
-all that waits is dropped when an older stamp comes: one topic may be ahead of the other.
-    together = => if stamp < max(self.waiting, default=stamp): self.waiting.clear() // together =
 """)
 NO_PAIR = "Return the two messages themselves, joints, pose, or None as long as one of them is missing."
 
@@ -190,20 +165,16 @@ def add(pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arriva
         return pair
 
 
-def tried(*arrivals: Arrival, one_stamp: bool = False, objects: int = 1) -> Callable[[type], list[Any]]:
+def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[type], list[Any]]:
     """Observe what is returned for one message after the other.
 
     Args:
         arrivals: of the messages.
-        one_stamp: whether they share one stamp, the object itself.
         objects: to how many objects the messages are given in turns.
     """
 
     def case(answer: type) -> list[Any]:
         messages = [message_of(*arrival) for arrival in arrivals]
-        if one_stamp:
-            for message in messages:
-                message.header.stamp = messages[0].header.stamp
         known, those = list(zip(messages, arrivals)), cycle([call(answer) for _ in range(objects)])
         return [add(pairs, stream, message, known) for pairs, (message, (stream, _)) in zip(those, known)]
 
@@ -213,7 +184,6 @@ def tried(*arrivals: Arrival, one_stamp: bool = False, objects: int = 1) -> Call
 TRIED = {
     "two objects, of which each is given one half": tried(*in_turn(20), objects=2),
     "in turn": tried(*in_turn(20, 40, 60)),
-    "both have one stamp, the object itself": tried(*in_turn(20), one_stamp=True),
     "the pose first": tried(*poses(20), *joints(20), *poses(40), *joints(40)),
     "three joint states, then their poses": tried(*joints(20, 40, 60), *poses(20, 40, 60)),
     "three poses, then their joint states": tried(*poses(20, 40, 60), *joints(20, 40, 60)),
@@ -241,17 +211,14 @@ TRIED = {
 }  # fmt: skip
 GIVES_WAY = "Compare what gives way: nothing as long as 50 wait, and of more the one that came first."
 SHARED = "Most likely what waits belongs to the class, or to an argument's default: make it in __init__."
-CAUSES = {  # by a word of the cases that they are the cause of
+OTHERWISE = {
+    "": "Compare with: a message waits by its stamp, until the other stream's message of the same stamp is there.",
     "two objects": SHARED,
     "nanosecond": "Most likely the stamps are not compared as they are: sec and nanosec count, to the last digit.",
     "digits": "Most likely the stamps are not compared as they are: both numbers count, sec and nanosec.",
     "late": "Compare what is past: when a pair is found, what came before its first message is dropped, of both.",
     "start": "Most likely it is asked which stamp is larger: after a new start they begin at 0; count on the arrival.",
     **dict.fromkeys(("50 ", "51 ", "60 "), GIVES_WAY),
-}
-OTHERWISE = {
-    "": "Compare with: a message waits by its stamp, until the other stream's message of the same stamp is there.",
-    **{label: cause for word, cause in CAUSES.items() for label in TRIED if word in label},
 }
 
 

@@ -26,8 +26,6 @@ from __future__ import annotations
 
 from functools import partial
 from itertools import pairwise
-from math import degrees  # noqa: F401 - what a mistake needs
-from types import SimpleNamespace  # noqa: F401
 from typing import Any
 
 import numpy as np
@@ -86,7 +84,7 @@ they are converted to degrees: ROS 2 uses rad.
 the message is filled once, in initialize, and sent again and again: fill it in control, every time.
     self.io = io => self.io, self.began_ns = io, io.time_ns
     self.io.time_ns => self.began_ns
-    io.body.joints => [SimpleNamespace(**{f: getattr(j, f) for f in ("name", *UNITS)}) for j in io.body.joints]
+    io.body.joints => [type("", (), {f: getattr(j, f) for f in ("name", *UNITS)}) for j in io.body.joints]
 
 the joints' names are typed, or how many there are: take all of them from the body, io.body.joints.
     io.body.joints => [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")] => io.body.joints[:2]

@@ -24,21 +24,20 @@ Notice that the body's name and its joints come from the body, so the crane need
 
 from __future__ import annotations
 
-import asyncio  # noqa: F401 - what some mistakes need
-import threading  # noqa: F401
 from collections.abc import Sequence
+from functools import partial
 from itertools import count
-from math import degrees, isnan, nan, radians  # noqa: F401
+from math import nan
 
-from sensor_msgs.msg import JointState, Joy  # noqa: F401
+from sensor_msgs.msg import JointState
 
-from tutorial.checks._requirements import Requirements
 from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side
+from tutorial.checks._viewing import viewing
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
-__all__ = ["FIRST", "LAST", "MISTAKES", "MOVE", "MyViewer", "joint_state", "show"]
+__all__ = ["FIRST", "LAST", "MISTAKES", "MyViewer", "joint_state", "show", "viewing_joints"]
 
 TRIES = 12  # messages, of which each is to be shown
 LATER = count(100_000, 20)  # [ms]
@@ -176,8 +175,6 @@ a name that the body does not have is looked up, or spoils the message: match_jo
 NaN is set as a position: leave out that joint, and it stays where it is. match_joints does.
     positions, report = => report = dict(zip(message.name, message.position)) // positions, _ =
     positions(positions) => positions({name: q for name, q in report.items() if name in self.body.joint_names})
-one NaN makes the whole message invalid: leave out only that joint, as match_joints does.
-    positions(positions) => positions({} if any(map(isnan, message.position)) else positions)
 
 # two names, one position or none
 an index goes beyond the end: there may be fewer positions than names. match_joints knows that.
@@ -216,8 +213,14 @@ the newest of those that wait is taken first: the oldest comes first, and the ne
     $post => self.inbox.append(message) // $post
     positions, report = => message = self.inbox.pop() // positions, report =
 """
-MOVE = "self.body.set_joint_positions(positions)"
+viewing_joints = partial(
+    viewing,
+    topic="joint_state",
+    message=joint_state("P Y", (0.2, 0.1)),
+    move="self.body.set_joint_positions(positions)",
+    crashes=("order", "only TURRET_P", "ANTENNA", "NaN", "two names", "late"),
+)
 TRIED = {**FIRST, "five messages that wait together": [wait_together], **LAST}
-REQUIREMENTS = Requirements(MyViewer, "joint_state", joint_state("P Y", (0.2, 0.1)), MOVE, TRIED, MISTAKES + MORE)
+CASES = viewing_joints(MyViewer, tried=TRIED, table=MISTAKES + MORE)
 
-show = Exercise("show", __doc__, REQUIREMENTS.judge, MyViewer)
+show = Exercise("show", __doc__, CASES.judge, MyViewer)

@@ -27,7 +27,6 @@ Notice that receivers have to match these messages by name: the viewer of step 3
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, radians  # noqa: F401 - what some mistakes need
 from typing import Any
 
 from rclpy.time import Time

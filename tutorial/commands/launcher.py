@@ -44,19 +44,15 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
     """
     with _own_launch() as launch:
         try:
-            generate = runpy.run_path(str(path)).get("generate_launch_description")
-            if generate is None:
-                raise TutorialError(f"{path} has no function generate_launch_description().")
-            description = generate()
-        except TutorialError:
-            raise
+            description = runpy.run_path(str(path)).get("generate_launch_description", lambda: None)()
         except ImportError as error:
             mend = f"Run it with a real ROS 2: ros2 launch {path}"
             raise TutorialError(f"{path} uses more than the tutorial's launch has: {error}. {mend}") from error
         except (Exception, SystemExit) as error:
             raise TutorialError(f"{path} failed: {tell(error, str(path))}") from error
     if not isinstance(description, launch.LaunchDescription) or not description.entities:
-        raise TutorialError(f"{path}: generate_launch_description() returned no LaunchDescription with a process.")
+        what = "function generate_launch_description() that returns a LaunchDescription with a process"
+        raise TutorialError(f"{path} has no {what}.")
     for entity in description.entities:
         if not isinstance(entity, launch.actions.ExecuteProcess):
             raise TutorialError(f"{path} has a {type(entity).__name__}, which needs a real ROS 2: ros2 launch {path}")
@@ -133,8 +129,7 @@ class Launcher:
     def _follow(self, name: str, process: Popen[str]) -> None:
         """Print a process's lines until it has ended; if it is the first one to fail, have the others stopped."""
         with process:
-            assert process.stdout is not None
-            for line in process.stdout:
+            for line in process.stdout or ():
                 self._say(name, printable_lines(line.rstrip("\n")))
             status = process.wait()
         if status >= 0:  # else there may be something left of its group, which is going to be stopped

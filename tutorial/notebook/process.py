@@ -45,8 +45,7 @@ def prepare_process() -> None:
 
 
 def _explain(coroutine: CoroutineType[Any, Any, Any], printer: Any, _cycle: bool) -> None:
-    name = coroutine.__qualname__
-    printer.text(f"{name} has not run yet: this takes a while, so write await before it.")
+    printer.text(f"{coroutine.__qualname__} has not run yet: this takes a while, so write await before it.")
     coroutine.close()  # it cannot be awaited by its name any more; this keeps Python from complaining of it later
 
 

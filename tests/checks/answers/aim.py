@@ -60,11 +60,6 @@ class SetsPosition(HeldJoint):
         self.joint.position = self.q_ref + 0.002 * stick
 
 
-class SomethingElse(HeldJoint):
-    def aim(self, stick):
-        self.joint.effort = 3.3 * self.joint.position
-
-
 class TypedRange(HeldJoint):
     def __init__(self, joint, time_step):
         super().__init__(joint, time_step)
@@ -90,24 +85,9 @@ class ByTheClock(HeldJoint):
         super().aim(stick)
 
 
-class ReferenceOfTheClass(HeldJoint):
-    reference = 0.0
-
-    def __init__(self, joint, time_step):
-        super().__init__(joint, time_step)
-        ReferenceOfTheClass.reference = joint.position
-
-    def aim(self, stick):
-        self.q_ref = ReferenceOfTheClass.reference
-        super().aim(stick)
-        ReferenceOfTheClass.reference = self.q_ref
-
-
 WRONG = [
     (SetsPosition, "set as joint.position"),
-    (SomethingElse, "Compare with torque"),
     (TypedRange, "the ends of the range are written down"),
     (PerMillisecond, "the time step is written down"),
     (ByTheClock, "the computer's clock is asked"),
-    (ReferenceOfTheClass, "ReferenceOfTheClass.reference is shared by all objects"),
 ]

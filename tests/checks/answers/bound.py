@@ -52,12 +52,6 @@ def counts_through_all(message):
     return four_axes(Joy(axes=axes))
 
 
-def appends(message):
-    while len(message.axes) < 4:
-        message.axes.append(0.0)
-    return four_axes(message)
-
-
 def sleeps(message):
     time.sleep(0.001)
     return four_axes(message)
@@ -71,7 +65,5 @@ WRONG = [
     (counts_through_all, ["all of the axes are copied or gone through"]),
     (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["all of the axes are copied or gone through"]),
     (lambda message: [f"{axis}" for axis in four_axes(message)], ["Return a list of four numbers"]),
-    (lambda message: dict(zip("abcd", four_axes(message))), ["Return a list of four numbers"]),
-    (appends, ["leave it as it is"]),
     (sleeps, ["sleeps"]),
 ]

@@ -53,16 +53,6 @@ def sorts(joint_names, message):
     return match_by_name(joint_names, message)
 
 
-def sorts_the_joints(joint_names, message):
-    joint_names.sort()
-    return match_by_name(joint_names, message)
-
-
-def keeps(joint_names, message, found={}):  # noqa: B006 - the mistake
-    found.update(match_by_name(joint_names, message))
-    return found
-
-
 def makes_one_dict(joint_names, message, found={}):  # noqa: B006 - the mistake
     found.clear()
     found.update(match_by_name(joint_names, message))
@@ -85,8 +75,6 @@ def unpacks(joint_names, message):
 WRONG = [
     (yields, "Return a dict from names to positions"),
     (sorts, "leave it as it is"),
-    (sorts_the_joints, "leave it as it is"),
-    (keeps, "the dict is kept from call to call"),
     (makes_one_dict, "the dict is kept from call to call"),
     (looks_up_all, "every joint is expected in every message"),
     (in_whole_thousandths, "infinity is not expected"),

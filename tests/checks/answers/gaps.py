@@ -51,10 +51,6 @@ def neighbours(messages):
     return [("gap" if b > a else "restart", a, b) for a, b in steps if b - a > TENTH or a - b > SECOND]
 
 
-def largest_of_none(messages):
-    return find_gaps(messages) if max(stamps_of(messages)) else []
-
-
 def neighbours_of_some(messages):
     return neighbours(messages) if messages[0] else []
 
@@ -68,29 +64,12 @@ def no_message(messages):
     return [Time.from_msg(message.header.stamp) for message in messages]
 
 
-def the_longest(messages):
-    return sorted(find_gaps(messages), key=lambda each: each[1] - each[2])[:2]
-
-
 def own_words(messages):
     return [(what.upper(), before, after) for what, before, after in find_gaps(messages)]
 
 
 def texts(messages):
     return [(what, f"{before} ns", f"{after} ns") for what, before, after in find_gaps(messages)]
-
-
-def yields(messages):
-    yield from find_gaps(messages)
-
-
-def nothing_for_none(messages):
-    return find_gaps(messages) or None
-
-
-def sorts_in_place(messages):
-    messages.sort(key=lambda pair: stamps_of([pair]))
-    return find_gaps(messages)
 
 
 def sets_stamps(messages):
@@ -114,16 +93,11 @@ EMPTY = "a bag without a message is not expected"
 
 
 WRONG = [
-    (largest_of_none, [EMPTY]),
     (neighbours_of_some, [LAST, EMPTY]),
     (beyond_the_end, ["an index beyond the end"]),
     (no_message, ["a tuple: take it apart first"]),
-    (the_longest, ["Compare with: newest is the newest stamp"]),
     (own_words, ['The words are "gap" and "restart".']),
     (texts, ["Return a list of tuples"]),
-    (yields, ["makes an iterator"]),
-    (nothing_for_none, ["return is missing"]),
-    (sorts_in_place, ["leave it as it is"]),
     (sets_stamps, ["leave it as it is"]),
     (kept_newest, ["newest_of_all is kept from call to call"]),
 ]

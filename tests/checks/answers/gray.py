@@ -60,11 +60,6 @@ class OnAWorker(GrayPublisher):
 RIGHT = [GrayPublisher, SumsOfThirds, OnAWorker]
 
 
-class NeverCaptures(GrayPublisher):
-    def control(self):
-        self.due = self.io.step % self.steps_per_picture == 0
-
-
 class AtOnce(GrayPublisher):
     def control(self):
         self.camera.capture(self.publish(None, 0), self.io.time_ns)
@@ -79,7 +74,6 @@ class Squared(GrayPublisher):
 
 
 WRONG = [
-    (NeverCaptures, "nothing is published: look at the condition"),
     (AtOnce, "give it without parentheses, self.publish"),
     (Squared, "Compare with array('B'"),
 ]

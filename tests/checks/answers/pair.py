@@ -85,18 +85,6 @@ class StampAsKey(Pairs):
         self.waiting.setdefault(message.header.stamp, {})[stream] = message
 
 
-class TakesItForGranted(Pairs):
-    def add(self, stream, message):
-        together = self.waiting.setdefault(stamp_of(message), {})
-        together[stream] = message
-        return together["joints"], together["pose"]
-
-
-class NoSelf(Pairs):
-    def add(stream, message):  # noqa: N805 - it is what is looked at
-        return stream.waiting
-
-
 class NeverBehind(Queues):
     newest = (-1, 0)
 
@@ -111,10 +99,6 @@ WRONG = [
     (ADefault, "belongs to the class, or to an argument's default"),
     (OnlyTwenty, "what gives way: nothing as long as 50 wait"),
     (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),
-    (returning(lambda found: found or (None, None)), "Return the two messages"),
-    (returning(lambda found: found and tuple(map(stamp_of, found))), "Return the two messages"),
     (StampAsKey, "a Time is the key of a dict"),
-    (TakesItForGranted, "something is taken for granted"),
-    (NoSelf, "self is missing"),
     (NeverBehind, "after a new start they begin at 0"),
 ]

@@ -80,5 +80,4 @@ WRONG = [
     (changed(configure=calls_the_callback, on_joint_state=print), "give it without parentheses"),
     (changed(on_joint_state=lambda self, _: self.call_later(self.update)), "gets too few arguments"),
     (changed(on_joint_state=lambda self, m: self.call_later(self.on_joint_state, m)), "posts itself"),
-    (changed(unconfigure=lambda self: self.node.destroy_subscription(self)), "unconfigure lacks"),
 ]

@@ -46,12 +46,6 @@ def as_message(transforms, point):
     return Point(**dict(zip("xyz", t.tolist())))
 
 
-def pops(transforms, point):
-    while transforms:
-        point = to_parent(transforms.pop(), point)
-    return point
-
-
 def overwrites(transforms, point):
     p = np.asarray(point, float)
     p[:] = where_is(transforms, p)
@@ -85,9 +79,7 @@ WRONG = [
     (lambda all_, point: where_is(all_[:-1], to_parent(all_[-1], point)), "take no first transform for granted"),
     (lambda all_, point: where_is(all_, point) if all_ else None, "Without transforms the point is returned as it"),
     (lambda transforms, point: where_is(transforms, point)[:2], "Return x, y and z: a list"),
-    (lambda transforms, point: [where_is(transforms[i:], point) for i in range(3)], "Return x, y and z: a list"),
     (as_message, "a message is no list"),
-    (pops, "leave it as it is"),
     (overwrites, "make one of your own"),
     (whole, "an array of whole numbers is made"),
     (until_odom, "or a frame's name"),

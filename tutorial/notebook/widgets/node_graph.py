@@ -29,7 +29,7 @@ class NodeGraph(LivePicture):
 
     def __init__(self) -> None:
         super().__init__("node graph")
-        self._draw(Topology())
+        self.show(*picture(Topology()))
         self._next_look = 0.0
         self.open_node("_node_graph", self._set_up)
 
@@ -41,21 +41,14 @@ class NodeGraph(LivePicture):
         node.create_timer(LOOK_EVERY, self._look)
 
     def _look(self) -> None:
-        """Ask for the graph when it is time to, post what there is, and return. The executor's thread."""
+        """Ask for the graph when it is time to, draw it, post the picture, and return. The executor's thread."""
         began = time.monotonic()
         if began < self._next_look:
             return
         try:
-            self.calls.call_latest("graph", self._draw, self._watch.look())
+            self.calls.call_latest("graph", self.show, *picture(self._watch.look()))
         except (RuntimeError, UnicodeDecodeError) as error:  # a real one lists nothing while a node's name is empty
-            self.calls.call_latest("graph", self._say, f"ROS 2 says: {printable(str(error))}")
+            text = f"ROS 2 says: {printable(str(error))}"
+            self.calls.call_latest("graph", self.show, svg.notice(480, 80, svg.shorten(text, 64)), text)
         ended = time.monotonic()
         self._next_look = ended + BREATH * (ended - began)
-
-    def _say(self, text: str) -> None:
-        """Show a sentence in the graph's place. Main thread."""
-        self.show(svg.notice(480, 80, svg.shorten(text, 64)), text)
-
-    def _draw(self, topology: Topology) -> None:
-        """Draw the graph. Main thread."""
-        self.show(*picture(topology))
