@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import shutil
@@ -223,3 +224,16 @@ def test_ctrl_c_shows_what_is_done_and_leaves_nothing(judging):
 def test_nothing_goes_on_when_the_teachers_process_is_killed(judging):
     judging.process.kill()
     judging.ends()
+
+
+def test_a_check_can_be_interrupted_while_a_process_is_started(tmp_path):
+    path = notebook(tmp_path / "nora.ipynb", RIGHT)
+
+    async def interrupt():
+        for _ in range(100):
+            judging = asyncio.ensure_future(submission.judge(path, LIMIT))
+            await asyncio.sleep(0)
+            judging.cancel()
+            assert (await asyncio.wait([judging], timeout=LIMIT))[0]
+
+    asyncio.run(interrupt())

@@ -235,3 +235,13 @@ def test_a_folder_in_which_there_can_be_no_course_is_said(shipped, tmp_path, mon
     monkeypatch.setattr(lab, "is_ours", lambda folder: folder.is_file())
     with pytest.raises(TutorialError, match=said):
         own_course()
+
+
+def test_a_setting_that_is_given_takes_the_place_of_ours_and_a_hub_says_where_its_students_servers_listen(monkeypatch):
+    assert [word for word in lab_command(["--ServerApp.ip=0.0.0.0"]) if "ServerApp.ip" in word] == [
+        "--ServerApp.ip=0.0.0.0"
+    ]
+    monkeypatch.setenv("JUPYTERHUB_SERVICE_URL", "http://127.0.0.1:50000/user/ada/")
+    told = lab_command()
+    assert "jupyterhub.singleuser" in told
+    assert not [word for word in told if "ServerApp.ip" in word]

@@ -125,7 +125,7 @@ async def test_a_started_simulation_rests_when_its_page_is_gone_and_never_withou
     await until(lambda: program.simulation.time > 0.2)
     program.view._handle_custom_msg({"type": "here", "view": "page"}, [])
     await until(lambda: not program.simulation.running)
-    assert re.match(r"paused at [\d.]+ s: the notebook was on no page for 0 min\. Start it again", below())
+    assert re.match(r"paused at [\d.]+ s, after 0 min without a page: start\(\) goes on", below())
     program.advance(0.1)
     await program.run(0.1)
     monkeypatch.setattr(program_module, "REST_AFTER", 300.0)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import random
 import signal
 import socket
 import subprocess
 import sys
 import uuid
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from http.client import HTTPResponse
 from http.cookiejar import CookieJar
@@ -73,7 +74,11 @@ def hub(folder: Path) -> Iterator[Hub]:
     with (folder / "hub.log").open("wb") as log:
         started = subprocess.Popen(command, cwd=folder, env=environment, stdout=log, stderr=log)
     try:
-        until(lambda: b"JupyterHub is now running" in (folder / "hub.log").read_bytes(), "the hub and its proxy")
+        said = (folder / "hub.log").read_text
+        until(
+            lambda: started.poll() is not None or "JupyterHub is now running" in said(), "the hub and its proxy", LONG
+        )
+        assert started.poll() is None, said()
         yield running
         started.send_signal(signal.SIGINT)
         started.wait(PATIENCE)
@@ -176,6 +181,11 @@ class Student:
 
 
 def _free_ports(count: int) -> list[int]:
-    with ExitStack() as stack:
-        taken = [stack.enter_context(socket.create_server(("127.0.0.1", 0))) for _ in range(count)]
-        return [each.getsockname()[1] for each in taken]
+    """Ports that nobody listens on, below those that the system gives to connections meanwhile."""
+    ports: list[int] = []
+    for port in random.sample(range(20_000, 32_000), 1000):
+        with suppress(OSError), socket.create_server(("127.0.0.1", port)):
+            ports.append(port)
+        if len(ports) == count:
+            break
+    return ports

@@ -106,6 +106,19 @@ a pair goes on waiting after it was returned: take it out, pop.
 only one message of a stream is kept: more may wait, up to 50.
     together = => self.waiting = {k: m for k, m in self.waiting.items() if stream not in m} // together =
 
+there is no limit to what waits: of more than 50, the one that came first gives way.
+    if len(self.waiting) > 50: => if False:
+
+the smallest stamp gives way, and after a new start that is the newest message: the one that came first has to.
+    if len(self.waiting) > 50: => if len(self.waiting) > 50: del self.waiting[min(self.waiting)] // if False:
+
+of more than 50 all are dropped: only the one that came first gives way.
+    if len(self.waiting) > 50: => if len(self.waiting) > 50: self.waiting.clear() // if False:
+    => if len(self.waiting) > 50: self.waiting = {stamp: together} // if False:
+
+what comes when 50 wait is not kept: the one that came first gives way.
+    if len(self.waiting) > 50: => if len(self.waiting) > 50: del self.waiting[stamp] // if False:
+
 an older stamp than the newest is refused: one topic may be ahead of the other, and a new start begins at 0.
     self.waiting: dict => self.newest = {} // self.waiting: dict
     together = => self.newest[OF] = max(stamp, self.newest.get(OF, stamp)) // together =

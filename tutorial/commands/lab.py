@@ -56,7 +56,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
     If a JupyterHub starts it, it is the student's server, and the hub says where it listens.
 
     Args:
-        arguments: more of JupyterLab's own, which come before what is set here.
+        arguments: more of JupyterLab's own, which take the place of what is set here.
         course: the course folder, which is all that JupyterLab shows.
     """
     settings = {
@@ -72,7 +72,8 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
     program = "jupyterhub.singleuser" if "JUPYTERHUB_SERVICE_URL" in os.environ else "jupyterlab"
     if program == "jupyterlab":
         settings["ServerApp.ip"] = "127.0.0.1"
-    options = (f"--{name}={value}" for name, value in settings.items())
+    given = {argument.removeprefix("--").partition("=")[0] for argument in arguments}
+    options = (f"--{name}={value}" for name, value in settings.items() if name not in given)
     return [sys.executable, "-P", "-m", program, *options, *arguments]
 
 

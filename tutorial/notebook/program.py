@@ -28,7 +28,7 @@ from tutorial.view.scene import Scene
 T = TypeVar("T")
 
 REST_AFTER = 300.0  # [s] without a page, after which a simulation that was started rests
-RESTS = "paused at %.1f s: the notebook was on no page for %d min. Start it again with start()."
+RESTS = "paused at %.1f s, after %d min without a page: start() goes on"
 LONGEST_PAUSE = 1.0  # [s] in a replay: between two cells, one thinks
 
 

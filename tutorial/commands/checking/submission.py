@@ -88,7 +88,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
         ValueError, RecursionError: it has written something other than one message.
     """
     with tempfile.TemporaryDirectory(prefix="tank-check-", ignore_cleanup_errors=True) as folder, path.open() as file:
-        process = await asyncio.create_subprocess_exec(
+        command = asyncio.create_subprocess_exec(
             *(sandbox(folder) if is_sandboxed else ()),
             *(sys.executable, "-P", "-m", "tutorial.commands.checking._child"),
             *map(str, (file.fileno(), math.ceil(OUTLAST * limit), is_sandboxed, *exercise)),
@@ -101,12 +101,15 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             cwd=folder,
             env=_environment(folder),
         )
-        assert process.stdout is not None
+        starting = asyncio.ensure_future(command)  # a start that is cancelled may never return
         try:
             async with asyncio.timeout(limit):
+                process = await asyncio.shield(starting)
+                assert process.stdout is not None
                 line = await process.stdout.readline()
                 more = await process.stdout.read(1)
         finally:
+            process = await starting
             signal_group(process.pid, signal.SIGKILL)
             await process.wait()
     if not line:
