@@ -40,13 +40,7 @@ def _parse_faults(_ctx: click.Context, _param: click.Parameter, given: Sequence[
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="The same seed gives the same stream again.")
 @click.pass_obj
-def chaos(
-    ros_args: list[str],
-    /,
-    faults: dict[str, float],
-    good: str | None,
-    seed: int,
-) -> None:
+def chaos(ros_args: list[str], /, faults: dict[str, float], good: str | None, seed: int) -> None:
     """Publish joint states with faults on /Tank/joint_state: who listens, and can bear it?
 
     Without any fault it is a good stream.

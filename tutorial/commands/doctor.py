@@ -185,7 +185,7 @@ def domain() -> Diagnosis:
     """Say which domain nodes meet in, who is there, and which names are there more than once."""
     number = os.environ.get("ROS_DOMAIN_ID") or "0"
     try:
-        is_known, names = ask(_nodes)
+        names = ask(_nodes)
     except TutorialError as error:
         mend = "mend what is said of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
         return Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", mend)
@@ -195,8 +195,6 @@ def domain() -> Diagnosis:
     if len(counts) < len(names):
         mend = "give each its own name: tank run step3 --ros-args -r __node:=viewer"
         return Diagnosis("note", f"{text}. Nodes of one name cannot be told apart", mend)
-    if not is_known:
-        return Diagnosis("note", f"{text}. Some still come or go", "run tank doctor again")
     return Diagnosis("ok", text)
 
 
@@ -233,8 +231,8 @@ def _rclpy() -> tuple[str, str | None, str]:
     return version, rclpy.__file__, get_rmw_implementation_identifier()
 
 
-def _nodes() -> tuple[bool, list[str]]:
-    """Whether the graph is known, and who is in it, but for hidden nodes, which this one is."""
+def _nodes() -> list[str]:
+    """Who is in the graph, but for hidden nodes, which this one is."""
     from tutorial.ros.node_thread import NodeThread
     from tutorial.ros.topics.graph import wait_for_graph
     from tutorial.ros.topics.listing import node_names
@@ -242,5 +240,5 @@ def _nodes() -> tuple[bool, list[str]]:
 
     with NodeThread("_doctor") as thread:
         time.sleep(FIRST_LOOK)
-        is_known = asyncio.run(wait_for_graph(thread.node))
-        return is_known, [escape_name(name) for name in node_names(thread.node)]
+        asyncio.run(wait_for_graph(thread.node))
+        return [escape_name(name) for name in node_names(thread.node)]

@@ -59,6 +59,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         arguments: more of JupyterLab's own, which take the place of what is set here.
         course: the course folder, which is all that JupyterLab shows.
     """
+    in_hub = "JUPYTERHUB_SERVICE_URL" in os.environ
     settings = {
         "ServerApp.root_dir": course,
         "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",
@@ -68,10 +69,9 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         "ServerApp.use_redirect_file": not any(os.environ.get(name) for name in BROWSER_IS_ELSEWHERE),
         "ServerApp.answer_yes": True,  # one Ctrl-C ends it
         "Application.log_level": "ERROR",
+        **({} if in_hub else {"ServerApp.ip": "127.0.0.1"}),
     }
-    program = "jupyterhub.singleuser" if "JUPYTERHUB_SERVICE_URL" in os.environ else "jupyterlab"
-    if program == "jupyterlab":
-        settings["ServerApp.ip"] = "127.0.0.1"
+    program = "jupyterhub.singleuser" if in_hub else "jupyterlab"
     given = {argument.removeprefix("--").partition("=")[0] for argument in arguments}
     options = (f"--{name}={value}" for name, value in settings.items() if name not in given)
     return [sys.executable, "-P", "-m", program, *options, *arguments]
