@@ -167,7 +167,8 @@ def test_packages_are_run_and_launched_there(rmw, tmp_path):
     (tmp_path / "mine.py").write_text(CONTROLLERS, encoding="utf-8")
     own = ("--controller", tmp_path / "mine.py:JointStatePublisher")
     for name, arguments in (("own_tank", own), ("plain_node", ())):
-        subprocess.run([TANK, "package", name, *arguments, "--destination-directory", tmp_path], check=True, capture_output=True)
+        make = (TANK, "package", name, *arguments, "--destination-directory", tmp_path)
+        subprocess.run(make, check=True, capture_output=True)
         site = install(tmp_path / name, tmp_path / "install")
     both = 'export AMENT_PREFIX_PATH=$0:$AMENT_PREFIX_PATH PYTHONPATH=$1:$PYTHONPATH; shift; exec "$@"'
     ros2 = [*REAL, "sh", "-c", both, str(tmp_path / "install"), str(site), "ros2"]  # as after install/setup.bash
