@@ -1,4 +1,4 @@
-"""The exercise `timeout`: a dead man's switch.
+"""The exercise `timeout`: a command that is too old.
 
 Write the class `CommandTimeout`. Each step calls its method `fresh(message, seconds)` once, with the newest message and
 the simulated time [s]. It returns `True` if this message came at most 0.5 s ago, else `False`.
