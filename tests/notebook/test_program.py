@@ -22,7 +22,7 @@ from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.notebook import close_all, open_node, open_program, until
 from tutorial.notebook import program as program_module
-from tutorial.notebook.widgets.frame_widget import FrameWidget
+from tutorial.notebook.widgets.cell_widget import CellWidget
 from tutorial.paths import find_project
 from tutorial.project import Project
 
@@ -118,7 +118,7 @@ async def test_a_started_simulation_rests_when_its_page_is_gone_and_never_withou
     def below():
         return lines(program.view.whole()[0])[0]
 
-    monkeypatch.setattr(FrameWidget, "heard_at", math.inf)
+    monkeypatch.setattr(CellWidget, "heard_at", math.inf)
     monkeypatch.setattr(program_module, "REST_AFTER", 0.0)
     program = open_program("step1")
     program.start()

@@ -86,12 +86,12 @@ class Surroundings:
         self.written: list[str] = []
         self.listens = self.is_open = self.runs = True
         recorder.connection, recorder.subscription = "connection", "subscription"
-        recorder.received = Namespace(get=self.get, put=self.entries.append, empty=lambda: not self.entries)
+        recorder.received = Namespace(get=self.get, put=self.put, put_nowait=self.put, empty=lambda: not self.entries)
         recorder.node = Namespace(destroy_subscription=self.destroy)
         recorder.writer = Namespace(join=self.join, is_alive=lambda: self.runs)
         recorder.bag = Namespace(write=self.write, close=self.close)
 
-    def get(self, *_how: Any) -> Any:
+    def get(self, *_how: Any, **_more: Any) -> Any:
         """Take an entry out of the queue."""
         if not self.entries and self.coming:
             self.entries.append(self.coming.pop(0))
@@ -99,13 +99,17 @@ class Surroundings:
             raise Failure("write", Misuse("it waits for ever for another entry", STUCK))
         return self.entries.pop(0)
 
+    def put(self, entry: Any, *_how: Any, **_more: Any) -> None:
+        """Put an entry into the queue."""
+        self.entries.append(entry)
+
     def destroy(self, subscription: str) -> None:
         """Stop listening."""
         self.entries += self.coming
         self.coming.clear()
         self.listens = subscription != self.recorder.subscription
 
-    def join(self, *_how: Any) -> None:
+    def join(self, *_how: Any, **_more: Any) -> None:
         """Let the thread run to its end."""
         if self.runs:
             self.runs = False

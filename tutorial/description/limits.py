@@ -18,7 +18,7 @@ def add_limit(element: Element, model: mujoco.MjModel, joint: int) -> None:
 
     MuJoCo limits no speed: a model says it as the joint's ``user`` value.
     """
-    fastest = (*model.jnt_user[joint], 0.0)[0] or UNLIMITED
+    fastest = max((*model.jnt_user[joint], 0.0)[0], 0.0) or UNLIMITED
     limit = {"effort": numbers([_effort(model, joint)]), "velocity": numbers([fastest])}
     if model.jnt_limited[joint] or model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:
         lower, upper = model.jnt_range[joint] if model.jnt_limited[joint] else (-UNLIMITED, UNLIMITED)

@@ -207,8 +207,8 @@ class _Writer:
         sensors = np.flatnonzero(model.sensor_objtype == int(mujoco.mjtObj.mjOBJ_SITE)).tolist()
         cameras = map(model.camera, range(model.ncam))
         frames: list[tuple[str, Any, Matrix]] = [
-            *((model.sensor(i).name, model.site(model.sensor_objid[i]), np.eye(4)) for i in sensors),
-            *((f"{camera.name}_optical", camera, OPTICAL) for camera in cameras),
+            *((model.sensor(i).name or f"sensor_{i}", model.site(model.sensor_objid[i]), np.eye(4)) for i in sensors),
+            *((f"{camera.name or camera.id}_optical", camera, OPTICAL) for camera in cameras),
         ]
         for name, found, turned in frames:
             body = int(found.bodyid[0])

@@ -16,7 +16,7 @@ from tutorial.body import Body
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.host import FRAME, Host
-from tutorial.notebook.widgets.frame_widget import FrameWidget
+from tutorial.notebook.widgets.cell_widget import CellWidget
 from tutorial.notebook.widgets.scene_view import SceneView
 from tutorial.project import Project
 from tutorial.simulation import Simulation
@@ -116,10 +116,10 @@ class Program:
             TutorialError: the program only displays, or was closed.
         """
         self._check_open()
-        self._started_at = time.monotonic()
         if not self.simulation.running:
             self.host.forget_errors()
             self.simulation.start()
+        self._started_at = time.monotonic()
 
     def stop(self) -> None:
         """Let simulated time stand still. Idempotent.
@@ -219,7 +219,7 @@ class Program:
 
     def _rest(self) -> None:
         """Stop a simulation that goes on while its page has been gone for long; without any page so far, it goes on."""
-        gone_for = time.monotonic() - max(FrameWidget.heard_at, self._started_at)
+        gone_for = time.monotonic() - max(CellWidget.heard_at, self._started_at)
         if gone_for > REST_AFTER and self.simulation.running:
             self.host.note = RESTS % (self.simulation.time, gone_for / 60)
             self.stop()

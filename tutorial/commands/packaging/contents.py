@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import subprocess
-from importlib.util import find_spec
+from importlib.util import decode_source, find_spec
 from keyword import iskeyword
 from pathlib import Path
 from string import Template
@@ -47,7 +47,7 @@ def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple
     else:
         kind, words, code = "controller", _controller(*controller), controller[0].read_bytes()
     maintainer, email = find_maintainer()
-    modules = set(IMPORTED.findall(code.decode()))
+    modules = set(IMPORTED.findall(decode_source(code)))
     messages = {module for module in modules if module.endswith(("_msgs", "_interfaces", "_srvs"))}
     others = {DEPENDENCIES[module] for module in modules & DEPENDENCIES.keys()}
     needs = sorted({"rclpy", "ros2launch"} | messages | others)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import anywidget
 import msgspec
@@ -47,8 +48,10 @@ class CellWidget(anywidget.AnyWidget):
 
     Attributes:
         ended: whether it is ended. What it showed last stays on the page, and the page says so.
+        heard_at: when a view or a joystick said something last, of `time.monotonic` [s]; infinite before the first.
     """
 
+    heard_at: ClassVar[float] = math.inf
     ended = traitlets.Bool(False).tag(sync=True)
 
     def __repr__(self) -> str:

@@ -8,7 +8,6 @@ Once a minute it says that it is still ``here``, also if there is no frame to se
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 from typing import Any, ClassVar
@@ -39,7 +38,6 @@ class FrameWidget(CellWidget):
 
     Attributes:
         AHEAD: how many frames may be on their way to a view.
-        heard_at: when a view of any widget said something last, of `time.monotonic` [s]; infinite before the first.
         calls: what callbacks of any thread post with.
         frame: the number of the last frame that was sent.
 
@@ -48,7 +46,6 @@ class FrameWidget(CellWidget):
     """
 
     AHEAD: ClassVar[int]
-    heard_at: ClassVar[float] = math.inf
     title = traitlets.Unicode().tag(sync=True)
 
     def __init__(self, title: str) -> None:
@@ -83,7 +80,7 @@ class FrameWidget(CellWidget):
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says: on whatever thread, so what belongs to the main thread is posted."""
-        FrameWidget.heard_at = time.monotonic()
+        CellWidget.heard_at = time.monotonic()
         match parse_message(content, _Words):
             case _Words(type="hello", view=view):
                 self.calls.call_latest(("hello", view), self._welcome, view)

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Joy
 
 from tutorial.handoff import Latest
-from tutorial.notebook.widgets.cell_widget import NodeWidget, parse_message
+from tutorial.notebook.widgets.cell_widget import CellWidget, NodeWidget, parse_message
 from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.view.assets import read_static
 
@@ -66,6 +66,7 @@ class Joystick(NodeWidget):
         """Take what a page says, on whatever thread, and leave it for the node's."""
         if said := parse_message(content, _Sticks):
             self._held.put((said, self._clock()))
+            CellWidget.heard_at = time.monotonic()
 
     def _now(self) -> _Sticks:
         held, received_at = self._held.get()
