@@ -61,10 +61,11 @@ def fetch() -> Path | None:
     npm = shutil.which("npm")
     if npm is None:
         return None
-    FETCHED.mkdir(parents=True, exist_ok=True)
     options = ("--no-save", "--no-package-lock", "--no-audit", "--no-fund", "--ignore-scripts", "--loglevel=error")
-    done = subprocess.run([npm, "install", "--prefix", FETCHED, *options, *PACKAGES], check=False, timeout=600)
-    if done.returncode:
+    try:
+        FETCHED.mkdir(parents=True, exist_ok=True)
+        subprocess.run([npm, "install", "--prefix", FETCHED, *options, *PACKAGES], check=True, timeout=600)
+    except (subprocess.SubprocessError, OSError):
         return None
     marker.write_text(json.dumps([*PACKAGES]))
     return FETCHED / "node_modules"

@@ -85,11 +85,15 @@ class Program {
     this.isReady = false;
     this.worker = new Worker(file("worker.js"), {type: "module"});
     const ready = new Promise((resolve, reject) => {
-      this.worker.onerror = (event) => reject(new Error(event.message || "the worker does not start"));
+      const fail = (text) => {
+        this.end(text);
+        reject(new Error(text));
+      };
+      this.worker.onerror = (event) => fail(event.message || "the worker does not start");
       this.worker.onmessage = ({data}) => {
         this.unanswered = 0;
         if (data.type === "loaded") onLoaded(data.what);
-        else if (data.type === "broken") reject(new Error(data.text));
+        else if (data.type === "broken") fail(data.text);
         else if (data.type === "ready") resolve();
         else this.take(data);
       };
@@ -117,16 +121,21 @@ class Program {
   run(source) {
     this.source = source;
     if (this.worker) this.tell("run", {source});
-    else this.start().catch((error) => this.take({type: "result", after: "run", error: error.message}));
+    else this.start().catch(() => {});  // `end` has said it
+  }
+
+  /** End the worker, and say why. */
+  end(error) {
+    this.worker?.terminate();
+    this.worker = null;
+    this.take({type: "result", after: "end", error});
   }
 
   /** End it if it does not answer. */
   look() {
     if (!this.worker || !this.isReady) return;
     if (this.unanswered >= STUCK) {
-      this.worker.terminate();
-      this.worker = null;
-      this.take({type: "result", after: "look", error: STUCK_TEXT});
+      this.end(STUCK_TEXT);
       return;
     }
     this.unanswered += 1;
@@ -219,6 +228,7 @@ class Drive {
     this.button.addEventListener("click", () => this.start().catch((error) => {
       console.error(error);
       this.progress.textContent = `This does not work here: ${error.message}`;
+      this.button.disabled = false;
     }));
     root.drive = this;  // for the curious, in the browser's console
   }
@@ -306,6 +316,7 @@ class Drive {
   reset() {
     this.editor.say("");
     if (this.simulation.worker) this.simulation.tell("reset");
+    else if (this.simulation === this.edited) this.run();
     else this.simulation.run(this.simulation.source);
   }
 

@@ -46,8 +46,8 @@ const commands = {
     for (const method of ["run", "reset", "turn", "sticks", "joints", "steps"]) program[method] = made[method];
     channel.onmessage = ({data}) => hear(data);
     channel.postMessage({from: name, hello: true});
+    postMessage({type: "ready"});  // first: the page ends a program that does not answer only once it is ready
     report("run", program.run(setup.source));
-    postMessage({type: "ready"});
     turn();
   },
   run: ({source}) => report("run", program.run(source)),

@@ -256,6 +256,8 @@ def test_the_tank_drives_in_the_visitors_browser(site):
             await page.keyboard.up("KeyW")
             await visitor.edit("return 1 / 0 if", "while True: pass\n    return axis if")
             await visitor.says("Is there a loop that never ends?")
+            await visitor.edit("P_GAIN = 2000.0", "while True: pass")
+            await visitor.says("Is there a loop that never ends?")
             await page.get_by_role("button", name="Original").click()
             await visitor.says("")
 

@@ -51,7 +51,7 @@ class Program:
         self._calls = CallQueue(asyncio.get_event_loop())
         if setup["simulates"]:
             self._joystick = self._make_node("joystick").create_publisher(Joy, "joy", 1)
-        self._controllers: dict[str, tuple[SimpleController, ControllerIO, Any]] = {}
+        self._controllers: dict[str, tuple[SimpleController, ControllerIO, Callable[[], None]]] = {}
         self._simulates = setup["simulates"]
         self._started_at = 0.0
         self._has_failed, self._at_work = False, ""
@@ -115,17 +115,29 @@ class Program:
 
     def _replace(self) -> None:
         if self._own in self._controllers:
-            controller, _, scope = self._controllers.pop(self._own)
-            scope.close()
-            controller.unconfigure()
+            controller, _, leave = self._controllers.pop(self._own)
+            try:
+                controller.unconfigure()
+            finally:
+                leave()
         self._start(self._own, load_controllers(self._file, only=self._own)[self._own])
 
     def _start(self, name: str, controller_class: type[SimpleController]) -> None:
         displayed, simulated = self._bodies
-        scope = self._calls.scope(name)
+        scope, others = self._calls.scope(name), self._node._entities
+
+        def leave() -> None:
+            scope.close()
+            for entity in set(self._node._entities) - set(others):
+                self._node._remove(entity)
+
         controller, io = controller_class(), ControllerIO(simulated, TIME_STEP)
-        controller.configure(ControllerConfig(displayed, self._node, scope.call_later, scope.call_latest))
-        self._controllers[name] = (controller, io, scope)
+        try:
+            controller.configure(ControllerConfig(displayed, self._node, scope.call_later, scope.call_latest))
+        except BaseException:
+            leave()
+            raise
+        self._controllers[name] = (controller, io, leave)
         if self._simulates:
             io.step, self._at_work = self.step, name
             controller.initialize(io)

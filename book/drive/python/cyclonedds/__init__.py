@@ -115,10 +115,11 @@ class Wire:
         self.announce(self.described())
 
     def receive(self, topic: str, type_name: str, data: Any) -> None:
-        """Give this program's readers what another one has published: bytes, as JavaScript has them."""
+        """Give readers that a writer fits what another program has published: bytes, as JavaScript has them."""
         with changed:
             for each in self.endpoints:
-                if isinstance(each, DataReader) and (each.topic_name, each.type_name) == (topic, type_name):
+                is_asked = isinstance(each, DataReader) and (each.topic_name, each.type_name) == (topic, type_name)
+                if is_asked and each.matched().current_count:
                     each.put(data.to_bytes())
             changed.notify_all()
 
