@@ -77,8 +77,9 @@ lab: install
 
 hub: .venv/hub
 	@mkdir -p .hub
-	@echo "Open http://127.0.0.1:8000 and log in with any name. What the users change stays in .hub/homes."
-	@cd .hub && ../$(BIN)/jupyterhub -f ../tests/hub/jupyterhub_config.py --JupyterHub.bind_url=http://127.0.0.1:8000
+	@export TANK_HUB_PASSWORD=$$($(BIN)/python -c 'import secrets; print(secrets.token_urlsafe(12))') && \
+	echo "Open http://127.0.0.1:8000 and log in with any name and the password $$TANK_HUB_PASSWORD. What the users change stays in .hub/homes." && \
+	cd .hub && ../$(BIN)/jupyterhub -f ../tests/hub/jupyterhub_config.py --JupyterHub.bind_url=http://127.0.0.1:8000
 
 hub-load: .venv/hub
 	@PYTHONPATH=tests/support $(BIN)/python tests/hub $(USERS)
