@@ -55,7 +55,7 @@ test-ros2: install
 	$(PYTEST) $(SIDE_BY_SIDE) -m ros2 tests
 	for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) -n auto --dist loadfile --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket || exit 1; done
 
-nightly: soak mutants .venv/hub
+nightly: soak mutants $(if $(shell command -v npm 2>/dev/null),.venv/hub,install)
 	$(PYTEST) -m nightly tests
 	$(PYTEST) --hypothesis-profile random -m hypothesis tests
 	$(if $(TANK_REAL_ROS2),for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" || exit 1; done)
