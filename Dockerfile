@@ -16,15 +16,23 @@ RUN useradd --create-home --uid ${NB_UID} --shell /bin/bash ${NB_USER}
 WORKDIR ${HOME}
 USER ${NB_USER}
 
+FROM base AS dev
+USER root
+RUN apt-get update \
+    && apt-get install -y --no-install-recommends chromium curl npm sudo \
+    && rm -rf /var/lib/apt/lists/* \
+    && echo "${NB_USER} ALL=(ALL) NOPASSWD: ALL" >/etc/sudoers.d/learner
+USER ${NB_USER}
+
 FROM base AS wheels
 COPY . /source
 RUN python -m pip wheel --no-deps -w /tmp/wheels /source /source/tutorial/ros/pocket
 
 FROM base
-COPY constraints.txt /tmp/
-COPY --from=wheels /tmp/wheels /tmp/wheels
 USER root
-RUN python -m pip install --no-cache-dir -c /tmp/constraints.txt /tmp/wheels/*.whl jupyterhub
+RUN --mount=type=bind,from=wheels,source=/tmp/wheels,target=/tmp/wheels \
+    --mount=type=bind,source=constraints.txt,target=/tmp/constraints.txt \
+    python -m pip install --no-cache-dir -c /tmp/constraints.txt /tmp/wheels/*.whl jupyterhub
 USER ${NB_USER}
 RUN python -c "from tutorial.commands.lab import own_course, trust; trust(own_course() / 'notebooks')"
 EXPOSE 8888

@@ -55,7 +55,7 @@ test-ros2: install
 	$(PYTEST) $(SIDE_BY_SIDE) -m ros2 tests
 	for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) -n auto --dist loadfile --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket || exit 1; done
 
-nightly: soak mutants .venv/hub
+nightly: soak mutants $(if $(shell command -v npm 2>/dev/null),.venv/hub,install)
 	$(PYTEST) -m nightly tests
 	$(PYTEST) --hypothesis-profile random -m hypothesis tests
 	$(if $(TANK_REAL_ROS2),for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) $(SIDE_BY_SIDE) -m "not ($(APART))" || exit 1; done)
@@ -77,8 +77,9 @@ lab: install
 
 hub: .venv/hub
 	@mkdir -p .hub
-	@echo "Open http://127.0.0.1:8000 and log in with any name. What the users change stays in .hub/homes."
-	@cd .hub && ../$(BIN)/jupyterhub -f ../tests/hub/jupyterhub_config.py --JupyterHub.bind_url=http://127.0.0.1:8000
+	@export TANK_HUB_PASSWORD=$$($(BIN)/python -c 'import secrets; print(secrets.token_urlsafe(12))') && \
+	echo "Open http://127.0.0.1:8000 and log in with any name and the password $$TANK_HUB_PASSWORD. What the users change stays in .hub/homes." && \
+	cd .hub && ../$(BIN)/jupyterhub -f ../tests/hub/jupyterhub_config.py --JupyterHub.bind_url=http://127.0.0.1:8000
 
 hub-load: .venv/hub
 	@PYTHONPATH=tests/support $(BIN)/python tests/hub $(USERS)

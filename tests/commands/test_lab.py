@@ -241,7 +241,10 @@ def test_a_setting_that_is_given_takes_the_place_of_ours_and_a_hub_says_where_it
     assert [word for word in lab_command(["--ServerApp.ip=0.0.0.0"]) if "ServerApp.ip" in word] == [
         "--ServerApp.ip=0.0.0.0"
     ]
+    monkeypatch.delenv("JUPYTER_SERVER_URL", raising=False)
     monkeypatch.setenv("JUPYTERHUB_SERVICE_URL", "http://127.0.0.1:50000/user/ada/")
     told = lab_command()
     assert "jupyterhub.singleuser" in told
     assert not [word for word in told if "ServerApp.ip" in word]
+    monkeypatch.setenv("JUPYTER_SERVER_URL", "http://127.0.0.1:50000/user/ada/")  # in a terminal of such a server
+    assert "jupyterlab" in lab_command()

@@ -1,4 +1,4 @@
-"""A JupyterHub with the course, to try: ``make hub``. Any name and password log in, and all run as the same user."""
+"""A JupyterHub with the course, to try: ``make hub``. Any name logs in with one password; all run as the same user."""
 
 import os
 import shutil
@@ -23,7 +23,9 @@ def hand_out(spawner: SimpleLocalProcessSpawner) -> None:
 
 
 c = get_config()
-c.JupyterHub.authenticator_class = "dummy"
+c.JupyterHub.authenticator_class = "shared-password"
+c.SharedPasswordAuthenticator.user_password = os.environ["TANK_HUB_PASSWORD"]
+c.SharedPasswordAuthenticator.allow_all = True
 c.JupyterHub.spawner_class = SimpleLocalProcessSpawner
 c.ConfigurableHTTPProxy.command = [str(PROXY)]
 c.SimpleLocalProcessSpawner.home_dir_template = f"{HOMES}/{{username}}"
@@ -33,5 +35,5 @@ c.Spawner.environment = {
     "TANK_TEST_MARK": os.environ.get("TANK_TEST_MARK", ""),  # by which tests find the processes
 }
 c.Spawner.default_url = "/lab/tree/notebooks/0_setup.ipynb"
-c.Spawner.start_timeout = c.Spawner.http_timeout = 300  # [s]: a class begins at once
+c.Spawner.start_timeout = c.Spawner.http_timeout = 300  # [s]: all students start at the same moment
 c.Spawner.pre_spawn_hook = hand_out

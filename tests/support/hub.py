@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import secrets
 import signal
 import socket
 import subprocess
@@ -29,7 +30,7 @@ CONFIG = CHECKOUT / "tests/hub/jupyterhub_config.py"
 PROXY = CHECKOUT / ".venv/node_modules/.bin/configurable-http-proxy"
 NOTEBOOK = "notebooks/1_tank_controller.ipynb"
 START = "program.start()"
-LONG = 300.0  # [s] for a server or a cell, while a class begins at once
+LONG = 300.0  # [s] for a server or a cell: all students start at the same moment
 
 
 def cells() -> tuple[list[str], list[str]]:
@@ -46,11 +47,13 @@ class Hub:
     Attributes:
         root: its address.
         mark: what all its processes are marked with.
+        password: of all students.
         sockets: the connections to its kernels.
     """
 
     root: str
     mark: str
+    password: str
     sockets: list[WebSocket] = field(default_factory=list)
 
     def processes(self) -> list[psutil.Process]:
@@ -67,9 +70,9 @@ def hub(folder: Path) -> Iterator[Hub]:
         f"--JupyterHub.hub_bind_url={api}",
         f"--ConfigurableHTTPProxy.api_url={proxy}",
     )
-    running = Hub(public, uuid.uuid4().hex)
+    running = Hub(public, uuid.uuid4().hex, secrets.token_urlsafe())
     environment = {name: value for name, value in os.environ.items() if name != "ROS_DOMAIN_ID"}
-    environment["TANK_TEST_MARK"] = running.mark
+    environment |= {"TANK_TEST_MARK": running.mark, "TANK_HUB_PASSWORD": running.password}
     command = [sys.executable, "-m", "jupyterhub", "-f", str(CONFIG), *ports]
     with (folder / "hub.log").open("wb") as log:
         started = subprocess.Popen(command, cwd=folder, env=environment, stdout=log, stderr=log)
@@ -148,7 +151,7 @@ class Student:
             return next(cookie.value or "" for cookie in jar if cookie.name == "_xsrf" and cookie.path == "/hub/")
 
         opener.open(form, timeout=PATIENCE).close()
-        words = {"username": self._name, "password": "any", "_xsrf": xsrf()}
+        words = {"username": self._name, "password": self._hub.password, "_xsrf": xsrf()}
         opener.open(form, urlencode(words).encode(), timeout=PATIENCE).close()
         headers = {"Content-Type": "application/json", "X-XSRFToken": xsrf()}
         wanted = Request(f"{self._hub.root}/hub/api/users/{self._name}/tokens", b"{}", headers)

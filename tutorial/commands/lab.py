@@ -59,7 +59,7 @@ def lab_command(arguments: Sequence[str] = (), course: Path = HOME) -> list[str]
         arguments: more of JupyterLab's own, which take the place of what is set here.
         course: the course folder, which is all that JupyterLab shows.
     """
-    in_hub = "JUPYTERHUB_SERVICE_URL" in os.environ
+    in_hub = "JUPYTERHUB_SERVICE_URL" in os.environ and "JUPYTER_SERVER_URL" not in os.environ  # which terminals have
     settings = {
         "ServerApp.root_dir": course,
         "LabApp.default_url": "/lab/tree/notebooks/0_setup.ipynb",
