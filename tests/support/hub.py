@@ -23,7 +23,7 @@ from urllib.request import HTTPCookieProcessor, Request, build_opener
 import nbformat
 import psutil
 from programs import PATIENCE, answer, marked, until
-from websocket import WebSocket, create_connection
+from websocket import WebSocket, WebSocketConnectionClosedException, create_connection
 
 CHECKOUT = Path(__file__).parents[2]
 CONFIG = CHECKOUT / "tests/hub/jupyterhub_config.py"
@@ -109,11 +109,8 @@ class Student:
         wanted = {"path": NOTEBOOK, "type": "notebook", "name": "", "kernel": {"name": "python3"}}
         with self._ask(f"/user/{name}/api/sessions", wanted) as reply:
             kernel = json.load(reply)["kernel"]["id"]
-        address = f"{at.root.replace('http', 'ws')}/user/{name}/api/kernels/{kernel}/channels"
-        header = {"Authorization": f"token {self._token}"}
-        self._socket = create_connection(address, timeout=LONG, header=header)
-        at.sockets.append(self._socket)
         self._session = uuid.uuid4().hex
+        self._connect(f"{at.root.replace('http', 'ws')}/user/{name}/api/kernels/{kernel}/channels")
 
     def run(self, source: str) -> str:
         """Run a cell, wait until it is done, and return what it printed; fail if it raised."""
@@ -121,6 +118,8 @@ class Student:
         text, ended = "", set()
         while ended != {"execute_reply", "idle"}:
             said = self._socket.recv()
+            if not said:
+                raise WebSocketConnectionClosedException(f"{self._name}: the server has closed the connection")
             if isinstance(said, bytes):  # a message of a widget with binary parts
                 continue
             message = json.loads(said)
@@ -163,6 +162,15 @@ class Student:
         with self._ask(f"/hub/api/users/{self._name}/server/progress") as events:
             said = [json.loads(line.removeprefix(b"data:")) for line in events if line.startswith(b"data:")]
         assert said[-1].get("ready"), f"{self._name}: {said[-1]}"
+
+    def _connect(self, address: str) -> None:
+        """Connect to the kernel, again if it starts anew: another process may have taken a port of its own."""
+        while True:
+            self._socket = create_connection(address, timeout=LONG, header={"Authorization": f"token {self._token}"})
+            self._hub.sockets.append(self._socket)
+            with suppress(WebSocketConnectionClosedException):
+                self.run("")
+                return
 
     def _ask(self, path: str, data: object = None) -> HTTPResponse:
         headers = {"Authorization": f"token {self._token}", "Content-Type": "application/json"}
