@@ -16,15 +16,17 @@ TABLES = {each: module.CASES for each, module in MODULES.items()}
 every_table = pytest.mark.parametrize(("exercise", "cases"), TABLES.items(), ids=[each.name for each in TABLES])
 
 
-@every_table
-def test_each_mistake_is_diagnosed_as_itself(exercise, cases, domain):
-    for mistake in cases.mistakes:
-        twin = cases.mistaken(mistake)
-        assert twin is not None, f"the solution has nothing that {mistake.edits} could change"
-        verdict = exercise.judge(twin)
-        assert not verdict.right, f"this is no mistake: {mistake}"
-        assert verdict.causes == (f"Most likely {mistake.cause}",), str(verdict)
-        assert verdict.findings[-1].text.startswith(mistake.fails), str(verdict)
+@pytest.mark.parametrize(
+    ("exercise", "mistake"),
+    [pytest.param(each, row, id=each.name) for each, table in TABLES.items() for row in table.mistakes],
+)
+def test_each_mistake_is_diagnosed_as_itself(exercise, mistake, domain):
+    twin = TABLES[exercise].mistaken(mistake)
+    assert twin is not None, f"the solution has nothing that {mistake.edits} could change"
+    verdict = exercise.judge(twin)
+    assert not verdict.right, f"this is no mistake: {mistake}"
+    assert verdict.causes == (f"Most likely {mistake.cause}",), str(verdict)
+    assert verdict.findings[-1].text.startswith(mistake.fails), str(verdict)
 
 
 SLIPS = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from tempfile import TemporaryDirectory
 
 import psutil
 from jupyter_client.manager import KernelManager
@@ -45,10 +46,11 @@ class Kernel:
 @contextmanager
 def kernel() -> Iterator[Kernel]:
     """A kernel of this environment; what is left of it in the end is killed."""
-    manager = KernelManager(kernel_name="python3")
-    manager.kernel_spec.argv[0] = sys.executable
-    manager.start_kernel()
     with ExitStack() as stack:
+        folder = stack.enter_context(TemporaryDirectory(prefix="kernel-"))
+        manager = KernelManager(kernel_name="python3", transport="ipc", ip=f"{folder}/socket")
+        manager.kernel_spec.argv[0] = sys.executable
+        manager.start_kernel()
         stack.callback(manager.shutdown_kernel, now=True)
         running = Kernel(manager)
         stack.callback(running.client.stop_channels)

@@ -6,9 +6,12 @@ import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
+import nbval.kernel
 import pytest
+from jupyter_client.manager import KernelManager
 from nbval.plugin import IPyNbFile
 from pictures import need_pictures
 
@@ -66,4 +69,6 @@ def own_surroundings() -> ExitStack:
     settings = stack.enter_context(tempfile.TemporaryDirectory(prefix="ipython-"))
     environment.setenv("IPYTHONDIR", settings)
     environment.setenv("TANK_PROGRESS", f"{settings}/progress.json")
+    no_ports = partial(KernelManager, transport="ipc", ip=f"{settings}/socket")  # another process may take a port first
+    environment.setattr(nbval.kernel, "KernelManager", no_ports)
     return stack

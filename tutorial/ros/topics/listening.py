@@ -96,7 +96,9 @@ async def topic_hz(
             await asyncio.sleep(LOOK_EVERY)
     intervals: deque[float] = deque(maxlen=window)
     kind = message_class(type_name)
-    async with aclosing(_messages(node, kind, topic, timeout, kept=window + 1, times_only=True)) as messages:
+    async with aclosing(
+        _messages(node, kind, topic, timeout, kept=max(window, DEFAULT_WINDOW) + 1, times_only=True)
+    ) as messages:
         before = told = math.inf
         async for now, _ in messages:
             if now < before:
