@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from queue import Empty
+
 from tutorial.checks.record import MyRecorder, QueueRecorder
 
 
@@ -21,10 +24,21 @@ class Breaks(QueueRecorder):
         self.bag.close()
 
 
-class Iterates(MyRecorder):
+class Patient(QueueRecorder):
     def write(self):
-        for time_ns, payload in iter(self.received.get, None):
-            self.bag.write(self.connection, time_ns, payload)
+        while True:
+            with suppress(Empty):
+                entry = self.received.get(timeout=0.1)
+                if entry is None:
+                    return
+                self.bag.write(self.connection, timestamp=entry[0], data=entry[1])
+
+    def unconfigure(self):
+        self.node.destroy_subscription(self.subscription)
+        self.received.put(None)
+        while self.writer.is_alive():
+            self.writer.join(1.0)
+        self.bag.close()
 
 
 class ClosesInTheThread(QueueRecorder):
@@ -45,17 +59,19 @@ class Exchanged(MyRecorder):
             self.bag.write(self.connection, *entry[::-1])
 
 
-class ClosesFirst(MyRecorder):
-    def unconfigure(self):
-        self.bag.close()
-        super().unconfigure()
-
-
-class PutsNothing(MyRecorder):
+class Hurries(MyRecorder):
     def unconfigure(self):
         self.node.destroy_subscription(self.subscription)
-        self.writer.join()
+        self.received.put(None)
+        self.writer.join(0.1)
         self.bag.close()
+
+
+class Polls(MyRecorder):
+    def write(self):
+        while True:
+            if not self.received.empty():
+                super().write()
 
 
 class WritesItself(MyRecorder):
@@ -66,10 +82,10 @@ class WritesItself(MyRecorder):
         self.bag.close()
 
 
-RIGHT = [Breaks, Iterates, ClosesInTheThread]
+RIGHT = [Breaks, Patient, ClosesInTheThread]
 WRONG = [
-    (Exchanged, ["stop listening, put None, join, close"]),
-    (ClosesFirst, ["the bag is closed"]),
-    (PutsNothing, ["nothing puts None into the queue"]),
+    (Exchanged, ["the time first"]),
+    (Hurries, ["the bag is closed"]),
+    (Polls, ["get() waits for an entry"]),
     (WritesItself, ["nothing puts None into the queue"]),
 ]
