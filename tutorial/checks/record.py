@@ -26,7 +26,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from queue import Empty, SimpleQueue
-from threading import Thread, current_thread
+from threading import Thread
 from types import SimpleNamespace as Namespace
 from typing import Any
 
@@ -130,8 +130,8 @@ class Surroundings:
         self.begun.put(None)
 
     def rest(self) -> None:
-        """Have the thread rest until somebody waits for its end."""
-        if self.rests and current_thread() is self.thread:
+        """Have the thread rest, once, until somebody waits for its end."""
+        if self.rests:
             self.begun.put(None)
             self.turn.get()
 
@@ -175,9 +175,14 @@ class Surroundings:
         if self.failure:
             raise self.failure
 
+    def begin(self) -> None:
+        """Start the thread, and wait until it rests or has ended."""
+        self.thread.start()
+        self.begun.get()
+        self.rests = False
+
     def end(self) -> None:
         """Let the thread run, and wait for its end."""
-        self.rests = False
         self.turn.put(None)
         self.thread.join()
 
@@ -202,8 +207,7 @@ def tried(*waiting: Any, coming: Sequence[Any] = (), leaves: bool = True) -> Cas
 
     def case(answer: Any) -> str:
         scene = Surroundings(call(answer), waiting, coming)
-        scene.thread.start()
-        scene.begun.get()
+        scene.begin()
         also: list[str] = []
         try:
             if leaves:
@@ -213,7 +217,9 @@ def tried(*waiting: Any, coming: Sequence[Any] = (), leaves: bool = True) -> Cas
         finally:
             scene.end()
         scene.join()
-        also += ["the bag is open"] * (leaves and scene.is_open) + ["it takes the next before it writes the last"] * scene.keeps
+        also += ["the bag is open"] * (leaves and scene.is_open) + [
+            "it takes the next before it writes the last"
+        ] * scene.keeps
         return ", ".join([*(scene.written or ["nothing is written"]), *also])
 
     return case
