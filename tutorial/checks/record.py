@@ -2,7 +2,7 @@
 
 Write two methods of `MyRecorder`, the rest of a recorder:
 
-- `write` is the thread's function. It writes each entry of the queue, a time and a payload, with
+- `write` is the thread's function. It writes each entry of the queue, a time and a payload, as it comes, with
   `self.bag.write(self.connection, time_ns, payload)`. `self.received.get()` waits for an entry. `None` ends the
   thread.
 - `unconfigure` ends all that `configure` has begun. Every message that has come is then in the bag, and nothing writes
@@ -73,7 +73,7 @@ the thread does not wait for the next message: get waits for it, and None is the
     while received := self.received.get(): => while not self.received.empty() and (received := self.received.get()):
 
 the thread ends before it has written what waits in the queue: let only None end it, which comes behind all others.
-    while received := self.received.get(): => self.ends = False // while not self.ends and (received := self.received.get()):
+    received := self.received.get() => not vars(self).get("ends") and (received := self.received.get())
     self.received.put(None) => self.ends = True // self.received.put(None)
 
 the messages are kept until the end, and lost if the program dies: write each one as it comes.

@@ -91,7 +91,8 @@ def tried(calls: str, objects: int = 1) -> Case:
     """Observe what is returned in calls such as ``"A 0, A 0.5"``, with the message A at 0 s and at 0.5 s.
 
     Args:
-        calls: one letter is one message; ``a`` is another than ``A``, but holds the same. ``C`` has a stamp, of 6 s, and no axes.
+        calls: one letter is one message; ``a`` is another than ``A``, but holds the same. ``C`` has a stamp, of 6 s,
+            and no axes.
         objects: how many objects are called in turns.
     """
 
