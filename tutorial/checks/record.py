@@ -80,15 +80,11 @@ the messages are kept until the end, and lost if the program dies: write each on
     while received := self.received.get(): => for received in [*iter(self.received.get, None)]:
 """)
 OTHERWISE = {
-    "one by one": "Take one entry, and end if it is None. Only then take it apart, the time first: "
-    "self.bag.write(self.connection, time_ns, payload).",
+    "one by one": "Take one entry, end if it is None, else self.bag.write(self.connection, time_ns, payload).",
     "wait": "Compare with: stop listening, put None, join, close. And write ends at None, before it takes that apart.",
     "": "Compare with: stop listening, put None, join, close.",
 }
-STUCK = (
-    "Most likely nothing puts None into the queue, self.received.put(None), somebody else takes it out, or write does "
-    "not end at None."
-)
+STUCK = "Most likely nothing puts None into the queue, somebody else takes it out, or write does not end at None."
 BUSY = "That keeps the processor busy: self.received.get() waits for an entry by itself, and join for the thread's end."
 OFTEN = 100  # times that somebody asks whether the queue is empty
 
@@ -114,7 +110,7 @@ class Surroundings:
         self.begun, self.turn = SimpleQueue[None](), SimpleQueue[None]()
         self.thread = Thread(target=self.run, daemon=True)
         recorder.connection, recorder.subscription = "connection", Namespace(destroy=lambda: None)
-        recorder.received = Namespace(get=self.get, put=self.put, put_nowait=self.put, empty=self.empty)
+        recorder.received = Namespace(get=self.get, put=self.entries.append, empty=self.empty)
         recorder.received.get_nowait = partial(self.get, block=False)
         recorder.node = Namespace(destroy_subscription=self.destroy)
         recorder.writer = Namespace(join=self.join, is_alive=self.thread.is_alive)
@@ -150,10 +146,6 @@ class Surroundings:
         self.taken += 1
         return self.entries.pop(0)
 
-    def put(self, entry: Any, *_how: Any, **_more: Any) -> None:
-        """Put an entry into the queue."""
-        self.entries.append(entry)
-
     def empty(self) -> bool:
         """Say whether nothing is in the queue."""
         self.asked += 1
@@ -175,12 +167,6 @@ class Surroundings:
         if self.failure:
             raise self.failure
 
-    def begin(self) -> None:
-        """Start the thread, and wait until it rests or has ended."""
-        self.thread.start()
-        self.begun.get()
-        self.rests = False
-
     def end(self) -> None:
         """Let the thread run, and wait for its end."""
         self.turn.put(None)
@@ -197,18 +183,19 @@ class Surroundings:
         self.is_open = False
 
 
-def tried(*waiting: Any, coming: Sequence[Any] = (), leaves: bool = True) -> Case:
-    """Observe what is written, and what is left of a recorder that has left its body.
+def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Case:
+    """Observe what is written, and what is left of a recorder; unless its end has come already, it leaves its body.
 
     Args:
         waiting, coming: as for `Surroundings`.
-        leaves: whether it leaves its body.
     """
 
     def case(answer: Any) -> str:
         scene = Surroundings(call(answer), waiting, coming)
-        scene.begin()
-        also: list[str] = []
+        scene.thread.start()
+        scene.begun.get()
+        scene.rests = False
+        also, leaves = list[str](), None not in coming
         try:
             if leaves:
                 with watch.call("unconfigure"):
@@ -217,9 +204,7 @@ def tried(*waiting: Any, coming: Sequence[Any] = (), leaves: bool = True) -> Cas
         finally:
             scene.end()
         scene.join()
-        also += ["the bag is open"] * (leaves and scene.is_open) + [
-            "it takes the next before it writes the last"
-        ] * scene.keeps
+        also += ["the bag is open"] * (leaves and scene.is_open) + ["it takes the next one first"] * scene.keeps
         return ", ".join([*(scene.written or ["nothing is written"]), *also])
 
     return case
@@ -227,7 +212,7 @@ def tried(*waiting: Any, coming: Sequence[Any] = (), leaves: bool = True) -> Cas
 
 A, B, C = (5, b"A"), (7, b"B"), (7, b"C")  # the time [ns], and the payload
 TRIED = {
-    "messages come one by one": tried(coming=[A, B, None], leaves=False),
+    "messages come one by one": tried(coming=[A, B, None]),
     "three messages wait": tried(A, B, C),
     "a message comes while it stops listening": tried(A, coming=[B]),
 }

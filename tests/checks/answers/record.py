@@ -8,22 +8,6 @@ from queue import Empty
 from tutorial.checks.record import MyRecorder, QueueRecorder
 
 
-class Breaks(QueueRecorder):
-    def write(self):
-        while True:
-            entry = self.received.get()
-            if entry is None:
-                break
-            time_ns, payload = entry
-            self.bag.write(self.connection, time_ns, payload)
-
-    def unconfigure(self):
-        self.node.destroy_subscription(self.subscription)
-        self.received.put(None)
-        self.writer.join()
-        self.bag.close()
-
-
 class Patient(QueueRecorder):
     def write(self):
         while True:
@@ -82,9 +66,9 @@ class WritesItself(MyRecorder):
         self.bag.close()
 
 
-RIGHT = [Breaks, Patient, ClosesInTheThread]
+RIGHT = [Patient, ClosesInTheThread]
 WRONG = [
-    (Exchanged, ["the time first"]),
+    (Exchanged, ["self.bag.write(self.connection, time_ns, payload)"]),
     (Hurries, ["the bag is closed"]),
     (Polls, ["get() waits for an entry"]),
     (WritesItself, ["nothing puts None into the queue"]),
