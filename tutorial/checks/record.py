@@ -2,7 +2,7 @@
 
 Write two methods of `MyRecorder`, the rest of a recorder:
 
-- `write` is the thread's function. It writes each entry of the queue, a time and a payload, with
+- `write` is the thread's function. It writes each entry of the queue, a time and a payload, as it comes, with
   `self.bag.write(self.connection, time_ns, payload)`. `self.received.get()` waits for an entry. `None` ends the
   thread.
 - `unconfigure` ends all that `configure` has begun. Every message that has come is then in the bag, and nothing writes
@@ -24,6 +24,9 @@ Notice that the callback never waits for the disk, and that no message is lost a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
+from queue import Empty, SimpleQueue
+from threading import Thread
 from types import SimpleNamespace as Namespace
 from typing import Any
 
@@ -57,8 +60,8 @@ class MyRecorder(QueueRecorder):
 
 
 MISTAKES = mistakes("""
-the bag is closed while the thread may still write: wait for it before, self.writer.join().
-    self.writer.join() => pass
+the bag is closed while the thread may still write: wait for it before, self.writer.join(), however long it takes.
+    self.writer.join() => pass => self.bag.close() // self.writer.join()
 
 None comes into the queue while messages may still come, and those after it are lost: stop listening first.
     self.node.destroy => self.received.put(None) // self.node.destroy
@@ -66,14 +69,30 @@ None comes into the queue while messages may still come, and those after it are 
 only one entry is written: take one after the other, in a loop.
     *received) => *received) // break
 
-the thread ends as soon as the queue is empty, and the next message finds none: get waits, and None is the end.
+the thread does not wait for the next message: get waits for it, and None is the end.
     while received := self.received.get(): => while not self.received.empty() and (received := self.received.get()):
+
+the thread ends before it has written what waits in the queue: let only None end it, which comes behind all others.
+    received := self.received.get() => not vars(self).get("ends") and (received := self.received.get())
+    self.received.put(None) => self.ends = True // self.received.put(None)
+
+the messages are kept until the end, and lost if the program dies: write each one as it comes.
+    while received := self.received.get(): => for received in [*iter(self.received.get, None)]:
 """)
-STUCK = "Most likely nothing puts None into the queue, self.received.put(None), or write does not end at None."
+OTHERWISE = {
+    "one by one": "Take one entry, end if it is None, else self.bag.write(self.connection, time_ns, payload).",
+    "wait": "Compare with: stop listening, put None, join, close. And write ends at None, before it takes that apart.",
+    "": "Compare with: stop listening, put None, join, close.",
+}
+STUCK = "Most likely nothing puts None into the queue, somebody else takes it out, or write does not end at None."
+BUSY = "That keeps the processor busy: self.received.get() waits for an entry by itself, and join for the thread's end."
+OFTEN = 100  # times that somebody asks whether the queue is empty
 
 
 class Surroundings:
-    """A recorder's queue, node, thread and bag. The thread's turn comes when somebody waits for it.
+    """A recorder's queue, node, thread and bag. The disk takes a second for the first message.
+
+    So the thread rests there, or where the queue is empty, until somebody waits for its end.
 
     Args:
         recorder: the learner's.
@@ -84,74 +103,119 @@ class Surroundings:
     def __init__(self, recorder: Any, waiting: Sequence[Any], coming: Sequence[Any]) -> None:
         self.recorder, self.entries, self.coming = recorder, [*waiting], [*coming]
         self.written: list[str] = []
-        self.listens = self.is_open = self.runs = True
-        recorder.connection, recorder.subscription = "connection", "subscription"
-        recorder.received = Namespace(get=self.get, put=self.put, put_nowait=self.put, empty=lambda: not self.entries)
+        self.taken = self.asked = 0
+        self.keeps = self.hurries = False
+        self.listens = self.is_open = self.rests = True
+        self.failure: Failure | None = None
+        self.begun, self.turn = SimpleQueue[None](), SimpleQueue[None]()
+        self.thread = Thread(target=self.run, daemon=True)
+        recorder.connection, recorder.subscription = "connection", Namespace(destroy=lambda: None)
+        recorder.received = Namespace(get=self.get, put=self.entries.append, empty=self.empty)
+        recorder.received.get_nowait = partial(self.get, block=False)
         recorder.node = Namespace(destroy_subscription=self.destroy)
-        recorder.writer = Namespace(join=self.join, is_alive=lambda: self.runs)
+        recorder.writer = Namespace(join=self.join, is_alive=self.thread.is_alive)
         recorder.bag = Namespace(write=self.write, close=self.close)
 
-    def get(self, *_how: Any, **_more: Any) -> Any:
+    def run(self) -> None:
+        """Run the learner's thread."""
+        try:
+            with watch.call("write"):
+                self.recorder.write()
+        except Failure as failure:
+            self.failure = failure
+        self.begun.put(None)
+
+    def rest(self) -> None:
+        """Have the thread rest, once, until somebody waits for its end."""
+        if self.rests:
+            self.begun.put(None)
+            self.turn.get()
+
+    def get(self, block: bool = True, timeout: float | None = None) -> Any:
         """Take an entry out of the queue."""
+        self.asked = 0
+        self.keeps |= self.taken > len(self.written)
+        if not self.entries and not self.coming:
+            self.rest()
         if not self.entries and self.coming:
             self.entries.append(self.coming.pop(0))
+            if timeout is not None or not block:
+                raise Empty
         if not self.entries:
-            raise Failure("write", Misuse("it waits for ever for another entry", STUCK))
+            raise Misuse("it waits for ever for another entry", STUCK)
+        self.taken += 1
         return self.entries.pop(0)
 
-    def put(self, entry: Any, *_how: Any, **_more: Any) -> None:
-        """Put an entry into the queue."""
-        self.entries.append(entry)
+    def empty(self) -> bool:
+        """Say whether nothing is in the queue."""
+        self.asked += 1
+        if self.asked > OFTEN:
+            raise Misuse("it asks again and again whether the queue is empty", BUSY)
+        return not self.entries
 
-    def destroy(self, subscription: str) -> None:
+    def destroy(self, subscription: Any) -> None:
         """Stop listening."""
         self.entries += self.coming
         self.coming.clear()
-        self.listens = subscription != self.recorder.subscription
+        self.listens = subscription is not self.recorder.subscription
 
-    def join(self, *_how: Any, **_more: Any) -> None:
-        """Let the thread run to its end."""
-        if self.runs:
-            self.runs = False
-            with watch.call("write"):
-                self.recorder.write()
+    def join(self, timeout: float | None = None) -> None:
+        """Wait for the thread's end, which takes a second."""
+        self.hurries = not self.hurries and timeout is not None and timeout <= 1.0
+        if not self.hurries:
+            self.end()
+        if self.failure:
+            raise self.failure
 
-    def write(self, connection: str, time_ns: int, payload: bytes) -> None:
+    def end(self) -> None:
+        """Let the thread run, and wait for its end."""
+        self.turn.put(None)
+        self.thread.join()
+
+    def write(self, connection: str, timestamp: int, data: bytes) -> None:
         """Write into the bag."""
         right = self.is_open and connection == self.recorder.connection
-        self.written.append(f"{payload!r} of {time_ns!r} ns" + ", too late or to another connection" * (not right))
+        self.written.append(f"{data!r} of {timestamp!r} ns" + ", too late or to another connection" * (not right))
+        self.rest()
 
     def close(self) -> None:
         """Close the bag."""
         self.is_open = False
 
 
-def tried(*waiting: Any, coming: Sequence[Any] = (), leaves: bool = True) -> Case:
-    """Observe what is written, and what is left of a recorder that has left its body.
+def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Case:
+    """Observe what is written, and what is left of a recorder; unless its end has come already, it leaves its body.
 
     Args:
         waiting, coming: as for `Surroundings`.
-        leaves: whether it leaves its body.
     """
 
     def case(answer: Any) -> str:
         scene = Surroundings(call(answer), waiting, coming)
-        if leaves:
-            with watch.call("unconfigure"):
-                scene.recorder.unconfigure()
+        scene.thread.start()
+        scene.begun.get()
+        scene.rests = False
+        also, leaves = list[str](), None not in coming
+        try:
+            if leaves:
+                with watch.call("unconfigure"):
+                    scene.recorder.unconfigure()
+                also += ["it still listens"] * scene.listens + ["the thread goes on"] * scene.thread.is_alive()
+        finally:
+            scene.end()
         scene.join()
-        also = ["the bag is open"] * scene.is_open + ["it still listens"] * scene.listens
-        return ", ".join([*(scene.written or ["nothing is written"]), *(also if leaves else ())])
+        also += ["the bag is open"] * (leaves and scene.is_open) + ["it takes the next one first"] * scene.keeps
+        return ", ".join([*(scene.written or ["nothing is written"]), *also])
 
     return case
 
 
 A, B, C = (5, b"A"), (7, b"B"), (7, b"C")  # the time [ns], and the payload
 TRIED = {
+    "messages come one by one": tried(coming=[A, B, None]),
     "three messages wait": tried(A, B, C),
     "a message comes while it stops listening": tried(A, coming=[B]),
-    "messages come one by one": tried(coming=[A, B, None], leaves=False),
 }
-CASES = Cases(MyRecorder, TRIED, MISTAKES, str, {"": "Compare with: stop listening, put None, join, close."})
+CASES = Cases(MyRecorder, TRIED, MISTAKES, str, OTHERWISE, crashes=["one by one", "wait"])
 
 record = Exercise("record", __doc__, CASES.judge, MyRecorder, ("write", "unconfigure"))

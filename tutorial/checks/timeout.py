@@ -61,11 +61,21 @@ the stamp is compared: a message that somebody sends by hand has none. Compare t
 the stamp is taken for the time at which it came: a message by hand has none. Keep the seconds of the first call.
     seconds - self.since => seconds - message.header.stamp.sec
 
-every call sets the time, or calls are counted: only a new message sets it, and seconds are compared.
-    return => self.since = seconds // return
+no message gets too old: every call sets the time, calls are counted, or the difference is turned round. Only a new
+message sets the time, and its age is seconds - self.since.
+    return seconds - self.since <= 0.5 => return True
+    => age, self.since = seconds - self.since, seconds // return age <= 0.5
 
-the time is kept that the first message came at: each new message sets it.
+a message is fresh only in the call in which it comes: keep the time, and let it get half a second old.
+    return => new = seconds == self.since // return new and
+
+not every new message sets the time: the first one does, and each later one, however late it comes.
     self.since = seconds => self.since = self.__dict__.get("since", seconds)
+    => self.since = seconds * ("since" in self.__dict__)
+    => self.since = seconds if seconds - self.__dict__.setdefault("since", 0.0) <= 0.5 else self.since
+
+a message without axes is left out: somebody has sent it, too.
+    return => return bool(message.axes) and
 
 once a message was too old, none is fresh any more: the next one is.
     return => self.dead = self.__dict__.get("dead", False) or seconds - self.since > 0.5 // return not self.dead and
@@ -81,13 +91,14 @@ def tried(calls: str, objects: int = 1) -> Case:
     """Observe what is returned in calls such as ``"A 0, A 0.5"``, with the message A at 0 s and at 0.5 s.
 
     Args:
-        calls: one letter is one message; ``a`` is another than ``A``, but holds the same. ``C`` has a stamp, of 6 s.
+        calls: one letter is one message; ``a`` is another than ``A``, but holds the same. ``C`` has a stamp, of 6 s,
+            and no axes.
         objects: how many objects are called in turns.
     """
 
     def case(answer: type) -> list[bool]:
         messages = {letter: Joy(axes=[ord(letter.lower()) / 128]) for letter in "AaBC"}
-        messages["C"].header.stamp.sec = 6
+        messages["C"].header.stamp.sec, messages["C"].axes = 6, []
         turns = cycle([call(answer) for _ in range(objects)])
         return [fresh(next(turns), messages[each], float(at)) for each, at in map(str.split, calls.split(","))]
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import Transform, TransformStamped
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
+from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import JointMatcher
 from tutorial.pose_faults import Tally, fault_of
@@ -56,9 +57,7 @@ class PoseSubscriber(SimpleController):
         """Set the pose and the joints of one moment in one go. A late message moves neither."""
         positions, report = self.matcher.match(joints)
         if not report.dropped:
-            p, q = pose.transform.translation, pose.transform.rotation
-            self.body.position = p.x, p.y, p.z
-            self.body.orientation_wxyz = q.w, q.x, q.y, q.z
+            set_pose(self.body, pose.transform)
             self.body.set_joint_positions(positions)
             self.body.calc_forward_kinematics()
             self.tally.shown += 1
@@ -68,6 +67,13 @@ class PoseSubscriber(SimpleController):
         """Stop listening."""
         self.node.destroy_subscription(self.joint_states)
         self.node.destroy_subscription(self.transforms)
+
+
+def set_pose(body: Body, transform: Transform) -> None:
+    """Put a displayed body where a transform in the frame ``odom`` says. Main thread."""
+    p, q = transform.translation, transform.rotation
+    body.position = p.x, p.y, p.z
+    body.orientation_wxyz = q.w, q.x, q.y, q.z
 
 
 class StampPairs:
@@ -92,19 +98,16 @@ class StampPairs:
             self.leave_out(REPEATED)
             return None
         if stream in self.waiting.get(stamp, ()):
-            self.drop(stamp, REPEATED)
+            del self.waiting[stamp]
+            self.leave_out(REPEATED)
         together = self.waiting.setdefault(stamp, {})
         together[stream] = message
         complete = len(together) == 2
         while (first := next(iter(self.waiting))) != stamp and (complete or len(self.waiting) > MOST_WAITING):
-            self.drop(first, ALONE)
+            del self.waiting[first]
+            self.leave_out(ALONE)
         if not complete:
             return None
         self.newest = stamp
         del self.waiting[stamp]
         return together["joints"], together["pose"]
-
-    def drop(self, stamp: tuple[int, int], why: str) -> None:
-        """Drop the waiting message of a stamp."""
-        del self.waiting[stamp]
-        self.leave_out(why)

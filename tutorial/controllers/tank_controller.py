@@ -54,7 +54,7 @@ class TankController(SimpleController):
 
 
 class AimedJoint:
-    """One joint that a stick moves: a reference angle, and a PD controller that holds the joint there."""
+    """One joint that a stick moves: a reference angle, and PD control that holds the joint there."""
 
     def __init__(self, joint: Joint, time_step: float) -> None:
         self.joint = joint

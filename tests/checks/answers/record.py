@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from queue import Empty
+
 from tutorial.checks.record import MyRecorder, QueueRecorder
 
 
-class Breaks(QueueRecorder):
+class Patient(QueueRecorder):
     def write(self):
         while True:
-            entry = self.received.get()
-            if entry is None:
-                break
-            time_ns, payload = entry
-            self.bag.write(self.connection, time_ns, payload)
+            with suppress(Empty):
+                entry = self.received.get(timeout=0.1)
+                if entry is None:
+                    return
+                self.bag.write(self.connection, timestamp=entry[0], data=entry[1])
 
     def unconfigure(self):
         self.node.destroy_subscription(self.subscription)
         self.received.put(None)
-        self.writer.join()
+        while self.writer.is_alive():
+            self.writer.join(1.0)
         self.bag.close()
-
-
-class Iterates(MyRecorder):
-    def write(self):
-        for time_ns, payload in iter(self.received.get, None):
-            self.bag.write(self.connection, time_ns, payload)
 
 
 class ClosesInTheThread(QueueRecorder):
@@ -45,17 +43,19 @@ class Exchanged(MyRecorder):
             self.bag.write(self.connection, *entry[::-1])
 
 
-class ClosesFirst(MyRecorder):
-    def unconfigure(self):
-        self.bag.close()
-        super().unconfigure()
-
-
-class PutsNothing(MyRecorder):
+class Hurries(MyRecorder):
     def unconfigure(self):
         self.node.destroy_subscription(self.subscription)
-        self.writer.join()
+        self.received.put(None)
+        self.writer.join(0.1)
         self.bag.close()
+
+
+class Polls(MyRecorder):
+    def write(self):
+        while True:
+            if not self.received.empty():
+                super().write()
 
 
 class WritesItself(MyRecorder):
@@ -66,10 +66,10 @@ class WritesItself(MyRecorder):
         self.bag.close()
 
 
-RIGHT = [Breaks, Iterates, ClosesInTheThread]
+RIGHT = [Patient, ClosesInTheThread]
 WRONG = [
-    (Exchanged, ["stop listening, put None, join, close"]),
-    (ClosesFirst, ["the bag is closed"]),
-    (PutsNothing, ["nothing puts None into the queue"]),
+    (Exchanged, ["self.bag.write(self.connection, time_ns, payload)"]),
+    (Hurries, ["the bag is closed"]),
+    (Polls, ["get() waits for an entry"]),
     (WritesItself, ["nothing puts None into the queue"]),
 ]

@@ -74,25 +74,9 @@ class Never(CommandTimeout):
         return False
 
 
-class Counts(CommandTimeout):
-    def fresh(self, message, seconds):
-        self.since = 0 if message is not self.message else self.since + 1
-        self.message = message
-        return self.since < 500
-
-
-class Axes(CommandTimeout):
-    def fresh(self, message, seconds):
-        if self.message is None or list(message.axes) != list(self.message.axes):
-            self.message, self.since = message, seconds
-        return seconds - self.since <= 0.5
-
-
 RIGHT = [Deadline, Identity, Countdown, Early]
 WRONG = [
     (Shared, ["make it in __init__"]),
     (SaysTheAge, ["Return True or False"]),
     (Never, ["another object than before"]),
-    (Counts, ["calls are counted"]),
-    (Axes, ["Compare with `is not`"]),
 ]
