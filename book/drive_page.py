@@ -145,7 +145,6 @@ def _program(name: str, project: Project, controller: str, file: str) -> tuple[d
     motors = {joint.name: joint._ctrl_adr for joint in body.joints if joint._ctrl_adr is not None}
     actuators = [model.actuator(i).name.removeprefix("Tank/") for i in range(model.nu)]
     setup = {
-        "title": "The tank in its laboratory" if project.time_step else "The viewer, a second program",
         "node": "tank" if project.time_step else "viewer",
         "simulates": project.time_step is not None,
         "xml": spec.to_xml().replace(' input="vel"', ""),  # which MuJoCo 4 writes, and 3.14 does not know
