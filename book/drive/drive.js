@@ -195,8 +195,8 @@ class Drive {
     this.progress = root.querySelector(".drive-progress");
     this.button.addEventListener("click", () => this.start().catch((error) => {
       console.error(error);
-      this.progress.textContent = `This does not work here: ${error.message}`;
-      this.button.disabled = false;
+      this.progress.textContent = `This does not work here: ${error.message}. Reload the page to try again.`;
+      this.simulation?.end("");
     }));
     root.drive = this;  // for the curious, in the browser's console
   }

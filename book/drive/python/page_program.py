@@ -73,7 +73,7 @@ class Program:
         """Do what is due: callbacks, and steps up to a time of the page [s].
 
         Returns:
-            What is wrong, how many steps have been simulated, and of each joint its name, position [rad] and effort [N.m].
+            What is wrong, how many steps were simulated, and each joint's name, position [rad] and effort [N.m].
         """
         error = "" if self._has_failed else self._attempt(self._work, now)
         joints = [[joint.name, joint.position, joint.effort] for joint in self._bodies[0].joints]
