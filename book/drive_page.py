@@ -9,10 +9,10 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
-import zipfile
 from functools import cache
 from importlib.metadata import distribution
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import mujoco
@@ -71,23 +71,18 @@ def fetch() -> Path | None:
     return FETCHED / "node_modules"
 
 
-def python_files() -> dict[str, bytes]:
-    """Return the page's Python by path: the course's, the pocket ROS 2, and what stands in for the rest."""
+def write_python(folder: Path) -> None:
+    """Write the page's Python into a folder: the course's, the pocket ROS 2, and what stands in for the rest."""
     course = [HOME / "tutorial" / f"{name}.py" for name in MODULES]
     files = {path: path.relative_to(HOME) for path in (*course, *(HOME / "tutorial/controllers").glob("*.py"))}
     cyclone = Path(str(distribution("cyclonedds").locate_file("")))
     files |= {cyclone / name: Path(name) for name in CYCLONE}
     for root in (POCKET, HERE / "python"):  # the latter's files take the place of the former's
         files |= {path: path.relative_to(root) for path in root.rglob("*") if path.suffix in (".py", ".json")}
-    return {str(name): path.read_bytes() for path, name in files.items() if name.parts[0] != "launch"}
-
-
-def write_python(folder: Path) -> None:
-    """Write the page's Python into a folder, from which any Python can import it."""
-    for name, text in python_files().items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(text)
+    for path, name in files.items():
+        if name.parts[0] != "launch":
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, folder / name)
 
 
 def script() -> str:
@@ -116,9 +111,9 @@ def write_site(static: Path) -> None:
             shutil.copyfile(packages / package.rpartition("@")[0] / name, folder / name)
     lock = json.loads((packages / "pyodide" / LOCK).read_text(encoding="utf-8"))
     (folder / LOCK).write_text(json.dumps(lock | {"packages": {}}), encoding="utf-8")  # or it offers others' sites
-    with zipfile.ZipFile(folder / "course.zip", "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, text in python_files().items():
-            archive.writestr(name, text)
+    with TemporaryDirectory() as course:
+        write_python(Path(course))
+        shutil.make_archive(str(folder / "course"), "zip", course)
     setups = {}
     for name, (project, controller, file) in PROGRAMS.items():
         setups[name], scene = _program(name, Project.load(find_project(project)), controller, file)
@@ -145,7 +140,6 @@ def _program(name: str, project: Project, controller: str, file: str) -> tuple[d
     motors = {joint.name: joint._ctrl_adr for joint in body.joints if joint._ctrl_adr is not None}
     actuators = [model.actuator(i).name.removeprefix("Tank/") for i in range(model.nu)]
     setup = {
-        "title": "The tank in its laboratory" if project.time_step else "The viewer, a second program",
         "node": "tank" if project.time_step else "viewer",
         "simulates": project.time_step is not None,
         "xml": spec.to_xml().replace(' input="vel"', ""),  # which MuJoCo 4 writes, and 3.14 does not know

@@ -1,9 +1,9 @@
 // The page `drive`: two programs of the course in the visitor's browser, with the visitor's own controllers.
 // make.js, scene.js, viewer.js and the joystick stand before this text in the same script.
 
-const FILES = new URL("drive/", document.currentScript.src);
-const LOOK_EVERY = 500;  // whether the programs answer [ms]
-const STUCK = 6;  // looks without an answer, after which a program is ended
+const FILES = new URL("drive/", document.currentScript.src), MESHCAT = new URL("main.min.js", document.currentScript.src);
+const LOOK_EVERY = 500;  // whether the programs are at work [ms]
+const STUCK = 6;  // looks without a sign of that, after which a program is ended
 const STUCK_TEXT = "The controller has not returned for three seconds, so its program was ended. Is there a loop that never ends? " +
   "Mend it, and press Run.";
 
@@ -17,43 +17,26 @@ async function read(name, kind) {
   return answer[kind]();
 }
 
-/** meshcat's viewer is a script. */
-function loadViewer() {
-  return new Promise((resolve, reject) => {
-    const script = document.createElement("script");
-    script.onload = resolve;
-    script.onerror = () => reject(new Error("meshcat's viewer was not loaded"));
-    script.src = new URL("main.min.js", document.querySelector("#drive").dataset.static);
-    document.head.append(script);
-  });
-}
-
 /** A picture of one program's world. */
 class WorldView {
-  constructor(title, scene, paths) {
+  constructor(node, scene, paths) {
     this.paths = Object.entries(paths).map(([body, path]) => [Number(body), path.split("/").filter(Boolean)]);
-    this.node = make("div", "tank-view drive-view");
-    this.pane = makePane(title);
-    this.line = make("div", "tank-view-line", {role: "status"});
-    this.node.append(this.pane, this.line);
-    this.scene = scene;
+    this.line = node.querySelector(".tank-view-line");
     this.shown = new Map();
-  }
-
-  /** Once it is on the page. */
-  open() {
+    const pane = makePane(node.previousElementSibling.textContent);
+    node.prepend(pane);
     try {
-      this.picture = new Picture(this.pane, () => { this.line.textContent = TAKEN.join(" "); });
+      this.picture = new Picture(pane, () => { this.line.textContent = TAKEN.join(" "); });
     } catch (error) {
       this.line.textContent = noGraphics(error).join(" ");
       return;
     }
-    listenToKeys(this.pane, () => this.picture);
-    new SceneReader(this.picture.viewer, () => {}).read(this.scene);
+    listenToKeys(pane, () => this.picture);
+    new SceneReader(this.picture.viewer, () => {}).read(scene);
   }
 
   /** xpos, xmat: of all MuJoCo bodies, as MuJoCo has them. */
-  show(xpos, xmat) {
+  show({xpos, xmat}) {
     if (!this.picture) return;
     const {viewer} = this.picture;
     for (const [body, path] of this.paths) {
@@ -71,98 +54,84 @@ class WorldView {
 
 /** A program in a worker, its world's view, and the controller in it that the visitor edits. */
 class Program {
-  constructor(setup, scene, wireName, on) {
-    Object.assign(this, {setup, wireName, on});
-    this.source = setup.source;
-    this.view = new WorldView(setup.title, scene, setup.paths);
-    this.status = "";
-    this.isReady = false;
+  constructor(setup, wireName, onError) {
+    Object.assign(this, {setup, wireName, onError, source: setup.source, error: ""});
   }
 
   /** Start the worker; resolves when it is ready. */
   start(onLoaded = () => {}) {
-    this.unanswered = 0;
-    this.isReady = false;
+    this.silentFor = -Infinity;  // it may take its time, until it is ready
     this.worker = new Worker(file("worker.js"), {type: "module"});
-    const ready = new Promise((resolve, reject) => {
+    this.tell("start", {setup: {...this.setup, source: this.source}, wireName: this.wireName});
+    return new Promise((resolve, reject) => {
       const fail = (text) => {
         this.end(text);
         reject(new Error(text));
       };
-      this.worker.onerror = (event) => fail(event.message || "the worker does not start");
-      this.worker.onmessage = ({data}) => {
-        this.unanswered = 0;
-        if (data.type === "loaded") onLoaded(data.what);
-        else if (data.type === "broken") fail(data.text);
-        else if (data.type === "ready") resolve();
-        else this.take(data);
+      const hear = {
+        loaded: onLoaded,
+        broken: fail,
+        ready: () => {
+          this.silentFor = 0;
+          resolve();
+        },
+        state: (state) => {
+          this.silentFor = 0;
+          this.state = state;
+          this.view?.show(state);
+        },
+        error: (text) => this.say(text),
+        line: (text) => { if (this.view) this.view.line.textContent = `${text}.`; },
+        log: (text) => console.debug(text),
       };
+      this.worker.onerror = ({message}) => fail(message || "the worker does not start");
+      this.worker.onmessage = ({data: [what, value]}) => hear[what](value);
     });
-    this.tell("start", {setup: {...this.setup, source: this.source}, wireName: this.wireName});
-    return ready.then(() => { this.isReady = true; });
   }
 
   tell(type, more = {}) {
-    this.worker.postMessage({type, ...more});
+    this.worker?.postMessage({type, ...more});
   }
 
-  take(data) {
-    if (data.type === "state") {
-      this.state = data;
-      this.view.show(data.xpos, data.xmat);
-    } else if (data.type === "result") {
-      this.status = data.error;
-    } else if (data.type === "line") {
-      this.line = data.text;
-    }
-    this.on(this, data);
-  }
-
-  run(source) {
-    this.source = source;
-    if (this.worker) this.tell("run", {source});
+  /** Put the visitor's controller to work. */
+  run() {
+    if (this.worker) this.tell("run", {source: this.source});
     else this.start().catch(() => {});  // `end` has said it
+  }
+
+  say(error) {
+    this.error = error;
+    this.onError(this);
   }
 
   /** End the worker, and say why. */
   end(error) {
     this.worker?.terminate();
     this.worker = null;
-    this.take({type: "result", after: "end", error});
+    this.say(error);
   }
 
-  /** End it if it does not answer. */
+  /** End it if it has shown nothing for too long. */
   look() {
-    if (!this.worker || !this.isReady) return;
-    if (this.unanswered >= STUCK) {
-      this.end(STUCK_TEXT);
-      return;
-    }
-    this.unanswered += 1;
-    this.tell("ping");
+    if (!this.worker) return;
+    this.silentFor += 1;
+    if (this.silentFor > STUCK) this.end(STUCK_TEXT);
   }
 }
 
 /** The editor: a text with the numbers of its lines, and the errors. */
 class Editor {
-  constructor(onRun) {
-    this.node = make("div", "drive-editor");
-    this.tabs = make("div", "drive-tabs", {role: "tablist"});
-    this.numbers = make("pre", "drive-numbers", {"aria-hidden": "true"});
-    this.text = make("textarea", "drive-text", {
-      "spellcheck": "false", "autocomplete": "off", "autocapitalize": "off", "wrap": "off", "aria-label": "the controller's Python",
+  constructor(root, onInput, onRun) {
+    [this.numbers, this.text, this.error] = ["numbers", "text", "error"].map((name) => root.querySelector(`.drive-${name}`));
+    this.text.addEventListener("input", () => {
+      this.number();
+      onInput(this.text.value);
     });
-    const box = make("div", "drive-box");
-    box.append(this.numbers, this.text);
-    this.error = make("div", "drive-error", {role: "alert"});
-    this.node.append(this.tabs, box, this.error);
-    this.text.addEventListener("input", () => this.number());
     this.text.addEventListener("scroll", () => { this.numbers.scrollTop = this.text.scrollTop; });
     this.text.addEventListener("keydown", (event) => {
-      if (event.key === "Enter" && (event.ctrlKey || event.metaKey || event.shiftKey)) {
-        event.preventDefault();
-        onRun();
-      }
+      if (event.key !== "Enter" || !(event.ctrlKey || event.metaKey || event.shiftKey)) return;
+      event.preventDefault();
+      onRun();
     });
   }
 
@@ -192,8 +161,8 @@ class Editor {
 
 /** Which topics there are, and how many messages a second, as they are heard on the page's wire. */
 class Topics {
-  constructor(wireName) {
-    this.node = make("table", "drive-topics");
+  constructor(node, wireName) {
+    this.node = node;
     this.counts = new Map();
     this.channel = new BroadcastChannel(wireName);
     this.channel.onmessage = ({data: {topic, type, data}}) => {
@@ -222,13 +191,12 @@ class Topics {
 class Drive {
   constructor(root) {
     this.root = root;
-    root.dataset.static = new URL("./", document.currentScript.src);
     this.button = root.querySelector("button");
     this.progress = root.querySelector(".drive-progress");
     this.button.addEventListener("click", () => this.start().catch((error) => {
       console.error(error);
-      this.progress.textContent = `This does not work here: ${error.message}`;
-      this.button.disabled = false;
+      this.progress.textContent = `This does not work here: ${error.message}. Reload the page to try again.`;
+      this.simulation?.end("");
     }));
     root.drive = this;  // for the curious, in the browser's console
   }
@@ -241,18 +209,18 @@ class Drive {
       this.progress.textContent = `Loading… ${loaded.join(", ")}: there.`;
     };
     this.progress.textContent = "Loading…";
-    const wireName = crypto.randomUUID?.() ?? `${Date.now()} ${Math.random()}`;  // a wire for each page that is open
-    const [setups, scenes] = await Promise.all([
-      read("world.json", "json"),
-      Promise.all(["simulation", "viewer"].map((name) => read(`${name}.scene`, "arrayBuffer"))),
-      loadViewer().then(() => say("the 3D view")),
-    ]);
-    const on = (program, data) => this.take(program, data);
-    this.programs = ["simulation", "viewer"].map((name, i) => new Program(setups[name], scenes[i], wireName, on));
+    const wireName = `${Date.now()} ${Math.random()}`;  // a wire for each page that is open
+    const names = ["simulation", "viewer"], setups = await read("world.json", "json");
+    const onError = (program) => { if (program === this.edited) this.editor.say(program.error); };
+    this.programs = names.map((name) => new Program(setups[name], wireName, onError));
     [this.simulation, this.viewer] = this.programs;
-    this.topics = new Topics(wireName);
-    await this.simulation.start(say);
-    this.build();
+    const [scenes] = await Promise.all([
+      Promise.all(names.map((name) => read(`${name}.scene`, "arrayBuffer"))),
+      import(MESHCAT).then(() => say("the 3D view")),
+      this.simulation.start(say),
+    ]);
+    this.build(scenes);
+    this.topics = new Topics(this.root.querySelector(".drive-topics"), wireName);
     this.isReady = true;
     const {line} = this.viewer.view;
     line.textContent = "Loading…";
@@ -263,48 +231,34 @@ class Drive {
     setInterval(() => this.figures(), 1000);
   }
 
-  build() {
-    const left = make("div", "drive-left"), right = make("div", "drive-right");
-    this.sticks = make("div", "drive-sticks");
-    this.editor = new Editor(() => this.run());
-    const bar = make("div", "drive-bar");
-    this.buttons = {Run: () => this.run(), Reset: () => this.reset(), "Original": () => this.restore()};
-    for (const [name, act] of Object.entries(this.buttons)) {
-      const button = make("button", `drive-button drive-${name.toLowerCase()}`, {type: "button"}, name);
-      button.addEventListener("click", act);
-      bar.append(button);
-    }
-    this.tabs = this.programs.map((program) => {
-      const tab = make("button", "drive-tab", {type: "button", role: "tab"}, program.setup.file);
-      tab.addEventListener("click", () => this.edit(program));
-      return tab;
-    });
-    this.editor.tabs.append(...this.tabs);
-    this.editor.node.append(bar);
-    const caption = (text) => make("div", "drive-caption", {}, text);
-    left.append(caption(this.simulation.setup.title), this.simulation.view.node, this.sticks);
-    const {viewer} = this;
-    right.append(this.editor.node, caption(viewer.setup.title), viewer.view.node, caption("On the wire between them"), this.topics.node);
-    this.root.replaceChildren(left, right);
-    this.root.classList.add("drive-on");
-    this.programs.forEach((program) => program.view.open());
-    const send = ({axes, buttons}) => this.simulation.worker?.postMessage({type: "sticks", axes, buttons});
+  /** Put the page's parts in the place of the button. */
+  build(scenes) {
+    const {root, programs} = this;
+    root.replaceChildren(document.getElementById("drive-parts").content);
+    root.classList.add("drive-on");
+    const views = root.querySelectorAll(".drive-view");
+    programs.forEach((program, i) => { program.view = new WorldView(views[i], scenes[i], program.setup.paths); });
+    this.editor = new Editor(root, (source) => { this.edited.source = source; }, () => this.run());
+    this.tabs = [...root.querySelectorAll(".drive-tab")];
+    this.tabs.forEach((tab, i) => tab.addEventListener("click", () => this.edit(programs[i])));
+    for (const act of ["run", "reset", "restore"]) root.querySelector(`.drive-${act}`).addEventListener("click", () => this[act]());
+    this.sticks = root.querySelector(".drive-sticks");
+    const send = ({axes, buttons}) => this.simulation.tell("sticks", {axes, buttons});
     joystick.render({el: this.sticks, model: {get: () => false, on() {}, off() {}, send}});
     this.edit(this.simulation);
     this.focusSticks();
   }
 
   edit(program) {
-    if (this.edited) this.edited.source = this.editor.text.value;
     this.edited = program;
     this.tabs.forEach((tab, i) => tab.setAttribute("aria-selected", String(this.programs[i] === program)));
     this.editor.set(program.source);
-    this.editor.say(program.status);
+    this.editor.say(program.error);
   }
 
   run() {
     this.editor.say("");
-    this.edited.run(this.editor.text.value);
+    this.edited.run();
     if (document.activeElement !== this.editor.text) this.focusSticks();
   }
 
@@ -316,19 +270,13 @@ class Drive {
   reset() {
     this.editor.say("");
     if (this.simulation.worker) this.simulation.tell("reset");
-    else if (this.simulation === this.edited) this.run();
-    else this.simulation.run(this.simulation.source);
+    else this.simulation.run();
   }
 
   restore() {
-    this.editor.set(this.edited.setup.source);
+    this.edited.source = this.edited.setup.source;
+    this.editor.set(this.edited.source);
     this.run();
-  }
-
-  take(program, data) {
-    if (data.type === "result" && program === this.edited && (data.error || data.after !== "turn")) this.editor.say(data.error);
-    if (data.type === "line") program.view.line.textContent = `${data.text}.`;
-    if (data.type === "log") console.debug(data.text);
   }
 
   /** Once a second: where the joints are, how fast it goes, and what is on the wire. */

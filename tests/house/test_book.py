@@ -116,14 +116,7 @@ def test_pages_open_without_a_complaint_and_their_runs_move(site):
 
 
 class Quiet(SimpleHTTPRequestHandler):
-    """Serves files, and an icon that is none: browsers ask for one outside of the book."""
-
-    def do_GET(self):
-        if self.path == "/favicon.ico":
-            self.send_response(204)
-            self.end_headers()
-        else:
-            super().do_GET()
+    """Serves files, and does not print which."""
 
     def log_message(self, *_):
         pass

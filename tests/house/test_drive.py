@@ -15,8 +15,9 @@ from behaviours import EXPRESSIONS, RECORD, prelude, snippets
 from controlled import Node
 from sensor_msgs.msg import Joy
 
+from tutorial.commands.joystick import ScriptedDrive
 from tutorial.controllers.tank_controller import TankController
-from tutorial.paths import HOME, find_project
+from tutorial.paths import HOME, find_drive, find_project
 from tutorial.project import Project
 from tutorial.simulation import Simulation
 
@@ -78,7 +79,8 @@ def test_its_tank_drives_as_the_course_has_it(drive_page, tmp_path):
         pytest.skip("there is no npm, so the book is made without this page")
     drive_page.write_site(tmp_path)
     script = HOME / "tests/support/drive_without_page.mjs"
-    drive = [(0.0, 0.7, 0.6, 0.2)] * 30 + [(0.5, -1.0, -1.0, 0.0)] * 20  # a second of it, a message each 20 ms
+    tour = ScriptedDrive(find_drive("tour"))
+    drive = [tour.read(5.5 + 0.02 * i)[0] for i in range(50)]  # a second, in which it stops driving and aims
     done = subprocess.run(
         [node, script, tmp_path / "drive", json.dumps(drive)], capture_output=True, text=True, check=False, timeout=280
     )
@@ -91,7 +93,9 @@ def test_its_tank_drives_as_the_course_has_it(drive_page, tmp_path):
     controller.configure(SimpleNamespace(node=Node()))
     simulation = Simulation([each.placement for each in project.bodies], [("Tank", controller)])
     for axes in drive:
-        controller.on_joy(Joy(axes=[*axes, 0.0, 0.0]))
+        controller.on_joy(Joy(axes=axes))
         simulation.advance(0.02)
     assert np.abs(simulation.data.qpos - seen["qpos"]).max() < 1e-6
-    assert simulation.bodies["Tank"].position[0] > -1.8
+    tank = simulation.bodies["Tank"]
+    assert tank.position[0] < -2.2
+    assert tank.joint("TURRET_Y").position < -0.5

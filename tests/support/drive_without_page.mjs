@@ -20,7 +20,7 @@ const program = python.pyimport("page_program").Program(mujoco, setup, wire, () 
 const error = program.run(setup.source);
 const began = performance.now();
 for (const axes of JSON.parse(process.argv[3])) {
-  program.sticks([...axes, 0, 0], []);
+  program.sticks(axes, []);
   program.turn(0);
   for (let step = 0; step < 20; step++) program.advance();
 }

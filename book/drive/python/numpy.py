@@ -9,12 +9,9 @@ class ndarray:  # noqa: N801  (numpy's name)
     """What nothing in the page is."""
 
 
-def array(*_: object) -> NoReturn:
+def frombuffer(*_: object) -> NoReturn:
     """Say that it is not there."""
     raise ImportError(WHY)
-
-
-zeros = frombuffer = array
 
 
 def __getattr__(name: str) -> Any:

@@ -10,6 +10,7 @@ from typing import Any
 
 import rclpy
 from cyclonedds import wires
+from pyodide.ffi import to_js
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from sensor_msgs.msg import Joy
@@ -68,23 +69,19 @@ class Program:
         """Begin at time 0, in the initial pose, with controllers initialized anew; return what is wrong."""
         return self._attempt(self._restart)
 
-    def turn(self, now: float) -> str:
-        """Do what is due: callbacks, and steps up to a time of the page [s]; return what is wrong."""
-        return "" if self._has_failed else self._attempt(self._work, now)
+    def turn(self, now: float) -> Any:
+        """Do what is due: callbacks, and steps up to a time of the page [s].
+
+        Returns:
+            What is wrong, how many steps were simulated, and each joint's name, position [rad] and effort [N.m].
+        """
+        error = "" if self._has_failed else self._attempt(self._work, now)
+        joints = [[joint.name, joint.position, joint.effort] for joint in self._bodies[0].joints]
+        return to_js([error, self.step, joints])
 
     def sticks(self, axes: Any, buttons: Any) -> None:
         """Publish what the joystick says."""
         self._joystick.publish(joy_message(self._node, axes.to_py(), buttons.to_py()))
-
-    def steps(self) -> int:
-        """Return how many steps have been simulated."""
-        return self.step
-
-    def joints(self) -> Any:
-        """Return position [rad] and effort [N.m] of each joint by its name."""
-        from pyodide.ffi import to_js  # noqa: PLC0415 - only a browser has it
-
-        return to_js([[joint.name, joint.position, joint.effort] for joint in self._bodies[0].joints])
 
     def advance(self) -> None:
         """Ask every controller, and let MuJoCo step once."""
@@ -151,7 +148,7 @@ class Program:
             controller.initialize(io)
 
     def _work(self, now: float) -> None:
-        for _ in range(1 + sum(len(getattr(each, "samples", ())) for each in self.wire.endpoints)):
+        for _ in range(1 + sum(len(getattr(each, "samples", ())) for each in self.wire.own_endpoints())):
             self._executor.spin_once(timeout_sec=0)
         error, self._calls.error = self._calls.error, None
         if error:

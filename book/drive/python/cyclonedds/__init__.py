@@ -7,7 +7,8 @@ to the page's other programs. Nothing leaves the page.
 
 from __future__ import annotations
 
-import json
+import copyreg
+import pickle
 import sys
 import threading
 import time
@@ -15,6 +16,7 @@ import uuid
 from collections import defaultdict, deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import chain
 from types import SimpleNamespace
 from typing import Any
 
@@ -23,8 +25,10 @@ from cyclonedds.qos import Policy, Qos
 for module in ("core", "domain", "pub", "sub", "topic"):
     sys.modules[f"{__name__}.{module}"] = sys.modules[__name__]  # all of these are this one
 
-DURABILITY, DEADLINE, LIVELINESS, RELIABILITY, ANOTHER_TYPE = 2, 4, 8, 11, 24
-"""DDS's numbers of what keeps two endpoints apart."""
+FITS, DURABILITY, DEADLINE, LIVELINESS, RELIABILITY, ANOTHER_TYPE = 0, 2, 4, 8, 11, 24
+"""DDS's numbers of what keeps two endpoints apart; the first is of nothing."""
+
+copyreg.pickle(Qos, lambda policies: (Qos.fromdict, (policies.asdict(),)))
 
 changed = threading.Condition(threading.RLock())
 """Held where endpoints or messages come and go, and told."""
@@ -35,78 +39,61 @@ class DDSException(Exception):  # noqa: N818  (Cyclone DDS's name)
 
 
 class Entity:
-    """Base of what belongs to a participant."""
+    """Base of what belongs to a participant, or to a reader.
 
-    _entities: dict[int, Entity] = {}
-    wire: Wire
+    In what another program is told, a namespace with the attributes named in `TOLD` stands for it.
+    """
 
-    def __init__(self, participant: Participant) -> None:
-        self.wire = participant.wire
-        self._ref = self
+    TOLD: tuple[str, ...] = ()
+    _ref = property(lambda self: self)
+
+    def __init__(self, owner: Any, *_: object) -> None:
+        self.owner = owner
 
     def is_ready(self) -> bool:
         """Whether an executor that waits for it is to wake."""
         return False
 
+    def __reduce__(self) -> Any:
+        """Be pickled as what is told of it."""
+        return SimpleNamespace, (), {name: getattr(self, name) for name in self.TOLD}
+
     def __del__(self) -> None:
         """Delete it, which the pocket ROS 2 calls by hand."""
-
-
-@dataclass(eq=False)
-class Node:
-    """A node, with the identifiers of its endpoints, and of this program's nodes the participant."""
-
-    node_namespace: str
-    node_name: str
-    guids: list[bytes]
-    participant: Participant | None = None
 
 
 class Wire:
     """Who publishes and subscribes in a domain: in this program, and in the page's other programs.
 
     Attributes:
-        endpoints: of this program.
-        nodes: of this program.
-        others: by program, its endpoints and nodes.
-        send: called with topic, type and bytes of what the other programs are to receive.
+        participants: of this program.
+        others: by program, what it has told of its participants.
+        send: called with topic, type, the writer's identifier and the bytes that the other programs are to receive.
         announce: called with `described` whenever that changes.
     """
 
     def __init__(self) -> None:
-        self.endpoints: list[Endpoint] = []
-        self.nodes: list[Node] = []
-        self.others: dict[str, tuple[list[Any], list[Node]]] = {}
-        self.send: Callable[[str, str, bytes], object] = lambda *_: None
-        self.announce: Callable[[str], object] = lambda _: None
+        self.participants: list[Participant] = []
+        self.others: dict[str, list[Any]] = {}
+        self.send: Callable[[str, str, str, bytes], object] = lambda *_: None
+        self.announce: Callable[[bytes], object] = lambda _: None
 
-    def everyone(self) -> list[Any]:
-        """Return all endpoints of the page."""
-        return [*self.endpoints, *(each for endpoints, _ in self.others.values() for each in endpoints)]
+    def own_endpoints(self) -> list[Any]:
+        """Return the endpoints of this program."""
+        return [each for participant in self.participants for each in participant.endpoints]
 
-    def all_nodes(self) -> list[Node]:
-        """Return all nodes of the page."""
-        return [*self.nodes, *(each for _, nodes in self.others.values() for each in nodes)]
+    def everywhere(self, what: str) -> list[Any]:
+        """Return all ``endpoints`` or ``nodes`` of the page, those of this program first."""
+        participants = chain(self.participants, *self.others.values())
+        return [each for participant in participants for each in getattr(participant, what)]
 
-    def described(self) -> str:
+    def described(self) -> bytes:
         """Write down this program's endpoints and nodes, for `hear`."""
-        names = ("is_writer", "topic_name", "type_name")
-        endpoints = [
-            {name: getattr(each, name) for name in names} | {"guid": each.guid.hex, "qos": each.qos.asdict()}
-            for each in self.endpoints
-        ]
-        nodes = [(each.node_namespace, each.node_name, [guid.hex() for guid in each.guids]) for each in self.nodes]
-        return json.dumps((endpoints, nodes))
+        return pickle.dumps(self.participants)
 
-    def hear(self, program: str, described: str) -> None:
-        """Take note of another program's endpoints and nodes."""
-        endpoints, nodes = json.loads(described)
-        for each in endpoints:
-            each |= {"guid": uuid.UUID(each["guid"]), "qos": Qos.fromdict(each["qos"])}
-        self.others[program] = (
-            [SimpleNamespace(**each) for each in endpoints],
-            [Node(namespace, name, [*map(bytes.fromhex, guids)]) for namespace, name, guids in nodes],
-        )
+    def hear(self, program: str, described: Any) -> None:
+        """Take note of another program's endpoints and nodes, `described` there: bytes, as JavaScript has them."""
+        self.others[program] = pickle.loads(described.to_bytes())
         self._compare()
 
     def tell(self) -> None:
@@ -114,19 +101,23 @@ class Wire:
         self._compare()
         self.announce(self.described())
 
-    def receive(self, topic: str, type_name: str, data: Any) -> None:
-        """Give readers that a writer fits what another program has published: bytes, as JavaScript has them."""
+    def receive(self, guid: str, data: Any) -> None:
+        """Take what another program has published: bytes, as JavaScript has them."""
+        self.deliver(guid, data.to_bytes())
+
+    def deliver(self, guid: str, data: bytes) -> None:
+        """Give this program's readers that a writer fits what it has published."""
         with changed:
-            for each in self.endpoints:
-                is_asked = isinstance(each, DataReader) and (each.topic_name, each.type_name) == (topic, type_name)
-                if is_asked and each.matched().current_count:
-                    each.put(data.to_bytes())
+            for each in self.own_endpoints():
+                if each.partners.get(guid) == FITS:
+                    each.put(data)
             changed.notify_all()
 
     def _compare(self) -> None:
         with changed:
-            for each in self.endpoints:
-                each.compare(self.everyone())
+            everyone = self.everywhere("endpoints")
+            for each in self.own_endpoints():
+                each.compare(everyone)
             changed.notify_all()
 
 
@@ -135,74 +126,80 @@ wires: dict[int, Wire] = defaultdict(Wire)
 
 
 class Participant(Entity):
-    """A domain, and a participant in one."""
+    """A domain, and a participant in one. It has endpoints, and nodes as `Graph` describes them."""
+
+    TOLD = ("endpoints", "nodes")
 
     def __init__(self, domain_id: int, *_: object) -> None:
         self.wire = wires[domain_id]
-        super().__init__(self)
+        self.endpoints: list[Endpoint] = []
+        self.nodes: list[SimpleNamespace] = []
+        self.wire.participants.append(self)
 
     def __del__(self) -> None:
         """Leave the domain, with all endpoints and nodes."""
-        left = [each for each in self.wire.endpoints if each.participant is self]
-        self.wire.nodes = [each for each in self.wire.nodes if each.participant is not self]
-        for each in left:
-            each.__del__()
+        if self in self.wire.participants:
+            self.wire.participants.remove(self)
+            self.wire.tell()
 
 
 Domain = DomainParticipant = Participant
 
 
-class Topic:
+@dataclass
+class Topic(Entity):
     """A topic's name, and the type of its payloads."""
 
-    def __init__(self, _participant: Participant, name: str, data_type: Any) -> None:
-        self.name, self.data_type = name, data_type
-
-    def __del__(self) -> None:
-        """Delete it."""
+    owner: Participant
+    name: str
+    data_type: Any
 
 
 class Endpoint(Entity):
-    """What a writer and a reader have in common."""
+    """What a writer and a reader have in common.
 
+    Attributes:
+        partners: what keeps it and each endpoint at the other end of its topic apart, by that one's identifier.
+    """
+
+    TOLD = ("guid", "is_writer", "topic_name", "type_name", "qos")
     is_writer = False
 
     def __init__(self, participant: Participant, topic: Topic, policies: Qos) -> None:
         super().__init__(participant)
-        self.participant = participant
         self.guid = uuid.uuid4()
         self.topic_name, self.type_name = topic.name, topic.data_type.__idl_typename__
         self.qos = policies
+        self.partners: dict[str, int] = {}
         self._payload = topic.data_type
-        self._misfits: dict[uuid.UUID, int] = {}
+        self._last_misfit = FITS
         self._unsaid = False
         with changed:
-            self.wire.endpoints.append(self)
-        self.wire.tell()
+            participant.endpoints.append(self)
+        participant.wire.tell()
 
     def __del__(self) -> None:
         """Leave the domain."""
-        if self in self.wire.endpoints:
-            self.wire.endpoints.remove(self)
-            self.wire.tell()
+        if self in self.owner.endpoints:
+            self.owner.endpoints.remove(self)
+            self.owner.wire.tell()
 
     def misfit(self, other: Any) -> int:
-        """Return what keeps it and a partner on the same topic apart, as DDS numbers it; 0 if nothing does."""
+        """Return what keeps it and a partner apart, as DDS numbers it."""
         writer, reader = (self, other) if self.is_writer else (other, self)
         if other.type_name != self.type_name:
             return ANOTHER_TYPE
         offers = zip(_strength(writer.qos), _strength(reader.qos))
-        return next((policy for (policy, offered), (_, asked) in offers if offered < asked), 0)
-
-    def partners(self, everyone: list[Any]) -> list[Any]:
-        """Return those at the other end of its topic, whether they fit or not."""
-        return [each for each in everyone if each.topic_name == self.topic_name and each.is_writer != self.is_writer]
+        return next((policy for (policy, offered), (_, asked) in offers if offered < asked), FITS)
 
     def compare(self, everyone: list[Any]) -> None:
-        """Note partners that do not fit."""
-        found = {each.guid: misfit for each in self.partners(everyone) if (misfit := self.misfit(each))}
-        self._unsaid = self._unsaid or not found.keys() <= self._misfits.keys()
-        self._misfits |= found
+        """Find its partners among all endpoints, and note new ones that do not fit."""
+        known, self.partners = self.partners, {}
+        for each in everyone:
+            if each.topic_name == self.topic_name and each.is_writer != self.is_writer:
+                misfit = self.partners[each.guid.hex] = self.misfit(each)
+                if misfit and each.guid.hex not in known:
+                    self._last_misfit, self._unsaid = misfit, True
 
     def is_ready(self) -> bool:
         """Whether a partner has come that does not fit."""
@@ -216,17 +213,12 @@ class Endpoint(Entity):
         unsaid, self._unsaid = self._unsaid, False
         return unsaid
 
-    def incompatible(self) -> Any:
-        """Tell of the last one."""
-        return SimpleNamespace(last_policy_id=list(self._misfits.values())[-1])
+    def status(self) -> Any:
+        """Count the partners that fit, and tell of the last one that does not."""
+        return SimpleNamespace(current_count=[*self.partners.values()].count(FITS), last_policy_id=self._last_misfit)
 
-    def matched(self) -> Any:
-        """Count the partners that fit."""
-        fitting = [each for each in self.partners(self.wire.everyone()) if not self.misfit(each)]
-        return SimpleNamespace(current_count=len(fitting))
-
-    get_offered_incompatible_qos_status = get_requested_incompatible_qos_status = incompatible
-    get_publication_matched_status = get_subscription_matched_status = matched
+    get_offered_incompatible_qos_status = get_requested_incompatible_qos_status = status
+    get_publication_matched_status = get_subscription_matched_status = status
 
 
 class DataWriter(Endpoint):
@@ -240,13 +232,9 @@ class DataWriter(Endpoint):
 
     def write(self, payload: Any) -> None:
         """Give it to the readers that fit."""
-        with changed:
-            self.kept.append(payload.data)
-            for each in self.partners(self.wire.endpoints):
-                if not self.misfit(each):
-                    each.put(payload.data)
-            changed.notify_all()
-        self.wire.send(self.topic_name, self.type_name, payload.data)
+        self.kept.append(payload.data)
+        self.owner.wire.deliver(self.guid.hex, payload.data)
+        self.owner.wire.send(self.topic_name, self.type_name, self.guid.hex, payload.data)
 
     def wait_for_acks(self, _timeout: int) -> bool:
         """Say that all was received: it is received at once."""
@@ -259,9 +247,10 @@ class DataReader(Endpoint):
     def __init__(self, participant: Participant, topic: Topic, policies: Qos) -> None:
         self.samples: deque[Any] = deque(maxlen=_depth(policies))
         super().__init__(participant, topic, policies)
-        for writer in self.partners(self.wire.endpoints) if _is_kept(policies) else ():
-            for data in () if self.misfit(writer) else writer.kept:
-                self.put(data)
+        for each in participant.wire.own_endpoints() if _is_kept(policies) else ():
+            if self.partners.get(each.guid.hex) == FITS:
+                for data in each.kept:
+                    self.put(data)
 
     def put(self, data: bytes) -> None:
         """Keep what was published."""
@@ -278,13 +267,9 @@ class DataReader(Endpoint):
 class ReadCondition(Entity):
     """Is ready while a reader has payloads."""
 
-    def __init__(self, reader: DataReader, _state: int) -> None:
-        self._reader = reader
-        self._ref = self
-
     def is_ready(self) -> bool:
         """Whether it has."""
-        return bool(self._reader.samples)
+        return bool(self.owner.samples)
 
 
 class GuardCondition(Entity):

@@ -6,10 +6,10 @@ from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any
 
-from cyclonedds import Entity, Node, Participant
+from cyclonedds import Entity, Participant
 
 PUBLISHERS, SUBSCRIPTIONS = True, False
-DiscoveredEndpoint = Any
+DiscoveredEndpoint = Node = Any
 
 
 class Graph:
@@ -18,28 +18,27 @@ class Graph:
     def __init__(self, participant: Participant) -> None:
         self.participant = participant
         self.changes = Entity(participant)
-        self._wire = participant.wire
 
     def add_node(self, namespace: str, name: str) -> Node:
         """Announce a node of this program."""
-        node = Node(namespace, name, [], self.participant)
-        self._wire.nodes.append(node)
-        self._wire.tell()
+        node = SimpleNamespace(node_namespace=namespace, node_name=name, guids=[])
+        self.participant.nodes.append(node)
+        self.participant.wire.tell()
         return node
 
     def remove_node(self, node: Node) -> None:
         """Announce that a node is gone."""
-        self._wire.nodes = [other for other in self._wire.nodes if other is not node]
-        self._wire.tell()
+        self.participant.nodes = [other for other in self.participant.nodes if other is not node]
+        self.participant.wire.tell()
 
     def set_endpoints(self, node: Node, writers: Iterable[bytes], readers: Iterable[bytes]) -> None:
         """Announce which endpoints are a node's."""
         node.guids = [*writers, *readers]
-        self._wire.tell()
+        self.participant.wire.tell()
 
     def nodes(self) -> list[Node]:
         """Return all nodes, those of this program first."""
-        return self._wire.all_nodes()
+        return self.participant.wire.everywhere("nodes")
 
     def owners(self) -> dict[bytes, Node]:
         """Return the nodes by the identifiers of their endpoints."""
@@ -56,6 +55,6 @@ class Graph:
         """Return the writers or readers on a topic, or on all."""
         return [
             SimpleNamespace(guid=each.guid.bytes, topic_name=each.topic_name, type_name=each.type_name, qos=each.qos)
-            for each in self._wire.everyone()
+            for each in self.participant.wire.everywhere("endpoints")
             if each.is_writer is kind and wire_topic in (None, each.topic_name)
         ]
