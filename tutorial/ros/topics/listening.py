@@ -96,9 +96,7 @@ async def topic_hz(
             await asyncio.sleep(LOOK_EVERY)
     intervals: deque[float] = deque(maxlen=window)
     kind = message_class(type_name)
-    async with aclosing(
-        _messages(node, kind, topic, timeout, kept=max(window, DEFAULT_WINDOW) + 1, times_only=True)
-    ) as messages:
+    async with aclosing(_messages(node, kind, topic, timeout, times_only=True)) as messages:
         before = told = math.inf
         async for now, _ in messages:
             if now < before:
@@ -113,7 +111,7 @@ async def topic_hz(
 
 
 async def _messages(
-    node: Node, kind: Any, topic: str, timeout: float | None, kept: int = 100, times_only: bool = False
+    node: Node, kind: Any, topic: str, timeout: float | None, times_only: bool = False
 ) -> AsyncGenerator[tuple[float, Any], None]:
     """Yield the messages of a topic: (when it came [s], in simulated time or that of `time.monotonic`; the message).
 
@@ -122,13 +120,12 @@ async def _messages(
         kind: the class of the messages.
         topic: its full name.
         timeout: how long to wait for each at most [s]; None for ever.
-        kept: how many messages wait at most to be taken, the newest.
-        times_only: yield None instead of each message, which is not even decoded.
+        times_only: yield None instead of each message, which is not even decoded; of them 10,000 wait at most.
 
     Raises:
         TutorialError: none came in time.
     """
-    received: deque[tuple[float, Any]] = deque(maxlen=kept)
+    received: deque[tuple[float, Any]] = deque(maxlen=DEFAULT_WINDOW if times_only else 100)
     news = asyncio.Event()
     calls = CallQueue(asyncio.get_running_loop())
     scope = calls.scope(f"a look at {topic}")
