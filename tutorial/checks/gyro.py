@@ -143,7 +143,7 @@ def shaken(answer: type, **options: Any) -> Rig:
 
     def measure() -> None:
         for sensor, scale in zip(sensors, (1, 10)):
-            sensor.value = scale * SIGNAL[rig.io.step]
+            sensor.value = scale * SIGNAL[rig.io.step % len(SIGNAL)]
 
     rig = Rig(answer, measure, **options)
     rig.displayed.sensor("GYRO").value = (0.7, 0.8, 0.9)
