@@ -16,10 +16,10 @@ from tutorial.body import Body
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.host import FRAME, Host
-from tutorial.notebook.widgets.cell_widget import CellWidget
+from tutorial.notebook.widgets.cell_widget import AWAY_AFTER, CellWidget
 from tutorial.notebook.widgets.scene_view import SceneView
 from tutorial.project import Project
-from tutorial.simulation import Simulation
+from tutorial.simulation import REST, Simulation
 from tutorial.trace import HandoffTrace
 from tutorial.view.bodies import View
 from tutorial.view.replay import recorded
@@ -27,6 +27,7 @@ from tutorial.view.scene import Scene
 
 T = TypeVar("T")
 
+LONG_REST = 0.02  # [s] between two batches of steps while the page is gone: longer ones take less of the processor
 REST_AFTER = 300.0  # [s] without a page, after which a simulation that was started rests
 RESTS = "paused at %.1f s, after %d min without a page: start() goes on"
 LONGEST_PAUSE = 1.0  # [s] in a replay: between two cells, one thinks
@@ -218,11 +219,14 @@ class Program:
             self.host.refresh()
 
     def _rest(self) -> None:
-        """Stop a simulation that goes on while its page has been gone for long; without any page so far, it goes on."""
-        gone_for = time.monotonic() - max(CellWidget.heard_at, self._started_at)
-        if gone_for > REST_AFTER and self.simulation.running:
-            self.host.note = RESTS % (self.simulation.time, gone_for / 60)
-            self.stop()
+        """Let a simulation whose page is gone take less, and in the end stop it; without a page so far, it goes on."""
+        simulation = self.host.simulation
+        if simulation is not None and simulation.running:
+            gone_for = time.monotonic() - max(CellWidget.heard_at, self._started_at)
+            simulation.rest = LONG_REST if gone_for > AWAY_AFTER else REST
+            if gone_for > REST_AFTER:
+                self.host.note = RESTS % (simulation.time, gone_for / 60)
+                self.stop()
 
 
 def _find(name: str, things: dict[str, T], what: str) -> T:
