@@ -19,7 +19,6 @@ from tutorial.world import Placement
 SWITCH_INTERVAL = 0.0002  # [s]; with Python's 0.005 a busy cell starves a thread that wakes a thousand times a second
 USUAL_INTERVAL = sys.getswitchinterval()
 REST = 0.002  # [s] between two batches of steps
-LONGEST_BATCH = 0.05  # [s] of simulated time; then a stop is noticed at once
 LONGEST_DEBT = 0.25  # [s] of real time that the simulation tries to catch up; what is beyond is given up
 REPORT_EVERY = 5.0  # [s] between two complaints that the machine can't keep up
 STUCK = 3.0  # [s] that the controllers may take to return when somebody waits for them
@@ -281,4 +280,4 @@ class _Pace:
             if ratio < SLOW:
                 _log.warning("this machine can't keep up: the simulation runs at %.2f of real time", ratio)
             self._lost, self._since = 0.0, now
-        return int(min(debt, LONGEST_BATCH) / self._time_step)
+        return int(min(debt, 0.05) / self._time_step)  # few enough to notice a stop at once

@@ -60,8 +60,7 @@ class Program:
         self._running = False
         self._open = True
         self._started_at = math.inf
-        self._loop = asyncio.get_running_loop()
-        self._next = self._loop.call_later(FRAME, self._draw)
+        self._next = asyncio.get_running_loop().call_later(FRAME, self._draw)
 
     def __repr__(self) -> str:
         return f"Program({self.host.node.get_name()!r}, bodies={list(self.host.bodies)})"
@@ -213,20 +212,19 @@ class Program:
 
     def _draw(self) -> None:
         """Draw what happens outside of `run`, again and again."""
-        self._next = self._loop.call_later(FRAME, self._draw)
+        self._next = asyncio.get_running_loop().call_later(FRAME, self._draw)
         if not self._running:
             self._rest()
             self.host.refresh()
 
     def _rest(self) -> None:
         """Let a simulation whose page is gone take less, and in the end stop it; without a page so far, it goes on."""
-        simulation = self.host.simulation
-        if simulation is not None and simulation.running:
-            gone_for = time.monotonic() - max(CellWidget.heard_at, self._started_at)
-            simulation.rest = LONG_REST if gone_for > AWAY_AFTER else REST
-            if gone_for > REST_AFTER:
-                self.host.note = RESTS % (simulation.time, gone_for / 60)
-                self.stop()
+        gone_for = time.monotonic() - max(CellWidget.heard_at, self._started_at)
+        if self.host.simulation is not None:
+            self.simulation.rest = LONG_REST if gone_for > AWAY_AFTER else REST
+        if gone_for > REST_AFTER and self.simulation.running:
+            self.host.note = RESTS % (self.simulation.time, gone_for / 60)
+            self.stop()
 
 
 def _find(name: str, things: dict[str, T], what: str) -> T:
