@@ -101,4 +101,4 @@ def test_a_gamepads_sticks_are_left_and_forward_positive():
     said = subprocess.run(
         [sys.executable, "-W", "error", "-c", VIRTUAL_GAMEPAD], capture_output=True, text=True, timeout=60, check=False
     )
-    assert said.stdout == "[1.0, 1.0, -0.5, -1.0, 1.0, 0.0] [1, 0]\n", said.stderr
+    assert said.stdout == "[1.0, 1.0, -0.5, -1.0, -1.0, 0.0] [1, 0]\n", said.stderr

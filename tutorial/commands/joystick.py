@@ -95,13 +95,13 @@ class Gamepad:
     def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad lives in the present
         """Return the axes and buttons of now, as of the ROS 2 joy package's ``game_controller_node``.
 
-        SDL has right and backward positive; ROS 2 has left and forward.
+        SDL has right and backward positive. That node turns every axis round: left and forward are positive, a trigger
+        goes from 0 to -1.
         """
         import pygame  # noqa: PLC0415
 
         pygame.event.pump()
-        raw = [self._controller.get_axis(axis) / 32767 for axis in range(6)]
-        axes = [-axis + 0.0 for axis in raw[:4]] + raw[4:]
+        axes = [-self._controller.get_axis(axis) / 32767 + 0.0 for axis in range(6)]
         buttons = [int(self._controller.get_button(button)) for button in range(15)]
         return [max(-1.0, min(axis, 1.0)) for axis in axes], buttons
 

@@ -155,10 +155,11 @@ def demo(duration: float | None, headless: bool) -> int:
 def lab(jupyter_args: tuple[str, ...]) -> None:
     """Open JupyterLab on the first notebook; JUPYTER_ARGS after -- go to it."""
     from tutorial.commands.lab import lab_command, own_course, trust
+    from tutorial.paths import with_own_commands
 
     course = own_course()
     trust(course / "notebooks")
-    os.execv(sys.executable, lab_command(jupyter_args, course))
+    os.execve(sys.executable, lab_command(jupyter_args, course), with_own_commands(os.environ))
 
 
 @tank.command("doctor", short_help="Check whether this machine has what the tutorial needs.")

@@ -133,7 +133,7 @@ async def use_gamepads(hands):
     await hands.cause(0, 0, 0, 0)
     await hands.page.evaluate(GAMEPAD)
     held = await hands.cause(-0.5, 1, -0.25, 0)
-    assert list(held.axes[4:]) == [0, 1]
+    assert list(held.axes[4:]) == [0, -1]
     assert list(held.buttons) == [1] + 13 * [0] + [1]
     await hands.page.get_by_text("Gamepad: Pad <b>", exact=True).wait_for()
 

@@ -22,10 +22,10 @@ const NO_GAMEPAD = "Drag a stick, or click here and press keys, or connect a gam
 
 const clamp = (value) => Math.max(-1, Math.min(value, 1)) || 0;
 
-/** What a gamepad with the standard mapping says. It has right and down positive; ROS 2 has left and up. */
+/** What a gamepad with the standard mapping says. ROS 2's joy package turns every axis round: left and up are positive, triggers negative. */
 export function readGamepad({axes, buttons}) {
   return {
-    axes: [...axes.slice(0, 4).map((axis) => clamp(-axis)), ...TRIGGERS.map((i) => clamp(buttons[i]?.value))],
+    axes: [...axes.slice(0, 4).map((axis) => clamp(-axis)), ...TRIGGERS.map((i) => clamp(-buttons[i]?.value))],
     buttons: BUTTONS.map((i) => (buttons[i]?.pressed ? 1 : 0)),
   };
 }
