@@ -13,8 +13,7 @@ from functools import partial
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
-from cell_view import cell_frame
-from costs import import_time, joint_matching, simulation_loop
+from costs import joint_matching, simulation_loop
 from processes import REAL, measured
 from tables import console, show
 
@@ -22,18 +21,14 @@ from tutorial.ros.domains import reserved_domain
 
 ROUNDS = 5
 
-Pair = tuple[Callable[[], float], Callable[[], float] | None]
+Pair = tuple[Callable[[], float], Callable[[], float]]
 
 
-def measure(pair: Pair) -> tuple[float, float | None]:
+def measure(pair: Pair) -> list[float]:
     """Return the medians of ours and of the reference, taken in turns."""
     ours, reference = pair
-    mine, others = [], []
-    for _ in range(ROUNDS):
-        mine.append(ours())
-        if reference is not None:
-            others.append(reference())
-    return statistics.median(mine), statistics.median(others) if others else None
+    taken = [(ours(), reference()) for _ in range(ROUNDS)]
+    return [statistics.median(each) for each in zip(*taken)]
 
 
 def traffic(pace: str, real: bool) -> Pair:
@@ -60,8 +55,6 @@ def rows() -> Iterator[tuple[str, Pair, str, str]]:
         yield "the same, of 100 / with rclpy of a real ROS 2", (many, partial(many, by=REAL)), "", "ms"
     for joints in (2, 7, 40):
         yield f"joint matching / the original's index loop, {joints} joints", joint_matching(joints), "0.5", "us"
-    yield "import tutorial", import_time(), "0.5 s", "ms"
-    yield "a frame in a cell, everything moving / meshcat's own calls to its server", cell_frame(), "0.2", "us"
 
 
 def main() -> None:
@@ -73,8 +66,8 @@ def main() -> None:
             console.print(f"measuring: {name} ...", style="dim")
             ours, reference = measure(pair)
             scale = {"us": 1e6, "ms": 1e3}[unit]
-            compared = ("", "") if reference is None else (f"{reference * scale:.2f} {unit}", f"{ours / reference:.2f}")
-            made.append((name, f"{ours * scale:.2f} {unit}", *compared, aim))
+            figures = (f"{ours * scale:.2f} {unit}", f"{reference * scale:.2f} {unit}", f"{ours / reference:.2f}")
+            made.append((name, *figures, aim))
     show(("", "ours", "reference", "ratio", "aim"), made)
 
 
