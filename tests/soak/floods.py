@@ -12,7 +12,7 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -84,9 +84,9 @@ def flood(kind: str, seconds: float) -> tuple[str, int, list[float]]:
     return kind, int(sent), [1e3 * max(holds[quiet:]), (most - start) / 1e6, printed / seconds, end]
 
 
-def floods(duration: int, kinds: Sequence[str]) -> list[str]:
+def floods(duration: int) -> list[str]:
     """Run each kind of flood in turn, and print the table; return what does not hold."""
-    outcomes = [flood(kind, duration) for kind in kinds]
+    outcomes = [flood(kind, duration) for kind in KINDS]
     form = "{:.0f}|{:+.1f}|{:.1f}|{:.1f}"
     show(
         ("flood", "sent", "longest hold [ms]", "growth [MB]", "lines/s", "end [s]"),
@@ -101,4 +101,4 @@ def floods(duration: int, kinds: Sequence[str]) -> list[str]:
 
 
 if __name__ == "__main__":
-    soak(__doc__, 30, KINDS, floods)
+    soak(30, floods)

@@ -7,14 +7,12 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-import click
 import psutil
 from tables import console
 
-from tutorial.commands.terminal import INTERRUPTED
 from tutorial.ros.domains import reserved_domain
 
 GRACE = 10.0  # [s] from asking a process to stop to killing it
@@ -28,33 +26,20 @@ interpreter adds."""
 MEMORY = "memory has grown by {:.1f} MB, at most {:g} are allowed"
 
 
-def soak(text: str | None, seconds: int, kinds: Sequence[str], job: Callable[[int, Sequence[str]], list[str]]) -> None:
-    """Be the command ``[SECONDS] [KIND]...``: do a job in a ROS domain of its own, say what does not hold, and exit.
+def soak(seconds: int, job: Callable[[int], list[str]]) -> None:
+    """Be the command ``[SECONDS]``: do a job in a ROS domain of its own, say what does not hold, and exit.
 
     Args:
-        text: what the command does.
         seconds: how long each kind takes, unless another time is given [s].
-        kinds: all that there are.
-        job: takes the seconds and the kinds, and returns what does not hold.
+        job: takes the seconds, and returns what does not hold.
     """
-
-    @click.command(help=text)
-    @click.argument("duration", metavar="[SECONDS]", type=click.IntRange(1, 86_400), default=seconds)
-    @click.argument("asked", metavar="[KIND]...", nargs=-1, type=click.Choice(kinds))
-    def main(duration: int, asked: tuple[str, ...]) -> None:
-        try:
-            with reserved_domain() as domain:
-                os.environ["ROS_DOMAIN_ID"] = str(domain)
-                complaints = job(duration, asked or kinds)
-        except KeyboardInterrupt:
-            console.print("stopped")
-            sys.exit(INTERRUPTED)
-        for complaint in complaints:
-            console.print(f"does not hold: {complaint}", style="red", highlight=False)
-        console.print("" if complaints else "all holds", end="" if complaints else "\n")
-        sys.exit(bool(complaints))
-
-    main()
+    with reserved_domain() as domain:
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        complaints = job(int(sys.argv[1]) if sys.argv[1:] else seconds)
+    for complaint in complaints:
+        console.print(f"does not hold: {complaint}", style="red", highlight=False)
+    console.print("" if complaints else "all holds", end="" if complaints else "\n")
+    sys.exit(bool(complaints))
 
 
 def above(*limits: tuple[float, float, str]) -> list[str]:
