@@ -229,6 +229,16 @@ def test_nothing_outlives_a_launcher_that_is_killed(program, launch_file):
     running.leaves_nothing()
 
 
+@pytest.mark.process
+def test_on_a_terminal_lines_stand_above_the_progress_bar(domain, launch_file, at_a_terminal):
+    chat = "for i in 1 2 3 4 5; do echo chat $i; sleep 0.2; done"
+    _, shown = at_a_terminal("launch", launch_file(chatty=["sh", "-c", chat]), "--duration", "2")
+    assert shown.count("chat ") == 5
+    lines = [line.rpartition("\r")[2] for line in shown.split("\n")]
+    assert not [line for line in lines if "chat " in line and "%" in line]
+    assert "%" in lines[-2]
+
+
 HELD_UP = """import os, runpy, subprocess, sys
 turn = int(sys.argv[1])
 class Popen(subprocess.Popen):
