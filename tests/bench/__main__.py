@@ -31,24 +31,19 @@ def measure(pair: Pair) -> list[float]:
     return [statistics.median(each) for each in zip(*taken)]
 
 
-def traffic(pace: str, real: bool) -> Pair:
-    """Our node, and the reference: a real rclpy, flooded by the pocket one, or plain Cyclone DDS Python."""
-    if real:
-        reference = partial(measured, "traffic.py", "node", pace, by=REAL, published_by=REAL if pace == "beat" else ())
-    else:
-        reference = partial(measured, "traffic.py", "plain", pace)
-    return partial(measured, "traffic.py", "node", pace), reference
+def traffic(pace: str) -> Pair:
+    """Our node, and the reference: a real rclpy, flooded by the pocket one."""
+    ours = partial(measured, "traffic.py", pace)
+    return ours, partial(ours, by=REAL, published_by=REAL if pace == "beat" else ())
 
 
 def rows() -> Iterator[tuple[str, Pair, str, str]]:
     """What is measured: its name, ours and the reference in seconds, what the ratio should be, and the unit."""
     yield "simulation with controllers and publisher / bare mj_step, a step", simulation_loop(), "1.43", "us"
-    yield "publish to callback / plain Cyclone DDS Python", traffic("beat", False), "1.2", "us"
-    yield "from message to message, unthrottled / plain Cyclone DDS Python", traffic("flood", False), "2.2", "us"
     if REAL:
-        yield "publish to callback / rclpy of a real ROS 2", traffic("beat", True), "0.82", "us"
-        yield "from message to message, unthrottled / rclpy of a real ROS 2", traffic("flood", True), "0.2", "us"
-        yield "processor time of a message received / rclpy of a real ROS 2", traffic("cost", True), "0.2", "us"
+        yield "publish to callback / rclpy of a real ROS 2", traffic("beat"), "0.82", "us"
+        yield "from message to message, unthrottled / rclpy of a real ROS 2", traffic("flood"), "0.2", "us"
+        yield "processor time of a message received / rclpy of a real ROS 2", traffic("cost"), "0.2", "us"
     many, few = (partial(measured, "fleet.py", tanks) for tanks in ("100", "10"))
     yield "what a viewer computes in 1 s for one tank at 50 Hz, of 100 / of 10", (many, few), "1.0 at most", "ms"
     if REAL:

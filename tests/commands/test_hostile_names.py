@@ -50,7 +50,7 @@ def harmless(text: str) -> None:
 
 LISTED = [escape_name(full_name(*names)) for names in NODES]
 COMMANDS = [
-    (("topic", "list", "-t"), 0, [rf"/\x1b[31mb [{STRING}]", r"/type1 [a\n/forged [\u202egpj", f"//x [{STRING}]"]),
+    (("topic", "list", "-t"), 0, [r"/type1 [a\n/forged [\u202egpj", f"//x [{STRING}]"]),
     (("topic", "info", "-v", "/1abc"), 0, ["Publisher count: 1", f"Node name: {escape_name(ESCAPES)}"]),
     (("topic", "info", "/type0"), 0, [r"Type: \x1b[2J\x1b]0;mine\x07/msg/X"]),
     (("topic", "echo", "--once", JOINTS), 0, [r"frame_id: <img src=x onerror=window.pwned=1>", f"- {LONG[:128]}..."]),
@@ -96,17 +96,10 @@ def test_a_bag_of_what_they_say(hostile, tank, tmp_path, monkeypatch):
     assert f"Topic: {SAID} | Type: {STRING} | Count: " in info.output
 
 
-@pytest.mark.parametrize(
-    ("kind", "listing", "on_real", "on_pocket"),
-    [
-        ("nameless", "node", "empty node name", "/\n"),
-        ("no_text", "topic", "can't decode", "/" + "\N{REPLACEMENT CHARACTER}" * 2 + "\n"),
-    ],
-)
-def test_a_name_with_which_a_real_ros_2_lists_nothing_at_all(tank, monkeypatch, kind, listing, on_real, on_pocket):
+def test_a_name_with_which_a_real_ros_2_lists_no_node_at_all(tank, monkeypatch):
     """That is an error there, with its words. Others go on."""
     is_real = ros_backend() == "rclpy"
-    with hostile_domain(kind) as number:
+    with hostile_domain("nameless") as number:
         monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        prints(tank, (listing, "list"), is_real, [on_real if is_real else on_pocket])
+        prints(tank, ("node", "list"), is_real, ["empty node name" if is_real else "/\n"])
         prints(tank, ("run", "step3", "--headless", "--duration", "2"), 0, [])

@@ -1,4 +1,4 @@
-"""A program that brings hostile names and texts into a ROS domain: ``hostile_peer.py [nameless] [no_text]``.
+"""A program that brings hostile names and texts into a ROS domain: ``hostile_peer.py [nameless]``.
 
 It is Cyclone DDS alone, nothing of ROS 2: what a node, a topic or a type is called is for it to choose. It ends when
 nobody holds its stdin any more.
@@ -7,14 +7,12 @@ nobody holds its stdin any more.
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import Any
 
 from cyclonedds.core import DDSException, Policy, Qos
@@ -22,7 +20,6 @@ from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.pub import DataWriter
 from cyclonedds.topic import Topic
-from wire import HEADER, JOINT_STATE, STRING, TIME, struct
 
 ESCAPES = "\x1b[2J\x1b]0;mine\x07"
 """Clears the screen of a terminal, and names its window."""
@@ -37,11 +34,7 @@ NODES = (*((text, "/") for text in TEXTS), ("plain", "no_slash"), ("a/b", "//x/"
 """Names and namespaces; the first has all publishers."""
 NAMELESS = ("", "")
 """One with which a real ROS 2 lists no nodes at all."""
-NO_TEXT = b"/\xff\xfe"
-"""A topic with which it lists no topics at all."""
 TOPICS = ("/1abc", "/a/", "//x", "/", "/<b>x</b>", "/_/", "/{", f"/{'a' * 300}", "/plain")
-UNSAYABLE = ("/\x1b[31mb", "/a\r\nforge", "/\u202egpj")
-"""Topics that Cyclone DDS does not make; other DDS does."""
 TYPES = (f"{ESCAPES}::msg::dds_::X_", f"a\n/forged [{BACKWARDS}]", MARKUP, "antigravity::msg::dds_::X_")
 """What ``/type0`` to ``/type3`` are of. In the last there is no message: it is a module that opens a browser."""
 
@@ -76,6 +69,19 @@ def hostile_peer(domain: int, *arguments: str) -> Iterator[None]:
             process.communicate()
 
 
+def struct(name: str, /, **fields: Any) -> Any:
+    """A wire type; it has an array of octets under the name that the pocket ROS 2 gives it."""
+    package, _, short = name.split("/")
+    made = make_idl_struct(f"{short}_", f"{package}::msg::dds_::{short}_", fields)
+    made.__idl__.populate()
+    return made
+
+
+STRING = struct("std_msgs/msg/String", data=str)
+TIME = struct("builtin_interfaces/msg/Time", sec=types.int32, nanosec=types.uint32)
+HEADER = struct("std_msgs/msg/Header", stamp=TIME, frame_id=str)
+NUMBERS = dict.fromkeys(("position", "velocity", "effort"), types.sequence[types.float64])
+JOINT_STATE = struct("sensor_msgs/msg/JointState", header=HEADER, name=types.sequence[str], **NUMBERS)
 GID = struct("rmw_dds_common/msg/Gid", _data_octets=types.array[types.uint8, 16])
 NODE = struct(
     "rmw_dds_common/msg/NodeEntitiesInfo",
@@ -108,22 +114,6 @@ class Peer:
         writer.write(PARTICIPANT(GID(list(self._participant.guid.bytes)), nodes))
 
 
-def rename(old: bytes, new: bytes) -> None:
-    """Write another name, as long, over one that Cyclone DDS keeps: in this process's memory, wherever it stands."""
-    assert len(old) == len(new)
-    own = Path("/proc/self")
-    lines = (line.split() for line in (own / "maps").read_text().splitlines())
-    spans = [line[0].split("-") for line in lines if line[1].startswith("rw")]
-    with (own / "mem").open("r+b", buffering=0) as memory:
-        for begin, end in ((int(a, 16), int(b, 16)) for a, b in spans):
-            memory.seek(begin)
-            for found in re.finditer(re.escape(old), memory.read(end - begin)):
-                memory.seek(begin + found.start())
-                if memory.read(len(old)) == old:  # it has not been freed meanwhile
-                    memory.seek(begin + found.start())
-                    memory.write(new)
-
-
 def speak(said: Any, joints: Any) -> None:
     """Say each text, and name joints by them, again and again."""
     for tick in range(10**9):
@@ -138,11 +128,6 @@ def speak(said: Any, joints: Any) -> None:
 def main() -> None:
     """Bring all of it, say so, and speak until the end."""
     peer = Peer(int(os.environ["ROS_DOMAIN_ID"]))
-    unsayable = [name.encode() for name in UNSAYABLE] + [NO_TEXT] * ("no_text" in sys.argv)
-    for name in unsayable:
-        stand_in = f"rt/{'Z' * (len(name) - 1)}"
-        peer.write(stand_in, STRING)
-        rename(stand_in.encode(), b"rt" + name)
     for topic in TOPICS:
         peer.write(f"rt{topic}", STRING)
     for i, name in enumerate(TYPES):
