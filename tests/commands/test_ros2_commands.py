@@ -21,7 +21,7 @@ from std_msgs.msg import String
 from tutorial.commands.topic import topic
 from tutorial.errors import TutorialError
 from tutorial.ros.domains import reserved_domain
-from tutorial.ros.node_thread import NodeThread
+from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics.populate import populated
 
 JOINT_STATE = "/Tank/joint_state"
@@ -136,6 +136,12 @@ def test_nobody_reads_on(beside):
         assert running.stderr.read() == ""
 
 
+def test_what_a_real_ros_2_cannot_list_is_an_error_in_its_words(tank, monkeypatch):
+    monkeypatch.setattr(MeteredNode, "get_topic_names_and_types", lambda _: b"/\xff".decode())
+    run = tank("topic list")
+    assert (run.status, "ROS 2 says: 'utf-8' codec can't decode" in run.stderr) == (1, True)
+
+
 def test_two_nodes_of_one_name(eventually):
     listed = (
         "WARNING: Be aware that there are nodes in the graph that share an exact name, "
@@ -176,9 +182,7 @@ JOYS = "sensor_msgs/msg/Joy"
     [
         (JOYS, "{header: {stmp: 1}}", "'Header' object has no attribute 'stmp'"),
         (JOYS, "{axes: [a]}", "must be real number, not str"),
-        (JOYS, "{header: atuo}", "Value 'atuo' is expected to be a dictionary but is a str"),
         ("std_msgs/msg/Float64", "{data: null}", "Value 'None' is expected to be a dictionary but is a NoneType"),
-        ("std_msgs/msg/Int8", "{data: 300}", "The 'data' field must be"),
         ("sensor_msgs/msg/Imu", "{orientation_covariance: [1.0]}", "The 'orientation_covariance' "),
         ("diagnostic_msgs/msg/DiagnosticStatus", "{values: [{ky: a}]}", "'KeyValue' object has no attribute 'ky'"),
     ],
@@ -192,7 +196,6 @@ def test_what_does_not_fit(type_name, text, problem):
     ("type_name", "text", "shown"),
     [
         (JOYS, "{axes: [0, 0.5], buttons: [1]}", "axes=[0.0, 0.5], buttons=[1])"),
-        ("std_msgs/msg/Float64", "{data: 1e-3}", "std_msgs.msg.Float64(data=0.001)"),
         ("geometry_msgs/msg/Pose", "{position: {x: 1}}", "position=geometry_msgs.msg.Point(x=1.0, y=0.0, z=0.0)"),
         (
             "diagnostic_msgs/msg/DiagnosticStatus",

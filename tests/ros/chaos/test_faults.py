@@ -56,11 +56,6 @@ def test_which_messages_a_fault_hits_does_not_depend_on_the_others():
     assert nans({"shuffle": 0.5, "nan": 0.3}) == alone
 
 
-def test_without_faults_the_stream_passes_as_it_is():
-    good = [swing(i) for i in range(50)]
-    assert [(action.kind, action.message) for action in stream(Chaos(), 50)] == [("publish", each) for each in good]
-
-
 @given(st.dictionaries(st.sampled_from(list(FAULTS)), st.just(1.0)), st.integers(0, 4))
 def test_the_good_message_stays_as_it_is(faults, joints):
     good = swing(7, FIVE[:joints])
@@ -133,7 +128,6 @@ def test_what_comes_is_nothing_a_burst_or_a_second_publishers():
     ("message", "count"),
     [
         (JointState(), 0),
-        (JointState(name=["A"]), 0),
         (JointState(position=[1.0]), 0),
         (JointState(name=["A"], position=[1.0]), 1),
     ],
@@ -144,9 +138,8 @@ def test_what_has_no_position_for_each_name_stays_as_it_is(message, count):
     assert {chaos.made[name] for name in CHANGES} == {count}
 
 
-@pytest.mark.parametrize(("text", "fault"), [("nan", ("nan", 1.0)), ("nan:0.1", ("nan", 0.1)), ("drop:1", ("drop", 1))])
-def test_a_fault_is_written_with_its_share(text, fault):
-    assert parse_fault(text) == fault
+def test_a_fault_is_written_with_its_share():
+    assert [parse_fault(text) for text in ("nan", "nan:0.1")] == [("nan", 1.0), ("nan", 0.1)]
 
 
 @pytest.mark.parametrize(
@@ -156,7 +149,6 @@ def test_a_fault_is_written_with_its_share(text, fault):
         ("\x1b[2J:1", r"there is no fault '\\x1b[2J'."),
         ("nan:2", "of the messages 'nan' cannot hit a share of 2: give a number from 0 to 1."),
         ("nan:", "a share of nan"),
-        ("nan:-0.1", "a share of -0.1"),
     ],
 )
 def test_what_is_no_fault_is_said(text, said):
