@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from hostile_peer import BACKWARDS, ESCAPES, FORGED, JOINTS, LONG, NODES, SAID, hostile_peer
+from hostile_peer import BACKWARDS, ESCAPES, FORGED, JOINTS, LONG, NODES, hostile_peer
 from programs import until
 
 from tutorial import ros_backend
@@ -56,7 +56,7 @@ COMMANDS = [
     (("topic", "echo", "--once", JOINTS), 0, [r"frame_id: <img src=x onerror=window.pwned=1>", f"- {LONG[:128]}..."]),
     (("topic", "echo", "/type0"), 1, [r"The message type '\x1b[2J\x1b]0;mine\x07/msg/X' is invalid"]),
     (("node", "list"), 0, LISTED),
-    (("doctor",), None, [r"\x1b[2J\x1b]0;mine\x07", r"/forged\u2028\x85b"]),
+    (("doctor",), None, ["\npackages   ok ", r"\x1b[2J\x1b]0;mine\x07", r"/forged\u2028\x85b"]),
     (
         ("run", "step3", "--headless", "--duration", "3"),
         0,
@@ -79,21 +79,6 @@ def prints(tank, command, status, lines):
 @pytest.mark.parametrize(("command", "status", "lines"), COMMANDS, ids=lambda value: repr(value)[:60])
 def test_a_command_prints_names_and_texts_without_obeying_them(hostile, tank, command, status, lines):
     prints(tank, command, status, lines)
-
-
-def test_a_bag_of_what_they_say(hostile, tank, tmp_path, monkeypatch):
-    """It is recorded, looked at and played, and what cannot be recorded is named."""
-    record = tank("bag record -a -o", tmp_path / "bag", once=f"recording {SAID}\n")  # what was said first is known then
-    info = tank("bag info", tmp_path / "bag")
-    with reserved_domain() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        play = tank("bag play --rate 10", tmp_path / "bag")
-    for run in (record, info, play):
-        harmless(run.output)
-    assert (record.status, info.status, play.status) == (0, 0, 0)
-    assert "topic //x is not recorded: its name breaks the rules of ROS 2" in record.output
-    assert r"is not recorded: The message type '\x1b[2J\x1b]0;mine\x07/msg/X' is invalid" in record.output
-    assert f"Topic: {SAID} | Type: {STRING} | Count: " in info.output
 
 
 def test_a_name_with_which_a_real_ros_2_lists_no_node_at_all(tank, monkeypatch):

@@ -7,6 +7,11 @@ import socket
 
 import pytest
 
+from tutorial.body import Body
+from tutorial.description.urdf import robot_description
+from tutorial.paths import find_model
+from tutorial.world import Placement
+
 CONTROLLER = """from tutorial.controller import SimpleController
 class TankController(SimpleController):
     def control(self):
@@ -29,6 +34,7 @@ class TankController(SimpleController):
         ("topic pub a-b std_msgs/msg/String", 1, "topic name"),
         ("topic pub /x std_msgs/msg/String data", 1, "The passed value needs to be a dictionary in YAML format\n"),
         ("topic list --ros-args --nonsense", 1, "ROS 2 does not know the arguments ['--nonsense']\n"),
+        ("urdf tnak", 1, "there is no model 'tnak'. Did you mean 'tank'?"),
         ("check .", 1, "Error: there is no notebook in ."),
         ("bag record", 2, "name topics, or give -a for all of them."),
         ("bag record -a /joy", 2, "name topics, or give -a for all of them."),
@@ -100,3 +106,8 @@ def test_a_run_is_kept_as_a_page_also_without_a_view_and_when_it_is_interrupted(
     run = tank("run step2 --headless --html", page, once="+ Simulator")
     assert run.status == 0
     assert 'class="tank-replay"' in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("given", ["Crane", find_model("crane")])
+def test_a_robots_description_is_what_the_controller_publishes(tank, given):
+    assert tank("urdf", given).stdout == robot_description(Body.displayed(Placement("Crane", find_model("crane"))))

@@ -2,7 +2,7 @@
 Its main loop is not to be held, its memory is not to grow, the terminal is not to be filled, and when it is told to
 end, it ends.
 
-``make soak`` runs it, too. Its exit status is 1 if something does not hold; below the table it says what.
+``make soak`` runs it, too. Its exit status is 1 if something does not hold; in the end it says what.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path
 
 import psutil
 from harness import MEMORY, above, python, soak
-from tables import console, show
+from tables import console
 
 from tutorial.commands.terminal import progress_bar
 
@@ -39,11 +39,11 @@ def keep(file: Iterable[str], into: Callable[[str], object]) -> None:
     threading.Thread(target=lambda: [into(line) for line in file], daemon=True).start()
 
 
-def flood(kind: str, seconds: float) -> tuple[str, int, list[float]]:
+def flood(kind: str, seconds: float) -> list[float]:
     """Attack a viewer for a while, then tell it to end while the attack goes on.
 
     Returns:
-        The kind, how much was sent, and the values that `BOUNDS` is for.
+        The values that `BOUNDS` is for.
     """
     console.print(f"{kind}, {seconds} s:")
     reading, writing = os.pipe()
@@ -81,23 +81,19 @@ def flood(kind: str, seconds: float) -> tuple[str, int, list[float]]:
             sent = attacker.stdout.readline()
     if not sent or elapsed < seconds:
         raise SystemExit(f"{kind}: the attack or the viewer has failed; see above\n{''.join(lines)}")
-    return kind, int(sent), [1e3 * max(holds[quiet:]), (most - start) / 1e6, printed / seconds, end]
+    console.print(f"  {int(sent):,} sent")
+    return [1e3 * max(holds[quiet:]), (most - start) / 1e6, printed / seconds, end]
 
 
 def floods(duration: int) -> list[str]:
-    """Run each kind of flood in turn, and print the table; return what does not hold."""
-    outcomes = [flood(kind, duration) for kind in KINDS]
-    form = "{:.0f}|{:+.1f}|{:.1f}|{:.1f}"
-    show(
-        ("flood", "sent", "longest hold [ms]", "growth [MB]", "lines/s", "end [s]"),
-        ((kind, f"{sent:,}", *form.format(*values).split("|")) for kind, sent, values in outcomes),
-        "hold: how long the viewer's main loop did nothing else. end: from SIGTERM, with the flood going on.",
-    )
-    return [
-        f"{kind}: {complaint}"
-        for kind, _, values in outcomes
-        for complaint in above(*zip(values, BOUNDS.values(), BOUNDS))
-    ]
+    """Run each kind of flood in turn, and print the values with their bounds; return what does not hold."""
+    complaints = []
+    for kind in KINDS:
+        limits = tuple(zip(flood(kind, duration), BOUNDS.values(), BOUNDS))
+        for value, bound, text in limits:
+            console.print(f"  {text.format(value, bound)}")
+        complaints += [f"{kind}: {complaint}" for complaint in above(*limits)]
+    return complaints
 
 
 if __name__ == "__main__":

@@ -81,8 +81,8 @@ class Memory:
             self._due = time.monotonic() + EVERY
             self._samples.append(self._process.memory_info().rss / 1e6)
 
-    def trend(self) -> tuple[float, float]:
-        """Return start and end after the warm-up, each a median: a single sample may catch a moment's peak."""
+    def growth(self) -> float:
+        """Return by how much it has grown after the warm-up, in the median: one sample may catch a moment's peak."""
         samples = self._samples[int(WARM_UP * len(self._samples)) :]
         tenth = len(samples) // 10 + 1
-        return statistics.median(samples[:tenth]), statistics.median(samples[-tenth:])
+        return statistics.median(samples[-tenth:]) - statistics.median(samples[:tenth])

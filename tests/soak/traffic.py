@@ -174,4 +174,4 @@ if __name__ == "__main__":
     finally:
         rclpy.try_shutdown()
     if not stop.is_set():
-        print(json.dumps({**result, "memory": memory.trend()}))
+        print(json.dumps({**result, "grown": memory.growth()}))

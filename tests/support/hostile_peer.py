@@ -28,8 +28,8 @@ FORGED = "a\r\n/forged\u2028\x85b"
 MARKUP = "<img src=x onerror=window.pwned=1>"
 LONG = "n" * 250
 TEXTS = (ESCAPES, BACKWARDS, FORGED, MARKUP, "\ufeff\x7f\x9b31m\t", LONG)
-"""What is said on SAID, as ``std_msgs/msg/String``, and what the joints are called on JOINTS."""
-SAID, JOINTS = "/said", "/Tank/joint_state"
+"""What the joints are called on JOINTS."""
+JOINTS = "/Tank/joint_state"
 NODES = (*((text, "/") for text in TEXTS), ("plain", "no_slash"), ("a/b", "//x/"), ("1abc", "/"))
 """Names and namespaces; the first has all publishers."""
 NAMELESS = ("", "")
@@ -114,15 +114,13 @@ class Peer:
         writer.write(PARTICIPANT(GID(list(self._participant.guid.bytes)), nodes))
 
 
-def speak(said: Any, joints: Any) -> None:
-    """Say each text, and name joints by them, again and again."""
+def speak(joints: Any) -> None:
+    """Name joints by the texts, again and again."""
     for tick in range(10**9):
         stamp = TIME(*divmod(tick * 100_000_000, 1_000_000_000))
         with suppress(DDSException):
             joints.write(JOINT_STATE(HEADER(stamp, MARKUP), [*TEXTS], [0.1] * len(TEXTS), [], []))
-            for text in TEXTS:
-                said.write(STRING(text))
-                time.sleep(0.02)
+        time.sleep(0.1)
 
 
 def main() -> None:
@@ -132,9 +130,9 @@ def main() -> None:
         peer.write(f"rt{topic}", STRING)
     for i, name in enumerate(TYPES):
         peer.write(f"rt/type{i}", make_idl_struct("X", name, {"data": str}))
-    voices = peer.write(f"rt{SAID}", STRING), peer.write(f"rt{JOINTS}", JOINT_STATE)
+    joints = peer.write(f"rt{JOINTS}", JOINT_STATE)
     peer.announce((*NODES, NAMELESS) if "nameless" in sys.argv else NODES)
-    threading.Thread(target=speak, args=voices, daemon=True).start()
+    threading.Thread(target=speak, args=(joints,), daemon=True).start()
     print("ready", flush=True)
     sys.stdin.read()
 
