@@ -6,20 +6,27 @@
 from __future__ import annotations
 
 import os
+import shlex
 import statistics
-from collections.abc import Callable, Iterator
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from pathlib import Path
 
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
-from costs import joint_matching, simulation_loop
-from processes import REAL, measured
+from cell_view import cell_frame
+from costs import import_time, joint_matching, simulation_loop
 from tables import console, show
 
 from tutorial.ros.domains import reserved_domain
 
 ROUNDS = 5
+REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
+"""A command that runs another one with a real ROS 2, where there is one."""
+
 
 Pair = tuple[Callable[[], float], Callable[[], float]]
 
@@ -31,25 +38,54 @@ def measure(pair: Pair) -> list[float]:
     return [statistics.median(each) for each in zip(*taken)]
 
 
-def traffic(pace: str) -> Pair:
-    """Our node, and the reference: a real rclpy, flooded by the pocket one."""
-    ours = partial(measured, "traffic.py", pace)
-    return ours, partial(ours, by=REAL, published_by=REAL if pace == "beat" else ())
+def measured(program: str, *how: str, by: Sequence[str] = (), published_by: Sequence[str] | None = None) -> float:
+    """Run ``program publish`` and ``program subscribe``, and return what the latter prints [s].
+
+    Args:
+        program: the file's name.
+        how: further arguments of both.
+        by: a command that runs others, such as `REAL`.
+        published_by: the same for the publisher; None for that of both.
+    """
+    command = [sys.executable, str(Path(__file__).with_name(program))]
+    publishing = [*(by if published_by is None else published_by), *command, "publish", *how]
+    with (
+        subprocess.Popen(publishing) as publisher,
+        subprocess.Popen([*by, *command, "subscribe", *how], stdout=subprocess.PIPE, text=True) as subscriber,
+    ):
+        try:
+            return float(subscriber.communicate(timeout=120)[0])
+        finally:
+            subscriber.kill()
+            publisher.kill()
+
+
+def traffic(pace: str, real: bool) -> Pair:
+    """Our node, and the reference: a real rclpy, flooded by the pocket one, or plain Cyclone DDS Python."""
+    if real:
+        reference = partial(measured, "traffic.py", "node", pace, by=REAL, published_by=REAL if pace == "beat" else ())
+    else:
+        reference = partial(measured, "traffic.py", "plain", pace)
+    return partial(measured, "traffic.py", "node", pace), reference
 
 
 def rows() -> Iterator[tuple[str, Pair, str, str]]:
     """What is measured: its name, ours and the reference in seconds, what the ratio should be, and the unit."""
     yield "simulation with controllers and publisher / bare mj_step, a step", simulation_loop(), "1.43", "us"
+    yield "publish to callback / plain Cyclone DDS Python", traffic("beat", False), "1.2", "us"
+    yield "from message to message, unthrottled / plain Cyclone DDS Python", traffic("flood", False), "2.2", "us"
     if REAL:
-        yield "publish to callback / rclpy of a real ROS 2", traffic("beat"), "0.82", "us"
-        yield "from message to message, unthrottled / rclpy of a real ROS 2", traffic("flood"), "0.2", "us"
-        yield "processor time of a message received / rclpy of a real ROS 2", traffic("cost"), "0.2", "us"
+        yield "publish to callback / rclpy of a real ROS 2", traffic("beat", True), "0.82", "us"
+        yield "from message to message, unthrottled / rclpy of a real ROS 2", traffic("flood", True), "0.2", "us"
+        yield "processor time of a message received / rclpy of a real ROS 2", traffic("cost", True), "0.2", "us"
     many, few = (partial(measured, "fleet.py", tanks) for tanks in ("100", "10"))
     yield "what a viewer computes in 1 s for one tank at 50 Hz, of 100 / of 10", (many, few), "1.0 at most", "ms"
     if REAL:
         yield "the same, of 100 / with rclpy of a real ROS 2", (many, partial(many, by=REAL)), "", "ms"
     for joints in (2, 7, 40):
         yield f"joint matching / the original's index loop, {joints} joints", joint_matching(joints), "0.5", "us"
+    yield "import tutorial / a Python that imports nothing", import_time(), "0.5 s", "ms"
+    yield "a frame in a cell, everything moving / meshcat's own calls to its server", cell_frame(), "0.2", "us"
 
 
 def main() -> None:

@@ -1,13 +1,18 @@
-"""What one step and one match cost. Each function returns ours and the reference, in seconds."""
+"""What one step, one match, one import and one frame cost. Each function returns ours and the reference, in seconds."""
 
 from __future__ import annotations
 
+import itertools
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 
+import meshcat
 import mujoco
+import numpy as np
 from sensor_msgs.msg import JointState
 
 from tutorial.body import Body
@@ -15,13 +20,17 @@ from tutorial.controller import ControllerConfig
 from tutorial.controllers.joint_state_publisher import JointStatePublisher
 from tutorial.controllers.tank_controller import TankController
 from tutorial.joints import JointMatcher
-from tutorial.paths import find_project
+from tutorial.notebook.widgets.scene_view import SceneView
+from tutorial.paths import HOME, find_project
 from tutorial.project import Project
 from tutorial.ros.node_thread import NodeThread
 from tutorial.simulation import Simulation
+from tutorial.view.bodies import View
+from tutorial.view.scene import Scene
 from tutorial.world import Placement
 
 STEPS = 2000
+TANK = Placement("Tank", HOME / "project" / "models" / "tank.xml")
 
 Timed = Callable[[], float]
 
@@ -82,3 +91,49 @@ def chain(count: int) -> Body:
         file.write(f"<mujoco><worldbody>{links}</worldbody></mujoco>")
         file.flush()
         return Body.displayed(Placement("Chain", Path(file.name)))
+
+
+def import_time() -> tuple[Timed, Timed]:
+    """``import tutorial``, in a fresh Python, less the time that Python takes to start; and that time."""
+
+    def start(code: str) -> float:
+        began = time.perf_counter()
+        subprocess.run([sys.executable, "-c", code], check=True)
+        return time.perf_counter() - began
+
+    return lambda: start("import tutorial") - start(""), lambda: start("")
+
+
+def frame(address: str) -> tuple[Timed, Timed]:
+    """A frame in which the tank and all its wheels move; and the same with meshcat's own calls.
+
+    Args:
+        address: where meshcat sends its calls; ours go to the page of a cell.
+    """
+    view = View(scene := Scene())
+    body = Body.displayed(TANK)
+    view.add("Tank", body.model)
+    shown = SceneView(scene)
+    shown._welcome("page")
+    visualizer = meshcat.Visualizer(zmq_url=address)
+    parts = [visualizer[str(i)] for i in range(body.model.nbody)]
+    angles = itertools.count()
+
+    def move() -> None:
+        body.qpos[:] = 0.001 * next(angles)
+        body.calc_forward_kinematics()
+
+    def ours() -> None:
+        move()
+        view.update("Tank", body.data)
+        view.flush()
+        shown._note("page", shown.frame)
+
+    def meshcats() -> None:
+        move()
+        matrix = np.eye(4)
+        for i, part in enumerate(parts):
+            matrix[:3, :3], matrix[:3, 3] = body.data.xmat[i].reshape(3, 3), body.data.xpos[i]
+            part.set_transform(matrix)
+
+    return timed(ours, 500), timed(meshcats, 500)

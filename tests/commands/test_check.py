@@ -76,7 +76,6 @@ def bubblewrap():
 def school(tmp_path_factory):
     """A class's notebooks."""
     room = tmp_path_factory.mktemp("class")
-    notebook(room / "anna.ipynb", IMPORTS, "raise RuntimeError('no simulation')", "program.start()", RIGHT, CHECK)
     notebook(room / "ben.ipynb", IMPORTS, RIGHT.replace(" and math.isfinite(position)", ""), CHECK)
     notebook(room / "carl.ipynb", IMPORTS, AT_ONCE.format(ENDLESS), "await aim.check(HeldJoint)", RIGHT, CHECK)
     (room / "gina.ipynb").write_text("Dear teacher, \x1b[31m my dog has eaten it.")
@@ -114,7 +113,6 @@ def judged(school, tmp_path_factory):
 
 DISTURBED = "The answer has disturbed the process that judged it."
 AIM = [
-    ("anna", "not tried", ""),
     ("carl", "not judged", f"The answer did not come to its end within {LIMIT} s."),
     ("jack", "not judged", DISTURBED),
     ("kim", "not judged", "The answer ended the process that judged it."),
@@ -148,12 +146,12 @@ def test_nothing_is_left(judged, school):
 def test_it_is_summed_up(judged):
     _, whole, done, junit = judged
     assert done.returncode == 1
-    assert whole["summary"][0].startswith("11 notebooks, ")
+    assert whole["summary"][0].startswith("10 notebooks, ")
     assert whole["summary"][1] == "3 notebooks could not be judged."
     assert whole["summary"][2].startswith("The most frequent cause (")
-    assert "11 of 11: " in done.stderr
+    assert "10 of 10: " in done.stderr
     suites = {suite.get("name"): suite for suite in ElementTree.parse(junit).getroot()}
-    assert len(suites) == 11
+    assert len(suites) == 10
     carl = suites["carl.ipynb"]
     assert carl[0].find("error").get("message").startswith("The answer did not come to its end")
     assert suites["ben.ipynb"].find("testcase/failure") is not None

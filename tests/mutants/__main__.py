@@ -23,7 +23,6 @@ from tqdm import tqdm
 
 from tutorial.checks import _contain
 from tutorial.checks.exercise import Exercise
-from tutorial.commands.terminal import INTERRUPTED
 
 REQUIRED = 0.98  # of an exercise's mutants are rejected or equivalent
 LIMIT = 60.0  # [s] that one may take; whoever gives no verdict by then has not rejected it
@@ -80,12 +79,7 @@ def main(names: tuple[str, ...]) -> None:
     """Do what the command line asks for, and exit with its status."""
     _contain._start = forks.start  # type: ignore[assignment]
     outcomes: dict[str, Outcome] = {}
-    try:
-        asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES], outcomes))
-    except KeyboardInterrupt:
-        console.print("stopped; so far:")
-        show_all(outcomes)
-        sys.exit(INTERRUPTED)
+    asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES], outcomes))
     sys.exit(show_all(outcomes))
 
 

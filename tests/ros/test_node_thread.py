@@ -9,7 +9,6 @@ from unittest.mock import Mock
 
 import pytest
 from programs import PATIENCE, until
-from rclpy.exceptions import InvalidTopicNameException
 from sensor_msgs.msg import JointState, Joy
 from std_msgs.msg import String
 
@@ -80,10 +79,6 @@ def test_what_is_created_is_rclpys(node):
     subscription = node.create_subscription(msg_type=String, topic="words", callback=print, qos_profile=1)
     assert publisher in node.publishers
     assert subscription in node.subscriptions
-    with pytest.raises(InvalidTopicNameException):
-        node.create_publisher(String, "no words", 1)
-    with pytest.raises(TypeError):
-        publisher.publish("a")
 
 
 @pytest.mark.parametrize("failure", [SystemExit, KeyboardInterrupt, GeneratorExit, ValueError])

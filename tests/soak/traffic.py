@@ -29,7 +29,7 @@ import rclpy
 from harness import Memory
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
@@ -43,6 +43,7 @@ RATE = 1000  # [Hz]
 QUIET = 1.0  # [s] without a message, after which none is on its way any more
 PATIENCE = 60.0  # [s] that one end waits for the other
 TOPIC = "/Tank/joint_state"
+QOS = {"best effort": qos_profile_sensor_data}
 KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
 """Nothing is ever replaced by something newer: what the callback has not had yet waits with the subscription, and a
 publisher with too much that is not acknowledged is made to wait. So nothing is lost however busy the machine is: that
@@ -56,7 +57,7 @@ memory = Memory()
 
 def publish(kind: str, seconds: float) -> dict[str, Any]:
     """Send messages by a schedule: what is due is sent, so that a delay costs no message and no rate."""
-    publisher = rclpy.create_node("publisher").create_publisher(JointState, TOPIC, KEEP_ALL)
+    publisher = rclpy.create_node("publisher").create_publisher(JointState, TOPIC, QOS.get(kind, KEEP_ALL))
     joints = ["TURRET_Y", "TURRET_P"] if kind == "hand-off" else [f"JOINT_{i:02}" for i in range(40)]
     zeros = [0.0] * len(joints)
     message = JointState(name=joints, position=zeros, velocity=zeros, effort=zeros)
@@ -96,7 +97,7 @@ def subscribe(kind: str, seconds: float) -> dict[str, Any]:
         seen += 1
         memory.look()
 
-    subscription = node.create_subscription(JointState, TOPIC, callback, KEEP_ALL)
+    subscription = node.create_subscription(JointState, TOPIC, callback, QOS.get(kind, KEEP_ALL))
     with SingleThreadedExecutor() as executor:
         executor.add_node(node)
         while not stop.is_set() and time.monotonic() < heard_at + QUIET:

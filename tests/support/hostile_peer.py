@@ -20,6 +20,7 @@ from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.pub import DataWriter
 from cyclonedds.topic import Topic
+from wire import HEADER, JOINT_STATE, STRING, TIME, struct
 
 ESCAPES = "\x1b[2J\x1b]0;mine\x07"
 """Clears the screen of a terminal, and names its window."""
@@ -69,19 +70,6 @@ def hostile_peer(domain: int, *arguments: str) -> Iterator[None]:
             process.communicate()
 
 
-def struct(name: str, /, **fields: Any) -> Any:
-    """A wire type; it has an array of octets under the name that the pocket ROS 2 gives it."""
-    package, _, short = name.split("/")
-    made = make_idl_struct(f"{short}_", f"{package}::msg::dds_::{short}_", fields)
-    made.__idl__.populate()
-    return made
-
-
-STRING = struct("std_msgs/msg/String", data=str)
-TIME = struct("builtin_interfaces/msg/Time", sec=types.int32, nanosec=types.uint32)
-HEADER = struct("std_msgs/msg/Header", stamp=TIME, frame_id=str)
-NUMBERS = dict.fromkeys(("position", "velocity", "effort"), types.sequence[types.float64])
-JOINT_STATE = struct("sensor_msgs/msg/JointState", header=HEADER, name=types.sequence[str], **NUMBERS)
 GID = struct("rmw_dds_common/msg/Gid", _data_octets=types.array[types.uint8, 16])
 NODE = struct(
     "rmw_dds_common/msg/NodeEntitiesInfo",

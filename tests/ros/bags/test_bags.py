@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import random
 import shutil
 import sqlite3
@@ -349,6 +350,13 @@ def test_metadata_that_say_nothing_are_no_more_than_damage(tmp_path, spoilt):
     found, damage = read(tmp_path / "bag")
     assert "metadata.yaml: " in damage
     assert found == written
+
+
+def test_metadata_that_are_no_file_are_missing(tmp_path):
+    written = write(tmp_path / "bag")
+    (tmp_path / "bag" / "metadata.yaml").unlink()
+    os.mkfifo(tmp_path / "bag" / "metadata.yaml")
+    assert read(tmp_path / "bag")[0] == written
 
 
 def test_a_compressed_bag_is_refused_with_the_mend(tmp_path):

@@ -20,8 +20,9 @@ from std_msgs.msg import Empty, Float32MultiArray, String
 
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode, NodeThread
+from tutorial.ros.topics import graph
 from tutorial.ros.topics.endpoints import reader_qos
-from tutorial.ros.topics.graph import wait_for_graph
+from tutorial.ros.topics.graph import QUIET_READS, READ_EVERY, wait_for_graph
 from tutorial.ros.topics.listening import topic_echo, topic_hz
 from tutorial.ros.topics.listing import topic_info, topic_list
 from tutorial.ros.topics.message_yaml import field_text, message_to_yaml
@@ -233,3 +234,43 @@ class TestNoArr:
         assert "orientation_covariance: '<array type: double[9]>'\n" in message_to_yaml(Imu(), no_arr=True)
         message = DiagnosticStatus(values=[KeyValue()])
         assert "<sequence type: diagnostic_msgs/msg/KeyValue, length: 1>" in message_to_yaml(message, no_arr=True)
+
+
+def settle(asker, **how):
+    return asyncio.run(wait_for_graph(asker, patience=4 * QUIET_READS * READ_EVERY, **how))
+
+
+@pytest.mark.pocket
+def test_a_ros_2_program_that_was_discovered_is_waited_for(asker, stranger):
+    assert not settle(asker)
+
+
+@pytest.mark.pocket
+def test_it_is_waited_for_until_its_nodes_and_all_that_they_have_are_known(asker, stranger):
+    async def told_in_the_meantime():
+        waiting = asyncio.create_task(wait_for_graph(asker, patience=60.0))
+        await asyncio.sleep(0)  # the first look
+        stranger.announce(stranger.listing("late"))
+        return await waiting
+
+    assert asyncio.run(told_in_the_meantime())
+    assert "late" in asker.get_node_names()
+    stranger.announce(stranger.listing("late", writers=1))
+    assert not settle(asker), "one of its publishers is still on its way"
+
+
+@pytest.mark.pocket
+def test_a_program_that_is_dds_alone_is_not_waited_for(asker, domain):
+    from cyclonedds.domain import DomainParticipant
+
+    other = DomainParticipant(domain)
+    assert asyncio.run(wait_for_graph(asker, patience=60.0))
+    del other
+
+
+@pytest.mark.pocket
+def test_what_is_asked_for_is_waited_for_a_little_longer(asker, monkeypatch):
+    monkeypatch.setattr(graph, "DISCOVERY_TIMEOUT", 60.0)
+    looks = iter([False, False, True])
+    assert asyncio.run(wait_for_graph(asker, patience=60.0, wanted=lambda: next(looks)))
+    assert next(looks, "all taken") == "all taken"
