@@ -9,12 +9,26 @@ import tutorial  # noqa: F401 - promises an rclpy, of which only Cyclone DDS's s
 # isort: split
 from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
 from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from rclpy._domain import configuration
-from wire import HEADER, JOINT_STATE, TIME
+
+
+def struct(name: str, /, **fields: Any) -> Any:
+    """A wire type."""
+    package, _, short = name.split("/")
+    made = make_idl_struct(f"{short}_", f"{package}::msg::dds_::{short}_", fields)
+    made.__idl__.populate()
+    return made
+
+
+TIME = struct("builtin_interfaces/msg/Time", sec=types.int32, nanosec=types.uint32)
+HEADER = struct("std_msgs/msg/Header", stamp=TIME, frame_id=str)
+NUMBERS = dict.fromkeys(("position", "velocity", "effort"), types.sequence[types.float64])
+JOINT_STATE = struct("sensor_msgs/msg/JointState", header=HEADER, name=types.sequence[str], **NUMBERS)
 
 number = int(os.environ["ROS_DOMAIN_ID"])
 domain = Domain(number, configuration())

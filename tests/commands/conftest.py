@@ -39,10 +39,6 @@ class Run:
     def output(self) -> str:
         return self.stdout + self.stderr
 
-    @property
-    def said(self) -> tuple[str, str, int | None]:
-        return self.stdout, self.stderr, self.status
-
     def watch(self, so: Callable[[], object], then: Callable[[], object] | None) -> None:
         """Do something once something is so: what Ctrl-C does, which comes in vain, too, for the command has to end."""
         try:

@@ -56,14 +56,6 @@ def notebook(path, *sources):
     return path
 
 
-def command_lines():
-    for process in psutil.process_iter():
-        try:
-            yield " ".join(process.cmdline())
-        except (psutil.NoSuchProcess, psutil.AccessDenied, psutil.ZombieProcess):
-            continue
-
-
 pytestmark = [pytest.mark.process, pytest.mark.timeout(320)]
 
 
@@ -140,7 +132,8 @@ def test_a_wrong_answer_has_its_cause_and_what_is_no_answer_has_none(judged):
 
 
 def test_nothing_is_left(judged, school):
-    assert not [line for line in command_lines() if SLEEPER.format(school) in line]
+    started = (process.info["cmdline"] or [] for process in psutil.process_iter(["cmdline"]))
+    assert not [words for words in started if SLEEPER.format(school) in words]
 
 
 def test_it_is_summed_up(judged):

@@ -99,24 +99,22 @@ def test_what_jupyterlab_is_told(tmp_path, monkeypatch):
     assert "--ServerApp.use_redirect_file=False" in lab_command()
 
 
-@pytest.mark.parametrize(
-    ("environment", "reaches"),
-    [
-        (CODESPACE, [True, False, False]),
-        (CODESPACE | {"CODESPACE_NAME": ""}, [False] * 3),
-        (CODESPACE | dict.fromkeys(CODESPACE, ""), [False] * 3),
-    ],
-)
-def test_in_a_codespace_the_forwarded_page_reaches_its_server_and_no_other_does(monkeypatch, environment, reaches):
-    for name, value in environment.items():
-        monkeypatch.setenv(name, value)
-    (pattern,) = (word.partition("=")[2] for word in lab_command() if "allow_origin_pat" in word)
+def test_in_a_codespace_the_forwarded_page_reaches_its_server_and_no_other_does(monkeypatch):
     pages = (
         "animated-tank-8888.app.github.dev",
         "another-tank-8888.app.github.dev",
         "animated-tank-1.app.github.dev.me",
     )
-    assert [bool(re.fullmatch(pattern, f"https://{page}")) for page in pages] == reaches
+
+    def reaching():
+        (pattern,) = (word.partition("=")[2] for word in lab_command() if "allow_origin_pat" in word)
+        return [page for page in pages if re.fullmatch(pattern, f"https://{page}")]
+
+    for name, value in CODESPACE.items():
+        monkeypatch.setenv(name, value)
+    assert reaching() == [pages[0]]
+    monkeypatch.setenv("CODESPACE_NAME", "")
+    assert reaching() == []
 
 
 def test_only_what_is_there_now_is_trusted(tmp_path):

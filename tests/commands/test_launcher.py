@@ -216,13 +216,9 @@ def test_nothing_outlives_a_launcher_that_is_killed(program, launch_file):
     running.leaves_nothing()
 
 
-class Terminal(io.StringIO):
-    def isatty(self):
-        return True
-
-
 def test_on_a_terminal_lines_stand_above_the_progress_bar(monkeypatch, launch_file):
-    shown = Terminal()
+    shown = io.StringIO()
+    shown.isatty = lambda: True
     for stream in ("stdout", "stderr"):
         monkeypatch.setattr(sys, stream, shown)
 

@@ -119,7 +119,6 @@ def test_its_node_runs_the_learners_controller_and_takes_what_tank_run_takes(her
     ("name", "said"),
     [
         ("My-Tank", "'My-Tank' cannot be a package's name. Did you mean 'my_tank'? Use lowercase letters, digits"),
-        ("2nd_tank", "Did you mean 'nd_tank'?"),
         ("x", "two characters at least"),
         ("tank\x1b[2J", r"'tank\\x1b[2J' cannot be"),
         ("lambda", "Python has a module, or a keyword, 'lambda' already"),

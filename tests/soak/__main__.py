@@ -12,7 +12,6 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 
 import tutorial  # noqa: F401 - promises an rclpy
@@ -21,8 +20,6 @@ import tutorial  # noqa: F401 - promises an rclpy
 from harness import GROWTH, MEMORY, above, python, soak
 from tables import console
 from traffic import PATIENCE, RATE
-
-from tutorial.commands.terminal import progress_bar
 
 TRAFFIC = Path(__file__).with_name("traffic.py")
 OTHER_ENDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "show", "bag": "record"}
@@ -40,16 +37,15 @@ def run(kind: str, seconds: float) -> tuple[Result, Result]:
         SystemExit: one of them has failed, or does not end.
     """
     console.print(f"{kind}, {seconds} s:")
-    with progress_bar(seconds) as progress, ExitStack() as stack:
-        ends = [stack.enter_context(python(TRAFFIC, role, kind, seconds)) for role in ("publish", OTHER_ENDS[kind])]
-        stack.callback(lambda: [end.stdin.close() for end in ends])  # both are asked before either is waited for
-        began = time.monotonic()
-        while any(end.poll() is None for end in ends):
-            progress(time.monotonic() - began)
-            if any(end.poll() for end in ends) or time.monotonic() - began > 3 * seconds + 2 * PATIENCE:
-                raise SystemExit(f"{kind}: a process has failed, or should have ended long ago; see above")
+    with python(TRAFFIC, "publish", kind, seconds) as one, python(TRAFFIC, OTHER_ENDS[kind], kind, seconds) as other:
+        deadline = time.monotonic() + 3 * seconds + 2 * PATIENCE
+        while None in (statuses := [end.poll() for end in (one, other)]) and not any(statuses):
+            if time.monotonic() > deadline:
+                raise SystemExit(f"{kind}: a process should have ended long ago")
             time.sleep(0.05)
-        sent, got = (json.loads(end.stdout.read().splitlines()[-1]) for end in ends)
+        if any(statuses):
+            raise SystemExit(f"{kind}: a process has failed\n{(one if statuses[0] else other).stdout.read()}")
+        sent, got = (json.loads(end.stdout.read().splitlines()[-1]) for end in (one, other))
     for end, said in ((" publisher", sent), (" other end", got)):
         console.print(end, *(f"{name} {value:,.2f}" for name, value in said.items()), sep=", ")
     return sent, got

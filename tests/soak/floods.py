@@ -7,20 +7,19 @@ end, it ends.
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import psutil
 from harness import MEMORY, above, python, soak
 from tables import console
 
-from tutorial.commands.terminal import progress_bar
+from tutorial.parent_watch import signal_group
 
 HERE = Path(__file__).parent
 KINDS = ("names", "messages", "encapsulations")
@@ -34,11 +33,6 @@ BOUNDS = {
 }
 
 
-def keep(file: Iterable[str], into: Callable[[str], object]) -> None:
-    """Hand all lines of a file on, on a thread."""
-    threading.Thread(target=lambda: [into(line) for line in file], daemon=True).start()
-
-
 def flood(kind: str, seconds: float) -> list[float]:
     """Attack a viewer for a while, then tell it to end while the attack goes on.
 
@@ -46,43 +40,43 @@ def flood(kind: str, seconds: float) -> list[float]:
         The values that `BOUNDS` is for.
     """
     console.print(f"{kind}, {seconds} s:")
-    reading, writing = os.pipe()
-    options = {"pass_fds": [writing], "stderr": subprocess.STDOUT, "env": {**os.environ, "HOLDS_FD": str(writing)}}
-    holds: list[float] = []  # [s], the longest of each tenth of a second
     lines: list[str] = []
-    with (
-        python(HERE / "victim.py", "run", "step3", grace=0, **options) as victim,
-        progress_bar(seconds) as progress,
-    ):
-        os.close(writing)
-        keep(victim.stdout, lines.append)
-        keep(os.fdopen(reading), lambda line: holds.append(float(line)))
-        deadline = time.monotonic() + PATIENCE
-        while len(holds) < SETTLED:
-            if victim.poll() is not None or time.monotonic() > deadline:
-                raise SystemExit("the viewer does not run:\n" + "".join(lines))
-            time.sleep(0.02)
-        with python(HERE / "attack.py", kind, seconds + PATIENCE) as attacker:
-            attacker.stdout.readline()
-            resident = psutil.Process(victim.pid).memory_info
-            start, printed, quiet = resident().rss, len(lines), len(holds)
-            most, began = start, time.monotonic()
-            while (elapsed := time.monotonic() - began) < seconds and victim.poll() is None:
-                progress(elapsed)
-                most = max(most, resident().rss)
-                time.sleep(0.1)
-            printed = len(lines) - printed
-            asked = time.monotonic()
-            victim.send_signal(signal.SIGTERM)
-            with suppress(subprocess.TimeoutExpired):
-                victim.wait(PATIENCE)
-            end = time.monotonic() - asked
-            attacker.send_signal(signal.SIGINT)
-            sent = attacker.stdout.readline()
+    with TemporaryDirectory() as folder:
+        written = Path(folder) / "holds"
+        written.touch()
+
+        def holds() -> list[float]:
+            """The longest of each tenth of a second [s]."""
+            return [float(hold) for hold in written.read_text().split("\n")[:-1]]
+
+        with python(HERE / "victim.py", "run", "step3", HOLDS=str(written)) as victim:
+            threading.Thread(target=lambda: lines.extend(victim.stdout), daemon=True).start()
+            deadline = time.monotonic() + PATIENCE
+            while len(holds()) < SETTLED:
+                if victim.poll() is not None or time.monotonic() > deadline:
+                    raise SystemExit("the viewer does not run:\n" + "".join(lines))
+                time.sleep(0.02)
+            with python(HERE / "attack.py", kind, seconds + PATIENCE) as attacker:
+                attacker.stdout.readline()
+                (viewer,) = psutil.Process(victim.pid).children()
+                start, printed, quiet = viewer.memory_info().rss, len(lines), len(holds())
+                most, began = start, time.monotonic()
+                while (elapsed := time.monotonic() - began) < seconds and victim.poll() is None:
+                    most = max(most, viewer.memory_info().rss)
+                    time.sleep(0.1)
+                printed = len(lines) - printed
+                asked = time.monotonic()
+                viewer.send_signal(signal.SIGTERM)
+                with suppress(subprocess.TimeoutExpired):
+                    victim.wait(PATIENCE)
+                end = time.monotonic() - asked
+                signal_group(attacker.pid, signal.SIGINT)
+                sent = attacker.stdout.readline()
+        longest = max(holds()[quiet:])
     if not sent or elapsed < seconds:
         raise SystemExit(f"{kind}: the attack or the viewer has failed; see above\n{''.join(lines)}")
     console.print(f"  {int(sent):,} sent")
-    return [1e3 * max(holds[quiet:]), (most - start) / 1e6, printed / seconds, end]
+    return [1e3 * longest, (most - start) / 1e6, printed / seconds, end]
 
 
 def floods(duration: int) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import statistics
 import subprocess
 import sys
@@ -13,9 +14,9 @@ from contextlib import contextmanager
 import psutil
 from tables import console
 
+from tutorial import parent_watch
 from tutorial.ros.domains import reserved_domain
 
-GRACE = 10.0  # [s] from asking a process to stop to killing it
 EVERY = 0.1  # [s] between two samples of memory
 WARM_UP = 0.25  # of the run: allocators, DDS's buffers and the caches of an interpreter find their size
 GROWTH = 4.0
@@ -48,23 +49,14 @@ def above(*limits: tuple[float, float, str]) -> list[str]:
 
 
 @contextmanager
-def python(*command: object, grace: float = GRACE, **options: object) -> Iterator[subprocess.Popen[str]]:
-    """Run a Python program in a group of its own, which spares it the terminal's Ctrl-C.
-
-    The end of its input asks it to stop; what still runs after a time of grace [s] is killed.
-    """
-    options = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "process_group": 0, **options}
-    with subprocess.Popen([sys.executable, *map(str, command)], **options) as process:  # type: ignore[call-overload]
+def python(*command: object, **variables: str) -> Iterator[subprocess.Popen[str]]:
+    """Run a Python program, in a group of its own, which spares it the terminal's Ctrl-C. In the end it is killed."""
+    words = [sys.executable, *map(str, command)]
+    with parent_watch.start_watched(words, {**os.environ, **variables}) as process:
         try:
             yield process
         finally:
-            try:
-                process.stdin.close()
-                process.wait(grace)
-            except subprocess.TimeoutExpired:
-                pass
-            finally:
-                process.kill()
+            parent_watch.signal_group(process.pid, signal.SIGKILL)
 
 
 class Memory:

@@ -202,16 +202,11 @@ def test_a_file_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path, storage):
     assert counts[-1] >= 90
 
 
-def unpacked(path) -> bytes:
-    """The records of the chunks in a file of ours."""
-    reader = StreamReader(BytesIO(path.read_bytes()), emit_chunks=True)
-    return b"".join(record.data for record in reader.records if isinstance(record, Chunk))
-
-
 @pytest.mark.parametrize(("name", "pack"), [(b"zstd", zstd.compress), (b"lz4", lz4.compress)], ids=["zstd", "lz4"])
 def test_a_compressed_chunk_is_read_whole_and_in_part(tmp_path, name, pack):
     written = write(tmp_path / "bag")
-    records = unpacked(tmp_path / "bag" / "bag_0.mcap")
+    reader = StreamReader(BytesIO((tmp_path / "bag" / "bag_0.mcap").read_bytes()), emit_chunks=True)
+    records = b"".join(record.data for record in reader.records if isinstance(record, Chunk))
     whole = HEADER + chunk(1000, b"x", b"rar") + chunk(len(records), pack(records), name)
     (tmp_path / "x.mcap").write_bytes(whole)
     found, damage = read(tmp_path / "x.mcap")
@@ -335,7 +330,6 @@ HUGE = f"rosbag2_bagfile_information: {{version: 0x{'f' * 5000}}}"
 SPOILT = [
     "",
     "a: [",
-    "rosbag2_bagfile_information: 3",
     "[" * 200_000,
     MERGED,
     HUGE,
@@ -398,7 +392,6 @@ OLDER = (
     ("text", "said"),
     [
         ("", DEFAULT),
-        ("a: [", DEFAULT),
         ("- {reliability: 9, deadline: {sec: x}}", DEFAULT),
         (qos_text([QoSProfile(depth=1), QoSProfile(depth=2)]), DEFAULT),
         (OLDER, (10, ReliabilityPolicy.BEST_EFFORT, DurabilityPolicy.TRANSIENT_LOCAL)),

@@ -15,28 +15,22 @@ KEEP_ALL = QoSProfile(history=HistoryPolicy.KEEP_ALL)
 
 
 @pytest.fixture
-def chaos(domain):
-    """The node that publishes."""
-    with NodeThread("chaos") as thread:
-        yield thread.node
-        assert thread.error is None
+def nodes(domain):
+    """One that publishes, and one that listens."""
+    with NodeThread("chaos") as chaos, NodeThread("listener") as listener:
+        yield chaos.node, listener.node
+        assert chaos.error is listener.error is None
 
 
 @pytest.fixture
-def listener(domain):
-    with NodeThread("listener") as thread:
-        yield thread.node
-
-
-@pytest.fixture
-def received(listener):
+def received(nodes):
     received = []
-    listener.create_subscription(JointState, TOPIC, received.append, KEEP_ALL)
+    nodes[1].create_subscription(JointState, TOPIC, received.append, KEEP_ALL)
     return received
 
 
-def test_it_swings_steadily_by_itself(chaos, received):
-    ChaosStream(chaos, Chaos())
+def test_it_swings_steadily_by_itself(nodes, received):
+    ChaosStream(nodes[0], Chaos())
     until(lambda: len(received) > 10, "messages")
     first = received[0].header.stamp
     number = round(50 * (first.sec + first.nanosec / 1e9))
@@ -44,7 +38,8 @@ def test_it_swings_steadily_by_itself(chaos, received):
     assert positions == [list(swing(number + i).position) for i in range(10)]
 
 
-def test_the_faults_go_to_the_topic_from_where_the_good_stream_comes_elsewhere(chaos, listener, received):
+def test_the_faults_go_to_the_topic_from_where_the_good_stream_comes_elsewhere(nodes, received):
+    chaos, listener = nodes
     ChaosStream(chaos, Chaos({"nan": 1}), good="good")
     good = listener.create_publisher(JointState, "/good", KEEP_ALL)
     until(lambda: good.get_subscription_count() and listener.count_publishers(TOPIC), "each other")
@@ -58,13 +53,14 @@ def test_the_faults_go_to_the_topic_from_where_the_good_stream_comes_elsewhere(c
     assert math.isnan(received[0].position[0])
 
 
-def test_a_loop_is_refused(chaos):
+def test_a_loop_is_refused(nodes):
     with pytest.raises(Exception, match=r"are both on '/Tank/joint_state'\. Have the good stream's publisher publish"):
-        ChaosStream(chaos, Chaos(), good=TOPIC[1:])
+        ChaosStream(nodes[0], Chaos(), good=TOPIC[1:])
 
 
-def test_a_second_publisher_and_a_new_start(chaos, listener, received):
+def test_a_second_publisher_and_a_new_start(nodes, received):
     """On a real ROS 2, too, who is destroyed leaves nothing."""
+    chaos, listener = nodes
     stream = ChaosStream(chaos, Chaos({"second": 0.5}))
     until(lambda: listener.count_publishers(TOPIC) == 2, "two publishers")
     until(lambda: {message.position[0] == 0 for message in received} == {True, False}, "both publishers' messages")

@@ -75,17 +75,6 @@ class TestEcho:
         said = refusal(topic_echo(met, JOINT_STATE, field="header.positions"))
         assert "Invalid field 'header.positions': 'Header' object has no attribute" in said
 
-    def test_cancelling_takes_the_subscription_back(self, met):
-        async def cancel():
-            echo = asyncio.create_task(first(topic_echo(met, "/joy")))
-            while not list(met.subscriptions):
-                await asyncio.sleep(0.01)
-            echo.cancel()
-            with pytest.raises(asyncio.CancelledError):
-                await echo
-
-        asyncio.run(cancel())
-
     def test_two_types_on_one_topic(self, asker):
         with NodeThread("_one") as one, NodeThread("_other") as other:  # Fast DDS refuses both of one participant
             one.node.create_publisher(String, "/both", 1)
