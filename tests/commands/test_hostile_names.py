@@ -67,7 +67,6 @@ def hostile(domain):
     [
         ("topic list -t", 0, [r"/type1 [a\n/forged [\u202egpj", "//x [std_msgs/msg/String]"]),
         ("topic info -v /1abc", 0, ["Publisher count: 1", f"Node name: {escape_name(ESCAPES)}"]),
-        ("topic info /type0", 0, [f"Type: {escape_name(ESCAPES)}/msg/X"]),
         (f"topic echo --once {JOINTS}", 0, [f"- {LONG[:128]}..."]),
         ("topic echo /type0", 1, [f"The message type '{escape_name(ESCAPES)}/msg/X' is invalid"]),
         ("node list", 0, [escape_name(full_name(*names)) for names in NODES]),

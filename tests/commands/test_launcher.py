@@ -155,7 +155,6 @@ def test_asked_to_stop_it_stops_all_and_who_does_not_is_killed(machine, launch_f
     [
         ('cwd=\'FileNotFoundError(2, "No such file", "/nowhere")\'', "[Errno 2] No such file: '/nowhere'"),
         ("cwd='ValueError(\"embedded null byte\")'", "embedded null byte"),
-        ("cwd='TypeError(\"expected str\")'", "expected str"),
         ("additional_env=5", "'int' object is not a mapping"),
     ],
 )

@@ -27,7 +27,6 @@ class TankController(SimpleController):
         ("run step3 --duration nan", 2, "'nan' is not a number."),
         ("run step3 --headless --duration 0.1 --report /dev/null/x", 1, "the report /dev/null/x/tank.json cannot be"),
         ("run step3 --durration 1", 2, "No such option '--durration'. Did you mean '--duration'?"),
-        ("joy --drive tuor", 1, "there is no drive 'tuor'. Did you mean 'tour'?"),
         ("run step3 --headless --ros-args -r garbage", 1, "Couldn't parse remap rule: '-r garbage'"),
         ("topic echo x//y", 1, "topic name"),
         ("topic pub /x std_msgs/msg/String data", 1, "The passed value needs to be a dictionary in YAML format\n"),

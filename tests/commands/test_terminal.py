@@ -15,13 +15,15 @@ from tutorial.commands.terminal import prepare_output
 from tutorial.printing import say
 
 INT, TERM, HUP = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
-IN_C = (
-    "    def configure(self, config):\n"
-    "        import mujoco\n"
-    "        model = mujoco.MjModel.from_xml_string('<mujoco/>')\n"
-    "        print('stuck', flush=True)\n"
-    "        mujoco.mj_step(model, mujoco.MjData(model), nstep=2**31 - 1)\n"
-)
+STUCK = """import mujoco
+from tutorial.controller import SimpleController
+class JointStateSubscriber(SimpleController):
+    def configure(self, config):
+        model = mujoco.MjModel.from_xml_string('<mujoco/>')
+        print('stuck', flush=True)
+        mujoco.mj_step(model, mujoco.MjData(model), nstep=2**31 - 1)
+"""
+"""In C."""
 
 
 def test_what_the_terminal_has_no_characters_for_is_an_escape(monkeypatch):
@@ -65,8 +67,7 @@ def test_a_closed_terminal_asks_unless_nohup_was_there_before(monkeypatch, befor
 @pytest.mark.process
 def test_the_second_signal_ends_a_run_whose_main_thread_is_stuck(program, tmp_path):
     path = tmp_path / "mine.py"
-    base = "from tutorial.controller import SimpleController\nclass JointStateSubscriber(SimpleController):\n"
-    path.write_text(base + IN_C)
+    path.write_text(STUCK)
     running = program("run", "step3", "--headless", "--controller", path)
     running.says("stuck")
     for number in (TERM, INT):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
+from contextlib import nullcontext
 from functools import partial
 from unittest.mock import Mock
 
@@ -65,13 +66,10 @@ def test_a_coroutine_function_is_left_to_rclpy(node, backend):
     async def on_words(message):
         got.append(message.data)
 
-    if backend == "pocket":
-        with pytest.raises(ImportError, match="coroutine"):
-            node.create_subscription(String, "words", on_words, 1)
-        return
-    node.create_subscription(String, "words", on_words, 1)
-    send(node.create_publisher(String, "words", 1), 1, "a")
-    until(lambda: got == ["a"], "the callback")
+    with pytest.raises(ImportError, match="coroutine") if backend == "pocket" else nullcontext():
+        node.create_subscription(String, "words", on_words, 1)
+        send(node.create_publisher(String, "words", 1), 1, "a")
+        until(lambda: got == ["a"], "the callback")
 
 
 def test_what_is_created_is_rclpys(node):

@@ -278,8 +278,10 @@ ENDLESS = """CREATE VIEW messages AS
     ("script", "said"),
     [
         ("CREATE TABLE x(y)", "no such table: topics"),
-        (f"{TABLES}INSERT INTO messages VALUES (1, 1, 'now', 2)", "a row in it is no message"),
-        (f"{TABLES}INSERT INTO messages VALUES (1, 1, -5, 2), (2, 7, 0, x'00')", "a row in it is no message"),
+        (
+            f"{TABLES}INSERT INTO messages VALUES (1, 1, 'now', 2), (2, 1, -5, 2), (3, 7, 0, x'00')",
+            "a row in it is no message",
+        ),
         (f"{TABLES}DROP TABLE messages; {ENDLESS}", "not authorized"),
         (f"{TABLES}INSERT INTO messages VALUES (1, 1, 0, zeroblob({2**27 + 1}))", "string or blob too big"),
     ],
