@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from unittest.mock import Mock
+
 import pytest
 
 from tutorial.commands import doctor
@@ -14,24 +16,6 @@ LIBCRYPTO, VULKAN = TutorialError("ImportError: libcrypto.so.3"), TutorialError(
 OTHERS = "all machines of this network"
 
 
-@pytest.fixture
-def machine(monkeypatch):
-    """Set up a machine: its variables, whether it has a real rclpy, and what a process of its own answers."""
-
-    def machine(is_real, answer, **environment):
-        def answered(_question):
-            if isinstance(answer, Exception):
-                raise answer
-            return answer
-
-        monkeypatch.setattr(doctor.os, "environ", environment)
-        monkeypatch.setattr(doctor, "ask", answered)
-        wanted = environment.get("TUTORIAL_ROS", "rclpy" if is_real else "pocket")
-        monkeypatch.setattr(doctor, "ros_backend", lambda: wanted)
-
-    return machine
-
-
 @pytest.mark.parametrize(
     ("probe", "is_real", "answer", "environment", "level", "said", "mend"),
     [
@@ -40,6 +24,8 @@ def machine(monkeypatch):
         ("mujoco", False, ["4.0", ["no EGL", "libegl1"]], {}, "note", "all else works: no EGL", "libegl1"),
         ("mujoco", False, ["4.0", None], {}, "ok", "4.0, which renders", ""),
         ("backend", False, RCLPY, {}, "ok", "the pocket ROS 2, on Cyclone DDS, because this Python finds no", ""),
+        ("backend", False, RCLPY, JAZZY | {"TUTORIAL_ROS": "pocket"}, "ok", "because TUTORIAL_ROS=pocket", ""),
+        ("backend", False, LIBCRYPTO, {}, "problem", "libcrypto", "cyclonedds"),
         ("backend", False, RCLPY, JAZZY, "note", "ROS 2 jazzy is set up", "--system-site-packages"),
         ("backend", True, RCLPY, JAZZY, "ok", "ROS 2 jazzy, because this Python finds it: rclpy 7.1.3, /opt", ""),
         ("backend", True, RCLPY, {"ROS_DISTRO": "humble"}, "note", "made for jazzy", ". /opt/ros/jazzy/setup.bash"),
@@ -54,8 +40,10 @@ def machine(monkeypatch):
         ("domain", False, LIBCRYPTO, {}, "problem", "a node cannot be made in domain 0: ImportError", "ROS 2"),
     ],
 )
-def test_what_there_is_is_found(machine, probe, is_real, answer, environment, level, said, mend):
-    machine(is_real, answer, **environment)
+def test_what_there_is_is_found(monkeypatch, probe, is_real, answer, environment, level, said, mend):
+    monkeypatch.setattr(doctor.os, "environ", environment)
+    monkeypatch.setattr(doctor, "ask", Mock(side_effect=[answer]))  # in a process of its own
+    monkeypatch.setattr(doctor, "ros_backend", lambda: "rclpy" if is_real else "pocket")
     found = getattr(doctor, probe)()
     assert found.level == level
     assert said in found.text

@@ -186,6 +186,7 @@ JOYS = "sensor_msgs/msg/Joy"
     [
         (JOYS, "{header: {stmp: 1}}", "'Header' object has no attribute 'stmp'"),
         (JOYS, "{axes: [a]}", "must be real number, not str"),
+        (JOYS, "{header: atuo}", "Value 'atuo' is expected to be a dictionary but is a str"),
         ("std_msgs/msg/Float64", "{data: null}", "Value 'None' is expected to be a dictionary but is a NoneType"),
         ("sensor_msgs/msg/Imu", "{orientation_covariance: [1.0]}", "The 'orientation_covariance' "),
         ("diagnostic_msgs/msg/DiagnosticStatus", "{values: [{ky: a}]}", "'KeyValue' object has no attribute 'ky'"),

@@ -29,6 +29,7 @@ class TankController(SimpleController):
         ("run step3 --durration 1", 2, "No such option '--durration'. Did you mean '--duration'?"),
         ("run step3 --headless --ros-args -r garbage", 1, "Couldn't parse remap rule: '-r garbage'"),
         ("topic echo x//y", 1, "topic name"),
+        ("topic pub a-b std_msgs/msg/String", 1, "topic name"),
         ("topic pub /x std_msgs/msg/String data", 1, "The passed value needs to be a dictionary in YAML format\n"),
         ("topic list --ros-args --nonsense", 1, "ROS 2 does not know the arguments ['--nonsense']\n"),
         ("urdf tnak", 1, "there is no model 'tnak'. Did you mean 'tank'?"),

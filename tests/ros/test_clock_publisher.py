@@ -20,11 +20,6 @@ SIM_TIME = ("--ros-args", "-p", "use_sim_time:=true")
 STEP = 1_000_000  # [ns]
 
 
-def clock_subscription(node):
-    (found,) = [each for each in node.subscriptions if each.topic_name == "/clock"]
-    return found
-
-
 @pytest.fixture
 def project(domain):
     return replace(Project.load(find_project("step2")), clock=True)
@@ -44,7 +39,8 @@ def test_a_program_publishes_its_time_whichever_bodies_go(project):
     async def scenario():
         viewing = Project.load(find_project("step3"))
         async with Host(project) as simulating, Host(viewing, (*SIM_TIME, "-r", "__node:=viewer")) as viewer:
-            clock, subscription = viewer.node.get_clock(), clock_subscription(viewer.node)
+            clock = viewer.node.get_clock()
+            (subscription,) = (each for each in viewer.node.subscriptions if each.topic_name == "/clock")
             until(lambda: subscription.get_publisher_count() and simulating.node.count_subscribers("/clock"), "both")
             for name in ("Labo", "Tank"):
                 simulating.remove(name)

@@ -77,6 +77,9 @@ def test_what_is_created_is_rclpys(node):
     subscription = node.create_subscription(msg_type=String, topic="words", callback=print, qos_profile=1)
     assert publisher in node.publishers
     assert subscription in node.subscriptions
+    with pytest.raises(TypeError):
+        publisher.publish("a")
+    assert node.meters[0].count == 0
 
 
 @pytest.mark.parametrize("failure", [SystemExit, KeyboardInterrupt, GeneratorExit, ValueError])
