@@ -18,7 +18,7 @@ ESCAPES = "\x1b[2J\x1b]0;mine\x07"
 BACKWARDS = "\u202egpj.exe"
 FORGED = "a\r\n/forged\u2028\x85b"
 LONG = "n" * 250
-TEXTS = (ESCAPES, BACKWARDS, FORGED, "<b>x</b>", "\ufeff\x7f\x9b31m\t", LONG)
+TEXTS = (FORGED, ESCAPES, BACKWARDS, "<b>x</b>", "\ufeff\x7f\x9b31m\t", LONG)
 """What the joints and the nodes are called; the first node has all publishers."""
 NODES = (*((text, "/") for text in TEXTS), ("plain", "no_slash"), ("a/b", "//x/"), ("1abc", "/"), ("", ""))
 TOPICS = {
@@ -66,12 +66,12 @@ def hostile(domain):
     ("command", "status", "lines"),
     [
         ("topic list -t", 0, [r"/type1 [a\n/forged [\u202egpj", "//x [std_msgs/msg/String]"]),
-        ("topic info -v /1abc", 0, ["Publisher count: 1", f"Node name: {escape_name(ESCAPES)}"]),
+        ("topic info -v /1abc", 0, ["Publisher count: 1", f"Node name: {escape_name(FORGED)}"]),
         (f"topic echo --once {JOINTS}", 0, [f"- {LONG[:128]}..."]),
         ("topic echo /type0", 1, [f"The message type '{escape_name(ESCAPES)}/msg/X' is invalid"]),
         ("node list", 0, [escape_name(full_name(*names)) for names in NODES]),
         pytest.param("doctor", None, ["\npackages   ok ", r"/forged\u2028\x85b"], marks=pytest.mark.process),
-        ("run step3 --headless --duration 3", 0, [f"unknown {ESCAPES!r}, {BACKWARDS!r}, {FORGED!r} and 3 more"]),
+        ("run step3 --headless --duration 3", 0, [f"unknown {FORGED!r}, {ESCAPES!r}, {BACKWARDS!r} and 3 more"]),
     ],
 )
 def test_a_command_prints_names_and_texts_without_obeying_them(hostile, tank, command, status, lines):

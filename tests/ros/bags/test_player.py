@@ -145,7 +145,7 @@ def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, he
 def test_its_publishers_offer_what_was_offered_then(nodes, heard, tmp_path):
     """And they are gone when it has ended, as it can be also between two messages with centuries in between."""
     late = []
-    with playing(Player(nodes[0], make(tmp_path / "bag", count=3, last=7e9), rate=1e-9)):
+    with playing(Player(nodes[0], make(tmp_path / "bag", count=2, last=7e9), rate=1e-9)):
         until(lambda: texts(heard, "/b"), "the first message on /b")
         offers = {topic: nodes[0].get_publishers_info_by_topic(topic)[0].qos_profile for topic in ("/a", "/b")}
         durability = {topic: qos.durability for topic, qos in offers.items()}
