@@ -6,34 +6,58 @@
 from __future__ import annotations
 
 import os
+import shlex
 import statistics
-from collections.abc import Callable, Iterator
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from pathlib import Path
 
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
 from cell_view import cell_frame
 from costs import import_time, joint_matching, simulation_loop
-from processes import REAL, measured
 from tables import console, show
 
 from tutorial.ros.domains import reserved_domain
 
 ROUNDS = 5
+REAL = shlex.split(os.environ.get("TANK_REAL_ROS2", ""))
+"""A command that runs another one with a real ROS 2, where there is one."""
 
-Pair = tuple[Callable[[], float], Callable[[], float] | None]
+
+Pair = tuple[Callable[[], float], Callable[[], float]]
 
 
-def measure(pair: Pair) -> tuple[float, float | None]:
+def measure(pair: Pair) -> list[float]:
     """Return the medians of ours and of the reference, taken in turns."""
     ours, reference = pair
-    mine, others = [], []
-    for _ in range(ROUNDS):
-        mine.append(ours())
-        if reference is not None:
-            others.append(reference())
-    return statistics.median(mine), statistics.median(others) if others else None
+    taken = [(ours(), reference()) for _ in range(ROUNDS)]
+    return [statistics.median(each) for each in zip(*taken)]
+
+
+def measured(program: str, *how: str, by: Sequence[str] = (), published_by: Sequence[str] | None = None) -> float:
+    """Run ``program publish`` and ``program subscribe``, and return what the latter prints [s].
+
+    Args:
+        program: the file's name.
+        how: further arguments of both.
+        by: a command that runs others, such as `REAL`.
+        published_by: the same for the publisher; None for that of both.
+    """
+    command = [sys.executable, str(Path(__file__).with_name(program))]
+    publishing = [*(by if published_by is None else published_by), *command, "publish", *how]
+    with (
+        subprocess.Popen(publishing) as publisher,
+        subprocess.Popen([*by, *command, "subscribe", *how], stdout=subprocess.PIPE, text=True) as subscriber,
+    ):
+        try:
+            return float(subscriber.communicate(timeout=120)[0])
+        finally:
+            subscriber.kill()
+            publisher.kill()
 
 
 def traffic(pace: str, real: bool) -> Pair:
@@ -60,7 +84,7 @@ def rows() -> Iterator[tuple[str, Pair, str, str]]:
         yield "the same, of 100 / with rclpy of a real ROS 2", (many, partial(many, by=REAL)), "", "ms"
     for joints in (2, 7, 40):
         yield f"joint matching / the original's index loop, {joints} joints", joint_matching(joints), "0.5", "us"
-    yield "import tutorial", import_time(), "0.5 s", "ms"
+    yield "import tutorial / a Python that imports nothing", import_time(), "0.5 s", "ms"
     yield "a frame in a cell, everything moving / meshcat's own calls to its server", cell_frame(), "0.2", "us"
 
 
@@ -73,8 +97,8 @@ def main() -> None:
             console.print(f"measuring: {name} ...", style="dim")
             ours, reference = measure(pair)
             scale = {"us": 1e6, "ms": 1e3}[unit]
-            compared = ("", "") if reference is None else (f"{reference * scale:.2f} {unit}", f"{ours / reference:.2f}")
-            made.append((name, f"{ours * scale:.2f} {unit}", *compared, aim))
+            figures = (f"{ours * scale:.2f} {unit}", f"{reference * scale:.2f} {unit}", f"{ours / reference:.2f}")
+            made.append((name, *figures, aim))
     show(("", "ours", "reference", "ratio", "aim"), made)
 
 

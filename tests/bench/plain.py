@@ -1,38 +1,72 @@
-"""Cyclone DDS Python alone, nothing of ROS 2, with what a `JointState` is on the wire."""
+"""Both ends with Cyclone DDS Python alone, nothing of ROS 2, and with what a `JointState` is on the wire."""
 
 import os
+from collections.abc import Callable
 from typing import Any
 
+import tutorial  # noqa: F401 - promises an rclpy, of which only Cyclone DDS's settings are taken
+
+# isort: split
 from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
 from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.idl import make_idl_struct, types
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from rclpy._domain import configuration
-from wire import HEADER, JOINT_STATE, TIME
-
-__all__ = ["DataReader", "DataWriter", "end", "message", "waitset"]
-
-kept: list[Any] = []
 
 
-def end(kind: Any) -> Any:
-    """Make a writer or a reader with the quality of service of a node's depth of 10, heard on this machine only."""
-    number = int(os.environ["ROS_DOMAIN_ID"])
-    kept.append(Domain(number, configuration()))
-    participant = DomainParticipant(number)
-    qos = Qos(Policy.Reliability.Reliable(2**63 - 1), Policy.History.KeepLast(10))
-    return kind(participant, Topic(participant, "plain", JOINT_STATE), qos)
-
-
-def message(sec: int, nanosec: int) -> Any:
-    """Make a message with a stamp."""
-    return JOINT_STATE(HEADER(TIME(sec, nanosec), ""), ["TURRET_Y", "TURRET_P"], [0.1, 0.2], [0.1, 0.2], [0.1, 0.2])
-
-
-def waitset(reader: DataReader) -> WaitSet:
-    """Make what waits for a reader's messages."""
-    made = WaitSet(reader.participant)
-    made.attach(ReadCondition(reader, ViewState.Any | InstanceState.Any | SampleState.Any))
+def struct(name: str, /, **fields: Any) -> Any:
+    """A wire type."""
+    package, _, short = name.split("/")
+    made = make_idl_struct(f"{short}_", f"{package}::msg::dds_::{short}_", fields)
+    made.__idl__.populate()
     return made
+
+
+TIME = struct("builtin_interfaces/msg/Time", sec=types.int32, nanosec=types.uint32)
+HEADER = struct("std_msgs/msg/Header", stamp=TIME, frame_id=str)
+NUMBERS = dict.fromkeys(("position", "velocity", "effort"), types.sequence[types.float64])
+JOINT_STATE = struct("sensor_msgs/msg/JointState", header=HEADER, name=types.sequence[str], **NUMBERS)
+
+number = int(os.environ["ROS_DOMAIN_ID"])
+domain = Domain(number, configuration())
+participant = DomainParticipant(number)
+ends = (
+    participant,
+    Topic(participant, "plain", JOINT_STATE),
+    Qos(Policy.Reliability.Reliable(2**63 - 1), Policy.History.KeepLast(10)),
+)
+"""What a writer and a reader are made of, with the quality of service of a node's depth of 10."""
+
+
+def publisher() -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[[], int]]:
+    """Publish: a message, what serialises it, what sends it, and how many listen."""
+    writer = DataWriter(*ends)
+    return (
+        JOINT_STATE(HEADER(TIME(0, 0), ""), [], [], [], []),
+        _serialized,
+        writer.write,
+        writer.get_matched_subscriptions,
+    )
+
+
+def subscriber(add: Callable[[Any], None]) -> Callable[[], object]:
+    """Receive with a WaitSet; return what waits for more."""
+    reader, waitset = DataReader(*ends), WaitSet(participant)
+    waitset.attach(ReadCondition(reader, ViewState.Any | InstanceState.Any | SampleState.Any))
+
+    def wait() -> None:
+        waitset.wait(100_000_000)
+        for message in reader.take(1):
+            if message.sample_info.valid_data:
+                add(message)
+
+    return wait
+
+
+def _serialized(message: Any) -> Any:
+    data = message.serialize()
+    message.serialize = lambda **_: data
+    return message

@@ -5,17 +5,13 @@ from __future__ import annotations
 import gc
 import io
 import logging
-import os
-import pty
-import subprocess
 import sys
-import termios
 import threading
 from collections.abc import Callable
-from contextlib import nullcontext, redirect_stderr, redirect_stdout, suppress
+from contextlib import nullcontext, redirect_stderr, redirect_stdout
 
 import pytest
-from programs import TANK, until
+from programs import until
 
 from tutorial.commands.tank import main
 
@@ -42,10 +38,6 @@ class Run:
     @property
     def output(self) -> str:
         return self.stdout + self.stderr
-
-    @property
-    def said(self) -> tuple[str, str, int | None]:
-        return self.stdout, self.stderr, self.status
 
     def watch(self, so: Callable[[], object], then: Callable[[], object] | None) -> None:
         """Do something once something is so: what Ctrl-C does, which comes in vain, too, for the command has to end."""
@@ -84,24 +76,5 @@ def tank(domain: int, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Run]:
         print(done.output)  # shown where the test fails
         assert "Traceback" not in done.output
         return done
-
-    return run
-
-
-@pytest.fixture
-def at_a_terminal() -> Callable[..., tuple[int, str]]:
-    """Run ``tank``, a process, at a terminal of its own; its exit status, and what it printed, with its line ends."""
-
-    def run(*words: object) -> tuple[int, str]:
-        master, slave = pty.openpty()
-        termios.tcsetwinsize(slave, (30, 200))
-        printed = b""
-        with subprocess.Popen([TANK, *words], stdin=slave, stdout=slave, stderr=slave) as process:
-            os.close(slave)
-            with suppress(OSError):  # Linux's way to say that nobody has the other end
-                while part := os.read(master, 65536):
-                    printed += part
-        os.close(master)
-        return process.returncode, printed.decode(errors="surrogateescape").replace("\r\n", "\n")
 
     return run

@@ -35,7 +35,6 @@ def match_by_name(joint_names, message):
 """
 AT_ONCE = "class HeldJoint:\n    {}\n    def aim(self, stick): 1 / 0"
 ENDLESS = "import time\n    while True: time.sleep(0.1)"  # one that works without a pause would do so for `LIMIT`
-WHEN_CALLED = "import os, shutil, sys\ndef match_by_name(joint_names, message):\n    {}"
 SHOUT = """
 import os
 
@@ -57,14 +56,6 @@ def notebook(path, *sources):
     return path
 
 
-def command_lines():
-    for process in psutil.process_iter():
-        try:
-            yield " ".join(process.cmdline())
-        except (psutil.NoSuchProcess, psutil.AccessDenied, psutil.ZombieProcess):
-            continue
-
-
 pytestmark = [pytest.mark.process, pytest.mark.timeout(320)]
 
 
@@ -75,16 +66,10 @@ def bubblewrap():
 
 @pytest.fixture(scope="module")
 def school(tmp_path_factory):
-    """A class's notebooks, in a folder beside which the teacher has files of his own."""
-    folder = tmp_path_factory.mktemp("teacher")
-    (folder / "grades.txt").write_text("all of them")
-    room = folder / "class"
-    room.mkdir()
-    notebook(room / "anna.ipynb", IMPORTS, "raise RuntimeError('no simulation')", "program.start()", RIGHT, CHECK)
+    """A class's notebooks."""
+    room = tmp_path_factory.mktemp("class")
     notebook(room / "ben.ipynb", IMPORTS, RIGHT.replace(" and math.isfinite(position)", ""), CHECK)
     notebook(room / "carl.ipynb", IMPORTS, AT_ONCE.format(ENDLESS), "await aim.check(HeldJoint)", RIGHT, CHECK)
-    notebook(room / "dora.ipynb", IMPORTS, WHEN_CALLED.format(f"shutil.rmtree({str(folder)!r})"), CHECK)
-    notebook(room / "emil.ipynb", IMPORTS, WHEN_CALLED.format("while True: print('x' * 10_000)"), CHECK)
     (room / "gina.ipynb").write_text("Dear teacher, \x1b[31m my dog has eaten it.")
     with (room / "hans.ipynb").open("wb") as file:
         file.truncate(submission.LARGEST + 1)
@@ -120,7 +105,6 @@ def judged(school, tmp_path_factory):
 
 DISTURBED = "The answer has disturbed the process that judged it."
 AIM = [
-    ("anna", "not tried", ""),
     ("carl", "not judged", f"The answer did not come to its end within {LIMIT} s."),
     ("jack", "not judged", DISTURBED),
     ("kim", "not judged", "The answer ended the process that judged it."),
@@ -147,23 +131,20 @@ def test_a_wrong_answer_has_its_cause_and_what_is_no_answer_has_none(judged):
     assert "\x1b" not in done.stdout
 
 
-def test_nothing_is_deleted_or_filled_or_left(judged, school):
-    learners, *_ = judged
-    assert (school.parent / "grades.txt").read_text() == "all of them"
-    assert {learners[learner][1]["by_name"]["verdict"] for learner in ("dora", "emil")} == {"wrong"}
-    assert len(learners["emil"][1]["by_name"]["text"]) < 10_000
-    assert not [line for line in command_lines() if SLEEPER.format(school) in line]
+def test_nothing_is_left(judged, school):
+    started = (process.info["cmdline"] or [] for process in psutil.process_iter(["cmdline"]))
+    assert not [words for words in started if SLEEPER.format(school) in words]
 
 
 def test_it_is_summed_up(judged):
     _, whole, done, junit = judged
     assert done.returncode == 1
-    assert whole["summary"][0].startswith("13 notebooks, ")
+    assert whole["summary"][0].startswith("10 notebooks, ")
     assert whole["summary"][1] == "3 notebooks could not be judged."
     assert whole["summary"][2].startswith("The most frequent cause (")
-    assert "13 of 13: " in done.stderr
+    assert "10 of 10: " in done.stderr
     suites = {suite.get("name"): suite for suite in ElementTree.parse(junit).getroot()}
-    assert len(suites) == 13
+    assert len(suites) == 10
     carl = suites["carl.ipynb"]
     assert carl[0].find("error").get("message").startswith("The answer did not come to its end")
     assert suites["ben.ipynb"].find("testcase/failure") is not None
@@ -178,23 +159,12 @@ def test_a_table_is_printed_where_all_is_right(program, tmp_path):
         assert words in running.output
 
 
-def test_there_has_to_be_a_notebook(tank, tmp_path):
-    run = tank("check", tmp_path)
-    assert (run.status, f"Error: there is no notebook in {tmp_path}" in run.stderr) == (1, True)
-
-
-def test_without_a_sandbox_the_verdicts_are_the_same_and_it_is_said(program, tmp_path):
+def test_without_a_sandbox_it_is_said_and_a_report_that_does_not_fit_on_the_disk_costs_no_verdict(program, tmp_path):
     path = notebook(tmp_path / "kim.ipynb", AT_ONCE.format("import os; os._exit(0)"), RIGHT)
-    running = program("check", path, "--no-sandbox")
+    running = program("check", path, "--no-sandbox", "--junit", "/dev/full")
     assert running.ends() == 1
     assert "2 answers: 1 right, 1 not judged" in running.output
     assert "There was no sandbox" in running.output
-
-
-def test_a_report_that_does_not_fit_on_the_disk_costs_no_verdict(program, tmp_path):
-    running = program("check", notebook(tmp_path / "nora.ipynb", RIGHT), "--junit", "/dev/full")
-    assert running.ends() == 1
-    assert "1 answer: 1 right." in running.output
     assert "Error: the JUnit report cannot be written: No space left on device." in running.output
     assert "Traceback" not in running.output
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-import subprocess
 import sys
 import threading
 
 import pytest
+from packages import run
 from programs import PATIENCE
 from sensor_msgs.msg import Joy
 
 from tutorial.commands.joystick import ScriptedDrive, publish_joystick
 from tutorial.errors import TutorialError
-from tutorial.paths import find_drive
+from tutorial.paths import HOME, find_drive
 from tutorial.ros.node_thread import NodeThread
 
 
@@ -38,12 +38,6 @@ def test_a_drive_may_repeat(drive):
     assert [repeated.read(seconds)[0] for seconds in (0.5, 1.5, 2.5, 3.5, 200.5)] == [[0.1], [0.2], [0.1], [0.2], [0.1]]
 
 
-def test_the_tour_loads_and_moves_every_stick():
-    tour = ScriptedDrive(find_drive("tour"))
-    seen = [tour.read(t / 10)[0] for t in range(150)]
-    assert all(any(axes[i] != 0 for axes in seen) for i in range(4))
-
-
 def test_it_ends_with_its_simulation_while_others_go_on_listening(domain):
     with NodeThread("joy") as joy, NodeThread("simulation") as simulation, NodeThread("bystander") as bystander:
         bystander.node.create_subscription(Joy, "joy", lambda _: None, 1)
@@ -62,11 +56,10 @@ def test_it_ends_with_its_simulation_while_others_go_on_listening(domain):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
+        ("drive:\n- {time: 1, axis: [0]}", "line 2: 'axis' is not known here. Did you mean 'axes'?"),
         ("drives: []", "line 1: 'drives' is not known here. Did you mean 'drive'?"),
         ("drive:\n- {time: 0, axes: [2]}", "line 2: drive[0].axes[0]: expected a number <= 1."),
-        ("drive:\n- {time: -1, axes: [0]}", "line 2: drive[0].time: expected a number >= 0."),
         ("drive:\n- {time: 1, axes: []}\n- {time: 1, axes: []}", "line 3: 1.0 is not later than 1.0. Put the moments"),
-        ("drive:\n- {time: 1, axis: [0]}", "line 2: 'axis' is not known here. Did you mean 'axes'?"),
     ],
 )
 def test_a_bad_drive_is_named_with_its_line_and_the_mend(drive, tmp_path, text, said):
@@ -98,7 +91,5 @@ print([round(axis, 2) for axis in axes], buttons[:2])
 @pytest.mark.skipif(sys.platform != "linux", reason="SDL's library is looked up in /proc")
 def test_a_gamepads_sticks_are_left_and_forward_positive():
     pytest.importorskip("pygame", reason="the extra 'gamepad' is not installed")
-    said = subprocess.run(
-        [sys.executable, "-W", "error", "-c", VIRTUAL_GAMEPAD], capture_output=True, text=True, timeout=60, check=False
-    )
-    assert said.stdout == "[1.0, 1.0, -0.5, -1.0, -1.0, 0.0] [1, 0]\n", said.stderr
+    said = run("-W", "error", "-c", VIRTUAL_GAMEPAD, cwd=HOME)
+    assert said.splitlines()[-1] == "[1.0, 1.0, -0.5, -1.0, -1.0, 0.0] [1, 0]"

@@ -6,18 +6,14 @@ import json
 import logging
 import re
 import shutil
-import socket
-from contextlib import closing, contextmanager
-from functools import partial
-from http.cookiejar import CookieJar
-from urllib.parse import urlsplit
-from urllib.request import HTTPCookieProcessor, Request, build_opener
+from contextlib import closing
+from urllib.request import Request
 
 import nbformat
 import pytest
 from nbformat.sign import NotebookNotary
-from programs import PATIENCE, Program, answer, until
-from websocket import WebSocketBadStatusException, create_connection
+from programs import PATIENCE, answer, until
+from websocket import create_connection
 
 from tutorial.commands import lab
 from tutorial.commands.lab import lab_command, own_course, trust
@@ -25,10 +21,8 @@ from tutorial.errors import TutorialError
 from tutorial.paths import HOME
 
 NOTEBOOKS = HOME / "notebooks"
-JUPYTERS_FOLDERS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")
 ADDRESS = re.compile(r"http://127\.0\.0\.1:(\d+)/lab/tree/notebooks/0_setup\.ipynb\?token=(\w+)")
 CODESPACE = {"CODESPACE_NAME": "animated-tank", "GITHUB_CODESPACES_PORT_FORWARDING_DOMAIN": "app.github.dev"}
-FORWARDED = "https://animated-tank-8888.app.github.dev"
 
 
 @pytest.fixture
@@ -61,93 +55,36 @@ NOWHERE = dict.fromkeys(("BROWSER", "DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NA
 NOWHERE |= dict.fromkeys(("JUPYTER_TOKEN", "JUPYTER_TOKEN_FILE", *CODESPACE), "")
 
 
-@contextmanager
-def opened(folder, *arguments, **environment):
-    """``tank lab`` where there is no browser, with more of JupyterLab's arguments, when it has said where to look."""
-    folders = {name: str(folder / name) for name in JUPYTERS_FOLDERS}
-    running = Program("lab", "--", "--ServerApp.port=0", *arguments, environment={**NOWHERE, **folders, **environment})
-    try:
-        running.says("?token=")
-        until(lambda: running.output.endswith("\n"))
-        yield running
-    finally:
-        running.clear()
-        print(running.output)
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory):
-    """One in a codespace, where its page is forwarded, and its folder."""
-    folder = tmp_path_factory.mktemp("jupyter")
-    with opened(folder, **CODESPACE) as running:
-        yield running, folder
-
-
-def address_of(running):
-    """The address that it has said."""
-    return ADDRESS.search(running.output)[0]
-
-
-def cookies_of(address):
-    """Those by which a page goes on that was opened with the token."""
-    cookies = CookieJar()
-    build_opener(HTTPCookieProcessor(cookies)).open(address).close()
-    return {cookie.name: cookie.value for cookie in cookies}
-
-
-def as_header(cookies):
-    return "; ".join(f"{name}={value}" for name, value in cookies.items())
-
-
 @pytest.mark.process
-def test_where_there_is_no_browser_it_says_what_to_open_and_trusts_the_notebooks(server):
-    """As root, too, which the tests are in a container."""
-    running, folder = server
-    with answer(address_of(running)) as page:
-        assert page.url == address_of(running)  # and not the page that asks for the token
+def test_where_there_is_no_browser_it_says_what_to_open_trusts_the_notebooks_and_ends_with_its_kernels(
+    program, own_folders
+):
+    """As root, too, which the tests are in a container. Ctrl-C ends it without a word."""
+    quick = ("--ServerApp.port=0", "--LanguageServerManager.autodetect=False")  # it asks npm where they might be
+    running = program("lab", "--", *quick, environment=NOWHERE | own_folders)
+    running.says("?token=")
+    until(lambda: ADDRESS.search(running.output), "the address")
+    address = ADDRESS.search(running.output)[0]
+    with answer(address) as page:
+        assert page.url == address  # and not the page that asks for the token
     for path in NOTEBOOKS.glob("*.ipynb"):
-        assert is_trusted(path, folder / "JUPYTER_DATA_DIR"), path
+        assert is_trusted(path, own_folders["JUPYTER_DATA_DIR"]), path
+    kernels = address.replace("/lab/tree/notebooks/0_setup.ipynb", "/api/kernels")
+    with answer(Request(kernels, data=b"{}", method="POST")) as reply:
+        channels = kernels.replace("?", f"/{json.load(reply)['id']}/channels?").replace("http", "ws")
 
+    def is_ready():
+        with answer(kernels) as reply:
+            return json.load(reply)[0]["execution_state"] == "idle"
 
-@pytest.mark.process
-def test_in_a_codespace_the_forwarded_page_reaches_its_server_and_no_other_does(server):
-    address = address_of(server[0])
-    events, cookies = address.partition("/lab/")[0] + "/api/events/subscribe", as_header(cookies_of(address))
-    connect = partial(create_connection, events.replace("http", "ws"), PATIENCE, cookie=cookies)
-    connect(origin=FORWARDED).close()
-    for origin in ("https://another-tank-8888.app.github.dev", f"{FORWARDED}.example"):
-        with pytest.raises(WebSocketBadStatusException, match="403 Forbidden"):
-            connect(origin=origin)
-
-
-@pytest.mark.process
-def test_what_is_larger_than_any_notebook_is_not_read(server):
-    url = urlsplit(address_of(server[0]))
-    head = f"PUT /api/contents/x.txt HTTP/1.1\r\nHost: {url.netloc}\r\nContent-Length: 89000000\r\n\r\n"
-    with socket.create_connection(("127.0.0.1", url.port), timeout=PATIENCE) as connection:
-        connection.sendall(head.encode())
-        assert connection.makefile().readline().strip() == "HTTP/1.1 400 Bad Request"
-
-
-@pytest.mark.process
-def test_ctrl_c_ends_it_and_its_kernels_without_a_word(tmp_path):
-    with opened(tmp_path, "--LanguageServerManager.autodetect=False") as running:  # it asks npm where they might be
-        said, (before, _, after) = list(running.lines), address_of(running).partition("/lab/")
-        kernels = f"{before}/api/kernels?{after.partition('?')[2]}"
-        with answer(Request(kernels, data=b"{}", method="POST")) as reply:
-            channels = kernels.replace("?", f"/{json.load(reply)['id']}/channels?").replace("http", "ws")
-
-        def is_ready():
-            with answer(kernels) as reply:
-                return json.load(reply)[0]["execution_state"] == "idle"
-
-        with closing(create_connection(channels, PATIENCE)):
-            until(is_ready, "the kernel")
-        assert len(running.family()) == 2
-        running.asks_to_stop()
-        assert running.ends() == 0
-        assert [line for line in running.lines if not line.startswith("[IPKernelApp]")] == said
-        running.leaves_nothing()
+    with closing(create_connection(channels, PATIENCE)):
+        until(is_ready, "the kernel")
+    assert len(running.family()) == 2
+    said = len(running.lines)
+    running.asks_to_stop()
+    assert running.ends() == 0
+    assert [line for line in running.lines[said:] if not line.startswith("[IPKernelApp]")] == []
+    running.leaves_nothing()
 
 
 def test_what_jupyterlab_is_told(tmp_path, monkeypatch):
@@ -157,11 +94,27 @@ def test_what_jupyterlab_is_told(tmp_path, monkeypatch):
     assert told[1] == "-P"  # no Python file that lies about is run
     assert told[-1] == "--no-browser"  # the last word is the user's
     assert {"--ServerApp.ip=127.0.0.1", f"--ServerApp.root_dir={tmp_path}", "--ServerApp.allow_origin_pat="} < {*told}
-    assert "--ServerApp.use_redirect_file=True" in told
+    assert {"--ServerApp.use_redirect_file=True", "--ServerApp.max_body_size=64000000"} < {*told}
     monkeypatch.setenv("WSL_DISTRO_NAME", "Ubuntu")  # where the browser cannot open this machine's files
-    monkeypatch.setenv("CODESPACE_NAME", "animated-tank")  # and no domain
-    told = lab_command()
-    assert {"--ServerApp.use_redirect_file=False", "--ServerApp.allow_origin_pat="} < {*told}
+    assert "--ServerApp.use_redirect_file=False" in lab_command()
+
+
+def test_in_a_codespace_the_forwarded_page_reaches_its_server_and_no_other_does(monkeypatch):
+    pages = (
+        "animated-tank-8888.app.github.dev",
+        "another-tank-8888.app.github.dev",
+        "animated-tank-1.app.github.dev.me",
+    )
+
+    def reaching():
+        (pattern,) = (word.partition("=")[2] for word in lab_command() if "allow_origin_pat" in word)
+        return [page for page in pages if re.fullmatch(pattern, f"https://{page}")]
+
+    for name, value in CODESPACE.items():
+        monkeypatch.setenv(name, value)
+    assert reaching() == [pages[0]]
+    monkeypatch.setenv("CODESPACE_NAME", "")
+    assert reaching() == []
 
 
 def test_only_what_is_there_now_is_trusted(tmp_path):

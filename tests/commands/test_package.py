@@ -72,10 +72,9 @@ def test_a_viewer_is_called_one_and_its_messages_are_declared(here):
     assert depends(here / "my_viewer") == {"geometry_msgs", "python3-numpy", "rclpy", "ros2launch", "sensor_msgs"}
 
 
-@pytest.mark.parametrize("arguments", [[], ["--controller", "mine.py:TankController"]])
-def test_catkin_pkg_reads_it_without_a_complaint(here, arguments):
+def test_catkin_pkg_reads_it_without_a_complaint(here):
     rep149 = pytest.importorskip("catkin_pkg.package", reason="catkin_pkg is not installed: make install installs it")
-    make("my_tank", *arguments)
+    make("my_tank", "--controller", "mine.py:TankController")
     complaints = []
     found = rep149.parse_package(str(here / "my_tank"), warnings=complaints)
     assert complaints == []
@@ -120,8 +119,6 @@ def test_its_node_runs_the_learners_controller_and_takes_what_tank_run_takes(her
     ("name", "said"),
     [
         ("My-Tank", "'My-Tank' cannot be a package's name. Did you mean 'my_tank'? Use lowercase letters, digits"),
-        ("2nd_tank", "Did you mean 'nd_tank'?"),
-        ("my__tank", "Did you mean 'my_tank'?"),
         ("x", "two characters at least"),
         ("tank\x1b[2J", r"'tank\\x1b[2J' cannot be"),
         ("lambda", "Python has a module, or a keyword, 'lambda' already"),

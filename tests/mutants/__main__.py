@@ -19,11 +19,9 @@ import forks
 from equivalent_mutants import EQUIVALENT, EXERCISES
 from mutation import Mutant, mutants_of, rejects
 from tables import console, show
-from tqdm import tqdm
 
 from tutorial.checks import _contain
 from tutorial.checks.exercise import Exercise
-from tutorial.commands.terminal import INTERRUPTED
 
 REQUIRED = 0.98  # of an exercise's mutants are rejected or equivalent
 LIMIT = 60.0  # [s] that one may take; whoever gives no verdict by then has not rejected it
@@ -32,27 +30,21 @@ JOBS = 2
 Outcome = dict[Mutant, bool]  # whether it is rejected
 
 
-async def judge_all(asked: Sequence[Exercise], outcomes: dict[str, Outcome]) -> None:
-    """Judge every mutant of some exercises, some at a time, with a progress bar.
-
-    Args:
-        asked: the exercises.
-        outcomes: by exercise, what has come of it; filled as it comes.
-    """
-    mutants = [(exercise, mutant) for exercise in asked for mutant in mutants_of(exercise)]
+async def judge_all(asked: Sequence[Exercise]) -> dict[str, Outcome]:
+    """Judge every mutant of some exercises, some at a time; return by exercise what has come of it."""
     turn = asyncio.Semaphore(JOBS)
-    terminal = sys.stderr.isatty()
-    with tqdm(total=len(mutants), unit="mutant", mininterval=0.1 if terminal else 30.0, ascii=" =") as bar:
 
-        async def judge_one(exercise: Exercise, mutant: Mutant) -> None:
-            async with turn:
-                rejected = await rejects(exercise, mutant, LIMIT)
-                outcomes.setdefault(exercise.name, {})[mutant] = rejected
-            bar.update()
+    async def judge_one(exercise: Exercise, mutant: Mutant) -> bool:
+        async with turn:
+            return await rejects(exercise, mutant, LIMIT)
 
-        async with asyncio.TaskGroup() as group:
-            for exercise, mutant in mutants:
-                group.create_task(judge_one(exercise, mutant))
+    outcomes = {}
+    for exercise in asked:
+        mutants = mutants_of(exercise)
+        console.print(f"{exercise.name}: {len(mutants)} mutants", style="dim")
+        rejected = await asyncio.gather(*(judge_one(exercise, mutant) for mutant in mutants))
+        outcomes[exercise.name] = dict(zip(mutants, rejected))
+    return outcomes
 
 
 def show_all(outcomes: dict[str, Outcome]) -> int:
@@ -79,14 +71,7 @@ def show_all(outcomes: dict[str, Outcome]) -> int:
 def main(names: tuple[str, ...]) -> None:
     """Do what the command line asks for, and exit with its status."""
     _contain._start = forks.start  # type: ignore[assignment]
-    outcomes: dict[str, Outcome] = {}
-    try:
-        asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES], outcomes))
-    except KeyboardInterrupt:
-        console.print("stopped; so far:")
-        show_all(outcomes)
-        sys.exit(INTERRUPTED)
-    sys.exit(show_all(outcomes))
+    sys.exit(show_all(asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES]))))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,11 @@
-"""What is counted about topics, while they go on."""
+"""A node that counts, on a thread of its own: in everything that its program sees it is rclpy's."""
 
 from __future__ import annotations
 
 import sys
 import threading
+from contextlib import nullcontext
+from functools import partial
 from unittest.mock import Mock
 
 import pytest
@@ -13,6 +15,88 @@ from std_msgs.msg import String
 
 from tutorial.record import make_record
 from tutorial.ros.node_thread import NodeThread, TopicMeter
+
+
+@pytest.fixture
+def thread(domain):
+    with NodeThread("tank") as thread:
+        yield thread
+
+
+@pytest.fixture
+def node(thread):
+    return thread.node
+
+
+def send(publisher, count, *texts):
+    """Publish once so many subscriptions have been found."""
+    until(lambda: publisher.get_subscription_count() == count, "the match")
+    for text in texts:
+        publisher.publish(String(data=text))
+
+
+def test_a_callback_gets_the_message_alone_if_it_can_do_with_that(node):
+    got = []
+    callbacks = [
+        lambda message: got.append(("one", message.data)),
+        lambda message, name="default": got.append((name, message.data)),
+        lambda *arguments: got.append(("any", len(arguments))),
+        partial(lambda name, message: got.append((name, message.data)), "partial"),
+        lambda message, info: got.append(("two", message.data, sorted(info)[-1])),
+    ]
+    for callback in callbacks:
+        node.create_subscription(String, "words", callback, 1)
+    send(node.create_publisher(String, "words", 1), len(callbacks), "a")
+    until(lambda: len(got) == len(callbacks), "all of them to be called")
+    wanted = [("any", 1), ("default", "a"), ("one", "a"), ("partial", "a"), ("two", "a", "source_timestamp")]
+    assert sorted(got) == wanted
+
+
+@pytest.mark.parametrize("callback", [lambda: 0, lambda message, *, info: 0, partial(lambda message: 0, "")])
+def test_a_callback_that_takes_something_else_is_refused_and_leaves_nothing(node, callback):
+    before = list(node.subscriptions)
+    with pytest.raises(RuntimeError, match="callback should be either be callable with one argument"):
+        node.create_subscription(String, "words", callback, 1)
+    assert (list(node.subscriptions), node.meters) == (before, [])
+
+
+def test_a_coroutine_function_is_left_to_rclpy(node, backend):
+    got = []
+
+    async def on_words(message):
+        got.append(message.data)
+
+    with pytest.raises(ImportError, match="coroutine") if backend == "pocket" else nullcontext():
+        node.create_subscription(String, "words", on_words, 1)
+        send(node.create_publisher(String, "words", 1), 1, "a")
+        until(lambda: got == ["a"], "the callback")
+
+
+def test_what_is_created_is_rclpys(node):
+    publisher = node.create_publisher(msg_type=String, topic="words", qos_profile=1)
+    subscription = node.create_subscription(msg_type=String, topic="words", callback=print, qos_profile=1)
+    assert publisher in node.publishers
+    assert subscription in node.subscriptions
+    with pytest.raises(TypeError):
+        publisher.publish("a")
+    assert node.meters[0].count == 0
+
+
+@pytest.mark.parametrize("failure", [SystemExit, KeyboardInterrupt, GeneratorExit, ValueError])
+def test_whatever_a_callback_raises_is_seen_and_the_node_goes_on(thread, caplog, failure):
+    heard = Mock(side_effect=[failure, None])
+    thread.node.create_subscription(String, "words", lambda message: heard(message.data), 10)
+    send(thread.node.create_publisher(String, "words", 10), 1, "first", "second")
+    until(lambda: [call.args for call in heard.mock_calls] == [("first",), ("second",)], "both messages")
+    assert isinstance(thread.error, failure)
+    assert "a callback of the node 'tank' failed; the others go on" in caplog.text
+
+
+def test_a_node_that_its_program_has_destroyed_can_be_closed(thread):
+    thread.node.create_subscription(String, "words", print, 1)
+    thread.node.destroy_node()
+    thread.close()
+    assert not thread._thread.is_alive()
 
 
 @pytest.fixture
@@ -40,13 +124,10 @@ def many_switches():
     sys.setswitchinterval(interval)
 
 
-def test_without_an_answer_a_node_counts_itself(domain, monkeypatch):
+def test_without_an_answer_a_node_counts_itself(thread, monkeypatch):
     """A real ROS 2 names no node while another's name is empty."""
-
-    fail = Mock(side_effect=RuntimeError("Failed to get node names: empty node name returned by the RMW layer"))
-    with NodeThread("tank") as thread:
-        monkeypatch.setattr(thread.node, "get_node_names_and_namespaces", fail)
-        assert thread.namesakes() == 1
+    monkeypatch.setattr(thread.node, "get_node_names_and_namespaces", Mock(side_effect=RuntimeError))
+    assert thread.namesakes() == 1
 
 
 @pytest.mark.usefixtures("many_switches")
@@ -88,32 +169,23 @@ def test_a_callback_that_does_not_return_does_not_hold_whoever_closes(domain, mo
         until(lambda: "stuck" not in other.node.get_node_names(), "its leaving after all")
 
 
-def test_a_topic_that_a_node_publishes_and_receives_is_counted_both_ways(domain):
-    with NodeThread("echo") as thread:
-        publisher = thread.node.create_publisher(String, "words", 10)
-        thread.node.create_subscription(String, "words", lambda message: None, 10)
-        until(publisher.get_subscription_count, "the match")
-        for _ in range(3):
-            publisher.publish(String())
-        until(lambda: all(meter.count == 3 for meter in thread.node.meters), "the messages")
-        counts = make_record("echo", 1.0, thread.node.meters)["topics"]["/words"]
+def test_a_topic_that_a_node_publishes_and_receives_is_counted_both_ways(node):
+    publisher = node.create_publisher(String, "words", 10)
+    node.create_subscription(String, "words", lambda message: None, 10)
+    send(publisher, 1, "a", "b", "c")
+    until(lambda: all(meter.count == 3 for meter in node.meters), "the messages")
+    counts = make_record("echo", 1.0, node.meters)["topics"]["/words"]
     assert (counts["published"], counts["received"]) == (3, 3)
     assert counts["latency_ms"]["median"] is not None
 
 
-def test_joint_states_that_are_only_kept_are_not_waited_for_by_a_view(domain):
-    with NodeThread("viewer") as thread:
-        for raw in (False, True):
-            thread.node.create_subscription(JointState, "/Tank/joint_state", print, 1, raw=raw)
-        assert [(meter.raw, meter.brings_joint_states) for meter in thread.node.meters] == [
-            (False, True),
-            (True, False),
-        ]
+def test_joint_states_that_are_only_kept_are_not_waited_for_by_a_view(node):
+    for raw in (False, True):
+        node.create_subscription(JointState, "/Tank/joint_state", print, 1, raw=raw)
+    assert [(meter.raw, meter.brings_joint_states) for meter in node.meters] == [(False, True), (True, False)]
 
 
-def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):
-    thread = NodeThread("interrupted")
-
+def test_closing_goes_on_where_it_was_interrupted(thread, monkeypatch):
     def interrupted(_timeout):
         monkeypatch.undo()
         raise KeyboardInterrupt
@@ -126,28 +198,25 @@ def test_closing_goes_on_where_it_was_interrupted(domain, monkeypatch):
     assert not thread._context.ok()
 
 
-def test_what_fails_again_and_again_in_the_same_words_is_said_now_and_then(domain, caplog, monkeypatch):
+def test_what_fails_again_and_again_in_the_same_words_is_said_now_and_then(node, caplog, monkeypatch):
     monkeypatch.setattr("tutorial.ros.node_thread.COMPLAIN_EVERY", PATIENCE)
     fail = Mock(side_effect=ValueError)
-    with NodeThread("fails") as thread:
-        thread.node.create_timer(0.001, fail)
-        until(lambda: fail.call_count > 3, "some failures")
-    assert caplog.text.count("a callback of the node 'fails' failed; the others go on") == 1
+    node.create_timer(0.001, fail)
+    until(lambda: fail.call_count > 3, "some failures")
+    assert caplog.text.count("a callback of the node 'tank' failed; the others go on") == 1
 
 
 @pytest.mark.usefixtures("many_switches")
-def test_what_is_destroyed_while_the_executor_looks_around_is_no_failure(domain, caplog):
-    with NodeThread("spins") as thread:
-        for _ in range(500):
-            thread.node.destroy_publisher(thread.node.create_publisher(String, "words", 1))
-            thread.node.destroy_subscription(thread.node.create_subscription(String, "words", print, 1))
-        assert thread.error is None, caplog.text
+def test_what_is_destroyed_while_the_executor_looks_around_is_no_failure(thread, caplog):
+    for _ in range(500):
+        thread.node.destroy_publisher(thread.node.create_publisher(String, "words", 1))
+        thread.node.destroy_subscription(thread.node.create_subscription(String, "words", print, 1))
+    assert thread.error is None, caplog.text
 
 
-def test_what_was_destroyed_behind_the_nodes_back_is_told(domain, backend):
+def test_what_was_destroyed_behind_the_nodes_back_is_told(thread, backend):
     if backend == "pocket":
         pytest.skip("the pocket executor goes on without it; what it says of it is another test's")
-    with NodeThread("spins") as thread:
-        thread.node.create_subscription(String, "words", print, 1).destroy()
-        until(lambda: thread.error, "the executor's complaint")
-        assert str(thread.error) == "cannot use Destroyable because destruction was requested"
+    thread.node.create_subscription(String, "words", print, 1).destroy()
+    until(lambda: thread.error, "the executor's complaint")
+    assert str(thread.error) == "cannot use Destroyable because destruction was requested"

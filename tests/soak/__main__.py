@@ -1,26 +1,25 @@
 """A thousand messages a second for a while, between two processes: what is lost, how late it is, and whether memory
 stays flat; then the same into the viewer of step 3, whose queue must not grow; then into a bag.
 
-``make soak`` runs it. Its exit status is 1 if something does not hold; below the tables it says what.
+``make soak`` runs it, and prints what both ends have counted: the rate [1/s], how late messages were, from publication
+to callback, median and worst hundredth [ms], and how much memory has grown after a warm-up [MB]. Best effort may lose
+messages, and so may the viewer: its subscription keeps the newest. The exit status is 1 if something does not hold; in
+the end it says what.
 """
 
 from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import tutorial  # noqa: F401 - promises an rclpy
 
 # isort: split
-from harness import GROWTH, MEMORY, WARM_UP, above, python, soak
-from tables import console, show
+from harness import GROWTH, MEMORY, above, python, soak
+from tables import console
 from traffic import PATIENCE, RATE
-
-from tutorial.commands.terminal import progress_bar
 
 TRAFFIC = Path(__file__).with_name("traffic.py")
 OTHER_ENDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "show", "bag": "record"}
@@ -28,27 +27,28 @@ OTHER_ENDS = {"reliable": "subscribe", "best effort": "subscribe", "hand-off": "
 BACKLOG = 100  # calls that may wait for the viewer's main thread, in the median of a third: a tenth of a second's
 RATE_BOUND = 0.99 * RATE
 
-Result = dict[str, Any]
+Result = dict[str, float]
 
 
-def run(kind: str, seconds: float) -> tuple[str, Result, Result]:
-    """Run a publisher and another end for a while; return the kind, and what both have said.
+def run(kind: str, seconds: float) -> tuple[Result, Result]:
+    """Run a publisher and another end for a while; print and return what both have said.
 
     Raises:
         SystemExit: one of them has failed, or does not end.
     """
     console.print(f"{kind}, {seconds} s:")
-    with progress_bar(seconds) as progress, ExitStack() as stack:
-        ends = [stack.enter_context(python(TRAFFIC, role, kind, seconds)) for role in ("publish", OTHER_ENDS[kind])]
-        stack.callback(lambda: [end.stdin.close() for end in ends])  # both are asked before either is waited for
-        began = time.monotonic()
-        while any(end.poll() is None for end in ends):
-            progress(time.monotonic() - began)
-            if any(end.poll() for end in ends) or time.monotonic() - began > 3 * seconds + 2 * PATIENCE:
-                raise SystemExit(f"{kind}: a process has failed, or should have ended long ago; see above")
+    with python(TRAFFIC, "publish", kind, seconds) as one, python(TRAFFIC, OTHER_ENDS[kind], kind, seconds) as other:
+        deadline = time.monotonic() + 3 * seconds + 2 * PATIENCE
+        while None in (statuses := [end.poll() for end in (one, other)]) and not any(statuses):
+            if time.monotonic() > deadline:
+                raise SystemExit(f"{kind}: a process should have ended long ago")
             time.sleep(0.05)
-        sent, got = (json.loads(end.stdout.read().splitlines()[-1]) for end in ends)
-    return kind, sent, got
+        if any(statuses):
+            raise SystemExit(f"{kind}: a process has failed\n{(one if statuses[0] else other).stdout.read()}")
+        sent, got = (json.loads(end.stdout.read().splitlines()[-1]) for end in (one, other))
+    for end, said in ((" publisher", sent), (" other end", got)):
+        console.print(end, *(f"{name} {value:,.2f}" for name, value in said.items()), sep=", ")
+    return sent, got
 
 
 def complaints(kind: str, sent: Result, got: Result) -> Iterator[str]:
@@ -59,37 +59,18 @@ def complaints(kind: str, sent: Result, got: Result) -> Iterator[str]:
         yield f"{sent['sent'] - got['received']} messages were lost"
     if got["disordered"]:
         yield f"{got['disordered']} messages came out of order"
-    for (start, end), whose in ((sent["memory"], "publisher"), (got["memory"], "other end")):
-        yield from above((end - start, GROWTH, f"the {whose}'s {MEMORY}"))
+    for grown, whose in ((sent["grown"], "publisher"), (got["grown"], "other end")):
+        yield from above((grown, GROWTH, f"the {whose}'s {MEMORY}"))
     if got["received"] != got.get("applied", got["received"]):
         yield f"{got['received']} messages were received, but {got['applied']} shown"
-    grown = "the viewer's queue has grown: in the last third {:.0f} waited, at most {} may"
-    yield from above((got.get("waiting", 0), BACKLOG, grown))
+    queue = "the viewer's queue has grown: in the last third {:.0f} waited, at most {} may"
+    yield from above((got.get("waiting", 0), BACKLOG, queue))
 
 
-def messages_and_memory(duration: int, kinds: Sequence[str]) -> list[str]:
-    """Run each kind of traffic in turn, and print the tables; return what does not hold."""
-    outcomes = [run(kind, duration) for kind in kinds]
-    show_messages(outcomes)
-    return [f"{outcome[0]}: {complaint}" for outcome in outcomes for complaint in complaints(*outcome)]
-
-
-def show_messages(outcomes: Sequence[tuple[str, Result, Result]]) -> None:
-    """Print what was sent and what arrived, and how the memory went."""
-
-    def row(kind: str, sent: Result, got: Result) -> tuple[str, ...]:
-        counts = (f"{number:,}" for number in (sent["sent"], got["received"], sent["sent"] - got["received"]))
-        growths = (f"{end - start:+.1f} to {end:.0f}" for start, end in (sent["memory"], got["memory"]))
-        return kind, f"{sent['rate']:.1f}", *counts, f"{got['median']:.2f}", f"{got['p99']:.2f}", *growths
-
-    show(
-        ("messages", "sent/s", "sent", "received", "lost", "median", "p99 [ms]", "memory [MB]", "of the other end"),
-        (row(*outcome) for outcome in outcomes),
-        "median and p99: of the time from publication to callback. Best effort may lose messages, and so may the "
-        "viewer, whose subscription keeps the newest: its depth is 1. memory: how much the publisher's, and the other "
-        f"end's, has grown after a warm-up of {WARM_UP:.0%} of the run.",
-    )
+def messages_and_memory(duration: int) -> list[str]:
+    """Run each kind of traffic in turn; return what does not hold."""
+    return [f"{kind}: {complaint}" for kind in OTHER_ENDS for complaint in complaints(kind, *run(kind, duration))]
 
 
 if __name__ == "__main__":
-    soak(__doc__, 60, list(OTHER_ENDS), messages_and_memory)
+    soak(60, messages_and_memory)

@@ -2,25 +2,24 @@
 Its main loop is not to be held, its memory is not to grow, the terminal is not to be filled, and when it is told to
 end, it ends.
 
-``make soak`` runs it, too. Its exit status is 1 if something does not hold; below the table it says what.
+``make soak`` runs it, too. Its exit status is 1 if something does not hold; in the end it says what.
 """
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import psutil
 from harness import MEMORY, above, python, soak
-from tables import console, show
+from tables import console
 
-from tutorial.commands.terminal import progress_bar
+from tutorial.parent_watch import signal_group
 
 HERE = Path(__file__).parent
 KINDS = ("names", "messages", "encapsulations")
@@ -34,71 +33,62 @@ BOUNDS = {
 }
 
 
-def keep(file: Iterable[str], into: Callable[[str], object]) -> None:
-    """Hand all lines of a file on, on a thread."""
-    threading.Thread(target=lambda: [into(line) for line in file], daemon=True).start()
-
-
-def flood(kind: str, seconds: float) -> tuple[str, int, list[float]]:
+def flood(kind: str, seconds: float) -> list[float]:
     """Attack a viewer for a while, then tell it to end while the attack goes on.
 
     Returns:
-        The kind, how much was sent, and the values that `BOUNDS` is for.
+        The values that `BOUNDS` is for.
     """
     console.print(f"{kind}, {seconds} s:")
-    reading, writing = os.pipe()
-    options = {"pass_fds": [writing], "stderr": subprocess.STDOUT, "env": {**os.environ, "HOLDS_FD": str(writing)}}
-    holds: list[float] = []  # [s], the longest of each tenth of a second
     lines: list[str] = []
-    with (
-        python(HERE / "victim.py", "run", "step3", grace=0, **options) as victim,
-        progress_bar(seconds) as progress,
-    ):
-        os.close(writing)
-        keep(victim.stdout, lines.append)
-        keep(os.fdopen(reading), lambda line: holds.append(float(line)))
-        deadline = time.monotonic() + PATIENCE
-        while len(holds) < SETTLED:
-            if victim.poll() is not None or time.monotonic() > deadline:
-                raise SystemExit("the viewer does not run:\n" + "".join(lines))
-            time.sleep(0.02)
-        with python(HERE / "attack.py", kind, seconds + PATIENCE) as attacker:
-            attacker.stdout.readline()
-            resident = psutil.Process(victim.pid).memory_info
-            start, printed, quiet = resident().rss, len(lines), len(holds)
-            most, began = start, time.monotonic()
-            while (elapsed := time.monotonic() - began) < seconds and victim.poll() is None:
-                progress(elapsed)
-                most = max(most, resident().rss)
-                time.sleep(0.1)
-            printed = len(lines) - printed
-            asked = time.monotonic()
-            victim.send_signal(signal.SIGTERM)
-            with suppress(subprocess.TimeoutExpired):
-                victim.wait(PATIENCE)
-            end = time.monotonic() - asked
-            attacker.send_signal(signal.SIGINT)
-            sent = attacker.stdout.readline()
+    with TemporaryDirectory() as folder:
+        written = Path(folder) / "holds"
+        written.touch()
+
+        def holds() -> list[float]:
+            """The longest of each tenth of a second [s]."""
+            return [float(hold) for hold in written.read_text().split("\n")[:-1]]
+
+        with python(HERE / "victim.py", "run", "step3", HOLDS=str(written)) as victim:
+            threading.Thread(target=lambda: lines.extend(victim.stdout), daemon=True).start()
+            deadline = time.monotonic() + PATIENCE
+            while len(holds()) < SETTLED:
+                if victim.poll() is not None or time.monotonic() > deadline:
+                    raise SystemExit("the viewer does not run:\n" + "".join(lines))
+                time.sleep(0.02)
+            with python(HERE / "attack.py", kind, seconds + PATIENCE) as attacker:
+                attacker.stdout.readline()
+                (viewer,) = psutil.Process(victim.pid).children()
+                start, printed, quiet = viewer.memory_info().rss, len(lines), len(holds())
+                most, began = start, time.monotonic()
+                while (elapsed := time.monotonic() - began) < seconds and victim.poll() is None:
+                    most = max(most, viewer.memory_info().rss)
+                    time.sleep(0.1)
+                printed = len(lines) - printed
+                asked = time.monotonic()
+                viewer.send_signal(signal.SIGTERM)
+                with suppress(subprocess.TimeoutExpired):
+                    victim.wait(PATIENCE)
+                end = time.monotonic() - asked
+                signal_group(attacker.pid, signal.SIGINT)
+                sent = attacker.stdout.readline()
+        longest = max(holds()[quiet:])
     if not sent or elapsed < seconds:
         raise SystemExit(f"{kind}: the attack or the viewer has failed; see above\n{''.join(lines)}")
-    return kind, int(sent), [1e3 * max(holds[quiet:]), (most - start) / 1e6, printed / seconds, end]
+    console.print(f"  {int(sent):,} sent")
+    return [1e3 * longest, (most - start) / 1e6, printed / seconds, end]
 
 
-def floods(duration: int, kinds: Sequence[str]) -> list[str]:
-    """Run each kind of flood in turn, and print the table; return what does not hold."""
-    outcomes = [flood(kind, duration) for kind in kinds]
-    form = "{:.0f}|{:+.1f}|{:.1f}|{:.1f}"
-    show(
-        ("flood", "sent", "longest hold [ms]", "growth [MB]", "lines/s", "end [s]"),
-        ((kind, f"{sent:,}", *form.format(*values).split("|")) for kind, sent, values in outcomes),
-        "hold: how long the viewer's main loop did nothing else. end: from SIGTERM, with the flood going on.",
-    )
-    return [
-        f"{kind}: {complaint}"
-        for kind, _, values in outcomes
-        for complaint in above(*zip(values, BOUNDS.values(), BOUNDS))
-    ]
+def floods(duration: int) -> list[str]:
+    """Run each kind of flood in turn, and print the values with their bounds; return what does not hold."""
+    complaints = []
+    for kind in KINDS:
+        limits = tuple(zip(flood(kind, duration), BOUNDS.values(), BOUNDS))
+        for value, bound, text in limits:
+            console.print(f"  {text.format(value, bound)}")
+        complaints += [f"{kind}: {complaint}" for complaint in above(*limits)]
+    return complaints
 
 
 if __name__ == "__main__":
-    soak(__doc__, 30, KINDS, floods)
+    soak(30, floods)

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import os
+import signal
 import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-import click
 import psutil
 from tables import console
 
-from tutorial.commands.terminal import INTERRUPTED
+from tutorial import parent_watch
 from tutorial.ros.domains import reserved_domain
 
-GRACE = 10.0  # [s] from asking a process to stop to killing it
 EVERY = 0.1  # [s] between two samples of memory
 WARM_UP = 0.25  # of the run: allocators, DDS's buffers and the caches of an interpreter find their size
 GROWTH = 4.0
@@ -28,33 +27,20 @@ interpreter adds."""
 MEMORY = "memory has grown by {:.1f} MB, at most {:g} are allowed"
 
 
-def soak(text: str | None, seconds: int, kinds: Sequence[str], job: Callable[[int, Sequence[str]], list[str]]) -> None:
-    """Be the command ``[SECONDS] [KIND]...``: do a job in a ROS domain of its own, say what does not hold, and exit.
+def soak(seconds: int, job: Callable[[int], list[str]]) -> None:
+    """Be the command ``[SECONDS]``: do a job in a ROS domain of its own, say what does not hold, and exit.
 
     Args:
-        text: what the command does.
         seconds: how long each kind takes, unless another time is given [s].
-        kinds: all that there are.
-        job: takes the seconds and the kinds, and returns what does not hold.
+        job: takes the seconds, and returns what does not hold.
     """
-
-    @click.command(help=text)
-    @click.argument("duration", metavar="[SECONDS]", type=click.IntRange(1, 86_400), default=seconds)
-    @click.argument("asked", metavar="[KIND]...", nargs=-1, type=click.Choice(kinds))
-    def main(duration: int, asked: tuple[str, ...]) -> None:
-        try:
-            with reserved_domain() as domain:
-                os.environ["ROS_DOMAIN_ID"] = str(domain)
-                complaints = job(duration, asked or kinds)
-        except KeyboardInterrupt:
-            console.print("stopped")
-            sys.exit(INTERRUPTED)
-        for complaint in complaints:
-            console.print(f"does not hold: {complaint}", style="red", highlight=False)
-        console.print("" if complaints else "all holds", end="" if complaints else "\n")
-        sys.exit(bool(complaints))
-
-    main()
+    with reserved_domain() as domain:
+        os.environ["ROS_DOMAIN_ID"] = str(domain)
+        complaints = job(int(sys.argv[1]) if sys.argv[1:] else seconds)
+    for complaint in complaints:
+        console.print(f"does not hold: {complaint}", style="red", highlight=False)
+    console.print("" if complaints else "all holds", end="" if complaints else "\n")
+    sys.exit(bool(complaints))
 
 
 def above(*limits: tuple[float, float, str]) -> list[str]:
@@ -63,23 +49,14 @@ def above(*limits: tuple[float, float, str]) -> list[str]:
 
 
 @contextmanager
-def python(*command: object, grace: float = GRACE, **options: object) -> Iterator[subprocess.Popen[str]]:
-    """Run a Python program in a group of its own, which spares it the terminal's Ctrl-C.
-
-    The end of its input asks it to stop; what still runs after a time of grace [s] is killed.
-    """
-    options = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "process_group": 0, **options}
-    with subprocess.Popen([sys.executable, *map(str, command)], **options) as process:  # type: ignore[call-overload]
+def python(*command: object, **variables: str) -> Iterator[subprocess.Popen[str]]:
+    """Run a Python program, in a group of its own, which spares it the terminal's Ctrl-C. In the end it is killed."""
+    words = [sys.executable, *map(str, command)]
+    with parent_watch.start_watched(words, {**os.environ, **variables}) as process:
         try:
             yield process
         finally:
-            try:
-                process.stdin.close()
-                process.wait(grace)
-            except subprocess.TimeoutExpired:
-                pass
-            finally:
-                process.kill()
+            parent_watch.signal_group(process.pid, signal.SIGKILL)
 
 
 class Memory:
@@ -96,8 +73,8 @@ class Memory:
             self._due = time.monotonic() + EVERY
             self._samples.append(self._process.memory_info().rss / 1e6)
 
-    def trend(self) -> tuple[float, float]:
-        """Return start and end after the warm-up, each a median: a single sample may catch a moment's peak."""
+    def growth(self) -> float:
+        """Return by how much it has grown after the warm-up, in the median: one sample may catch a moment's peak."""
         samples = self._samples[int(WARM_UP * len(self._samples)) :]
         tenth = len(samples) // 10 + 1
-        return statistics.median(samples[:tenth]), statistics.median(samples[-tenth:])
+        return statistics.median(samples[-tenth:]) - statistics.median(samples[:tenth])

@@ -1,22 +1,18 @@
 """One end of the traffic, in a process of its own: ``python traffic.py publish|subscribe|show|record KIND SECONDS``.
 
-Only what rclpy promises is used, so it runs on any. What was measured is printed as one line of JSON. It stops early
-when its standard input ends, which it also does when whoever started it is killed.
+Only what rclpy promises is used, so it runs on any. What was measured is printed as one line of JSON.
 """
 
 from __future__ import annotations
 
 import asyncio
 import json
-import os
 import statistics
 import sys
 import tempfile
-import threading
 import time
 from array import array
 from collections.abc import Sequence
-from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -50,8 +46,6 @@ publisher with too much that is not acknowledged is made to wait. So nothing is 
 shows in the rate, the latency and the memory instead. With a depth of N it would be lost once the callback is N
 messages behind: at the usual 10, after 10 ms."""
 
-stop = threading.Event()
-"""Set when standard input ends."""
 memory = Memory()
 
 
@@ -62,20 +56,18 @@ def publish(kind: str, seconds: float) -> dict[str, Any]:
     zeros = [0.0] * len(joints)
     message = JointState(name=joints, position=zeros, velocity=zeros, effort=zeros)
     count = round(seconds * RATE)
-    while not publisher.get_subscription_count() and not stop.wait(0.01):
-        pass
+    while not publisher.get_subscription_count():
+        time.sleep(0.01)
     began = time.monotonic()
     for i in range(count):
-        if stop.wait(max(0.0, began + i / RATE - time.monotonic())):
-            break
+        time.sleep(max(0.0, began + i / RATE - time.monotonic()))
         message.header.frame_id = str(i)
         message.position[0] = 0.3 * i / count  # [rad]
         message.header.stamp.sec, message.header.stamp.nanosec = divmod(time.time_ns(), 1_000_000_000)
         publisher.publish(message)
         memory.look()
     took = time.monotonic() - began
-    if not stop.is_set():
-        publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
+    publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
     return {"sent": count, "rate": count / max(took, count / RATE)}
 
 
@@ -100,7 +92,7 @@ def subscribe(kind: str, seconds: float) -> dict[str, Any]:
     subscription = node.create_subscription(JointState, TOPIC, callback, QOS.get(kind, KEEP_ALL))
     with SingleThreadedExecutor() as executor:
         executor.add_node(node)
-        while not stop.is_set() and time.monotonic() < heard_at + QUIET:
+        while time.monotonic() < heard_at + QUIET:
             executor.spin_once(timeout_sec=0.1)
             if not seen or subscription.get_publisher_count():
                 heard_at = time.monotonic()
@@ -117,12 +109,8 @@ async def show(kind: str, seconds: float) -> dict[str, Any]:
             if meter.count:
                 waiting.append(host.waiting)
                 memory.look()
-            if stop.is_set():
-                running.cancel()
 
-        running = asyncio.ensure_future(host.run(seconds, 2 * seconds + PATIENCE, look))
-        with suppress(asyncio.CancelledError):
-            await running
+        await host.run(seconds, 2 * seconds + PATIENCE, look)
         record = host.record()
     counts = record["topics"][TOPIC]
     return {
@@ -139,7 +127,8 @@ def record(kind: str, seconds: float) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bag"
         with NodeThread("recorder") as thread, Recorder(thread.node, path, [TOPIC]) as recorder:
-            while not stop.wait(0.05) and (recorder.hears(TOPIC) or not recorder.counts.get(TOPIC)):
+            while recorder.hears(TOPIC) or not recorder.counts.get(TOPIC):
+                time.sleep(0.05)
                 memory.look()
         messages = [(time_ns, message.header) for _, time_ns, message in Bag(path).messages()]
     numbers = [int(header.frame_id) for _, header in messages]
@@ -157,15 +146,8 @@ def percentiles(latencies: Sequence[int]) -> dict[str, float]:
     return {"median": median, "p99": p99}
 
 
-def wait_for_the_end() -> None:
-    """Wait until standard input ends, on a thread."""
-    os.read(0, 1)
-    stop.set()
-
-
 if __name__ == "__main__":
     role, kind, seconds = sys.argv[1:]
-    threading.Thread(target=wait_for_the_end, daemon=True).start()
     rclpy.init(args=[])
     try:
         if role == "show":
@@ -174,5 +156,4 @@ if __name__ == "__main__":
             result = {"publish": publish, "subscribe": subscribe, "record": record}[role](kind, float(seconds))
     finally:
         rclpy.try_shutdown()
-    if not stop.is_set():
-        print(json.dumps({**result, "memory": memory.trend()}))
+    print(json.dumps({**result, "grown": memory.growth()}))

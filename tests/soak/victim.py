@@ -1,6 +1,6 @@
 """The program that is attacked: the command ``tank`` as it is, which also tells how long its main loop is held.
 
-Every tenth of a second it writes the longest hold of the past one [s] to the file descriptor ``HOLDS_FD``.
+Every tenth of a second it writes the longest hold of the past one [s] to the file that ``HOLDS`` names.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ run = Host.run
 
 async def measure() -> None:
     """Write the holds down."""
-    with os.fdopen(int(os.environ["HOLDS_FD"]), "w", buffering=1) as file:
+    with open(os.environ["HOLDS"], "w", buffering=1) as file:  # noqa: PTH123
         while True:
             longest, due = 0.0, time.monotonic() + EVERY
             while (before := time.monotonic()) < due:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from functools import cache, lru_cache
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,6 @@ SEED = 1
 RANGES = {"TURRET_Y": (-6.29, 6.29), "TURRET_P": (-0.18, 0.79)}  # [rad]
 
 
-@cache
 def judge(kind: type[Viewer], fault: str) -> str:
     """Show a stream to a viewer; say how much of the time the pose was not right, and whether that was said.
 

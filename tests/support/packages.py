@@ -25,16 +25,9 @@ class JointStatePublisher(joint_state_publisher.JointStatePublisher):
 
 def run(*arguments: object, cwd: Path, **environment: str) -> str:
     """Run Python somewhere, and return what it prints."""
-    done = subprocess.run(
-        [sys.executable, *map(str, arguments)],
-        cwd=cwd,
-        env={**os.environ, **environment},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        timeout=2 * PATIENCE,
-        check=False,
-    )
+    pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True, "timeout": 2 * PATIENCE}
+    words, variables = [sys.executable, *map(str, arguments)], {**os.environ, **environment}
+    done = subprocess.run(words, cwd=cwd, env=variables, check=False, **pipe)
     assert done.returncode == 0, done.stdout
     return done.stdout
 

@@ -84,10 +84,6 @@ def test_a_definition_that_fails_leaves_the_one_before():
         value("HeldJoint = 1 / 0", "aim.check(HeldJoint)")
 
 
-def test_annotations_are_what_a_notebook_makes_of_them():
-    assert value("class HeldJoint:\n    n: int = 1").__annotations__ == {"n": int}
-
-
 def test_ipythons_own_lines_do_no_harm():
     assert value("%matplotlib inline\n!ls\nif True:\n    !ls\n?help\nHeldJoint = 1") == 1
     assert value("%%time\nHeldJoint = 2") == 2

@@ -11,7 +11,6 @@ import mujoco
 import numpy as np
 import pytest
 from browser import chromium, open_browser, pixels, red_spot, until
-from hostile_peer import MARKUP
 from sensor_msgs.msg import JointState
 
 from tutorial.controllers.camera_publisher import image
@@ -36,6 +35,7 @@ from .pages import say
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(300)]
 
 SCRIPT = "</title></script><script>window.pwned=1</script>"
+MARKUP = "<img src=x onerror=window.pwned=1>"
 NAMES = (MARKUP, SCRIPT, f"'\"`{MARKUP}", "javascript:window.pwned=1", "{{ pwned }}")
 SHOW = """async ({script, traits, scene, library, frame, pixels}) => {
   const bytes = (text) => new DataView(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);

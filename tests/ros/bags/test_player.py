@@ -119,11 +119,6 @@ def test_only_some_topics_from_the_middle(nodes, heard, tmp_path):
     assert texts(heard, "/b") == ["21", "23", "25", "27", "29"]
 
 
-def test_it_loops_until_it_is_stopped_also_within_a_long_pause(nodes, heard, tmp_path):
-    with playing(Player(nodes[0], make(tmp_path / "bag", count=3, last=0.05), rate=10.0, loop=True)):
-        until(lambda: texts(heard, "/a").count("2") > 3, "some rounds")
-
-
 def test_a_loop_of_a_single_message_pauses_in_between(nodes, tmp_path):
     player = Player(nodes[0], make(tmp_path / "bag", count=1), topics=["/b"], loop=True)
     with playing(player):
@@ -131,11 +126,6 @@ def test_a_loop_of_a_single_message_pauses_in_between(nodes, tmp_path):
         began, before = time.monotonic(), player.played
         until(lambda: player.played >= before + 10, "some rounds")
         assert time.monotonic() - began > 9 * 0.02
-
-
-def test_centuries_between_two_messages_can_be_interrupted(nodes, heard, tmp_path):
-    with playing(Player(nodes[0], make(tmp_path / "bag", count=3, last=7e9), rate=1e-9)):
-        until(lambda: texts(heard, "/a") == ["first", "0"], "the first messages")
 
 
 def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, heard, tmp_path):
@@ -150,15 +140,12 @@ def test_the_time_of_the_bag_is_published_on_clock_in_place_of_its_own(nodes, he
     assert player.played == 102
     assert times == sorted(set(times))
     assert set(times) <= set(range(0, 10**9, 80_000_000))
-    fast = Player(nodes[0], make(tmp_path / "other", count=100), rate=1e308, clock=1e-308)
-    fast.run(threading.Event())
-    assert fast.played == 102
 
 
 def test_its_publishers_offer_what_was_offered_then(nodes, heard, tmp_path):
-    """And they are gone when it has ended."""
+    """And they are gone when it has ended, as it can be also between two messages with centuries in between."""
     late = []
-    with playing(Player(nodes[0], make(tmp_path / "bag", count=3, last=1000.0))):
+    with playing(Player(nodes[0], make(tmp_path / "bag", count=2, last=7e9), rate=1e-9)):
         until(lambda: texts(heard, "/b"), "the first message on /b")
         offers = {topic: nodes[0].get_publishers_info_by_topic(topic)[0].qos_profile for topic in ("/a", "/b")}
         durability = {topic: qos.durability for topic, qos in offers.items()}
@@ -191,11 +178,9 @@ def test_a_payload_that_ros_2_refuses_is_left_out_and_said_once(nodes, heard, tm
     ("how", "said"),
     [
         ({"rate": 0.0}, "the rate is 0; give one above 0, such as 2"),
-        ({"rate": float("nan")}, "the rate is nan"),
         ({"start_offset": 5.0}, "the start offset is 5 s, and the bag is 0.290 s long"),
         ({"topics": ["/aa"]}, "there is no topic '/aa' in this bag. Did you mean '/a'"),
         ({"topics": ["/alien"]}, "there is nothing to play"),
-        ({"topics": ["/clock"], "clock": 1.0}, "there is nothing to play"),
     ],
     ids=str,
 )

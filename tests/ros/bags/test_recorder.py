@@ -133,15 +133,17 @@ def test_a_name_that_breaks_the_rules_is_refused_before_anything_is_made(nodes, 
 
 @pytest.mark.pocket
 def test_a_type_that_is_not_known_is_said_once(nodes, tmp_path, caplog, monkeypatch):
-    talker, node = nodes
-    talker.create_publisher(String, "/a", 1)
-    looks = Mock(return_value={"/a": ["alien_msgs/msg/\x1b[2J"]})
+    looks = Mock(return_value={"/a": ["alien_msgs/msg/\x1b[2J"], "//x": ["std_msgs/msg/String"]})
     monkeypatch.setattr(module, "topics_with_types", looks)
-    with Recorder(node, tmp_path / "bag") as recorder:
+    monkeypatch.setattr(module, "publishers_on", Mock())
+    with Recorder(nodes[1], tmp_path / "bag") as recorder:
         until(lambda: looks.call_count > 3, "some looks")
     assert recorder.counts == {}
     said = [record.message for record in caplog.records if "is not recorded" in record.message]
-    assert said == [r"topic /a is not recorded: The message type 'alien_msgs/msg/\x1b[2J' is invalid"]
+    assert said == [
+        "topic //x is not recorded: its name breaks the rules of ROS 2",
+        r"topic /a is not recorded: The message type 'alien_msgs/msg/\x1b[2J' is invalid",
+    ]
 
 
 def test_a_full_disk_ends_the_recording_with_the_mend(nodes, publisher, tmp_path, caplog, monkeypatch):

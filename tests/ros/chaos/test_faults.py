@@ -24,18 +24,6 @@ def stream(chaos: Chaos, count: int = 300, joints: tuple[str, ...] = JOINTS) -> 
     return [action for i in range(count) for action in chaos.apply(swing(i, joints))]
 
 
-def hit_by(name: str, number: int = 100) -> tuple[JointState, JointState]:
-    """A good message, and what becomes of it when this fault hits it."""
-    chaos = Chaos()
-    chaos.apply(swing(number - 1, FIVE))
-    chaos.faults = {name: 1}
-    good = swing(number, FIVE)
-    (action,) = chaos.apply(good)
-    assert chaos.made == dict.fromkeys(FAULTS, 0) | {name: 1}
-    assert action.kind == "publish"
-    return good, action.message
-
-
 def entries(message: JointState) -> list[tuple[str, float, float, float]]:
     return list(zip(message.name, message.position, message.velocity, message.effort))
 
@@ -54,11 +42,6 @@ def test_which_messages_a_fault_hits_does_not_depend_on_the_others():
     alone = nans({"nan": 0.3})
     assert 30 < sum(alone) < 90
     assert nans({"shuffle": 0.5, "nan": 0.3}) == alone
-
-
-def test_without_faults_the_stream_passes_as_it_is():
-    good = [swing(i) for i in range(50)]
-    assert [(action.kind, action.message) for action in stream(Chaos(), 50)] == [("publish", each) for each in good]
 
 
 @given(st.dictionaries(st.sampled_from(list(FAULTS)), st.just(1.0)), st.integers(0, 4))
@@ -94,8 +77,13 @@ HIT = {
 
 @pytest.mark.parametrize("name", HIT)
 def test_what_a_fault_does_to_a_message(name):
-    good, hit = hit_by(name)
-    assert HIT[name](good, hit), hit
+    chaos = Chaos()
+    chaos.apply(swing(99, FIVE))
+    chaos.faults = {name: 1}
+    good = swing(100, FIVE)
+    ((kind, hit),) = chaos.apply(good)
+    assert chaos.made == dict.fromkeys(FAULTS, 0) | {name: 1}
+    assert (kind, HIT[name](good, hit)) == ("publish", True), hit
     assert "\0" not in "".join(hit.name)  # ends a string in C: it would not arrive
 
 
@@ -133,7 +121,6 @@ def test_what_comes_is_nothing_a_burst_or_a_second_publishers():
     ("message", "count"),
     [
         (JointState(), 0),
-        (JointState(name=["A"]), 0),
         (JointState(position=[1.0]), 0),
         (JointState(name=["A"], position=[1.0]), 1),
     ],
@@ -144,9 +131,8 @@ def test_what_has_no_position_for_each_name_stays_as_it_is(message, count):
     assert {chaos.made[name] for name in CHANGES} == {count}
 
 
-@pytest.mark.parametrize(("text", "fault"), [("nan", ("nan", 1.0)), ("nan:0.1", ("nan", 0.1)), ("drop:1", ("drop", 1))])
-def test_a_fault_is_written_with_its_share(text, fault):
-    assert parse_fault(text) == fault
+def test_a_fault_is_written_with_its_share():
+    assert [parse_fault(text) for text in ("nan", "nan:0.1")] == [("nan", 1.0), ("nan", 0.1)]
 
 
 @pytest.mark.parametrize(
@@ -156,7 +142,6 @@ def test_a_fault_is_written_with_its_share(text, fault):
         ("\x1b[2J:1", r"there is no fault '\\x1b[2J'."),
         ("nan:2", "of the messages 'nan' cannot hit a share of 2: give a number from 0 to 1."),
         ("nan:", "a share of nan"),
-        ("nan:-0.1", "a share of -0.1"),
     ],
 )
 def test_what_is_no_fault_is_said(text, said):

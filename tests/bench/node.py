@@ -1,0 +1,29 @@
+"""Both ends with rclpy: the pocket one, or a real one."""
+
+from collections.abc import Callable
+from typing import Any
+
+import tutorial  # noqa: F401 - promises an rclpy
+
+# isort: split
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.serialization import serialize_message
+from sensor_msgs.msg import JointState
+
+rclpy.init(args=[])
+made = rclpy.create_node("bench")
+
+
+def publisher() -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[[], int]]:
+    """Publish: a message, what serialises it, what sends it, and how many listen."""
+    publisher = made.create_publisher(JointState, "bench", 10)
+    return JointState(), serialize_message, publisher.publish, publisher.get_subscription_count
+
+
+def subscriber(add: Callable[[Any], None]) -> Callable[[], object]:
+    """Receive, on the thread that spins; return what waits for more."""
+    made.create_subscription(JointState, "bench", add, 10)
+    executor = SingleThreadedExecutor()
+    executor.add_node(made)
+    return executor.spin_once
