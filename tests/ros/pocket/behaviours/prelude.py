@@ -56,3 +56,9 @@ def raised(call, *args):
         call(*args)
     except Exception as error:
         return type(error).__name__
+
+
+def wait(node, condition):
+    """Spin a node until something is so."""
+    while not condition():
+        rclpy.spin_once(node, timeout_sec=0.01)
