@@ -1,5 +1,3 @@
-n = start()
-
 # %% a node without rosout
 n = start(enable_rosout=False)
 topics = []
