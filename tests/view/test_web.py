@@ -224,10 +224,11 @@ async def test_a_browser_shows_the_scene_as_it_is_also_when_the_connection_or_th
                     browser._stream.close()
                 box.move(x, 0)  # nobody looks
                 await is_seen(box, page)
+            box.view.add(SCRIPT.replace("/", "_"), box.model)
             furnish_oddly(box.scene)
             await until(lambda: page.evaluate(LAMP_IS_LIT), "the lamp is in the scene")
             assert witness.complaints == []
-            assert await page.evaluate("window.pwned") is None
+            assert (await page.locator("img").count(), await page.evaluate("window.pwned")) == (0, None)
         await page.get_by_role("heading", name="The program has ended.").wait_for()
         again = RedBox(-0.5, 0.5)
         async with SceneServer(again.scene, port_of(server)):
