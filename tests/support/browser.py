@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from playwright.async_api import Page, async_playwright
+from red_box import DISTANCE
 
 NAMES = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
 SOFTWARE = ["--enable-unsafe-swiftshader", "--no-sandbox"]
@@ -112,7 +113,6 @@ def red_spot(picture: np.ndarray) -> tuple[float, float] | None:
     return None if len(rows) < 20 else (float(columns.mean()), float(rows.mean()))
 
 
-DISTANCE = 4.0  # [m] of a red box from a camera that looks along y, level with it
 HALF_ANGLE = 0.46630765815  # tan(50 degrees / 2)
 
 

@@ -104,13 +104,6 @@ def test_no_message_makes_an_arrow_that_is_endless(stage, value):
     assert all(len(cell) < 30 for row in stage.view.readings("Tank") for cell in row)
 
 
-def test_it_goes_with_the_body(stage):
-    stage.measure((4.0, 0.0, 9.80665))
-    stage.view.remove("Tank")
-    stage.view.flush()
-    assert RED not in {each["path"] for each in commands(stage.scene.snapshot())}
-
-
 def test_an_arrow_is_a_metre_long_along_its_z_and_of_the_colour_that_is_said():
     arrow = draw_arrow("x", 0xD0342C)
     [outline], [material] = arrow["geometries"], arrow["materials"]

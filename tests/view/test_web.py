@@ -3,20 +3,42 @@
 import asyncio
 import socket
 import threading
+from urllib.parse import urlsplit
 
-import mujoco
 import numpy as np
 import pytest
-from browser import DISTANCE, LIKE_A_CARD, Witness, chromium, open_browser, red_is_at, until
+from browser import LIKE_A_CARD, Witness, chromium, open_browser, red_is_at, until
 from loops import in_a_loop
+from red_box import RedBox
 from scenes import lines
-from serving import UPGRADE, ask, look, port_of, serving
+from tornado.websocket import websocket_connect
 
 from tutorial.errors import TutorialError
 from tutorial.view import web
-from tutorial.view.bodies import View
 from tutorial.view.scene import Record, Scene, unpack_records
 from tutorial.view.web import SceneServer
+
+UPGRADE = " | Upgrade: websocket | Connection: Upgrade | Sec-WebSocket-Key: a | Sec-WebSocket-Version: 13"
+"""What a request for ``/socket`` has besides."""
+
+
+def port_of(server):
+    return urlsplit(server.url).port
+
+
+async def look(server):
+    """Look at a scene as a page does."""
+    return await websocket_connect(server.url.replace("http", "ws") + "socket")
+
+
+async def ask(port, text):
+    """Send a request: lines parted by bars, HERE for the server's host. Return the first line of the answer."""
+    first, *lines = text.replace("HERE", f"127.0.0.1:{port}").split(" | ")
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    writer.write("\r\n".join([f"{first} HTTP/1.1", *lines, "", ""]).encode("latin1"))
+    line = await reader.readline()
+    writer.close()
+    return line.decode().strip()
 
 
 @in_a_loop
@@ -115,69 +137,29 @@ REFUSED = [
     ("POST / | Host: HERE | Content-Length: 89000000", 400),
     ("GET /static/.. | Host: HERE", 403),
     ("GET /static/%2e%2e/scene.py | Host: HERE", 404),
-    ("GET /meshcat/ | Host: HERE", 404),
 ]
 
 
 @pytest.mark.parametrize(("text", "status"), REFUSED)
 @in_a_loop
 async def test_a_page_from_elsewhere_is_refused_and_so_is_a_large_body(text, status):
-    async with serving() as (_, port):
-        assert (await ask(port, text)).split()[1] == str(status)
+    async with SceneServer(Scene(), 0) as server:
+        assert (await ask(port_of(server), text)).split()[1] == str(status)
 
 
 @in_a_loop
 async def test_its_own_page_may_look_also_through_a_forwarded_port():
-    async with serving() as (_, port):
+    async with SceneServer(Scene(), 0) as server:
+        port = port_of(server)
         for host in (f"127.0.0.1:{port}", "localhost:8000"):
             assert await ask(port, f"GET / | Host: {host}") == "HTTP/1.1 200 OK"
             answer = await ask(port, f"GET /socket | Host: {host} | Origin: http://{host}{UPGRADE}")
             assert answer == "HTTP/1.1 101 Switching Protocols"
 
 
-# What a learner sees. The camera looks along y, 4 m from the box and level with it.
-
-RED_BOX = """
-<mujoco>
-  <worldbody>
-    <body name="box">
-      <freejoint/><geom type="box" size="0.3 0.3 0.3" rgba="0.9 0.05 0.05 1"/>
-    </body>
-  </worldbody>
-</mujoco>
-"""
-
-
-class RedBox:
-    """A program that shows a red box, before a camera that looks along y at a point in the plane of the box."""
-
-    def __init__(self, x=0, z=0):
-        self.model = mujoco.MjModel.from_xml_string(RED_BOX)
-        self.data = mujoco.MjData(self.model)
-        self.scene = Scene()
-        self.view = View(self.scene)
-        self.view.add("box", self.model)
-        self.look_at(0, 0)
-        self.move(x, z)
-
-    def look_at(self, x, z):
-        self.middle = x, z
-        self.scene.look_at((x, -DISTANCE, z), (x, 0, z))
-        self.view.flush()
-
-    def move(self, x, z):
-        self.data.qpos[[0, 2]] = x, z
-        mujoco.mj_kinematics(self.model, self.data)
-        self.view.update("box", self.data)
-        self.view.flush()
-
-    def say(self, *what):
-        self.scene.line(*what)
-        self.scene.flush()
-
-    async def is_seen(self, page):
-        """Wait until the box is in the picture where it is."""
-        await red_is_at(page, "#pane", *(self.data.qpos[[0, 2]] - self.middle))
+async def is_seen(box, page):
+    """Wait until a red box is in the picture where it is."""
+    await red_is_at(page, "#pane", *box.place)
 
 
 WHAT_THERE_IS_TO_SEE = """() => {
@@ -194,6 +176,7 @@ WHAT_THERE_IS_TO_SEE = """() => {
 }"""
 
 
+SCRIPT = "</title></script><img src=x onerror=window.pwned=1>"
 LAMP_IS_LIT = "viewer.scene_tree.find(['Lights', 'Lamp', '<object>']).object.isLight === true"
 
 
@@ -218,41 +201,44 @@ def furnish_oddly(scene):
 async def test_a_browser_shows_the_scene_as_it_is_also_when_the_connection_or_the_program_has_been_away():
     async with open_browser(chromium()) as page:
         witness, box, line = Witness(page), RedBox(), page.locator("#line")
-        async with SceneServer(box.scene, 0, "Red & box") as server:
-            await page.goto(server.url)
-            assert await page.title() == "Red & box"
-            await box.is_seen(page)
+        async with SceneServer(box.scene, 0, SCRIPT) as server:
+            response = await page.goto(server.url)
+            assert "default-src 'self'" in response.headers["content-security-policy"]
+            assert await page.title() == SCRIPT
+            await is_seen(box, page)
             for place in [(0.8, 0), (0, 0.7), (-0.8, -0.5)]:  # to the right, up, to the left and down
                 box.move(*place)
-                await box.is_seen(page)
+                await is_seen(box, page)
             box.say("<b>5 %</b>", [("", "x"), ("<i>box</i>", "1.00\n\t")])
             await line.get_by_role("table").wait_for()
             cells = line.get_by_role("table").locator("th, td")
             assert await cells.all_text_contents() == ["", "x", "<i>box</i>", "1.00"]
-            box.say("<b>5 %</b>")
+            box.say(SCRIPT)
             await line.get_by_role("table").wait_for(state="detached")
-            await box.is_seen(page)  # also in what the line has left of the window
+            await is_seen(box, page)  # also in what the line has left of the window
             await page.reload()
-            await box.is_seen(page)
-            assert await line.text_content() == "<b>5 %</b>"
+            await is_seen(box, page)
+            assert await line.text_content() == SCRIPT
             for x in (0.3, 0.6, 0.9):
                 for browser in tuple(server._browsers):
                     browser._stream.close()
                 box.move(x, 0)  # nobody looks
-                await box.is_seen(page)
+                await is_seen(box, page)
+            box.view.add(SCRIPT.replace("/", "_"), box.model)
             furnish_oddly(box.scene)
             await until(lambda: page.evaluate(LAMP_IS_LIT), "the lamp is in the scene")
             assert witness.complaints == []
+            assert (await page.locator("img").count(), await page.evaluate("window.pwned")) == (0, None)
         await page.get_by_role("heading", name="The program has ended.").wait_for()
         again = RedBox(-0.5, 0.5)
         async with SceneServer(again.scene, port_of(server)):
             await page.locator("#curtain").wait_for(state="hidden")
-            await again.is_seen(page)
+            await is_seen(again, page)
             assert not await line.is_visible()
             assert [text for text in witness.complaints if "ERR_CONNECTION_REFUSED" not in text] == []
             old = await page.evaluate(WHAT_THERE_IS_TO_SEE)
             await page.reload()
-            await again.is_seen(page)
+            await is_seen(again, page)
             assert old == await page.evaluate(WHAT_THERE_IS_TO_SEE)  # as if it were shown for the first time
         own = {server.url.replace("http", scheme) for scheme in ("http", "ws")}
         assert [url for url in witness.requests if not url.startswith((*own, "data:", "blob:"))] == []
@@ -269,14 +255,14 @@ async def test_a_view_turned_by_hand_keeps_what_it_looks_at_in_the_middle_and_st
         box = RedBox()
         async with SceneServer(box.scene, 0) as server:
             await page.goto(server.url)
-            await box.is_seen(page)
+            await is_seen(box, page)
             box.move(1.2, 0.7)
             box.look_at(1.2, 0.7)
-            await box.is_seen(page)
+            await is_seen(box, page)
             box.move(0.9, 0.4)
-            await box.is_seen(page)
+            await is_seen(box, page)
             box.move(1.2, 0.7)
-            await box.is_seen(page)
+            await is_seen(box, page)
             before = await page.evaluate(WHERE)
             await page.mouse.move(400, 300)
             await page.mouse.down()
@@ -287,7 +273,7 @@ async def test_a_view_turned_by_hand_keeps_what_it_looks_at_in_the_middle_and_st
                 return np.linalg.norm(np.subtract(await page.evaluate(WHERE), before)) > 1
 
             await until(is_turned, "the mouse has turned the view")
-            await box.is_seen(page)
+            await is_seen(box, page)
             turned = await page.evaluate(WHERE)
         await page.locator("#curtain").wait_for(state="visible")
         async with SceneServer(box.scene, port_of(server)):
@@ -295,7 +281,7 @@ async def test_a_view_turned_by_hand_keeps_what_it_looks_at_in_the_middle_and_st
             assert await page.evaluate(WHERE) == pytest.approx(turned, abs=0.01)
             box.move(0, 0)
             box.look_at(0, 0)
-            await box.is_seen(page)
+            await is_seen(box, page)
 
 
 QUALITY = "[viewer.renderer.shadowMap.enabled, viewer.renderer.getContext().getContextAttributes().antialias]"

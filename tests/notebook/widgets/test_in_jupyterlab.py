@@ -1,6 +1,9 @@
 """The widgets as a learner has them: in a JupyterLab, in a browser, with a kernel of their own."""
 
+from pathlib import Path
+
 import pytest
+import red_box
 from browser import red_is_at, until
 from desk import lab_desk
 from sensor_msgs.msg import Joy
@@ -167,34 +170,19 @@ def test_a_notebook_drives_by_mouse_fingers_keys_and_gamepad(desk):
         desk.run(main())
 
 
-# The 3D view. The camera looks along y, 4 m from the box and level with it.
+# The 3D view.
 
-BOX = """
-import logging, threading
-import mujoco
-from tutorial.view.scene import Scene
-from tutorial.view.bodies import View
+BOX = f"""
+import logging, sys, threading
+sys.path.append({str(Path(red_box.__file__).parent)!r})
+from red_box import RedBox
 from tutorial.notebook.widgets.scene_view import SceneView
 
-model = mujoco.MjModel.from_xml_string('''<mujoco><worldbody>
-  <body name="box"><freejoint/><geom type="box" size="0.3 0.3 0.3" rgba="0.9 0.05 0.05 1"/></body>
-</worldbody></mujoco>''')
-data = mujoco.MjData(model)
-scene = Scene()
-view = View(scene)
-view.add("box", model)
-scene.look_at((0, -4, 0), (0, 0, 0))
-view.line("<b>first</b>")
-
-def move(x, z, line=""):
-    data.qpos[[0, 2]] = x, z
-    mujoco.mj_kinematics(model, data)
-    view.update("box", data)
-    view.line(line)
-    view.flush()
+box = RedBox()
+box.say("<b>first</b>")
 """
 SHOW = """
-shown = SceneView(scene, "Red box")
+shown = SceneView(box.scene, "Red box")
 threads, complaints = set(), []
 shown.on_msg(lambda *_: threads.add(threading.current_thread().name))
 complaint = logging.Handler(logging.WARNING)
@@ -207,7 +195,7 @@ import time
 for i in range(201):
     while shown.frame > min(tuple(shown._seen.values()), default=shown.frame) + 30:
         time.sleep(0.001)  # the page is slow, and what it shows is not to depend on that
-    move(i / 200, 0)
+    box.move(i / 200, 0)
     time.sleep(0.015)
 time.sleep(600)
 """
@@ -229,10 +217,10 @@ async def look_twice_and_move(page, notebook):
     await notebook.run(1)
     await red_is_at(page, pane(0), 0, 0)
     assert await page.locator(".tank-view-line").text_content() == "<b>first</b>"
-    await notebook.run_new("move(0.8, 0)")
+    await notebook.run_new("box.move(0.8, 0)")
     await notebook.run(2)  # opened late, and as the second view
     for x, z in [(0.8, 0), (-0.8, 0.5)]:
-        await notebook.run_new(f"move({x}, {z}, 'moved')")
+        await notebook.run_new(f"box.move({x}, {z})")
         for number in (0, 1):
             await red_is_at(page, pane(number), x, z)
             position = await page.locator(pane(number)).evaluate(WHERE_IS_THE_BOX)
@@ -264,7 +252,7 @@ async def turn_by_keys(page, notebook):
         await page.keyboard.press(key)
     assert await notebook.count() == 4
     await page.keyboard.press("Escape")
-    await notebook.run_new("scene.look_at((0, -4, 0), (0, 0, 0)); view.flush()")
+    await notebook.run_new("box.look_at(0, 0)")
 
 
 async def lose_the_connection(page, notebook, complaints):
@@ -273,7 +261,7 @@ async def lose_the_connection(page, notebook, complaints):
     A cell that gives the loop no turn is seen all along, longer than a page may fall behind.
     """
     for x in (0.2, 0.4):
-        await notebook.run_new(f"move({x}, 0)")
+        await notebook.run_new(f"box.move({x}, 0)")
         await page.locator(pane(0)).evaluate(TAKE_THE_BOX_AWAY)
         await notebook.reconnect()
         await red_is_at(page, pane(0), x, 0)
@@ -285,7 +273,7 @@ async def lose_the_connection(page, notebook, complaints):
         await notebook.reconnect()
     await notebook.interrupt()
     await notebook.is_done()
-    await notebook.run_new("move(0.7, 0)")
+    await notebook.run_new("box.move(0.7, 0)")
     await red_is_at(page, pane(0), 0.7, 0)
     assert [text for text in complaints if not text.startswith("Connection lost, reconnecting")] == []
     complaints.clear()
@@ -330,7 +318,7 @@ def test_a_notebook_shows_the_scene_opened_late_twice_reloaded_and_says_when_it_
         await lose_the_connection(page, notebook, complaints)
         assert "subshell-" in await notebook.run_new("print(threads)")  # not the main thread
         await notebook.reload()
-        await notebook.run_new("move(0.5, 0.5)")
+        await notebook.run_new("box.move(0.5, 0.5)")
         for number in (0, 1):
             await red_is_at(page, pane(number), 0.5, 0.5)
         await close_one(page, notebook)

@@ -75,9 +75,9 @@ def test_names_may_be_shared_and_topics_without_publishers_or_subscribers():
     assert "2 nodes of one name" in places(root)
     assert len(list(root.iter("ellipse"))) == 1
     assert alt.startswith("Nodes: /tank (2 nodes of one name). ")
-    root, alt = drawn(topology("/a /b", heard=("", "/a"), said=("/b", "")))
-    assert {"/heard", "/said"} <= places(root).keys()
-    assert "/heard (50 Hz): from nobody to /a. /said (50 Hz): from /b to nobody." in alt
+    root, alt = drawn(topology("/a /<b>&", heard=("", "/a"), said=("/<b>&", "")))
+    assert {"/heard", "/said", "/<b>&"} <= places(root).keys()
+    assert "/heard (50 Hz): from nobody to /a. /said (50 Hz): from /<b>& to nobody." in alt
     assert drawn(Topology())[1] == "there are no nodes yet"
 
 

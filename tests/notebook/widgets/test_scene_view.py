@@ -29,23 +29,18 @@ def taken(sent, kind):
     return mine
 
 
-async def test_a_page_gets_the_whole_scene_and_then_what_changes_also_while_a_cell_is_busy(scene, sent):
+async def test_a_page_gets_the_whole_scene_and_then_what_changes_also_while_a_cell_is_busy_until_it_goes(scene, sent):
     widget = SceneView(scene)
     show(scene, "before")
-    await say(widget, "hello")
-    [whole] = taken(sent, "whole")
-    assert unpack_records(whole) == [(Record.CLEAR, b""), (Record.LINE, b"before")]
-    for text in ("one", "two"):  # the loop has no turn meanwhile
-        show(scene, text)
-    assert [lines(frame) for frame in taken(sent, "frame")] == [["one"], ["two"]]
-
-
-async def test_a_scene_is_watched_as_long_as_a_page_shows_it(scene, sent):
-    widget = SceneView(scene)
     assert not scene.watched
     for _ in range(2):
         await say(widget, "hello")
+        [whole] = taken(sent, "whole")
+        assert unpack_records(whole) == [(Record.CLEAR, b""), (Record.LINE, b"before")]
         assert scene.watched
+    for text in ("one", "two"):  # the loop has no turn meanwhile
+        show(scene, text)
+    assert [lines(frame) for frame in taken(sent, "frame")] == [["one"], ["two"]]
     await say(widget, "bye")
     show(scene, "nobody looks")
     assert not scene.watched

@@ -67,9 +67,9 @@ def test_superseded_calls_are_crossed_out():
 
 def test_what_is_neither_applied_nor_posted_is_shown_too():
     handled = Handoff("/joy", received=Moment(100.05, "executor"), handled=Moment(100.051, "executor"))
-    foreign = Handoff(posted=Moment(100.06, "timer"))
+    foreign = Handoff(posted=Moment(100.06, "<b>&"))
     _, texts, alt = drawn(message(0, 1), message(20), handled, foreign)
-    lanes = ["executor", "timer", "MainThread"]
+    lanes = ["executor", "<b>&", "MainThread"]
     assert [name for name in texts if name in lanes] == lanes
     assert "not applied yet (2)" in texts
     assert alt.endswith("1 applied, 1 handled, 2 waiting. They waited 0.9 ms.")

@@ -10,13 +10,7 @@ from pathlib import Path
 from pkgutil import resolve_name
 
 import pytest
-from rclpy.clock import Clock, ROSClock
-from rclpy.duration import Duration
-from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
-from rclpy.task import Future
-from rclpy.time import Time
 from std_msgs.msg import String
 
 DATA = Path(__file__).parent / "data"
@@ -27,29 +21,14 @@ SIGNATURES: dict[str, str] = json.loads((DATA / "rclpy_signatures.json").read_te
 
 
 @pytest.fixture
-def objects(context, node, executor, spin_until):
-    """One of each class whose members are looked for in an object; those of the others are in the class itself."""
-    publisher = node.create_publisher(String, "x", 10)
+def objects(node, spin_until):
+    """One of each class some of whose members only its objects have; those of the others are in the class."""
+    node.create_publisher(String, "x", 10)
     spin_until(lambda: node.get_publishers_info_by_topic("x"))
-    info = node.get_publishers_info_by_topic("x")[0]
     return {
-        "Clock": Clock(),
-        "ROSClock": ROSClock(),
-        "Context": context,
-        "Duration": Duration(),
-        "Executor": executor,
-        "Future": Future(),
-        "Node": node,
         "Parameter": Parameter("x", value=1),
-        "Publisher": publisher,
-        "QoSProfile": QoSProfile(depth=1),
-        "RcutilsLogger": get_logger("x"),
-        "SingleThreadedExecutor": executor,
-        "Subscription": node.create_subscription(String, "x", print, 10),
-        "Time": Time(),
         "Timer": node.create_timer(100.0, print),
-        "TopicEndpointInfo": info,
-        "TypeHash": info.topic_type_hash,
+        "TopicEndpointInfo": node.get_publishers_info_by_topic("x")[0],
     }
 
 

@@ -18,18 +18,15 @@ from std_msgs.msg import String
 @pytest.mark.parametrize(
     "code",
     [
-        "from rclpy.executors import MultiThreadedExecutor",
-        "node.create_service(None, 'x', print)",
         "node.create_timer(1, print, callback_group=object())",
         "node.create_publisher(None, 'x', 1, event_callbacks=object())",
         "rclpy.create_node('x', context=node.context, allow_undeclared_parameters=True)",
         "rclpy.Context().init(args=['--ros-args', '--params-file', 'x'])",
     ],
 )
-def test_what_is_not_there_says_what_to_do(code, node):
-    with pytest.raises((ImportError, AttributeError), match="A real ROS 2 Jazzy has: see https"):
+def test_an_argument_that_is_not_there_says_what_to_do(code, node):
+    with pytest.raises(ImportError, match="A real ROS 2 Jazzy has: see https"):
         exec(code, globals() | {"node": node})
-    assert not hasattr(node, "create_service")
 
 
 @pytest.mark.pocket

@@ -17,8 +17,6 @@ from rclpy.subscription import Subscription
 from rclpy.task import Future
 from std_msgs.msg import String
 
-SpinUntil = Callable[[Callable[[], object]], None]
-
 
 def test_message_info(node, spin_until):
     received: list[dict[str, int]] = []

@@ -1,7 +1,3 @@
-# %% severities
-for severity in logging.LoggingSeverity:
-    print(severity.name, severity.value)
-
 # %% every severity
 logger = logging.get_logger("every")
 logger.set_level(logging.LoggingSeverity.DEBUG)
@@ -11,27 +7,6 @@ print([log("text") for log in (logger.debug, logger.info, logger.warn, logger.wa
 logger = logging.get_logger("drops")
 logger.set_level(logging.LoggingSeverity.ERROR)
 print(logger.info("hidden"), logger.warning("hidden"), logger.error("shown"), logger.fatal("shown"))
-
-# %% levels are numbers, too
-logger = logging.get_logger("numbers")
-logger.set_level(40)
-print(logger.get_effective_level().name, logger.is_enabled_for(30), logger.is_enabled_for(50))
-
-# %% levels that there are not
-logger = logging.get_logger("levels")
-attempt(logger.set_level, 15)
-attempt(logger.set_level, "loud")
-attempt(logger.set_level, None)
-
-# %% a child has its parent's level
-parent = logging.get_logger("parent")
-child = parent.get_child("child")
-parent.set_level(logging.LoggingSeverity.FATAL)
-print(child.name, child.get_effective_level().name)
-child.set_level(logging.LoggingSeverity.DEBUG)
-print(child.get_effective_level().name, parent.get_effective_level().name)
-child.set_level(logging.LoggingSeverity.UNSET)
-print(child.get_effective_level().name)
 
 # %% a line only once
 logger = logging.get_logger("once")
@@ -60,11 +35,6 @@ logger = logging.get_logger("counted")
 for level in (40, 20):
     logger.set_level(level)
     print(logger.info(f"at {level}", once=True))
-
-# %% options that there are not
-logger = logging.get_logger("options")
-attempt(logger.info, "text", twice=True)
-attempt(logger.info, "text", throttle_time_source_type="ROS_TIME")
 
 # %% options that say no
 logger = logging.get_logger("no")
@@ -97,12 +67,6 @@ attempt(log, once=True)
 logger = logging.get_logger("log")
 print(logger.log("one", logging.LoggingSeverity.WARN), logger.log("two", 40), logger.log("three", 10))
 
-# %% a message is a text
-try:
-    logging.get_logger("texts").info(3)
-except Exception as error:
-    print(type(error).__name__)
-
 # %% texts with percent signs, braces and lines
 logger = logging.get_logger("texts")
 logger.info("100 % %s {0} {}")
@@ -117,16 +81,8 @@ n = start(namespace="/Tank")
 n.get_logger().info("text")
 n.get_logger().get_child("part").warning("text")
 
-# %% levels by name
-logging.set_logger_level("by_name", logging.LoggingSeverity.ERROR)
-print(logging.get_logger_level("by_name").name, logging.get_logger_level("unknown").name)
-print(logging.get_logger_effective_level("by_name.child").name)
-
 # %% loggers without a start
 print(logging.get_logger("early").info("before"))
 rclpy.init(args=[])
 rclpy.shutdown()
 print(logging.get_logger("late").info("after"))
-
-# %% a throttle needs a duration
-attempt(logging.get_logger("throttle").info, "text", throttle_time_source_type=Clock())

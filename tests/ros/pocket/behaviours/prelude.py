@@ -18,7 +18,7 @@ from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration, Infinite
 from rclpy.exceptions import *
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -48,3 +48,17 @@ def attempt(call, *args, **options):
         print(call(*args, **options))
     except Exception as error:
         print(type(error).__name__, re.sub(r"(, at \S+:\d+)+$", "", str(error)), sep=": ")
+
+
+def raised(call, *args):
+    """Return what kind of exception a call raises: where the pocket ROS 2 has words of its own."""
+    try:
+        call(*args)
+    except Exception as error:
+        return type(error).__name__
+
+
+def wait(node, condition):
+    """Spin a node until something is so."""
+    while not condition():
+        rclpy.spin_once(node, timeout_sec=0.01)

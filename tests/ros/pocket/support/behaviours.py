@@ -21,8 +21,8 @@ from unittest.mock import patch
 from domains import reserved_domain
 
 FOLDER = Path(__file__).parents[1] / "behaviours"
-"""One file a theme, one cell (``# %% what it shows``) a behaviour; ``prelude.py`` comes before each, and what stands
-above the file's first cell."""
+"""What is more than an expression, or logs: one file a theme, one cell (``# %% what it shows``) a behaviour;
+``prelude.py`` comes before each, and what stands above the file's first cell."""
 
 RECORD = FOLDER.parent / "data/more_rclpy_behaviour.json"
 """What a real rclpy did with them; made by record_behaviours.py."""
