@@ -23,6 +23,9 @@ from tutorial.checks.exercise import Exercise, listing
 ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)
 COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
 OPPOSITES = {"min": "max", "max": "min"}  # of the names that are not the source's own
+SYMMETRIC = {*OPPOSITES, "hypot"}  # take their arguments in any order
+ENDS = ("create_publisher", "create_subscription")
+"""The calls whose last argument, how many messages may wait, is left to an answer."""
 FILE = "mutant"  # what a mutant's code has for a file
 
 Edit = tuple[str, Any]  # the field of a node, and what it becomes
@@ -100,9 +103,11 @@ async def rejects(exercise: Exercise, mutant: Mutant, limit: float) -> bool:
 
 def _edits(tree: ast.Module) -> Iterator[tuple[ast.AST, str, Any]]:
     """Yield what can be done to the nodes, each with a field and its new value."""
+    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    depths = {id(call.args[-1]) for call in calls if ast.unparse(call.func).endswith(ENDS)}
     for node in ast.walk(tree):
-        for field, value in _parts_edits(node):
-            yield node, field, value
+        if id(node) not in depths:
+            yield from ((node, field, value) for field, value in _parts_edits(node))
     yield from _exchanged_names([node for node in ast.walk(tree) if isinstance(node, ast.Attribute)], tree)
     for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
         names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
@@ -152,8 +157,9 @@ def _parts_edits(node: ast.AST) -> Iterator[Edit]:
         case ast.Tuple(elements) | ast.List(elements):
             yield from (("elts", others) for others in _exchanged(elements))
             yield from (("elts", rest) for rest in _one_left_out(elements))
-        case ast.Call(_, arguments, keywords):
-            yield from (("args", others) for others in _exchanged(arguments))
+        case ast.Call(function, arguments, keywords):
+            if ast.unparse(function) not in SYMMETRIC:
+                yield from (("args", others) for others in _exchanged(arguments))
             for others in _exchanged(keywords):
                 yield "keywords", [ast.keyword(each.arg, other.value) for each, other in zip(keywords, others)]
             yield from (("keywords", rest) for rest in _one_left_out(keywords))
