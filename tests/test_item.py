@@ -64,6 +64,14 @@ def test_a_change_without_a_report_is_drawn_and_not_counted(item):
     assert (item.joints.applied, item.joints.line()) == (0, "")
 
 
+def test_before_anything_is_shown_it_is_said_whether_anything_has_come(joints):
+    assert joints.line() == "", "nobody listens"
+    joints.meters = [TopicMeter(JointState, "/Tank/joint_state", "received")]
+    assert joints.line() == "Tank: nothing has come on /Tank/joint_state yet"
+    joints.meters[0].count = 1
+    assert joints.line() == "Tank: nothing of what has come on /Tank/joint_state could be shown yet"
+
+
 def test_of_hostile_messages_nothing_is_kept(joints):
     matcher, random = JointMatcher(RANGES), Random(1)
 
