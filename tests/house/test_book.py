@@ -115,17 +115,10 @@ def test_pages_open_without_a_complaint_and_their_runs_move(site):
     asyncio.run(asyncio.wait_for(main(), 300))
 
 
-class Quiet(SimpleHTTPRequestHandler):
-    """Serves files, and does not print which."""
-
-    def log_message(self, *_):
-        pass
-
-
 @contextmanager
 def served(folder) -> Iterator[str]:
     """Serve a folder; its address, without a slash at the end."""
-    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=folder)) as server:
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(SimpleHTTPRequestHandler, directory=folder)) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         try:
@@ -215,7 +208,7 @@ async def drive_and_be_followed(page, visitor):
         return all([await views.nth(i).screenshot() != stood[i] for i in range(2)])
 
     await until(are_drawn, "both views show that the tank has moved")
-    await until(lambda: has_text(page, ".drive-topics", "/Tank/joint_state"), "the topic is shown")
+    await page.locator(".drive-topics", has_text="/Tank/joint_state").wait_for()
 
 
 async def edit_and_err(page, visitor):
@@ -244,22 +237,6 @@ async def edit_and_err(page, visitor):
     await visitor.says("")
 
 
-async def drive_on_a_phone(page, visitor):
-    """Everything fits into the page of a phone, and a dragged stick moves the tank."""
-    await page.set_viewport_size({"width": 390, "height": 800})
-    assert not await page.evaluate("document.documentElement.scrollWidth > innerWidth")
-    stick = page.locator(".tank-stick-pad").first
-    await stick.scroll_into_view_if_needed()
-    box = await stick.bounding_box()
-    await visitor.moves(-3.0)  # its program is there again
-    x = await visitor.x()
-    await page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    await page.mouse.down()
-    await page.mouse.move(box["x"] + box["width"] / 2, box["y"])
-    await visitor.moves(x + 0.1)
-    await page.mouse.up()
-
-
 @pytest.mark.browser
 @pytest.mark.timeout(320)
 def test_the_tank_drives_in_the_visitors_browser(site):
@@ -277,7 +254,8 @@ def test_the_tank_drives_in_the_visitors_browser(site):
             await page.wait_for_function("drive.drive.isReady")
             await drive_and_be_followed(page, visitor)
             await edit_and_err(page, visitor)
-            await drive_on_a_phone(page, visitor)
+            await page.set_viewport_size({"width": 390, "height": 800})  # a phone's
+            assert not await page.evaluate("document.documentElement.scrollWidth > innerWidth")
             assert {urlsplit(url).netloc for url in witness.requests if not url.startswith(("blob:", "data:"))} == {
                 urlsplit(address).netloc
             }
@@ -285,7 +263,3 @@ def test_the_tank_drives_in_the_visitors_browser(site):
 
     with served(site.parent) as address:
         asyncio.run(asyncio.wait_for(main(address), 300))
-
-
-async def has_text(page, selector, text):
-    return text in await page.inner_text(selector)
