@@ -6,19 +6,19 @@ middleware that has, Cyclone DDS if it is not set.
 
 from __future__ import annotations
 
-import itertools
 import os
 import shlex
 import signal
 import subprocess
+from collections import defaultdict
 from contextlib import ExitStack, contextmanager
+from itertools import count, islice
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from programs import PATIENCE, until
 from rclpy.qos import DurabilityPolicy, QoSProfile
-from rclpy.time import Time
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
@@ -83,41 +83,34 @@ class Transforms:
 
     Attributes:
         fixed: parent and pose by child, of ``/tf_static``.
-        moving: likewise of ``/tf``, by stamp [ns].
+        moving: likewise of ``/tf``, by stamp [s].
     """
 
     def __init__(self, node):
-        self.fixed, self.moving = {}, {}
+        self.fixed, self.moving = {}, defaultdict(dict)
         kept = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.subscriptions = [
-            node.create_subscription(TFMessage, "/tf_static", self.on_fixed, kept),
-            node.create_subscription(TFMessage, "/tf", self.on_moving, 100),
+            node.create_subscription(TFMessage, "/tf_static", lambda message: self.take(message, False), kept),
+            node.create_subscription(TFMessage, "/tf", lambda message: self.take(message, True), 100),
         ]
 
-    def on_fixed(self, message):
-        self.fixed.update((each.child_frame_id, read(each)) for each in message.transforms)
-
-    def on_moving(self, message):
+    def take(self, message, moves):
         for each in message.transforms:
-            stamp = Time.from_msg(each.header.stamp).nanoseconds
-            self.moving.setdefault(stamp, {})[each.child_frame_id] = read(each)
+            place, turned = each.transform.translation, each.transform.rotation
+            found = pose((place.x, place.y, place.z), (turned.w, turned.x, turned.y, turned.z))
+            known = self.moving[each.header.stamp.sec] if moves else self.fixed
+            known[each.child_frame_id] = each.header.frame_id, found
 
     def pose(self, frame, stamp):
         """Where a frame is in the root of its tree, 4 x 4; None while that is not known."""
         found = np.eye(4)
-        known = {**self.fixed, **self.moving.get(stamp, {})}
+        known = {**self.fixed, **self.moving[stamp]}
         while not frame.endswith("/base_link"):
             if frame not in known:
                 return None
             frame, matrix = known[frame]
             found = matrix @ found
         return found
-
-
-def read(transform):
-    place, turned = transform.transform.translation, transform.transform.rotation
-    wxyz = turned.w, turned.x, turned.y, turned.z
-    return transform.header.frame_id, pose((place.x, place.y, place.z), wxyz)
 
 
 def test_check_urdf_has_nothing_to_say_against_it(bodies, environment, tmp_path):
@@ -152,7 +145,7 @@ def test_robot_state_publisher_has_every_link_where_mujoco_has_it(node, bodies, 
             stack.enter_context(going_on(*program, *remapped, *parameters, environment=environment))
         until(lambda: all(each.get_subscription_count() for each in publishers.values()), "the joints' subscribers")
         until(lambda: {frame.split("/")[0] for frame in transforms.fixed} == set(NAMES), "what does not move")
-        stamps = itertools.count(0, 100_000_000)
+        stamps = count(1)  # [s]
 
         def moves():
             """Its ends are met one after the other: what is published before all of them are is lost."""
@@ -163,7 +156,7 @@ def test_robot_state_publisher_has_every_link_where_mujoco_has_it(node, bodies, 
             return moving == set(NAMES)
 
         until(moves, "what moves")
-        for stamp in itertools.islice(stamps, 100):
+        for stamp in islice(stamps, 100):
             for name, body in bodies.items():
                 publish(publishers[name], body, generator, stamp)
             for body in bodies.values():
@@ -175,7 +168,7 @@ def publish(publisher, body, generator, stamp):
     body.set_joint_positions({name: generator.uniform(*ends) for name, ends in body.joint_ranges.items()})
     body.calc_forward_kinematics()
     message = JointState(name=list(body.joint_names), position=[joint.position for joint in body.joints])
-    message.header.stamp = Time(nanoseconds=stamp).to_msg()
+    message.header.stamp.sec = stamp
     publisher.publish(message)
 
 
