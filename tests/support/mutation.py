@@ -14,7 +14,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import takewhile
+from itertools import pairwise, takewhile
 from typing import Any
 
 from tutorial.checks._verdict import Verdict
@@ -170,7 +170,20 @@ def _parts_edits(node: ast.AST) -> Iterator[Edit]:
         case ast.stmt(body=[*body]):
             yield from (("body", rest or [ast.Pass()]) for rest in _one_left_out(body))
             if not isinstance(node, ast.ClassDef):
-                yield from (("body", others) for others in _exchanged(body))
+                swaps = zip(pairwise(body), _exchanged(body))
+                yield from (("body", others) for pair, others in swaps if not _are_unrelated(*pair))
+
+
+def _are_unrelated(one: ast.stmt, other: ast.stmt) -> bool:
+    """Whether two assignments may stand in either order: neither uses what the other sets, nor begins to listen."""
+    if not (isinstance(one, ast.Assign) and isinstance(other, ast.Assign)) or ".create_" in ast.unparse([one, other]):
+        return False
+    sets, uses = [], []
+    for each in (one, other):
+        targets = [part for target in each.targets for part in ast.walk(target)]
+        sets.append({ast.unparse(part) for part in targets if isinstance(getattr(part, "ctx", None), ast.Store)})
+        uses.append({ast.unparse(part) for part in ast.walk(each) if isinstance(part, ast.expr)})
+    return sets[0].isdisjoint(uses[1]) and sets[1].isdisjoint(uses[0])
 
 
 def _other_comparisons(op: ast.cmpop) -> list[ast.cmpop]:
