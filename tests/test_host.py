@@ -156,6 +156,13 @@ async def test_while_nobody_watches_no_frame_is_drawn(step3, monkeypatch):
 
 
 @in_a_loop
+async def test_what_is_measured_stands_below_the_view(domain):
+    async with Host(Project.load(find_project("step5")), view=View(scene := Scene())) as host:
+        host.bodies["Tank"].sensor("ACCEL_SENSOR").value = -3.0, 0.0, 9.8
+        assert "Tank\tacceleration\t-3.00\t0.00\t9.80\tm/s²\t" in drawn(scene, Record.LINE)[-1].decode()
+
+
+@in_a_loop
 async def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog):
     view = watched_view()
     async with Host(step3, view=view) as host, running(host):

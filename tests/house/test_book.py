@@ -128,6 +128,14 @@ def served(folder) -> Iterator[str]:
             thread.join()
 
 
+BEYOND = """() => {
+    const {state, setup} = drive.drive.simulation;
+    const [body] = Object.entries(setup.paths).find(([, path]) => path.endsWith("CHASSIS"));
+    return state.xpos[3 * body] > -1.5;
+}"""
+"""Whether the simulated tank has come so far along the laboratory [m]."""
+
+
 class DrivePage:
     """The page on which the tank drives, as a visitor uses it."""
 
@@ -139,16 +147,6 @@ class DrivePage:
         found = await self.page.evaluate(f"drive.drive.{program}.state?.joints ?? []")
         return {name: (position, effort) for name, position, effort in found}
 
-    async def x(self):
-        """Where the simulated tank is [m], along the laboratory."""
-        return await self.page.evaluate(
-            """(() => {
-                const {state, setup} = drive.drive.simulation;
-                const [body] = Object.entries(setup.paths).find(([, path]) => path.endsWith("CHASSIS"));
-                return state.xpos[3 * body];
-            })()"""
-        )
-
     async def edit(self, old, new):
         """Change the controller, and run it."""
         text = self.page.locator(".drive-text")
@@ -158,15 +156,8 @@ class DrivePage:
         await self.page.get_by_role("button", name="Run").click()
 
     async def says(self, words):
-        """Wait for an error that is shown; "" for none."""
-
-        async def is_said():
-            return words in await self.page.inner_text(".drive-error") if words else not await self.error_is_there()
-
-        await until(is_said, f"the page says {words!r}")
-
-    async def error_is_there(self):
-        return await self.page.locator(".drive-error").is_visible()
+        """Wait for an error that is shown."""
+        await self.page.locator(".drive-error", has_text=words).wait_for()
 
     async def holds(self, joint, low, high):
         """Wait until a simulated joint is within a range [rad]."""
@@ -176,21 +167,13 @@ class DrivePage:
 
         await until(is_there, f"{joint} is between {low} and {high}")
 
-    async def moves(self, from_x):
-        """Wait until the tank has come further than a place [m]."""
-
-        async def has_moved():
-            return await self.x() > from_x
-
-        await until(has_moved, f"the tank is beyond {from_x}")
-
 
 async def drive_and_be_followed(page, visitor):
     """Keys move the tank and lift its barrel, and the viewer in the second program shows the same."""
     views = page.locator(".drive-view .tank-view-pane")
     stood = [await views.nth(i).screenshot() for i in range(2)]
     await page.keyboard.down("KeyW")  # the joystick has the focus
-    await visitor.moves(-1.5)
+    await page.wait_for_function(BEYOND)
     await page.keyboard.up("KeyW")
 
     await page.keyboard.down("ArrowUp")
@@ -234,7 +217,7 @@ async def edit_and_err(page, visitor):
     await visitor.edit("P_GAIN = 2000.0", "while True: pass")
     await visitor.says("Is there a loop that never ends?")
     await page.get_by_role("button", name="Original").click()
-    await visitor.says("")
+    await page.locator(".drive-error").wait_for(state="hidden")
 
 
 @pytest.mark.browser
