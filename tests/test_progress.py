@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import os
 import re
@@ -14,7 +13,6 @@ from kernels import kernel
 
 from tutorial import progress
 from tutorial.checks.catalogue import exercise_names
-from tutorial.checks.joint_state_subscriber import by_name
 from tutorial.commands.tank import tank
 from tutorial.progress import FILE, Overview, read_progress, remember
 
@@ -53,9 +51,7 @@ def test_a_kernel_remembers_what_is_solved_beside_its_notebook(folder):
     assert [path.name for path in folder.iterdir()] == [FILE]
 
 
-@pytest.mark.process
 def test_where_there_is_no_notebook_nothing_is_remembered(folder):
-    asyncio.run(by_name.check(by_name.right_answer))
     remember("aim")
     assert list(folder.iterdir()) == []
 
