@@ -21,12 +21,7 @@ PAYLOAD = serialize_message(JointState(name=["TURRET_Y"], position=[0.5]))
 class Silent(Node):
     """A node on which nothing arrives; its clock has stopped."""
 
-    def create_subscription(self, message_type, topic, callback, depth, raw):
-        assert (message_type, topic, raw) == (JointState, "/Tank/joint_state", True)
-        return super().create_subscription(message_type, topic, callback, depth, raw)
-
-    def resolve_topic_name(self, topic):
-        return f"/{topic}"
+    resolve_topic_name = "/{}".format
 
     def get_clock(self):
         return SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=1_750_000_000_000_000_000))
