@@ -212,6 +212,7 @@ class TestWhateverAControllerRaises:
         simulation.advance(0.001)
         simulation.stop()
         assert str(simulation.error).endswith(f", in act: {kind.__name__}: mine")
+        assert simulation.state is State.FAILED
         assert str(simulation.error) in caplog.text
         assert after.calls == ["initialize", "stop"]
 
