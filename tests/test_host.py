@@ -42,17 +42,6 @@ async def publishers(*topics):
         yield made
 
 
-@asynccontextmanager
-async def running(host):
-    """Meanwhile a host runs, and does not end of itself."""
-    run = asyncio.ensure_future(host.run())
-    yield run
-    assert not run.done()
-    run.cancel()
-    with suppress(asyncio.CancelledError):
-        await run
-
-
 def message(position, nanoseconds, names=("TURRET_Y",)):
     state = JointState(name=list(names), position=[position] * len(names))
     state.header.stamp.sec, state.header.stamp.nanosec = divmod(nanoseconds, 1_000_000_000)
@@ -165,7 +154,8 @@ async def test_what_is_measured_stands_below_the_view(domain):
 @in_a_loop
 async def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog):
     view = watched_view()
-    async with Host(step3, view=view) as host, running(host):
+    async with Host(step3, view=view) as host:
+        run = asyncio.ensure_future(host.run())
         with NodeThread("flood") as flooding:
             sent = flood(flooding.node)
 
@@ -186,6 +176,8 @@ async def test_a_body_may_go_and_come_again_while_messages_arrive(step3, caplog)
             await until(lambda: len(sent) > count + 200)
             assert (body.qpos == pose).all(), "what was posted for it does not run any more"
             await until(lambda: not host.node.count_subscribers(TOPIC))
+        assert not run.done()
+        run.cancel()
     assert not [each for each in caplog.records if each.levelno >= logging.ERROR], caplog.text
 
 
