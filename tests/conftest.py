@@ -5,11 +5,15 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 from programs import Program
 
 import tutorial  # noqa: F401
+
+JUPYTERS_FOLDERS = ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR", "JUPYTERLAB_WORKSPACES_DIR")
+
 
 LANES = ("process", "browser", "build", "ros2", "nightly")
 """The marks of tests that may start processes; pyproject.toml says what each means, the Makefile which command runs
@@ -52,6 +56,12 @@ def pytest_configure() -> None:
     """
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture
+def own_folders(tmp_path: Path) -> dict[str, str]:
+    """Jupyter's folders, by the variables that name them, so that the user's are left alone."""
+    return {name: str(tmp_path / name) for name in JUPYTERS_FOLDERS}
 
 
 @pytest.fixture
