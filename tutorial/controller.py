@@ -54,7 +54,7 @@ class ControllerIO:
     Attributes:
         body: the simulated body.
         time_step: [s].
-        step: how many steps have been simulated since the start.
+        step: how many steps have been simulated since the program began; after a stop they go on.
     """
 
     __slots__ = ("_step_ns", "body", "step", "time_step")
@@ -67,12 +67,12 @@ class ControllerIO:
 
     @property
     def time_ns(self) -> int:
-        """Simulated time since the start [ns], an exact multiple of the time step."""
+        """Simulated time since the program began [ns], an exact multiple of the time step."""
         return self.step * self._step_ns
 
     @property
     def time(self) -> float:
-        """Simulated time since the start [s]."""
+        """Simulated time since the program began [s]."""
         return self.time_ns / 1e9
 
 

@@ -54,7 +54,10 @@ class Simulation(SteppedWorld):
     Attributes:
         state: what it does now.
         error: what a controller raised last, since the last start; None when none did.
+        rest: between two batches of steps in real time [s]. Longer batches take less of the processor.
     """
+
+    rest = REST
 
     def __init__(
         self,
@@ -253,7 +256,7 @@ class Simulation(SteppedWorld):
             self._run_steps(run, due)
             if not run.abandoned:
                 self.snapshot.put(self._snap())
-            time.sleep(REST)
+            time.sleep(self.rest)
 
 
 class _Pace:
@@ -277,4 +280,4 @@ class _Pace:
             if ratio < SLOW:
                 _log.warning("this machine can't keep up: the simulation runs at %.2f of real time", ratio)
             self._lost, self._since = 0.0, now
-        return int(min(debt, 10 * REST) / self._time_step)  # few enough to notice a stop at once
+        return int(min(debt, 0.05) / self._time_step)  # few enough to notice a stop at once

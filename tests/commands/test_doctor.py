@@ -99,7 +99,7 @@ def test_it_stands_in_columns_and_no_word_is_broken(monkeypatch, capsys):
 
 
 def test_a_probe_that_fails_is_told_and_the_others_go_on(monkeypatch, capsys):
-    monkeypatch.setattr(doctor, "PROBES", {"broken": lambda: 1 / 0, "Python": doctor.python})
+    monkeypatch.setattr(doctor, "PROBES", {"broken": lambda: 1 / 0, "Python": doctor.PROBES["Python"]})
     assert doctor.doctor() == 0
     said = capsys.readouterr().out
     assert "broken     note     it could not be looked at: ZeroDivisionError" in said

@@ -63,4 +63,4 @@ def test_what_no_stick_can_do_is_said_once(domain, capfd):
         complain(thread.node, Joy(axes=[1.0, -1.0]))
     said = capfd.readouterr().err.splitlines()
     assert len(said) == 1
-    assert said[0].endswith("/joy has axes outside -1 to 1: [nan]. They are limited, or count as 0")
+    assert said[0].endswith("the joystick has axes outside -1 to 1: [nan]. They are limited, or count as 0")

@@ -19,7 +19,9 @@ from rich.console import Console
 from rich.table import Table
 
 MEASURED = 20.0  # [s]
-LEAVE = "import tutorial.notebook.program\ntutorial.notebook.program.REST_AFTER = {}"
+LEAVE = "import tutorial.notebook.program as module\nmodule.REST_AFTER = {}"
+GONE = "program._started_at = module.CellWidget.heard_at = 0.0"  # since the machine was started
+BACK = "module.CellWidget.heard_at = module.math.inf\nprogram.start()"
 FOREVER = 1e9
 
 
@@ -36,6 +38,11 @@ def loads(students: list[Student]) -> list[float]:
     return [100 * (now - then) / took for now, then in zip(after, before)]
 
 
+def times(pool: ThreadPoolExecutor, students: list[Student]) -> list[float]:
+    """The time in each student's simulation [s]."""
+    return [float(said) for said in pool.map(lambda student: student.run("print(program.simulation.time)"), students)]
+
+
 def memory(student: Student) -> float:
     """How much memory the student's processes take [MB]."""
     return sum(process.memory_full_info().pss for process in student.processes()) / 1e6
@@ -49,7 +56,7 @@ def attend(student: Student) -> str:
     view = student.run("print(program.view.comm.comm_id)").strip()
     for word in ("hello", "bye"):
         student.look(view, word)
-    return student.run("import os\nprint(os.environ['ROS_DOMAIN_ID'])").strip()
+    return student.run(f"{GONE}\nimport os\nprint(os.environ['ROS_DOMAIN_ID'])").strip()
 
 
 def rest(student: Student) -> None:
@@ -59,7 +66,7 @@ def rest(student: Student) -> None:
 
 def finish(student: Student) -> None:
     """Run the other cells."""
-    student.run(LEAVE.format(FOREVER) + "\nprogram.start()")
+    student.run(f"{LEAVE.format(FOREVER)}\n{BACK}")
     for cell in cells()[1]:
         student.run(cell)
 
@@ -75,14 +82,22 @@ def main(users: int) -> None:
         students = list(pool.map(lambda number: Student(at, f"student{number}"), range(users)))
         domains = set(pool.map(attend, students))
         print(f"{users} students, {len(domains)} domains, all tanks run after {time.monotonic() - began:.0f} s")
+        began_at, since = times(pool, students), time.monotonic()
         running = loads(students)
+        took = time.monotonic() - since
+        paces = [100 * (now - then) / took for now, then in zip(times(pool, students), began_at)]
         list(pool.map(rest, students))
         resting, megabytes = loads(students), [memory(student) for student in students]
         list(pool.map(finish, students))
         print(f"all notebooks have come to their end after {time.monotonic() - began:.0f} s")
     table = Table("of each student", "least", "median", "most")
-    rows = ("memory [MB]", megabytes), ("unwatched, running [% of a core]", running), ("at rest [% of a core]", resting)
-    for name, values in rows:
+    rows = {
+        "memory [MB]": megabytes,
+        "unwatched, running [% of a core]": running,
+        "its time [% of real time]": paces,
+        "at rest [% of a core]": resting,
+    }
+    for name, values in rows.items():
         table.add_row(name, *(f"{value:.1f}" for value in (min(values), statistics.median(values), max(values))))
     Console().print(table)
 

@@ -25,6 +25,7 @@ from tutorial.notebook import program as program_module
 from tutorial.notebook.widgets.cell_widget import CellWidget
 from tutorial.paths import find_project
 from tutorial.project import Project
+from tutorial.simulation import REST
 
 pytestmark = pytest.mark.usefixtures("domain")
 
@@ -132,6 +133,9 @@ async def test_a_started_simulation_rests_when_its_page_is_gone_and_never_withou
     program.start()
     await until(lambda: "paused" not in below())
     assert program.simulation.running
+    assert program.simulation.rest == REST
+    monkeypatch.setattr(program_module, "AWAY_AFTER", 0.0)
+    await until(lambda: program.simulation.rest > REST)
 
 
 LOOPS = """

@@ -23,7 +23,7 @@ from urllib.request import HTTPCookieProcessor, Request, build_opener
 import nbformat
 import psutil
 from programs import PATIENCE, answer, marked, until
-from websocket import WebSocket, WebSocketConnectionClosedException, create_connection
+from websocket import WebSocket, WebSocketConnectionClosedException, WebSocketTimeoutException, create_connection
 
 CHECKOUT = Path(__file__).parents[2]
 CONFIG = CHECKOUT / "tests/hub/jupyterhub_config.py"
@@ -166,10 +166,11 @@ class Student:
     def _connect(self, address: str) -> None:
         """Connect to the kernel, again if it starts anew: another process may have taken a port of its own."""
         while True:
-            self._socket = create_connection(address, timeout=LONG, header={"Authorization": f"token {self._token}"})
+            self._socket = create_connection(address, PATIENCE, header={"Authorization": f"token {self._token}"})
             self._hub.sockets.append(self._socket)
-            with suppress(WebSocketConnectionClosedException):
+            with suppress(WebSocketConnectionClosedException, WebSocketTimeoutException):
                 self.run("")
+                self._socket.settimeout(LONG)
                 return
 
     def _ask(self, path: str, data: object = None) -> HTTPResponse:

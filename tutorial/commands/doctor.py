@@ -108,11 +108,6 @@ def ask(question: Callable[[], Any], patience: float = PATIENCE) -> Any:
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def python() -> Diagnosis:
-    """Say which Python this is; pip has seen to it that it is one that will do."""
-    return Diagnosis("ok", f"{platform.python_version()}, {sys.executable}")
-
-
 def mujoco() -> Diagnosis:
     """Say which MuJoCo there is, and whether it renders the pictures of a camera."""
     try:
@@ -199,7 +194,7 @@ def domain() -> Diagnosis:
 
 
 PROBES: dict[str, Callable[[], Diagnosis]] = {
-    "Python": python,
+    "Python": lambda: Diagnosis("ok", f"{platform.python_version()}, {sys.executable}"),
     "MuJoCo": mujoco,
     "packages": packages,
     "ROS 2": backend,

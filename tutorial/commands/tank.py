@@ -199,12 +199,8 @@ def urdf(model: str) -> None:
     say(robot_description(Body.displayed(Placement(path.stem.capitalize(), path))))
 
 
-tank.add_command(bag)
-tank.add_command(chaos)
-tank.add_command(check)
-tank.add_command(node)
-tank.add_command(package)
-tank.add_command(topic)
+for command in (bag, chaos, check, node, package, topic):
+    tank.add_command(command)
 
 
 def _split(words: list[str]) -> tuple[list[str], list[str]]:

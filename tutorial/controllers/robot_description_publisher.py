@@ -12,7 +12,7 @@ FOR_LATECOMERS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL
 
 
 class RobotDescriptionPublisher(SimpleController):
-    """Publish the body as URDF, once. A late subscriber gets this message, too: the topic is transient local."""
+    """Publish the body as URDF, once. It is transient local: a late subscriber that asks for that gets it, too."""
 
     def configure(self, config: ControllerConfig) -> None:  # main thread
         """Create the publisher, and publish. The topic is named after the body."""

@@ -98,5 +98,5 @@ def complain(node: Node, message: Joy) -> None:
     """Log, once in five seconds, which axes are outside the range of a stick."""
     odd = [axis for axis in message.axes[:4] if not -1.0 <= axis <= 1.0]  # NaN is between no numbers
     if odd:
-        text = f"/joy has axes outside -1 to 1: {odd}. They are limited, or count as 0"
+        text = f"the joystick has axes outside -1 to 1: {odd}. They are limited, or count as 0"
         node.get_logger().warning(text, throttle_duration_sec=5.0)

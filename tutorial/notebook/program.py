@@ -16,10 +16,10 @@ from tutorial.body import Body
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.host import FRAME, Host
-from tutorial.notebook.widgets.cell_widget import CellWidget
+from tutorial.notebook.widgets.cell_widget import AWAY_AFTER, CellWidget
 from tutorial.notebook.widgets.scene_view import SceneView
 from tutorial.project import Project
-from tutorial.simulation import Simulation
+from tutorial.simulation import REST, Simulation
 from tutorial.trace import HandoffTrace
 from tutorial.view.bodies import View
 from tutorial.view.replay import recorded
@@ -27,6 +27,7 @@ from tutorial.view.scene import Scene
 
 T = TypeVar("T")
 
+LONG_REST = 0.02  # [s] between two batches of steps while the page is gone: longer ones take less of the processor
 REST_AFTER = 300.0  # [s] without a page, after which a simulation that was started rests
 RESTS = "paused at %.1f s, after %d min without a page: start() goes on"
 LONGEST_PAUSE = 1.0  # [s] in a replay: between two cells, one thinks
@@ -59,8 +60,7 @@ class Program:
         self._running = False
         self._open = True
         self._started_at = math.inf
-        self._loop = asyncio.get_running_loop()
-        self._next = self._loop.call_later(FRAME, self._draw)
+        self._next = asyncio.get_running_loop().call_later(FRAME, self._draw)
 
     def __repr__(self) -> str:
         return f"Program({self.host.node.get_name()!r}, bodies={list(self.host.bodies)})"
@@ -212,14 +212,16 @@ class Program:
 
     def _draw(self) -> None:
         """Draw what happens outside of `run`, again and again."""
-        self._next = self._loop.call_later(FRAME, self._draw)
+        self._next = asyncio.get_running_loop().call_later(FRAME, self._draw)
         if not self._running:
             self._rest()
             self.host.refresh()
 
     def _rest(self) -> None:
-        """Stop a simulation that goes on while its page has been gone for long; without any page so far, it goes on."""
+        """Let a simulation whose page is gone take less, and in the end stop it; without a page so far, it goes on."""
         gone_for = time.monotonic() - max(CellWidget.heard_at, self._started_at)
+        if self.host.simulation is not None:
+            self.simulation.rest = LONG_REST if gone_for > AWAY_AFTER else REST
         if gone_for > REST_AFTER and self.simulation.running:
             self.host.note = RESTS % (self.simulation.time, gone_for / 60)
             self.stop()

@@ -1,11 +1,13 @@
 """The joystick in a cell: what it publishes, and when it lets go."""
 
+import math
 import threading
 
 import pytest
 from programs import until
 from sensor_msgs.msg import Joy
 
+from tutorial.notebook.widgets.cell_widget import CellWidget
 from tutorial.notebook.widgets.joystick import PATIENCE, Joystick
 from tutorial.ros.node_thread import NodeThread
 
@@ -18,8 +20,9 @@ BUTTONS = [1] + [0] * 14
 
 @pytest.fixture
 def clock(monkeypatch):
-    """A clock that stands until its one number is changed."""
+    """A clock that stands until its one number is changed; no page has been heard so far."""
     now = [100.0]
+    monkeypatch.setattr(CellWidget, "heard_at", math.inf)
     monkeypatch.setattr(Joystick, "_clock", staticmethod(lambda: now[0]))
     return now
 
@@ -68,6 +71,18 @@ def test_when_the_page_falls_silent_the_sticks_are_let_go(joystick, clock):
     assert joystick.axes == tuple(HELD)
     clock[0] += 0.2 * PATIENCE
     assert joystick.axes == NEUTRAL
+
+
+def test_a_page_that_is_gone_is_a_joystick_that_is_unplugged(joystick, monkeypatch):
+    joystick._ros.close()  # this thread ticks now
+    published = []
+    monkeypatch.setattr(joystick, "_publish", lambda: published.append(CellWidget.heard_at))
+    monkeypatch.setattr(CellWidget, "heard_at", -math.inf)
+    joystick._tick()
+    assert not published
+    say(joystick)
+    joystick._tick()
+    assert published
 
 
 def test_messages_that_make_no_sense_change_nothing(joystick):

@@ -16,6 +16,9 @@ from tutorial.ros.node_thread import MeteredNode, NodeThread
 
 T = TypeVar("T")
 
+AWAY_AFTER = 70.0
+"""After so long without a word the page counts as gone [s]; a page that is hidden says something once a minute."""
+
 
 def kernel_loop() -> asyncio.AbstractEventLoop:
     """Return the event loop of the notebook's kernel, which keeps a widget up to date. Main thread.

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Joy
 
 from tutorial.handoff import Latest
-from tutorial.notebook.widgets.cell_widget import CellWidget, NodeWidget, parse_message
+from tutorial.notebook.widgets.cell_widget import AWAY_AFTER, CellWidget, NodeWidget, parse_message
 from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.view.assets import read_static
 
@@ -31,7 +31,7 @@ class Joystick(NodeWidget):
 
     It publishes from its node's thread, so it drives also while a cell is busy. The numbers are those of the ROS 2 joy
     package's ``game_controller_node``: left and forward are +1. If the page sends no more while a stick is held,
-    the sticks are released.
+    the sticks are released; a page that is gone for a minute is a joystick that is unplugged, which publishes nothing.
     """
 
     _esm = read_static("make.js", "cell.js", "joystick.js")
@@ -60,7 +60,7 @@ class Joystick(NodeWidget):
     def _set_up(self, node: Node) -> None:
         self._node = node
         self._publisher = node.create_publisher(Joy, "joy", 1)
-        node.create_timer(1 / RATE, self._publish)
+        node.create_timer(1 / RATE, self._tick)
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says, on whatever thread, and leave it for the node's."""
@@ -72,6 +72,10 @@ class Joystick(NodeWidget):
         held, received_at = self._held.get()
         is_old = self._clock() - received_at >= PATIENCE
         return _Sticks() if is_old or self.ended else held
+
+    def _tick(self) -> None:
+        if time.monotonic() - CellWidget.heard_at < AWAY_AFTER:
+            self._publish()
 
     def _publish(self) -> None:
         """Publish the sticks as they are now: on the node's thread, and once more in the end, on the main thread."""
