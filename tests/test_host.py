@@ -10,13 +10,13 @@ import threading
 import time
 from contextlib import asynccontextmanager, suppress
 from dataclasses import replace
+from itertools import count
 from operator import attrgetter
 
 import pytest
 from geometry_msgs.msg import Pose
 from loops import PATIENCE, in_a_loop, until
 from sensor_msgs.msg import JointState
-from unruly import Unruly, box_model
 
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
@@ -346,15 +346,27 @@ async def test_a_new_run_forgets_what_failed_before(step3):
         assert host.error is None
 
 
-def unruly_class(rng, let, made):
-    """A class of controllers that misbehave in one of all the ways that the host has to live with."""
+NUMBERS = count()
 
-    class Wild(Unruly):
+
+def unruly_class(rng, let, made):
+    """A class of controllers that misbehave in one of all the ways that the host has to live with.
+
+    Args:
+        rng: decides in which method, and how.
+        let: ends its hanging.
+        made: all that were made.
+    """
+
+    class Unruly(SimpleController):
         def __init__(self):
             methods = ("configure", "initialize", *["control"] * 3, *["called_back"] * 2, "stop", "unconfigure")
-            super().__init__(rng, let, methods)
+            self.method = rng.choice(methods)
+            self.act = rng.choice((None, None, ValueError, SystemExit, KeyboardInterrupt, "hang"))
             if self.method.endswith("configure") and self.act in ("hang", KeyboardInterrupt):
                 self.act = SystemExit  # what hangs on the main thread is the reader's to interrupt
+            self.wait = rng.randrange(20)
+            self.hangs, self.raised = False, []  # whether it does, or did; and the texts of what it has raised
             made.append(self)
 
         def configure(self, config):
@@ -362,16 +374,40 @@ def unruly_class(rng, let, made):
             self.perhaps("configure")
             self.timer = config.node.create_timer(0.005, lambda: self.perhaps("called_back"))
 
+        def initialize(self, io):
+            self.perhaps("initialize")
+
+        def control(self):
+            self.perhaps("control")
+
+        def stop(self):
+            self.perhaps("stop")
+
         def unconfigure(self):
             self.config.node.destroy_timer(self.timer)
             self.perhaps("unconfigure")
+
+        def perhaps(self, method):
+            self.wait -= method == "control"
+            if method != self.method or self.act is None or (method == "control" and self.wait > 0):
+                return
+            if self.act == "hang":
+                self.hangs = True
+                let.wait(60)
+            else:
+                self.wait = 20
+                self.fail(self.act)
 
         def posted(self, kind):
             self.config.call_later(int)
             if kind is not None:
                 self.fail(kind)
 
-    return Wild
+        def fail(self, kind):
+            self.raised.append(f"failure {next(NUMBERS)}.")
+            raise kind(self.raised[-1])
+
+    return Unruly
 
 
 async def some_frames(host, rng):
@@ -438,7 +474,8 @@ async def live_through(seed, model):
 def test_whatever_controllers_do_a_host_ends_and_no_failure_is_unseen(tens, domain, tmp_path, monkeypatch, caplog):
     for name in ("tutorial.simulation.STUCK", "tutorial.host.HUNG", "tutorial.ros.node_thread.SpinThread.patience"):
         monkeypatch.setattr(name, 0.05)
-    model = box_model(tmp_path)
+    model = tmp_path / "box.xml"  # the smallest one that something can be done with: it is quickly loaded
+    model.write_text("<mujoco><worldbody><body><freejoint/><geom size='0.1'/></body></worldbody></mujoco>")
     before = threads()
     for seed in range(10 * tens, 10 * tens + 10):
         caplog.clear()

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import _thread
-import random
 import sys
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import nullcontext, suppress
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
 from programs import PATIENCE, until
-from unruly import Unruly, box_model
 
 from tutorial import simulation as simulation_module
 from tutorial.body import Body
@@ -216,6 +213,16 @@ class TestWhateverAControllerRaises:
         assert str(simulation.error) in caplog.text
         assert after.calls == ["initialize", "stop"]
 
+    def test_when_its_body_is_released_is_kept_and_the_simulation_goes_on(self, kind):
+        simulation = simulate(Raising(kind, "stop"))
+        simulation.start()
+        until(lambda: simulation.step)
+        simulation.release("Tank")
+        assert simulation.running
+        simulation.stop()
+        assert simulation.state is State.FAILED
+        assert str(simulation.error).endswith(f", in act: {kind.__name__}: mine")
+
 
 def test_the_readers_own_interrupt_of_advance_passes_and_it_can_go_on():
     def interrupt():
@@ -364,55 +371,3 @@ def test_a_controller_cannot_wait_for_itself(method):
     until(lambda: not simulation.running)
     simulation.stop()
     assert r"stop() was called by a controller" in str(simulation.error)
-
-
-ACTS = (
-    *(("start",), ("start", 0.005), ("advance", 0.02), ("pause", 0.005), ("pause", 0.01), ("stop",)),
-    ("release", "A"),
-)
-
-
-def visit(simulation, acts):
-    """Call a simulation's methods; return the texts of the errors that come of it."""
-    told = []
-    for act, *given in acts:
-        try:
-            (time.sleep if act == "pause" else getattr(simulation, act))(*given)
-        except TutorialError as error:
-            told.append(str(error))
-    return told
-
-
-def stopped(simulation):
-    """Stop, unless a visitor is just at it."""
-    with suppress(TutorialError):
-        simulation.stop()
-    return not simulation.running
-
-
-def let_two_visit(seed, model):
-    """Let two threads do as they like with an unruly simulation; return the failures that neither was told."""
-    rng, let = random.Random(seed), threading.Event()
-    unruly = [Unruly(rng, let) for _ in range(3)]
-    simulation = Simulation([Placement("A", model), Placement("B", model)], zip("AAB", unruly))
-    with ThreadPoolExecutor(2) as pool:
-        visits = [pool.submit(visit, simulation, rng.choices(ACTS, k=8)) for _ in range(2)]
-        until(lambda: any(each.hangs for each in unruly) or all(each.done() for each in visits))
-        wait(visits, 0.05)  # one that hangs itself, in advance(), stays until it is let
-        until(lambda: stopped(simulation), "the stop", 30)
-        assert simulation.state is State.ABANDONED or not any(each.hangs for each in unruly)
-        assert (simulation.error is None) == (simulation.state is State.IDLE)
-        let.set()
-        told = "".join(text for each in visits for text in each.result(PATIENCE))
-    return [text for each in unruly for text in each.raised if text not in told]
-
-
-@pytest.mark.parametrize("tens", range(20))
-def test_whatever_two_threads_do_nothing_hangs_and_no_failure_is_unseen(tens, tmp_path, monkeypatch, caplog):
-    monkeypatch.setattr("tutorial.simulation.STUCK", 0.05)
-    model = box_model(tmp_path)
-    threads = set(threading.enumerate())
-    for seed in range(10 * tens, 10 * tens + 10):
-        untold = let_two_visit(seed, model)
-        until(lambda: set(threading.enumerate()) <= threads)
-        assert [text for text in untold if text not in caplog.text] == [], f"seed {seed}"
