@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import threading
-from datetime import datetime
 from types import SimpleNamespace
 
 import pytest
 from controlled import Node
 from rclpy.serialization import serialize_message
-from rosbags.rosbag2.errors import WriterError
 from sensor_msgs.msg import JointState
 
 from tutorial.controllers.bag_recorder import BagRecorder
@@ -27,16 +25,12 @@ class Silent(Node):
         return SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=1_750_000_000_000_000_000))
 
 
-def configured(node):
-    controller = BagRecorder()
-    controller.configure(SimpleNamespace(node=node, body=SimpleNamespace(name="Tank")))
-    return controller
-
-
 @pytest.fixture
 def recorder(tmp_path, monkeypatch):
     monkeypatch.setattr(BagRecorder, "folder", tmp_path)
-    return configured(Silent())
+    controller = BagRecorder()
+    controller.configure(SimpleNamespace(node=Silent(), body=SimpleNamespace(name="Tank")))
+    return controller
 
 
 def test_a_slow_disk_holds_up_no_callback_and_nothing_is_lost(recorder, monkeypatch):
@@ -75,15 +69,3 @@ def test_when_the_disk_is_full_nothing_piles_up(recorder, monkeypatch):
         recorder.on_joint_state(PAYLOAD)
     assert recorder.received.empty()
     recorder.unconfigure()
-
-
-def test_a_bag_that_is_there_is_not_overwritten(tmp_path, monkeypatch):
-    monkeypatch.setattr(BagRecorder, "folder", tmp_path)
-    stopped = SimpleNamespace(now=lambda: datetime(2026, 1, 2))
-    monkeypatch.setattr("tutorial.controllers.bag_recorder.datetime", stopped)
-    configured(Silent()).unconfigure()
-    node = Silent()
-    with pytest.raises(WriterError, match="exists already"):
-        configured(node)
-    assert node.topics == []
-    assert [path.name for path in tmp_path.iterdir()] == ["rosbag2_2026_01_02-00_00_00"]

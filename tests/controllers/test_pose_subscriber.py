@@ -185,14 +185,10 @@ def test_what_is_no_pose_is_never_shown_but_counted(viewer, why, message):
     assert (count, alone) == (1, (ALONE, 1))
 
 
-@pytest.mark.parametrize(
-    "message",
-    [
-        JointState(name=[""] * 100_001),
-        JointState(name=["A"], position=[0.0] * 100_000),
-        JointState(name=["A" * 100_000], position=[0.0]),
-    ],
-)
+LARGE = [JointState(name=[""] * 100_001), JointState(name=["A" * 100_000], position=[0.0])]
+
+
+@pytest.mark.parametrize("message", LARGE)
 def test_what_is_too_large_is_not_kept(viewer, message):
     viewer.hear(stamped(message, 20), transform(20, 5.0))
     assert viewer.left_out == {"with more joints than a robot has": 1}

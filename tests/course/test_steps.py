@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import asynccontextmanager
-
 import pytest
 from loops import in_a_loop, until
 from scenes import commands
@@ -14,40 +12,24 @@ from tutorial.commands.launcher import load_launch_file
 from tutorial.host import Host
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
-from tutorial.ros.node_thread import NodeThread
-
-TOPICS = ("/joy", "/Tank/joint_state")
 
 
-@pytest.fixture
-def node(domain):
-    """A node of the test's own, whose callbacks run on a thread of their own."""
-    with NodeThread("tester") as thread:
-        yield thread.node
-
-
-@asynccontextmanager
-async def met(node):
-    """Two programs that have met, and a function that drives: it holds the sticks for so many seconds."""
+@in_a_loop
+async def test_the_rail_and_the_right_stick_move_the_turret_and_the_viewer_shows_it(domain):
     step2, step3 = (Project.load(find_project(step)) for step in ("step2", "step3"))
     async with Host(step2) as simulation, Host(step3, ["--ros-args", "-r", "__node:=viewer"]) as viewer:
-        joystick = node.create_publisher(Joy, "/joy", 1)
-        ends = [end for host in (simulation, viewer) for end in (*host.node.publishers, *host.node.subscriptions)]
-        for end in (joystick, *(end for end in ends if end.topic_name in TOPICS)):
-            await until(end.get_subscription_count if hasattr(end, "publish") else end.get_publisher_count)
+        joystick = viewer.node.create_publisher(Joy, "/joy", 1)
+        for end in (end for host in (simulation, viewer) for end in (*host.node.publishers, *host.node.subscriptions)):
+            if end.topic_name in ("/joy", "/Tank/joint_state"):
+                await until(end.get_subscription_count if hasattr(end, "publish") else end.get_publisher_count)
 
         async def drive(seconds, *axes):
+            """Hold the sticks for so many seconds."""
             joystick.publish(Joy(axes=axes))
             held = simulation.controllers["TankController"].joy
             await until(lambda: list(held.get().axes) == list(axes))
             simulation.simulation.advance(seconds)
 
-        yield simulation, viewer, drive
-
-
-@in_a_loop
-async def test_the_rail_and_the_right_stick_move_the_turret_and_the_viewer_shows_it(node):
-    async with met(node) as (simulation, viewer, drive):
         tank = simulation.simulation.bodies["Tank"]
         await drive(1.0, 0.0, 0.0, 0.0, 0.0)
         at_rest = tank.joint("TURRET_P").position
