@@ -360,10 +360,11 @@ def unruly_class(rng, let, made):
 
     class Unruly(SimpleController):
         def __init__(self):
-            methods = ("configure", "initialize", *["control"] * 3, *["called_back"] * 2, "stop", "unconfigure")
-            self.method = rng.choice(methods)
+            others = ("configure", "initialize", "stop", "unconfigure", "posted")
+            self.method = rng.choice((*others, *["control"] * 3, *["called_back"] * 2))
             self.act = rng.choice((None, None, ValueError, SystemExit, KeyboardInterrupt, "hang"))
-            if self.method.endswith("configure") and self.act in ("hang", KeyboardInterrupt):
+            on_main = self.method in ("configure", "posted", "unconfigure")
+            if on_main and self.act in ("hang", KeyboardInterrupt):
                 self.act = SystemExit  # what hangs on the main thread is the reader's to interrupt
             self.wait = rng.randrange(20)
             self.hangs, self.raised = False, []  # whether it does, or did; and the texts of what it has raised
@@ -372,7 +373,11 @@ def unruly_class(rng, let, made):
         def configure(self, config):
             self.config = config
             self.perhaps("configure")
-            self.timer = config.node.create_timer(0.005, lambda: self.perhaps("called_back"))
+            self.timer = config.node.create_timer(0.005, self.called_back)
+
+        def called_back(self):
+            self.config.call_later(self.perhaps, "posted")
+            self.perhaps("called_back")
 
         def initialize(self, io):
             self.perhaps("initialize")
@@ -396,16 +401,8 @@ def unruly_class(rng, let, made):
                 let.wait(60)
             else:
                 self.wait = 20
-                self.fail(self.act)
-
-        def posted(self, kind):
-            self.config.call_later(int)
-            if kind is not None:
-                self.fail(kind)
-
-        def fail(self, kind):
-            self.raised.append(f"failure {next(NUMBERS)}.")
-            raise kind(self.raised[-1])
+                self.raised.append(f"failure {next(NUMBERS)}.")
+                raise self.act(self.raised[-1])
 
     return Unruly
 
@@ -431,21 +428,11 @@ async def act(host, rng):
         await done
 
 
-def post_at_random(made, rng, over):
-    """The second thread: has calls posted in the name of controllers, whether they have left or not."""
-    while not over.wait(0.01):
-        for each in tuple(made):
-            if hasattr(each, "config"):
-                each.config.call_later(each.posted, rng.choice((None, None, None, ValueError, SystemExit)))
-
-
 async def live_through(seed, model):
     """Let a host live with unruly controllers; return what was raised and the main thread was not told."""
-    rng, let, over, made, told = random.Random(seed), threading.Event(), threading.Event(), [], []
+    rng, let, made, told = random.Random(seed), threading.Event(), [], []
     one, other, third = (unruly_class(rng, let, made) for _ in range(3))
     items = (BodyItem(Placement("A", model), (one, other)), BodyItem(Placement("B", model), (third,)))
-    poster = threading.Thread(target=post_at_random, args=(made, random.Random(seed), over), daemon=True)
-    poster.start()
     host, began = None, time.monotonic()
     try:
         host = Host(Project(model, items, 0.001), view=watched_view())
@@ -464,9 +451,7 @@ async def live_through(seed, model):
             assert host.simulation.state is State.ABANDONED or not hanging
             assert host.controllers == {}
         assert time.monotonic() - began < 50, "what hangs, for 60 s, is not waited for"
-        over.set()
         let.set()
-        poster.join()
     return [text for each in made for text in each.raised if text not in "".join(told)]
 
 

@@ -8,12 +8,8 @@ from types import SimpleNamespace
 import pytest
 from sensor_msgs.msg import Joy
 
-from tutorial.controllers.tank_controller import TankController, complain, sticks
-from tutorial.handoff import Latest
-from tutorial.paths import HOME
+from tutorial.controllers.tank_controller import complain, sticks
 from tutorial.ros.node_thread import NodeThread
-from tutorial.simulation import Simulation
-from tutorial.world import Placement
 
 
 class Million(list):
@@ -41,18 +37,6 @@ def test_of_a_million_axes_nobody_looks_at_more_than_there_are_sticks():
     message = SimpleNamespace(axes=Million([0.5, -0.5, 0.25, 1.0] * 250_000))
     assert sticks(message) == (0.5, -0.5, 0.25, 1.0)
     complain(None, message)
-
-
-@pytest.mark.parametrize("axes", [[3e38] * 4, [-1e9, 2.0, math.nan, 5.0], [math.inf] * 4])
-def test_no_message_throws_the_tank(axes):
-    tank = Placement("Tank", HOME / "project" / "models" / "tank.xml", (0.0, 0.0, 0.1))
-    floor = Placement("Labo", HOME / "project" / "models" / "labo.xml")
-    controller = TankController()
-    controller.joy = Latest(Joy(axes=axes))
-    simulation = Simulation([floor, tank], [("Tank", controller)])
-    for _ in range(50):
-        simulation.advance(0.02)
-        assert 0.0 < simulation.bodies["Tank"].qpos[2] < 0.3
 
 
 def test_what_no_stick_can_do_is_said_once(domain, capfd):
