@@ -229,13 +229,6 @@ class TestTwoPublishers:
             found.append(matcher.match(message)[1].arrival.name)
         assert found == ["NEXT", "ANOTHER", "NEXT", "NEXT", "LATE"]
 
-    def test_whether_there_is_another_is_asked_every_ten_messages(self):
-        asked = []
-        matcher = JointMatcher(TANK, lambda: asked.append(None) or 1)
-        for i in range(1, 35):
-            matcher.match(joint_state(["TURRET_Y"], [0.1], i * 20_000_000))
-        assert len(asked) == 4
-
     def test_beside_a_silent_one_a_new_start_is_taken_within_half_a_second(self):
         matcher, count = JointMatcher(TANK, lambda: 2), 0
         matcher.match(joint_state(["TURRET_Y"], [1.0], 50_000_000_000))

@@ -47,8 +47,8 @@ def transform(milliseconds, x=0.0, wxyz=(1.0, 0.0, 0.0, 0.0), parent="odom", chi
 class Viewer:
     """A `PoseSubscriber` on a displayed body."""
 
-    def __init__(self):
-        self.node, self.calls, self.reports = Node(), [], []
+    def __init__(self, node):
+        self.node, self.calls, self.reports = node, [], []
         self.body = Body.displayed(Placement("Robot", HOME / "project/models/tank.xml", PLACE))
         self.body.on_change(self.reports.append)
         self.controller = PoseSubscriber()
@@ -75,7 +75,7 @@ class Viewer:
 
 @pytest.fixture
 def viewer():
-    return Viewer()
+    return Viewer(Node())
 
 
 def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(viewer):
@@ -97,17 +97,16 @@ def test_pose_and_joints_of_one_stamp_are_shown_together_whichever_comes_first(v
     assert viewer.node.topics == []
 
 
-def test_messages_may_come_as_soon_as_it_listens(monkeypatch):
-    early = {JointState: joint_state(20), TFMessage: TFMessage(transforms=[transform(20)])}
-    listen = Node.create_subscription
+class Eager(Node):
+    """A node on which a message comes as soon as it listens."""
 
-    def listen_and_hear(node, kind, topic, callback, depth):
-        subscription = listen(node, kind, topic, callback, depth)
-        callback(early[kind])
-        return subscription
+    def create_subscription(self, kind, topic, callback, depth, raw=False):
+        callback(joint_state(20) if kind is JointState else TFMessage(transforms=[transform(20)]))
+        return super().create_subscription(kind, topic, callback, depth)
 
-    monkeypatch.setattr(Node, "create_subscription", listen_and_hear)
-    viewer = Viewer()
+
+def test_messages_may_come_as_soon_as_it_listens():
+    viewer = Viewer(Eager())
     viewer.run_calls()
     assert viewer.controller.tally.shown == 1
 

@@ -110,11 +110,6 @@ def test_the_sdist_has_what_the_wheel_is_built_from_and_the_tests(source, names,
     assert list(unpacked.glob("tests/**/test_*.py"))
 
 
-@pytest.mark.parametrize(("source", "name"), [(CHECKOUT, "tank_tutorial"), (POCKET, "pocket_ros2")])
-def test_an_editable_install_takes_all_from_the_checkout(source, name, tmp_path):
-    assert files(build("editable", source, tmp_path)) == {f"_{name}.pth": str(source).encode()}
-
-
 def test_the_demo_runs(installed, program):
     running = program("demo", "--headless", "--duration", 5, environment=installed)
     assert running.ends() == 0, running.output

@@ -28,15 +28,6 @@ AXES = "left_x, left_y = (axis if abs(axis) {} 0.3 else 0.0 for axis in axes[:2]
 LATEST = "self.call_latest(self.body.name, self.update, message)"
 TOLD = "self.body.notify_change({})"
 TOLD_OTHERWISE = becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions"))
-PER_MESSAGE = "self.steps_per_message = round(1 / (25 * io.time_step))"
-PER_LOOK = "self.steps_per_look = round(1 / (50 * io.time_step))"
-DUE = "if self.io.step % self.steps_per_message == 0:"
-LOOK_DUE = DUE.replace("message", "look")
-
-PER_TENTH = PER_MESSAGE.replace("25", "10")
-PER_PICTURE = PER_MESSAGE.replace("25", "5").replace("message", "picture")
-PICTURE_DUE = DUE.replace("message", "picture")
-
 BLOWS = "self.subscription = self.node.create_subscription(Imu, f'{self.body.name}/imu', self.on_imu, 10)"
 
 STAMP = "stamp = (message.header.stamp.sec, message.header.stamp.nanosec)"
@@ -47,21 +38,17 @@ COMPLETE = f"{TWO}; while stamp in self.waiting:; {DROP}; return (together['join
 TOO_MANY = f"if len(self.waiting) > 50:; {DROP}"
 
 
-def now_and_then(due: str, line: str, rate: str) -> dict[str, tuple[str, ...]]:
-    """Those of an answer that publishes at a rate: of its condition, and of the number of steps."""
-    remainder = due.removeprefix("if ").removesuffix(" == 0:")
-    step, steps = remainder.split(" % ")
-    evens = (f"{remainder} <= 0", f"-({remainder}) == 0", f"-{remainder} == 0", f"{step} % -{steps} == 0")
+def now_and_then(what: str, rate: int) -> dict[str, tuple[str, ...]]:
+    """Those of an answer that does something at a rate: of its condition, and of the number of steps."""
+    step, steps = "self.io.step", f"self.steps_per_{what}"
+    due = f"{step} % {steps} == 0"
+    evens = (due.replace("==", "<="), f"-({step} % {steps}) == 0", f"-{due}", f"{step} % -{steps} == 0")
+    line = f"{steps} = round(1 / ({rate} * io.time_step))"
+    signs = (line.replace(part, f"-{part}") for part in (f"({rate} * io.time_step)", "io.time_step", "1 /", str(rate)))
     return {
-        EVEN: (*becomes(due, *(f"if {even}:" for even in evens)), *negative(line, rate)),
-        FIRST: becomes(due, due.replace("0", "1")),
+        EVEN: (*becomes(f"if {due}:", *(f"if {even}:" for even in evens)), *becomes(line, *signs)),
+        FIRST: becomes(f"if {due}:", f"if {step} % {steps} == 1:"),
     }
-
-
-def negative(line: str, rate: str) -> tuple[str, ...]:
-    """The changes of a number of steps that turn its sign round."""
-    parts = (f"({rate} * io.time_step)", "io.time_step", "1 /", rate)
-    return becomes(line, *(line.replace(part, f"-{part}") for part in parts))
 
 
 EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
@@ -80,10 +67,10 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
             AXES.format(">"), AXES.format(">").replace("[:2]", "[:-2]")
         ),
     },
-    "publish": now_and_then(DUE, PER_MESSAGE, "25"),
+    "publish": now_and_then("message", 25),
     "thrift": {
         UNRELATED: (swapped("self.publisher.publish(message)", "self.sent.update(news)"),),
-        EVEN: now_and_then(LOOK_DUE, PER_LOOK, "50")[EVEN],
+        EVEN: now_and_then("look", 50)[EVEN],
     },
     "show": {WHAT_IS_TOLD: TOLD_OTHERWISE},
     "keep_up": {
@@ -94,7 +81,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "gyro": {
         UNRELATED: (swapped("self.publisher.publish(message)", "self.samples.clear()"),),
-        **now_and_then(DUE, PER_TENTH, "10"),
+        **now_and_then("message", 10),
     },
     "hop": {
         UNRELATED: (
@@ -112,7 +99,7 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         "of a stamp there are never more than two": becomes(TWO, TWO.replace("==", ">=")),
         "a message that completes a pair makes no more wait": (swapped(COMPLETE, TOO_MANY),),
     },
-    "gray": now_and_then(PICTURE_DUE, PER_PICTURE, "5"),
+    "gray": now_and_then("picture", 5),
     "gaps": {
         "the bag's own time is not used": becomes(
             "for _, message in messages:",

@@ -229,11 +229,8 @@ def copy_files(lab: Lab, *folders: Path) -> None:
 
 
 def _environment(folder: Path) -> dict[str, str]:
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("JUPYTER")}
-    for name, part in _FOLDERS.items():
-        (folder / part).mkdir()
-        environment[name] = str(folder / part)
-    return environment
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("JUPYTER")}
+    return kept | {name: str(folder / part) for name, part in _FOLDERS.items()}
 
 
 def _write_settings(folder: Path) -> None:

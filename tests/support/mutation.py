@@ -207,9 +207,8 @@ def _other_constants(value: object) -> list[object]:
 
 
 def _negated(test: ast.expr) -> ast.expr:
-    match test:
-        case ast.UnaryOp(ast.Not(), operand):
-            return operand
+    if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
+        return test.operand
     return ast.UnaryOp(ast.Not(), test)
 
 
