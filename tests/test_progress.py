@@ -51,11 +51,6 @@ def test_a_kernel_remembers_what_is_solved_beside_its_notebook(folder):
     assert [path.name for path in folder.iterdir()] == [FILE]
 
 
-def test_where_there_is_no_notebook_nothing_is_remembered(folder):
-    remember("aim")
-    assert list(folder.iterdir()) == []
-
-
 def test_the_first_day_counts_and_others_stay(notebook):
     (notebook / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')
     remember("aim")
@@ -91,6 +86,11 @@ def test_a_write_that_fails_leaves_the_file_as_it_was(notebook, monkeypatch):
     remember("show")
     assert set(read_progress()[0]) == {"aim"}
     assert [path.name for path in notebook.iterdir()] == [FILE]
+
+
+def test_where_there_is_no_notebook_nothing_is_remembered(folder):
+    remember("aim")
+    assert list(folder.iterdir()) == []
 
 
 def test_the_overview_has_every_exercise_once_under_its_notebook(folder):

@@ -116,7 +116,6 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
         ("bodies:\n  - {<<: {nme: Tank}, model: x}", "line 2: 'nme' is not known here. Did you mean 'name'?"),
         (body("\n    contollers: []"), "line 3: 'contollers' is not known here. Did you mean 'controllers'?"),
         ("- 1", "line 1: expected a mapping, got a list."),
-        ("bodies:\n  - name: Tank\n", "line 2: 'model' is missing here."),
         (simulator("clock: 100"), "line 1: simulator.clock: expected true or false, got a whole number."),
         (simulator("time_step: 1e-300"), "line 1: simulator.time_step: expected a number >= 0.0001."),
         (body("count: 1001"), "line 2: bodies[0].count: expected a whole number <= 1000."),

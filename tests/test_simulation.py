@@ -6,6 +6,7 @@ import _thread
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -277,7 +278,7 @@ def stuck(monkeypatch):
     controller = Stuck()
     yield controller
     controller.let.set()
-    until(lambda: not any(thread.name in ("simulation", "stepper") for thread in threading.enumerate()))
+    until(lambda: "simulation" not in [thread.name for thread in threading.enumerate()])
 
 
 SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in act\. Mend it, and make the simulation"
@@ -320,40 +321,32 @@ class TestAControllerThatDoesNotReturn:
         assert stuck.calls == ["initialize"]
 
     def test_keeps_only_the_thread_that_advances(self, stuck):
-        raised = []
-
-        def advance():
-            with pytest.raises(ControllerError, match=SAID) as info:
-                stuck.simulation.advance(1.0)
-            raised.append(info.value)
-
-        stepper = threading.Thread(target=advance, name="stepper")
-        stepper.start()
-        assert stuck.there.wait(PATIENCE)
-        stuck.simulation.stop()
-        assert stuck.simulation.state is State.ABANDONED
-        stuck.let.set()
-        stepper.join()
-        assert raised
+        with ThreadPoolExecutor(1) as pool:
+            advancing = pool.submit(stuck.simulation.advance, 1.0)
+            assert stuck.there.wait(PATIENCE)
+            stuck.simulation.stop()
+            assert stuck.simulation.state is State.ABANDONED
+            stuck.let.set()
+            with pytest.raises(ControllerError, match=SAID):
+                advancing.result(PATIENCE)
 
 
 def test_a_body_is_released_and_an_advance_stopped_by_another_thread(recorder):
     def release():
         until(lambda: recorder.times)
         recorder.simulation.release("Tank")
-        asked.append(len(recorder.times))
+        asked = len(recorder.times)
         step = recorder.simulation.step
         until(lambda: recorder.simulation.step > step + 50)
         recorder.simulation.stop()
+        return asked
 
-    asked = []
-    other = threading.Thread(target=release)
-    other.start()
-    with pytest.raises(TutorialError, match=r"advance\(1000000\) was stopped elsewhere, at \d+\.\d+ s"):
-        recorder.simulation.advance(1_000_000)
-    other.join()
+    with ThreadPoolExecutor(1) as pool:
+        released = pool.submit(release)
+        with pytest.raises(TutorialError, match=r"advance\(1000000\) was stopped elsewhere, at \d+\.\d+ s"):
+            recorder.simulation.advance(1_000_000)
     assert recorder.simulation.state is State.IDLE
-    assert asked == [len(recorder.times)]
+    assert released.result() == len(recorder.times)
     assert recorder.calls == ["initialize", "stop"]
 
 
