@@ -6,6 +6,7 @@ import json
 import os
 import re
 from datetime import date
+from unittest.mock import Mock
 
 import pytest
 from click.testing import CliRunner
@@ -78,11 +79,7 @@ def test_what_is_no_small_file_is_not_read(notebook, make):
 
 def test_a_write_that_fails_leaves_the_file_as_it_was(notebook, monkeypatch):
     remember("aim")
-
-    def full(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("pathlib.Path.replace", full)
+    monkeypatch.setattr("pathlib.Path.replace", Mock(side_effect=OSError(28, "No space left on device")))
     remember("show")
     assert set(read_progress()[0]) == {"aim"}
     assert [path.name for path in notebook.iterdir()] == [FILE]

@@ -152,26 +152,23 @@ class TestRealTime:
         ]
 
 
-class TestUnstable:
-    """A state that is no number: MuJoCo goes back to the beginning, and says so in our log instead of a file."""
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e300])
+def test_a_state_that_is_no_number_is_said_once_and_leaves_no_file(value, tmp_path, monkeypatch, caplog, capfd):
+    class Wild(Recorder):
+        def act(self):
+            self.io.body.actuator("TRACK_L").ctrl = value
+            self.io.body.joint("TURRET_Y").effort = value
+            self.io.body.data.qfrc_applied[:] = value
 
-    @pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e300])
-    def test_is_said_once_and_leaves_no_file(self, value, tmp_path, monkeypatch, caplog, capfd):
-        class Wild(Recorder):
-            def act(self):
-                self.io.body.actuator("TRACK_L").ctrl = value
-                self.io.body.joint("TURRET_Y").effort = value
-                self.io.body.data.qfrc_applied[:] = value
-
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(mujoco_warns, "_due", 0.0)
-        simulation = simulate(Wild("control"))
-        simulation.advance(0.1)
-        assert np.isfinite(simulation.snapshot.get().qpos).all()
-        (said,) = caplog.messages
-        assert said.startswith("MuJoCo: Nan, Inf or huge value in ")
-        assert list(tmp_path.iterdir()) == []
-        assert "unstable" not in capfd.readouterr().err
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(mujoco_warns, "_due", 0.0)
+    simulation = simulate(Wild("control"))
+    simulation.advance(0.1)
+    assert np.isfinite(simulation.snapshot.get().qpos).all()
+    (said,) = caplog.messages
+    assert said.startswith("MuJoCo: Nan, Inf or huge value in ")
+    assert list(tmp_path.iterdir()) == []
+    assert "unstable" not in capfd.readouterr().err
 
 
 class Raising(Recorder):

@@ -48,10 +48,9 @@ def test_a_slow_disk_holds_up_no_callback_and_nothing_is_lost(recorder, monkeypa
         recorder.on_joint_state(payload)  # it returns, or this test never ends
     assert not written
     answers.set()
-    node = recorder.node
     recorder.unconfigure()
     assert len(written) == 50
-    assert node.topics == []
+    assert recorder.node.topics == []
     bag = Bag(recorder.bag.path)
     assert [tuple(topic) for topic in bag.topics] == [("/Tank/joint_state", "sensor_msgs/msg/JointState", 50)]
     assert [payload for *_, payload in bag.raw_messages()] == payloads, "byte for byte"

@@ -56,12 +56,7 @@ async def test_the_rail_and_the_right_stick_move_the_turret_and_the_viewer_shows
 async def test_two_nodes_of_one_name_are_said_in_plain_words(domain, caplog):
     step3 = Project.load(find_project("step3"))
     async with Host(step3) as first, Host(step3):
-
-        def said():
-            first.refresh()
-            return "there are 2 nodes of the name /tank" in caplog.text
-
-        await until(said)
+        await until(lambda: first.refresh() or "there are 2 nodes of the name /tank" in caplog.text)
         assert "--ros-args -r __node:=tank_2" in caplog.text
 
 

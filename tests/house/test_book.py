@@ -21,7 +21,6 @@ from browser import Witness, chromium, open_browser, until
 from tutorial.paths import HOME
 
 BOOK = HOME / "book"
-MEGABYTE = 1_000_000
 
 pytestmark = pytest.mark.build
 
@@ -58,8 +57,8 @@ def test_every_widget_of_the_notebooks_is_kept(monkeypatch):
 def test_it_is_small_and_shares_one_viewer(site):
     driven = [*(site / "_static/drive").glob("*"), site / "_static/main.min.js"]
     size = sum(path.stat().st_size for path in site.rglob("*") if path.is_file() and path not in driven)
-    assert size < 15 * MEGABYTE
-    assert sum(len(gzip.compress(path.read_bytes(), 6)) for path in driven) < 10 * MEGABYTE
+    assert size < 15_000_000
+    assert sum(len(gzip.compress(path.read_bytes(), 6)) for path in driven) < 10_000_000
     assert len(list(site.rglob("main.min.js"))) == 1
     assert not [page for page in pages(site) if 'id="tank-viewer"' in page.read_text(encoding="utf-8")]
 

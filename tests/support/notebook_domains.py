@@ -16,8 +16,6 @@ from pictures import need_pictures
 
 from tutorial.ros.domains import reserved_domain
 
-WITH_PICTURES = ("6_camera_publisher",)
-
 _open: dict[IPyNbFile, ExitStack] = {}
 
 
@@ -30,7 +28,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip the cells of a notebook that waits for pictures, where nothing renders."""
-    if isinstance(item.parent, IPyNbFile) and item.parent.path.stem in WITH_PICTURES:
+    if isinstance(item.parent, IPyNbFile) and item.parent.path.stem == "6_camera_publisher":
         need_pictures()
 
 
