@@ -107,7 +107,7 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
     ("text", "said"),
     [
         ("# nothing", "line 1: 'bodies' is missing here."),
-        ("bodies:\n  - name: Tank\n   model: x", "line 3: this is not YAML:"),
+        ("bodies: !tank [1]", "line 1: this is not YAML: could not determine a constructor for the tag '!tank'."),
         ("bodies: 2026-99-99", "line 1: this is not YAML: '2026-99-99' is no timestamp."),
         ('bodies: "\\UFFFFFFFF"', "line 1: this is not YAML:"),
         ("bodies:\n  - name: A\n    name: B", "line 3: this is not YAML: 'name' is there twice. Keep one."),
