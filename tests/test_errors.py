@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tutorial.errors import did_you_mean, printable, printable_lines
+from tutorial.errors import did_you_mean, printable, printable_lines, tell
 
 
 @pytest.mark.parametrize(
@@ -14,7 +14,6 @@ from tutorial.errors import did_you_mean, printable, printable_lines
         ("a\x1b[2Jb\r\n\x07\x9bc", r"a\x1b[2Jb\r\n\x07\x9bc"),
         ("gpj.exe\u202egpj", r"gpj.exe\u202egpj"),
         ("a\u2028b\u00a0c", "a\\u2028b\u00a0c"),
-        ("\u6226\u8eca\u3000\u0033", "\u6226\u8eca\u3000\u0033"),
         ("half \udc80", r"half \udc80"),
         ("\U000e0041", r"\U000e0041"),
     ],
@@ -25,6 +24,10 @@ def test_what_a_terminal_would_obey_is_shown_as_an_escape(text, shown):
 
 def test_a_text_keeps_the_line_ends_and_tabs_that_it_has_of_its_own():
     assert printable_lines("a\x1bb\n\tc\r\n\u202e") == "a\\x1bb\n\tc\\r\n\\u202e"
+
+
+def test_what_has_no_place_in_the_readers_file_is_told_without_a_line():
+    assert tell(ValueError("mine"), "mine.py") == "mine.py: ValueError: mine"
 
 
 def test_of_very_many_valid_names_some_are_said():

@@ -6,6 +6,7 @@ import asyncio
 import re
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from hypothesis import given
@@ -36,12 +37,9 @@ def run(*steps):
 
 
 def on_threads(jobs):
-    """Run each job on a thread of its own, and wait for all."""
-    threads = [threading.Thread(target=job) for job in jobs]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    """Run each job on another thread, and wait for all."""
+    with ThreadPoolExecutor() as pool:
+        list(pool.map(lambda job: job(), jobs))
 
 
 def test_the_latest_is_the_initial_value_then_the_newest():
@@ -93,7 +91,7 @@ class TestCallLater:
 
         (scope,) = run(post)
         assert isinstance(scope.queue.error, kind)
-        said = r"Broken of Tank: a call that was posted at .*test_handoff\.py:\d+ on the thread 'Thread-.*' failed"
+        said = r"Broken of Tank: a call that was posted at .*test_handoff\.py:\d+ on the thread 'ThreadPool.*' failed"
         assert re.fullmatch(said, caplog.messages[0])
         assert kind.__name__ in caplog.text
 

@@ -71,16 +71,9 @@ KNOWN = "Known are 'TURRET_P', 'TURRET_Y'."
     ("joints", "name", "position", "values", "said"),
     [
         (TANK, ["TURRET_P", "TURRET_Y"], [0.2, 0.1], {"TURRET_Y": 0.1, "TURRET_P": 0.2}, "2 joints shown"),
-        ("ab", ["b"], [1.0], {"b": 1.0}, "1 joint shown"),
         ("ab", ["a", "b"], [1e9, -1e9], {"a": 1e9, "b": -1e9}, "2 joints shown"),
-        *(
-            ("ab", ["a", "b"], [far, 0.2], {"b": 0.2}, "1 joint shown; too far to be shown: 'a'")
-            for far in (1.1e9, -1e38, 1e300)
-        ),
-        *(
-            (TANK, [*TANK], [bad, 0.2], {"TURRET_P": 0.2}, "1 joint shown; not a finite number: 'TURRET_Y'")
-            for bad in (math.nan, math.inf, -math.inf)
-        ),
+        ("ab", ["a", "b"], [-1.1e9, 0.2], {"b": 0.2}, "1 joint shown; too far to be shown: 'a'"),
+        (TANK, [*TANK], [math.nan, 0.2], {"TURRET_P": 0.2}, "1 joint shown; not a finite number: 'TURRET_Y'"),
         (TANK, [*TANK], [], {}, "0 joints shown"),
         (TANK, ["TURRET_Y"] * 2, [0.1], {"TURRET_Y": 0.1}, "1 joint shown; no position for the last name"),
         (TANK, ["TURRET_Y"] * 3, [0.1], {"TURRET_Y": 0.1}, "1 joint shown; no position for the last 2 names"),
@@ -108,20 +101,8 @@ def test_a_report_is_plain_values_its_repr_short_and_its_counts_are_of_every_kin
     _, report = match_joints(TANK, joint_state(["TURRET_Y", "TURRET_P"], [0.5, -0.01]))
     assert repr(report) == "JointReport('2 joints shown')"
     assert report == JointReport(("TURRET_Y", "TURRET_P"))
-    assert len(report.joints) == 2
     _, report = match_joints(["a", "b"], joint_state(["a", "b"], [1e10, 0.1, 0.1, 0.1]))
     assert {kind: n for kind, n in report.counts().items() if n} == {"matched": 1, "huge": 1, "long": 2}
-
-
-def test_a_matcher_keeps_to_the_joints_that_it_was_made_for():
-    joints = {"a": (-1.0, 1.0)}
-    matcher, message = JointMatcher(joints), joint_state(["a", "b"], [2.0, 3.0])
-    before = matcher.match(message)
-    joints.update(a=(-9.0, 9.0), b=(-9.0, 9.0))
-    assert matcher.match(message) == before
-    assert before[1].unknown.names == ("b",)
-    values, report = match_joints(joints, message)
-    assert (values, report.clean) == ({"a": 2.0, "b": 3.0}, True)
 
 
 @pytest.mark.parametrize(
@@ -246,13 +227,6 @@ class TestTwoPublishers:
             message = joint_state(["TURRET_Y"], [0.1], stamp_ms * 1_000_000)
             found.append(matcher.match(message)[1].arrival.name)
         assert found == ["NEXT", "ANOTHER", "NEXT", "NEXT", "LATE"]
-
-    def test_whether_there_is_another_is_asked_every_ten_messages(self):
-        asked = []
-        matcher = JointMatcher(TANK, lambda: asked.append(None) or 1)
-        for i in range(1, 35):
-            matcher.match(joint_state(["TURRET_Y"], [0.1], i * 20_000_000))
-        assert len(asked) == 4
 
     def test_beside_a_silent_one_a_new_start_is_taken_within_half_a_second(self):
         matcher, count = JointMatcher(TANK, lambda: 2), 0

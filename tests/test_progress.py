@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import asyncio
 import json
 import os
 import re
 from datetime import date
+from unittest.mock import Mock
 
 import pytest
+from click.testing import CliRunner
 from kernels import kernel
 
 from tutorial import progress
 from tutorial.checks.catalogue import exercise_names
-from tutorial.checks.joint_state_subscriber import by_name
+from tutorial.commands.tank import tank
 from tutorial.progress import FILE, Overview, read_progress, remember
 
 SOLVE = """
@@ -51,13 +52,6 @@ def test_a_kernel_remembers_what_is_solved_beside_its_notebook(folder):
     assert [path.name for path in folder.iterdir()] == [FILE]
 
 
-@pytest.mark.process
-def test_where_there_is_no_notebook_nothing_is_remembered(folder):
-    asyncio.run(by_name.check(by_name.right_answer))
-    remember("aim")
-    assert list(folder.iterdir()) == []
-
-
 def test_the_first_day_counts_and_others_stay(notebook):
     (notebook / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')
     remember("aim")
@@ -66,7 +60,7 @@ def test_the_first_day_counts_and_others_stay(notebook):
     assert read_progress(notebook) == read_progress()
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"solved": {"hop": "soon"}}', "\xff", "[" * 100_000])
+@pytest.mark.parametrize("text", ["", '{"solved": {"hop": "soon"}}', "\xff", "[" * 100_000])
 def test_a_broken_file_is_said_and_left_as_it_is(notebook, text):
     (notebook / FILE).write_text(text, encoding="latin-1")
     said = repr(Overview(exercise_names()))
@@ -85,14 +79,15 @@ def test_what_is_no_small_file_is_not_read(notebook, make):
 
 def test_a_write_that_fails_leaves_the_file_as_it_was(notebook, monkeypatch):
     remember("aim")
-
-    def full(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("pathlib.Path.replace", full)
+    monkeypatch.setattr("pathlib.Path.replace", Mock(side_effect=OSError(28, "No space left on device")))
     remember("show")
     assert set(read_progress()[0]) == {"aim"}
     assert [path.name for path in notebook.iterdir()] == [FILE]
+
+
+def test_where_there_is_no_notebook_nothing_is_remembered(folder):
+    remember("aim")
+    assert list(folder.iterdir()) == []
 
 
 def test_the_overview_has_every_exercise_once_under_its_notebook(folder):
@@ -101,19 +96,14 @@ def test_the_overview_has_every_exercise_once_under_its_notebook(folder):
     assert len(names) == len(set(names)), "they are known by their names"
     *rows, last = repr(Overview(exercise_names())).splitlines()
     assert [row.split()[-3 if "solved" not in row else -4] for row in rows] == names
-    assert rows[0].startswith("1_tank_controller ")
     assert [row.split()[-4:] for row in rows if "solved" in row] == [["aim", "solved", "on", "2026-01-02"]]
     assert last == f"1 of {len(names)} exercises are solved."
     page = Overview(exercise_names())._repr_html_()
-    assert page.count("<tr>") == len(names)
-    assert page.count("✓") == 1
+    assert (page.count("<tr>"), page.count("✓")) == (len(names), 1)
 
 
-@pytest.mark.process
-def test_tank_progress_shows_the_folder_one_is_in_or_names(program, folder):
+def test_tank_progress_shows_the_folder_one_is_in_or_names(folder):
     (folder / "notebooks").mkdir()
     (folder / "notebooks" / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')
-    for words in ((), (folder,), (folder / "notebooks",)):
-        running = program("progress", *words)
-        assert running.ends() == 0
-        assert re.search(r" aim +solved on 2026-01-02\n", running.output)
+    for words in ((), (str(folder),), (str(folder / "notebooks"),)):
+        assert re.search(r" aim +solved on 2026-01-02\n", CliRunner().invoke(tank, ["progress", *words]).output)

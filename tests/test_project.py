@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import resource
-import sys
+import re
 from pathlib import Path
+from unittest.mock import Mock
 
-import psutil
 import pytest
 
 from tutorial import controllers
@@ -78,19 +77,17 @@ def test_every_controller_file_holds_the_controller_that_it_is_called_after():
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("name", "text", "said"),
     [
-        ("class Mine:\n    pass\n", "has no class 'MyOwn'. Known are 'Mine'. A controller's class is called like"),
-        ("import nothing_of_this_name\n", "my_own.py, line 1: ModuleNotFoundError: No module named 'nothing_of"),
+        ("MyOwn", "class Mine:\n    pass\n", "has no class 'MyOwn'. Known are 'Mine'. A controller's class is called"),
+        ("MyBroken", "1 / 0\n", "my_broken.py, line 1: ZeroDivisionError"),
     ],
 )
-def test_a_broken_controllers_file_is_named_with_its_line(tmp_path, monkeypatch, text, said):
-    (tmp_path / "my_own.py").write_text(text)
+def test_a_broken_controllers_file_is_named_with_its_line(tmp_path, monkeypatch, name, text, said):
+    (tmp_path / f"my_{name[2:].lower()}.py").write_text(text)
     monkeypatch.setattr(controllers, "__path__", [str(tmp_path)])
-    monkeypatch.delitem(sys.modules, "tutorial.controllers.my_own", raising=False)
-    with pytest.raises(TutorialError) as info:
-        find_controller("MyOwn")
-    assert said in str(info.value)
+    with pytest.raises(TutorialError, match=re.escape(said)):
+        find_controller(name)
 
 
 def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
@@ -102,8 +99,6 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
     model.write_text("<mujoco/>")
     with pytest.raises(TutorialError, match="the body is called after the file, and 'A<b>' cannot be part of a topic"):
         project.with_robot(model)
-    with pytest.raises(TutorialError, match=r"the model 'none\.xml' does not load\. MuJoCo says: "):
-        project.with_robot(Path("none.xml"))
     with pytest.raises(TutorialError, match=r"the model 'm\\udce4\.xml' does not load\. .* can't encode character"):
         project.with_robot(Path("m\udce4.xml"))
 
@@ -112,52 +107,33 @@ def test_another_robot_takes_the_place_of_the_one_with_controllers(tmp_path):
     ("text", "said"),
     [
         ("# nothing", "line 1: 'bodies' is missing here."),
-        ("bodies:\n  - name: Tank\n   model: x", "line 3: this is not YAML:"),
         ("bodies: !tank [1]", "line 1: this is not YAML: could not determine a constructor for the tag '!tank'."),
         ("bodies: 2026-99-99", "line 1: this is not YAML: '2026-99-99' is no timestamp."),
         ('bodies: "\\UFFFFFFFF"', "line 1: this is not YAML:"),
-        (
-            "bodies:\n  - name: A\n    model: m\n    name: B",
-            "line 4: this is not YAML: 'name' is there twice. Keep one.",
-        ),
+        ("bodies:\n  - name: A\n    name: B", "line 3: this is not YAML: 'name' is there twice. Keep one."),
         ("bodies:\n  - \0", "line 2: this is not YAML: unacceptable character #x0000"),
         ("bodies:\n  - !!null name: T", "line 2: a key here is no text. Put it in quotes."),
         ("bodies:\n  - {<<: {nme: Tank}, model: x}", "line 2: 'nme' is not known here. Did you mean 'name'?"),
         (body("\n    contollers: []"), "line 3: 'contollers' is not known here. Did you mean 'controllers'?"),
         ("- 1", "line 1: expected a mapping, got a list."),
-        ("bodies:\n  - name: Tank\n", "line 2: 'model' is missing here."),
-        ("bodies: [{}]\nsimulator:", "line 1: 'name' is missing here."),
         (simulator("clock: 100"), "line 1: simulator.clock: expected true or false, got a whole number."),
         (simulator("time_step: 1e-300"), "line 1: simulator.time_step: expected a number >= 0.0001."),
-        ("simulator:\n  time_step: 1\nbodies: [{}]", "line 2: simulator.time_step: expected a number <= 0.01."),
         (body("count: 1001"), "line 2: bodies[0].count: expected a whole number <= 1000."),
-        (body("count: 2.0"), "line 2: bodies[0].count: expected a whole number, got a number."),
-        (body("position: [1, 2]"), "line 2: bodies[0].position: expected a list of length 3, got 2."),
         (body("position: [1, 2,\n  a]"), "line 3: bodies[0].position[2]: expected a number, got a text."),
-        (body(f"position: [0, 0, {10**400}]"), "line 2: bodies[0].position[2]: number out of range."),
-        (
-            body("controllers: [JointStatePublisher,\n  TankControler]"),
-            "line 3: there is no controller 'TankControler'. Did you mean 'TankController'?",
-        ),
-        (body("", ""), "line 3: there is a body 'Tank' already. Give this one another name."),
+        (body("controllers: [\n  TankControler]"), "line 3: there is no controller 'TankControler'. Did you mean 'T"),
         (body("name: Tank_2", "count: 3"), "line 3: there is a body 'Tank_2' already. Give this one another name."),
         (body("name: My Tank"), "line 2: 'My Tank' cannot be part of a topic. Use letters, digits and _, a letter"),
         (body('name: "A\\e[2J"'), r"line 2: 'A\x1b[2J' cannot be part of a topic."),
         (body("name: _T"), "line 2: '_T' cannot be part of a topic."),
         (body("name: Öl"), "line 2: 'Öl' cannot be part of a topic."),
-        (
-            body("\n    model: models/tnak.xml"),
-            "line 3: there is no model 'models/tnak.xml'. Did you mean 'models/tank.xml'?",
-        ),
+        (body("model: models/tnak.xml"), "line 2: there is no model 'models/tnak.xml'. Did you mean 'models/tank."),
         (body('model: "\\0.xml"'), r"line 2: there is no model '\x00.xml'. Known are 'models/tank.xml'."),
-        (body("model: models"), "line 2: there is no model 'models'."),
     ],
 )
 def test_what_is_wrong_is_named_with_its_line_and_the_mend(write, text, said):
     path = write(text)
-    with pytest.raises(TutorialError) as info:
+    with pytest.raises(TutorialError, match=f"^{re.escape(f'{path}, {said}')}"):
         Project.load(path)
-    assert str(info.value).startswith(f"{path}, {said}")
 
 
 @pytest.mark.parametrize(
@@ -188,34 +164,23 @@ def test_a_file_that_is_no_text_is_named_with_its_line(tmp_path):
 @pytest.mark.parametrize(
     ("model", "said"),
     [
-        ("<mujoco><include file='tank.xml'/></mujoco>", "does not load. MuJoCo says:"),
         ("<mujoco><worldbody><geom type='cube'/></worldbody></mujoco>", "' does not load. MuJoCo says: XML Error"),
-        ("<mujoco><worldbody><body quat='0 0 0 0'><geom size='1'/></body></worldbody></mujoco>", "MuJoCo says:"),
-        ("\0", "does not load. MuJoCo says:"),
         ("<mujoco><worldbody><body name='\xe4'><geom size='1'/></body></worldbody></mujoco>", "can't decode byte 0xe4"),
     ],
-    ids=["includes itself", "wrong", "a quaternion of zeros", "binary", "Latin-1"],
+    ids=["wrong", "Latin-1"],
 )
 def test_a_model_that_cannot_be_simulated_is_named_with_the_line(write, tmp_path, model, said):
     path = write(body())
     (tmp_path / "models" / "tank.xml").write_text(model, encoding="latin-1")
-    with pytest.raises(TutorialError) as info:
+    with pytest.raises(TutorialError, match=rf"^{re.escape(str(path))}, line 2: the .*{said}"):
         Project.load(path)
-    assert str(info.value).startswith(f"{path}, line 2: the ")
-    assert said in str(info.value)
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the memory is bounded on Linux alone")
-def test_a_model_for_which_there_is_no_memory_is_named(tmp_path):
-    field = "<mujoco><asset><hfield name='h' nrow='12000' ncol='12000' size='1 1 1 1'/></asset></mujoco>"
-    (tmp_path / "field.xml").write_text(field)
-    before = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (psutil.Process().memory_info().vms + 2**28, before[1]))
-    try:
-        with pytest.raises(TutorialError, match=r"the model '.*field\.xml' does not load\. MuJoCo says: "):
-            compose([Placement("Field", tmp_path / "field.xml")])
-    finally:
-        resource.setrlimit(resource.RLIMIT_AS, before)
+def test_a_model_for_which_there_is_no_memory_is_named(monkeypatch):
+    no_memory = Mock(side_effect=RuntimeError("Could not allocate memory"))
+    monkeypatch.setattr("mujoco.MjSpec.from_file", no_memory)
+    with pytest.raises(TutorialError, match=r"the model 'a\.xml' does not load\. MuJoCo says: Could not allocate"):
+        compose([Placement("Field", Path("a.xml"))])
 
 
 OWN = """
@@ -264,7 +229,6 @@ def test_an_own_controller_takes_the_place_of_the_librarys(own, step2):
     ("text", "said"),
     [
         ("x = 1\n", "defines no controller: a class made from SimpleController."),
-        ("import nothing_of_this_name\n", "mine.py, line 1: ModuleNotFoundError"),
         ("import sys\nsys.exit()\n", "mine.py, line 2: SystemExit"),
         ("class A(:\n", "mine.py, line 1: SyntaxError"),
         ("def f():\n    return 1 / 0\nf()\n", "mine.py, line 2, in f: ZeroDivisionError"),
@@ -274,9 +238,8 @@ def test_a_file_that_is_wrong_is_named_with_its_line_whichever_way_the_path_is_g
     path = own(text)
     monkeypatch.chdir(path.parent)
     for given in (path, Path("mine.py")):
-        with pytest.raises(TutorialError) as info:
+        with pytest.raises(TutorialError, match=said):
             load_controllers(given)
-        assert said in str(info.value)
 
 
 def test_one_of_a_files_controllers_is_asked_for(own):

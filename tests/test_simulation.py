@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import _thread
-import random
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
 from programs import PATIENCE, until
-from unruly import Unruly, box_model
 
 from tutorial import simulation as simulation_module
 from tutorial.body import Body
@@ -88,6 +87,7 @@ class TestAdvance:
         assert recorder.calls == ["initialize", "stop"], "what was ready is let go"
         assert unready.calls == ["initialize"], "what never was ready is not stopped"
         simulation.advance(0.001)
+        assert (simulation.state, simulation.error) == (State.IDLE, None)
         simulation.stop()
         assert recorder.times == unready.times == [0.0]
         assert recorder.calls == ["initialize", "stop"] * 2
@@ -152,26 +152,23 @@ class TestRealTime:
         ]
 
 
-class TestUnstable:
-    """A state that is no number: MuJoCo goes back to the beginning, and says so in our log instead of a file."""
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e300])
+def test_a_state_that_is_no_number_is_said_once_and_leaves_no_file(value, tmp_path, monkeypatch, caplog, capfd):
+    class Wild(Recorder):
+        def act(self):
+            self.io.body.actuator("TRACK_L").ctrl = value
+            self.io.body.joint("TURRET_Y").effort = value
+            self.io.body.data.qfrc_applied[:] = value
 
-    @pytest.mark.parametrize("value", [float("nan"), float("inf"), 1e300])
-    def test_is_said_once_and_leaves_no_file(self, value, tmp_path, monkeypatch, caplog, capfd):
-        class Wild(Recorder):
-            def act(self):
-                self.io.body.actuator("TRACK_L").ctrl = value
-                self.io.body.joint("TURRET_Y").effort = value
-                self.io.body.data.qfrc_applied[:] = value
-
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(mujoco_warns, "_due", 0.0)
-        simulation = simulate(Wild("control"))
-        simulation.advance(0.1)
-        assert np.isfinite(simulation.snapshot.get().qpos).all()
-        (said,) = caplog.messages
-        assert said.startswith("MuJoCo: Nan, Inf or huge value in ")
-        assert list(tmp_path.iterdir()) == []
-        assert "unstable" not in capfd.readouterr().err
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(mujoco_warns, "_due", 0.0)
+    simulation = simulate(Wild("control"))
+    simulation.advance(0.1)
+    assert np.isfinite(simulation.snapshot.get().qpos).all()
+    (said,) = caplog.messages
+    assert said.startswith("MuJoCo: Nan, Inf or huge value in ")
+    assert list(tmp_path.iterdir()) == []
+    assert "unstable" not in capfd.readouterr().err
 
 
 class Raising(Recorder):
@@ -210,18 +207,19 @@ class TestWhateverAControllerRaises:
         simulation.advance(0.001)
         simulation.stop()
         assert str(simulation.error).endswith(f", in act: {kind.__name__}: mine")
+        assert simulation.state is State.FAILED
         assert str(simulation.error) in caplog.text
         assert after.calls == ["initialize", "stop"]
 
-
-def test_after_a_failure_it_may_be_run_again():
-    controller = Raising(ValueError, "control")
-    simulation = simulate(controller)
-    with pytest.raises(ControllerError):
-        simulation.advance(0.004)
-    controller.method = None
-    simulation.advance(0.001)
-    assert (simulation.state, simulation.error, simulation.step) == (State.IDLE, None, 4)
+    def test_when_its_body_is_released_is_kept_and_the_simulation_goes_on(self, kind):
+        simulation = simulate(Raising(kind, "stop"))
+        simulation.start()
+        until(lambda: simulation.step)
+        simulation.release("Tank")
+        assert simulation.running
+        simulation.stop()
+        assert simulation.state is State.FAILED
+        assert str(simulation.error).endswith(f", in act: {kind.__name__}: mine")
 
 
 def test_the_readers_own_interrupt_of_advance_passes_and_it_can_go_on():
@@ -277,7 +275,7 @@ def stuck(monkeypatch):
     controller = Stuck()
     yield controller
     controller.let.set()
-    until(lambda: not any(thread.name in ("simulation", "stepper") for thread in threading.enumerate()))
+    until(lambda: "simulation" not in [thread.name for thread in threading.enumerate()])
 
 
 SAID = r"Stuck does not return: it is at test_simulation\.py, line \d+, in act\. Mend it, and make the simulation"
@@ -320,43 +318,32 @@ class TestAControllerThatDoesNotReturn:
         assert stuck.calls == ["initialize"]
 
     def test_keeps_only_the_thread_that_advances(self, stuck):
-        raised = []
-
-        def advance():
-            with pytest.raises(ControllerError, match=SAID) as info:
-                stuck.simulation.advance(1.0)
-            raised.append(info.value)
-
-        stepper = threading.Thread(target=advance, name="stepper")
-        stepper.start()
-        assert stuck.there.wait(PATIENCE)
-        for call in ("advance", "start"):
-            with pytest.raises(TutorialError, match=r"Call stop\(\)"):
-                getattr(stuck.simulation, call)(*CALLS[call])
-        stuck.simulation.stop()
-        assert stuck.simulation.state is State.ABANDONED
-        stuck.let.set()
-        stepper.join()
-        assert raised
+        with ThreadPoolExecutor(1) as pool:
+            advancing = pool.submit(stuck.simulation.advance, 1.0)
+            assert stuck.there.wait(PATIENCE)
+            stuck.simulation.stop()
+            assert stuck.simulation.state is State.ABANDONED
+            stuck.let.set()
+            with pytest.raises(ControllerError, match=SAID):
+                advancing.result(PATIENCE)
 
 
 def test_a_body_is_released_and_an_advance_stopped_by_another_thread(recorder):
     def release():
         until(lambda: recorder.times)
         recorder.simulation.release("Tank")
-        asked.append(len(recorder.times))
+        asked = len(recorder.times)
         step = recorder.simulation.step
         until(lambda: recorder.simulation.step > step + 50)
         recorder.simulation.stop()
+        return asked
 
-    asked = []
-    other = threading.Thread(target=release)
-    other.start()
-    with pytest.raises(TutorialError, match=r"advance\(1000000\) was stopped elsewhere, at \d+\.\d+ s"):
-        recorder.simulation.advance(1_000_000)
-    other.join()
+    with ThreadPoolExecutor(1) as pool:
+        released = pool.submit(release)
+        with pytest.raises(TutorialError, match=r"advance\(1000000\) was stopped elsewhere, at \d+\.\d+ s"):
+            recorder.simulation.advance(1_000_000)
     assert recorder.simulation.state is State.IDLE
-    assert asked == [len(recorder.times)]
+    assert released.result() == len(recorder.times)
     assert recorder.calls == ["initialize", "stop"]
 
 
@@ -371,64 +358,3 @@ def test_a_controller_cannot_wait_for_itself(method):
     until(lambda: not simulation.running)
     simulation.stop()
     assert r"stop() was called by a controller" in str(simulation.error)
-
-
-ACTS = (
-    *(("start",), ("start", 0.005), ("advance", 0.02), ("pause", 0.005), ("pause", 0.01), ("stop",)),
-    ("release", "A"),
-)
-
-
-def visit(simulation, acts, errors, wrong):
-    """Call a simulation's methods, and write down what comes of it."""
-    for act, *given in acts:
-        try:
-            call = time.sleep if act == "pause" else getattr(simulation, act)
-            call(*given)
-        except TutorialError as error:
-            errors.append(str(error))
-        except BaseException as error:  # noqa: BLE001 - nothing else may come out
-            wrong.append(error)
-
-
-def stopped(simulation):
-    """Stop, unless a visitor is just at it."""
-    try:
-        simulation.stop()
-    except TutorialError:
-        return False
-    return not simulation.running
-
-
-def let_two_visit(seed, model):
-    """Let two threads do as they like with an unruly simulation; return the failures that neither was told."""
-    rng, let, errors, wrong = random.Random(seed), threading.Event(), [], []
-    unruly = [Unruly(rng, let) for _ in range(3)]
-    simulation = Simulation([Placement("A", model), Placement("B", model)], zip("AAB", unruly))
-    given = [(simulation, rng.choices(ACTS, k=8), errors, wrong) for _ in range(2)]
-    visitors = [threading.Thread(target=visit, args=each, name="visitor", daemon=True) for each in given]
-    for visitor in visitors:
-        visitor.start()
-    until(lambda: any(each.hangs for each in unruly) or not any(visitor.is_alive() for visitor in visitors))
-    for visitor in visitors:
-        visitor.join(0.05)  # one that hangs itself, in advance(), stays until it is let
-    until(lambda: stopped(simulation), "the stop", 30)
-    assert simulation.state is State.ABANDONED or not any(each.hangs for each in unruly)
-    assert (simulation.error is None) == (simulation.state is State.IDLE)
-    let.set()
-    for visitor in visitors:
-        visitor.join(PATIENCE)
-        assert not visitor.is_alive()
-    assert not wrong
-    return [text for each in unruly for text in each.raised if text not in "".join(errors)]
-
-
-@pytest.mark.parametrize("tens", range(20))
-def test_whatever_two_threads_do_nothing_hangs_and_no_failure_is_unseen(tens, tmp_path, monkeypatch, caplog):
-    monkeypatch.setattr("tutorial.simulation.STUCK", 0.05)
-    model = box_model(tmp_path)
-    threads = set(threading.enumerate())
-    for seed in range(10 * tens, 10 * tens + 10):
-        untold = let_two_visit(seed, model)
-        until(lambda: set(threading.enumerate()) <= threads)
-        assert [text for text in untold if text not in caplog.text] == [], f"seed {seed}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from loops import in_a_loop, until
@@ -92,16 +93,15 @@ def test_what_is_returned_does_not_change_any_more():
 def test_threads_do_not_take_one_anothers_messages():
     trace = HandoffTrace(capacity=4000)
 
-    def receive():
+    def receive(_):
+        together.wait()
         for _ in range(500):
             with trace.receiving(threading.current_thread().name):
                 trace.post()
 
-    threads = [threading.Thread(target=receive, name=f"/{i}") for i in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    together = threading.Barrier(4)
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(receive, range(4)))
     assert len(trace.handoffs()) == 2000
     assert all(h.topic == h.received.thread == h.posted.thread for h in trace.handoffs())
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import threading
-from datetime import datetime
 from types import SimpleNamespace
 
 import pytest
 from controlled import Node
 from rclpy.serialization import serialize_message
-from rosbags.rosbag2.errors import WriterError
 from sensor_msgs.msg import JointState
 
 from tutorial.controllers.bag_recorder import BagRecorder
@@ -21,27 +19,18 @@ PAYLOAD = serialize_message(JointState(name=["TURRET_Y"], position=[0.5]))
 class Silent(Node):
     """A node on which nothing arrives; its clock has stopped."""
 
-    def create_subscription(self, message_type, topic, callback, depth, raw):
-        assert (message_type, topic, raw) == (JointState, "/Tank/joint_state", True)
-        return super().create_subscription(message_type, topic, callback, depth, raw)
-
-    def resolve_topic_name(self, topic):
-        return f"/{topic}"
+    resolve_topic_name = "/{}".format
 
     def get_clock(self):
         return SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=1_750_000_000_000_000_000))
 
 
-def configured(node):
-    controller = BagRecorder()
-    controller.configure(SimpleNamespace(node=node, body=SimpleNamespace(name="Tank")))
-    return controller
-
-
 @pytest.fixture
 def recorder(tmp_path, monkeypatch):
     monkeypatch.setattr(BagRecorder, "folder", tmp_path)
-    return configured(Silent())
+    controller = BagRecorder()
+    controller.configure(SimpleNamespace(node=Silent(), body=SimpleNamespace(name="Tank")))
+    return controller
 
 
 def test_a_slow_disk_holds_up_no_callback_and_nothing_is_lost(recorder, monkeypatch):
@@ -59,10 +48,9 @@ def test_a_slow_disk_holds_up_no_callback_and_nothing_is_lost(recorder, monkeypa
         recorder.on_joint_state(payload)  # it returns, or this test never ends
     assert not written
     answers.set()
-    node = recorder.node
     recorder.unconfigure()
     assert len(written) == 50
-    assert node.topics == []
+    assert recorder.node.topics == []
     bag = Bag(recorder.bag.path)
     assert [tuple(topic) for topic in bag.topics] == [("/Tank/joint_state", "sensor_msgs/msg/JointState", 50)]
     assert [payload for *_, payload in bag.raw_messages()] == payloads, "byte for byte"
@@ -80,15 +68,3 @@ def test_when_the_disk_is_full_nothing_piles_up(recorder, monkeypatch):
         recorder.on_joint_state(PAYLOAD)
     assert recorder.received.empty()
     recorder.unconfigure()
-
-
-def test_a_bag_that_is_there_is_not_overwritten(tmp_path, monkeypatch):
-    monkeypatch.setattr(BagRecorder, "folder", tmp_path)
-    stopped = SimpleNamespace(now=lambda: datetime(2026, 1, 2))
-    monkeypatch.setattr("tutorial.controllers.bag_recorder.datetime", stopped)
-    configured(Silent()).unconfigure()
-    node = Silent()
-    with pytest.raises(WriterError, match="exists already"):
-        configured(node)
-    assert node.topics == []
-    assert [path.name for path in tmp_path.iterdir()] == ["rosbag2_2026_01_02-00_00_00"]

@@ -22,6 +22,7 @@ from tutorial.world import Placement
 @pytest.fixture
 def project(domain, tmp_path):
     """The tank of step 6, with nothing but its camera, before a red block."""
+    need_pictures()
     loaded = Project.load(find_project("step6")).with_controllers("Tank", CameraPublisher)
     block = Placement("Block", red_block(tmp_path), position=(-2.5, -0.5, 0.35))
     item = replace(loaded.bodies[0], placement=block, controllers=())
@@ -36,7 +37,6 @@ def ear(host):
 
 @in_a_loop
 async def test_what_is_before_the_tank_arrives_in_lockstep_ten_times_a_second(project):
-    need_pictures()
     async with Host(project) as host:
         heard, subscription = ear(host)
         await until(subscription.get_publisher_count)
@@ -56,7 +56,6 @@ async def test_what_is_before_the_tank_arrives_in_lockstep_ten_times_a_second(pr
 
 @in_a_loop
 async def test_a_tank_that_is_deleted_while_pictures_are_taken_leaves_nothing(project):
-    need_pictures()
     async with Host(project) as host:
         heard, _ = ear(host)
         host.simulation.start()
@@ -71,8 +70,6 @@ async def test_a_tank_that_is_deleted_while_pictures_are_taken_leaves_nothing(pr
 
 @in_a_loop
 async def test_what_a_receiver_of_pictures_raises_is_the_programs_error(project):
-    need_pictures()
-
     class Broken(CameraPublisher):
         def publish(self, pixels, time_ns):
             raise ZeroDivisionError

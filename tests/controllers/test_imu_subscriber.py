@@ -7,19 +7,13 @@ import math
 import numpy as np
 import pytest
 from controlled import Node
-from loops import in_a_loop
-from scenes import lines
 from sensor_msgs.msg import Imu
 
 from tutorial.body import Body
 from tutorial.checks._clock import ClockedLoop
 from tutorial.controller import ControllerConfig
 from tutorial.controllers.imu_subscriber import ImuSubscriber
-from tutorial.host import Host
-from tutorial.paths import HOME, find_project
-from tutorial.project import Project
-from tutorial.view.bodies import View
-from tutorial.view.scene import Scene
+from tutorial.paths import HOME
 from tutorial.world import Placement
 
 PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # numbers that + and - do not bring back
@@ -113,12 +107,3 @@ def test_when_it_leaves_there_is_no_timer_and_the_body_stands(viewer, blows):
     assert not viewer.loop.timers
     assert viewer.body.position.tolist() == list(PLACE)
     assert not viewer.places or viewer.stands
-
-
-@in_a_loop
-async def test_what_is_measured_stands_below_the_view(domain):
-    scene = Scene()
-    async with Host(Project.load(find_project("step5")), view=View(scene)) as host:
-        host.controllers["ImuSubscriber"].update(imu(-3.0))
-        host.refresh()
-    assert "Tank\tacceleration\t-3.00\t0.00\t9.80\tm/s²\t" in lines(scene.snapshot())[0]

@@ -84,57 +84,9 @@ IS_SEEN = """([pane, wanted]) => {
 }"""
 
 
-class Drive:
-    """Drives by the left stick, up and down; simulated time passes only from one picture to the next.
-
-    Attributes:
-        takes: what was so in each picture.
-        pictures: of a part of the page.
-    """
-
-    def __init__(self, page, notebook, part):
-        self.takes, self.pictures = [], []
-        self._page, self._notebook, self._part = page, notebook, part
-        self._size = WIDTH, round(WIDTH * part["height"] / part["width"])
-        self._stick = 0.0
-
-    async def hold(self, towards, pictures):
-        """Move the stick towards there, and take so many pictures."""
-        for _ in range(pictures):
-            await self._take(towards)
-
-    async def hold_while(self, towards, condition):
-        """Move the stick to where the last take says, and take pictures as long as something is so of it."""
-        while condition(self.takes[-1]):
-            await self._take(towards(self.takes[-1]))
-
-    async def _take(self, towards):
-        self._stick += float(np.clip(towards - self._stick, -SOON, SOON))
-        box = await self._page.locator(".tank-stick-pad").first.bounding_box()
-        x, y, reach = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, 0.28 * box["height"]
-        await self._page.mouse.move(x, y - self._stick * reach)
-        take = json.loads(await self._notebook.run_new(f"await take({self._stick}, {FRAME})"))
-        pane = await self._page.locator(".tank-view-pane").element_handle()
-        await self._page.wait_for_function(IS_SEEN, arg=[pane, take["seen"]])
-        picture = Image.open(io.BytesIO(await self._page.screenshot(clip=self._part))).convert("RGB")
-        self.pictures.append(picture.resize(self._size, Image.Resampling.LANCZOS))
-        self.takes.append(take)
-
-
-async def drive_to_the_rail_and_back(drive):
-    """End where it began: the picture begins anew there."""
-    await drive.hold(0, 4)
-    await drive.hold_while(lambda take: 0.85, lambda take: not take["touching"])
-    await drive.hold(0.85, 10)
-    await drive.hold_while(lambda take: -min(1.0, 0.15 + take["driven"]), lambda take: take["driven"] > 0.08)
-    await drive.hold(0, 3)
-
-
 def test_the_tank_drives_to_the_rail_and_its_barrel_is_lifted(domain, tmp_path):
-    path = chromium()
-
     async def main():
-        async with jupyter_lab(tmp_path) as lab, open_browser(path, 1280, 800) as page:
+        async with jupyter_lab(tmp_path) as lab, open_browser(chromium(), 1280, 800) as page:
             await page.add_init_script(LIKE_A_CARD)
             copy_files(lab, HOME / "project")
             witness = Witness(page)
@@ -144,13 +96,38 @@ def test_the_tank_drives_to_the_rail_and_its_barrel_is_lifted(domain, tmp_path):
             await notebook.run_new(DIRECTOR)
             await page.locator(".tank-stick-pad").first.hover()
             await page.mouse.down()
-            drive = Drive(page, notebook, await notebook.cell(0).bounding_box())
-            await drive_to_the_rail_and_back(drive)
+            part = await notebook.cell(0).bounding_box()
+            pad = await page.locator(".tank-stick-pad").first.bounding_box()
+            pane = await page.locator(".tank-view-pane").element_handle()
+            size = WIDTH, round(WIDTH * part["height"] / part["width"])
+            takes, pictures, stick = [], [], 0.0
+
+            async def take(towards):
+                """Move the stick towards there, and take a picture; note what is so in it."""
+                nonlocal stick
+                stick += float(np.clip(towards - stick, -SOON, SOON))
+                y = pad["y"] + (0.5 - 0.28 * stick) * pad["height"]
+                await page.mouse.move(pad["x"] + pad["width"] / 2, y)
+                takes.append(json.loads(await notebook.run_new(f"await take({stick}, {FRAME})")))
+                await page.wait_for_function(IS_SEEN, arg=[pane, takes[-1]["seen"]])
+                picture = Image.open(io.BytesIO(await page.screenshot(clip=part))).convert("RGB")
+                pictures.append(picture.resize(size, Image.Resampling.LANCZOS))
+
+            for _ in range(4):
+                await take(0)
+            while not takes[-1]["touching"]:
+                await take(0.85)
+            for _ in range(10):
+                await take(0.85)
+            while takes[-1]["driven"] > 0.08:
+                await take(-min(1.0, 0.15 + takes[-1]["driven"]))
+            for _ in range(3):
+                await take(0)  # it ends where it began, for the picture begins anew there
             await page.mouse.up()
-            assert max(take["barrel"] for take in drive.takes) > drive.takes[0]["barrel"] + 0.05
+            assert max(take["barrel"] for take in takes) > takes[0]["barrel"] + 0.05
             assert witness.complaints == []
-            first, *others = drive.pictures
             how = {"duration": round(1000 * FRAME), "loop": 0, "quality": QUALITY, "method": 6}
-            first.save(Path(os.environ["TANK_SCREENSHOTS"]) / "drive.webp", save_all=True, append_images=others, **how)
+            path = Path(os.environ["TANK_SCREENSHOTS"]) / "drive.webp"
+            pictures[0].save(path, save_all=True, append_images=pictures[1:], **how)
 
     asyncio.run(asyncio.wait_for(main(), 28 * PATIENCE))

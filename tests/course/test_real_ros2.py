@@ -5,40 +5,28 @@ from __future__ import annotations
 import re
 import tomllib
 
-import pytest
 from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
-from tutorial.commands.tank import tank
 from tutorial.paths import HOME
 
-PAGE = (HOME / "book" / "real_ros2.md").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((HOME / "pyproject.toml").read_text())["project"]
 
 
-@pytest.fixture(scope="module")
-def pixi():
-    return tomllib.loads((HOME / "pixi.toml").read_text())
+PIXI = tomllib.loads((HOME / "pixi.toml").read_text())
 
 
-def test_what_both_require_can_be_had_at_once(pixi):
+def test_what_both_require_can_be_had_at_once():
     wanted = {each.name: each.specifier for each in map(Requirement, PROJECT["dependencies"])}
-    both = {name: SpecifierSet(spec) for name, spec in pixi["dependencies"].items() if name in wanted}
+    both = {name: SpecifierSet(spec) for name, spec in PIXI["dependencies"].items() if name in wanted}
     assert both
     assert both == {name: wanted[name] for name in both}
-    assert pixi["dependencies"]["python"].replace("*", "0") in SpecifierSet(PROJECT["requires-python"])
+    assert PIXI["dependencies"]["python"].replace("*", "0") in SpecifierSet(PROJECT["requires-python"])
 
 
-def test_every_message_package_that_the_tutorial_imports_is_listed(pixi):
+def test_every_message_package_that_the_tutorial_imports_is_listed():
     folders = ("controllers", "notebook", "notebook/widgets")
     texts = [path.read_text() for folder in folders for path in (HOME / "tutorial" / folder).glob("*.py")]
     imported = set(re.findall(r"^from (\w+_msgs)\.msg", "\n".join(texts), re.MULTILINE))
     assert imported
-    assert {f"ros-jazzy-{name.replace('_', '-')}" for name in imported} <= set(pixi["dependencies"])
-
-
-def test_its_tasks_are_commands_that_there_are(pixi):
-    for command in pixi["tasks"].values():
-        program, verb, *_ = command.split()
-        assert (program, verb) == ("python", "-m") or (program == "tank" and verb in tank.commands)
-    assert set(re.findall(r"^\$ pixi run (\w+)", PAGE, re.MULTILINE)) == set(pixi["tasks"])
+    assert {f"ros-jazzy-{name.replace('_', '-')}" for name in imported} <= set(PIXI["dependencies"])

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
-from programs import PATIENCE
+from loops import PATIENCE, until
 
 from tutorial.host import Host
 from tutorial.paths import HOME, find_project
@@ -38,10 +38,9 @@ def test_every_tank_of_a_fleet_moves(domain):
     project = Project.load(find_project("fleet"))
 
     async def scenario():
-        async with Host(replace(project, bodies=project.bodies[:3])) as host, asyncio.timeout(PATIENCE):
+        async with Host(replace(project, bodies=project.bodies[:3])) as host:
             turrets = [body.joint("TURRET_Y") for body in host.bodies.values()]
-            while not all(turret.position for turret in turrets):
-                await asyncio.sleep(0.01)
+            await until(lambda: all(turret.position for turret in turrets))
             assert len({turret.position for turret in turrets}) == 3
 
     with script("fleet.py", "3"):

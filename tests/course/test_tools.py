@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-
 import yaml
-from programs import PATIENCE
+from loops import in_a_loop, until
 
 from tutorial.host import Host
 from tutorial.paths import HOME, find_project
@@ -14,7 +12,8 @@ from tutorial.project import Project
 TYPES = {"RobotModel": "std_msgs/msg/String", "Image": "sensor_msgs/msg/Image"}
 
 
-def test_rviz_shows_topics_that_the_tank_publishes(domain):
+@in_a_loop
+async def test_rviz_shows_topics_that_the_tank_publishes(domain):
     rviz = yaml.safe_load((HOME / "project/rviz/tank.rviz").read_text(encoding="utf-8"))["Visualization Manager"]
     displays = [(each["Class"].partition("/")[2], each) for each in rviz["Displays"]]
     wanted = {}
@@ -25,9 +24,6 @@ def test_rviz_shows_topics_that_the_tank_publishes(domain):
     assert len(wanted) == len(TYPES)
     wanted["/tf"] = ["tf2_msgs/msg/TFMessage"]  # which rviz2 asks for by itself
 
-    async def scenario():
-        async with Host(Project.load(find_project("tools"))) as host, asyncio.timeout(PATIENCE):
-            while not wanted.items() <= dict(host.node.get_publisher_names_and_types_by_node("tank", "/")).items():
-                await asyncio.sleep(0.01)
-
-    asyncio.run(scenario())
+    async with Host(Project.load(find_project("tools"))) as host:
+        names = host.node.get_publisher_names_and_types_by_node
+        await until(lambda: wanted.items() <= dict(names("tank", "/")).items())

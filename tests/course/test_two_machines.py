@@ -47,8 +47,9 @@ class Machine:
     @contextmanager
     def inside(self) -> Iterator[None]:
         """Be on this machine: the sockets, threads and processes that this thread makes meanwhile are there."""
-        with Path("/proc/thread-self/ns/net").open() as home, self._namespace.open() as there:
-            _enter(there.fileno())
+        there = Path(f"/proc/{self._holder.pid}/ns/net")
+        with Path("/proc/thread-self/ns/net").open() as home, there.open() as away:
+            _enter(away.fileno())
             try:
                 yield
             finally:
@@ -80,10 +81,6 @@ class Machine:
     def close(self) -> None:
         """End it."""
         self._holder.communicate(timeout=PATIENCE)
-
-    @property
-    def _namespace(self) -> Path:
-        return Path(f"/proc/{self._holder.pid}/ns/net")
 
 
 def _enter(namespace: int) -> None:

@@ -24,7 +24,6 @@ for name in sys.argv[1:]:
 def test_no_import_takes_ctrl_c_away():
     names = [module.name for module in pkgutil.walk_packages(tutorial.__path__, "tutorial.")]
     modules = [name for name in names if name != "tutorial.__main__"]  # which is a program
-    assert len(modules) > 100
     ended = subprocess.run([sys.executable, "-c", SCRIPT, *modules], check=False, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr
 

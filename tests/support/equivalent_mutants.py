@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import ast
-from itertools import pairwise, starmap
-
 from tutorial.checks.catalogue import exercises
-from tutorial.checks.exercise import listing
 
 EXERCISES = {each.name: each for those in exercises().values() for each in those}
 
@@ -21,52 +17,18 @@ def swapped(one: str, other: str) -> str:
     return f"{one}; {other} → {other}; {one}"
 
 
-def exchanged(name: str, *parts: tuple[str, str]) -> tuple[str, ...]:
-    """The changes of parts of an exercise's right answer: of each two neighbours, the second comes first.
-
-    Args:
-        name: the exercise's.
-        parts: how the first line of each part begins, and how the last one does.
-    """
-    lines = [line.strip() for line in ast.unparse(ast.parse(listing(EXERCISES[name].right_answer))).splitlines()]
-    found: list[str] = []
-    for first, last in parts:
-        begin = next(i for i, line in enumerate(lines) if line.startswith(first))
-        end = next(i for i, line in enumerate(lines) if i > begin and line.startswith(last))
-        found += starmap(swapped, pairwise(lines[begin : end + 1]))
-    return tuple(found)
-
-
-UNRELATED = "neither statement uses what the other sets"
+UNRELATED = "neither statement needs what the other does"
 EVEN = "the remainder is never negative, and a multiple of n is one of -n"
 WHAT_IS_TOLD = "that observers are told is asked for, not what"
 FIRST = "at which step the first message is sent is left to the answer"
-DEPTH = "how many messages may wait is left to the answer; 0 stands for the middleware's own number"
 
 PRESSED = "pressed = len(message.buttons) > 0 and message.buttons[0] == 1"
 FOUR_AXES = "axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]"
-LIMITED = "return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]"
-Q_REF = "q_ref = min(max(self.q_ref + 0.002 * stick, lower), upper)"
-JOY = "self.subscription = self.node.create_subscription(Joy, 'joy', self.on_joy, {})"
 AXES = "left_x, left_y = (axis if abs(axis) {} 0.3 else 0.0 for axis in axes[:2])"
-TURRET = "self.publisher = self.node.create_publisher(JointState, f'{{config.body.name}}/turret', {})"
-STATE = "self.publisher = self.node.create_publisher(JointState, f'{{config.body.name}}/joint_state', {})"
-HEARD = "self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, {})"
 LATEST = "self.call_latest(self.body.name, self.update, message)"
 TOLD = "self.body.notify_change({})"
-PER_MESSAGE = "self.steps_per_message = round(1 / (25 * io.time_step))"
-PER_LOOK = "self.steps_per_look = round(1 / (50 * io.time_step))"
-DUE = "if self.io.step % self.steps_per_message == 0:"
-LOOK_DUE = DUE.replace("message", "look")
-
-PER_TENTH = PER_MESSAGE.replace("25", "10")
-PER_PICTURE = PER_MESSAGE.replace("25", "5").replace("message", "picture")
-PICTURE_DUE = DUE.replace("message", "picture")
-GRAY = "self.publisher = self.node.create_publisher(Image, f'{{config.body.name}}/camera/gray', {})"
-GYRO = "self.publisher = self.node.create_publisher(Imu, f'{{config.body.name}}/gyro', {})"
-
-BLOW = "if hypot(a.x, a.y) > 20:"
-BLOWS = "self.subscription = self.node.create_subscription(Imu, f'{{self.body.name}}/imu', self.on_imu, {})"
+TOLD_OTHERWISE = becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions"))
+BLOWS = "self.subscription = self.node.create_subscription(Imu, f'{self.body.name}/imu', self.on_imu, 10)"
 
 STAMP = "stamp = (message.header.stamp.sec, message.header.stamp.nanosec)"
 STAMP_TURNED = "stamp = (message.header.stamp.nanosec, message.header.stamp.sec)"
@@ -76,35 +38,16 @@ COMPLETE = f"{TWO}; while stamp in self.waiting:; {DROP}; return (together['join
 TOO_MANY = f"if len(self.waiting) > 50:; {DROP}"
 
 
-def now_and_then(due: str, line: str, rate: str, publisher: str) -> dict[str, tuple[str, ...]]:
-    """Those of an answer that publishes at a rate: of its condition, of the number of steps, and of its publisher."""
-    remainder = due.removeprefix("if ").removesuffix(" == 0:")
-    step, steps = remainder.split(" % ")
-    evens = (f"{remainder} <= 0", f"-({remainder}) == 0", f"-{remainder} == 0", f"{step} % -{steps} == 0")
+def now_and_then(what: str, rate: int) -> dict[str, tuple[str, ...]]:
+    """Those of an answer that does something at a rate: of its condition, and of the number of steps."""
+    step, steps = "self.io.step", f"self.steps_per_{what}"
+    due = f"{step} % {steps} == 0"
+    evens = (due.replace("==", "<="), f"-({step} % {steps}) == 0", f"-{due}", f"{step} % -{steps} == 0")
+    line = f"{steps} = round(1 / ({rate} * io.time_step))"
+    signs = (line.replace(part, f"-{part}") for part in (f"({rate} * io.time_step)", "io.time_step", "1 /", str(rate)))
     return {
-        EVEN: (*becomes(due, *(f"if {even}:" for even in evens)), *negative(line, rate)),
-        FIRST: becomes(due, due.replace("0", "1")),
-        DEPTH: at_any_depth(publisher),
-    }
-
-
-def at_any_depth(line: str, depth: int = 1) -> tuple[str, ...]:
-    """The changes of how many messages may wait."""
-    return becomes(*(line.format(number) for number in (depth, depth + 1, depth - 1)))
-
-
-def negative(line: str, rate: str) -> tuple[str, ...]:
-    """The changes of a number of steps that turn its sign round."""
-    parts = (f"({rate} * io.time_step)", "io.time_step", "1 /", rate)
-    return becomes(line, *(line.replace(part, f"-{part}") for part in parts))
-
-
-def displaying(name: str) -> dict[str, tuple[str, ...]]:
-    """Those of an exercise whose answer shows joint states."""
-    return {
-        UNRELATED: exchanged(name, ("self.body", "topic")),
-        WHAT_IS_TOLD: becomes(TOLD.format("report"), TOLD.format("message"), TOLD.format("positions")),
-        DEPTH: at_any_depth(HEARD),
+        EVEN: (*becomes(f"if {due}:", *(f"if {even}:" for even in evens)), *becomes(line, *signs)),
+        FIRST: becomes(f"if {due}:", f"if {step} % {steps} == 1:"),
     }
 
 
@@ -114,78 +57,41 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         "a button is 0 or 1": becomes(PRESSED, PRESSED.replace("==", ">=")),
     },
     "bound": {
-        "the larger or smaller of two is the same in either order": becomes(
-            LIMITED,
-            LIMITED.replace("max(axis, -1.0), 1.0", "1.0, max(axis, -1.0)"),
-            LIMITED.replace("axis, -1.0", "-1.0, axis"),
-        ),
         "of however many are taken at first, four are left in the end": becomes(
             FOUR_AXES, FOUR_AXES.replace("axes[:4]", "axes[:5]")
         ),
     },
-    "timeout": {UNRELATED: (swapped("self.message = message", "self.since = seconds"),)},
     "drive": {
-        UNRELATED: exchanged(
-            "drive",
-            ("self.node", "self.joy ="),
-            ("self.track_l =", "self.track_r ="),
-            ("self.track_l.ctrl", "self.track_r.ctrl"),
-        ),
-        DEPTH: at_any_depth(JOY),
         "an axis is a float32, and 0.3 is none": becomes(AXES.format(">"), AXES.format(">=")),
         "of four, those before the last two are the first two": becomes(
             AXES.format(">"), AXES.format(">").replace("[:2]", "[:-2]")
         ),
     },
-    "aim": {
-        UNRELATED: exchanged(
-            "aim", ("self.joint =", "self.q_ref ="), ("dq_ref", "q ="), ("self.joint.effort", "self.q_ref, self.q_prev")
-        ),
-        "the larger or smaller of two is the same in either order": becomes(
-            Q_REF,
-            "q_ref = min(upper, max(self.q_ref + 0.002 * stick, lower))",
-            "q_ref = min(max(lower, self.q_ref + 0.002 * stick), upper)",
-        ),
-    },
-    "publish": {
-        UNRELATED: exchanged("publish", ("self.io", "self.steps"), ("message.header", "message.effort")),
-        **now_and_then(DUE, PER_MESSAGE, "25", TURRET),
-    },
+    "publish": now_and_then("message", 25),
     "thrift": {
-        UNRELATED: exchanged("thrift", ("self.io", "self.steps"), ("self.publisher.publish", "self.sent")),
-        EVEN: now_and_then(LOOK_DUE, PER_LOOK, "50", STATE)[EVEN],
-        DEPTH: at_any_depth(STATE, 10),
+        UNRELATED: (swapped("self.publisher.publish(message)", "self.sent.update(news)"),),
+        EVEN: now_and_then("look", 50)[EVEN],
     },
-    "show": displaying("show"),
+    "show": {WHAT_IS_TOLD: TOLD_OTHERWISE},
     "keep_up": {
-        **displaying("keep_up"),
+        WHAT_IS_TOLD: TOLD_OTHERWISE,
         "any key does that is the same for every message: a controller's keys are its own": becomes(
             LATEST, LATEST.replace("name", "joint_names")
         ),
     },
     "gyro": {
-        UNRELATED: exchanged(
-            "gyro",
-            ("self.io", "self.steps"),
-            ("message.header.stamp", "velocity ="),
-            ("velocity.x", "message.linear"),
-            ("self.publisher.publish", "self.samples"),
-        ),
-        **now_and_then(DUE, PER_TENTH, "10", GYRO),
+        UNRELATED: (swapped("self.publisher.publish(message)", "self.samples.clear()"),),
+        **now_and_then("message", 10),
     },
     "hop": {
-        UNRELATED: exchanged(
-            "hop",
-            ("self.body", "self.timer"),
-            ("self.node.destroy", "self.land"),
-            ("timer.cancel", "self.move"),
-            ("self.move((x", "self.timer"),
+        UNRELATED: (
+            swapped("self.node.destroy_subscription(self.subscription)", "self.land()"),
+            swapped("timer.cancel()", "self.move(self.place)"),
+            swapped("self.move((x, y, z + 0.1))", "self.timer = asyncio.get_running_loop().call_later(0.5, self.land)"),
         ),
-        "what is posted runs on the main thread, and so not before configure has ended": exchanged(
-            "hop", ("self.timer", "self.subscription")
+        "what is posted runs on the main thread, and so not before configure has ended": (
+            swapped("self.timer = None", BLOWS),
         ),
-        "a length is the same in either order": becomes(BLOW, BLOW.replace("a.x, a.y", "a.y, a.x")),
-        DEPTH: at_any_depth(BLOWS, 10),
     },
     "pair": {
         "a function without a return returns None": becomes("return None", "nothing", "return"),
@@ -193,15 +99,8 @@ EQUIVALENT: dict[str, dict[str, tuple[str, ...]]] = {
         "of a stamp there are never more than two": becomes(TWO, TWO.replace("==", ">=")),
         "a message that completes a pair makes no more wait": (swapped(COMPLETE, TOO_MANY),),
     },
-    "gray": {
-        UNRELATED: exchanged("gray", ("self.io", "self.steps"), ("message.header.stamp", "message.data")),
-        **now_and_then(PICTURE_DUE, PER_PICTURE, "5", GRAY),
-    },
+    "gray": now_and_then("picture", 5),
     "gaps": {
-        UNRELATED: exchanged("gaps", ("found", "newest")),
-        "the larger of two is the same in either order": becomes(
-            "newest = max(newest, stamp)", "newest = max(stamp, newest)"
-        ),
         "the bag's own time is not used": becomes(
             "for _, message in messages:",
             "for message, message in messages:",

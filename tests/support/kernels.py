@@ -46,8 +46,7 @@ class Kernel:
 @contextmanager
 def kernel() -> Iterator[Kernel]:
     """A kernel of this environment; what is left of it in the end is killed."""
-    with ExitStack() as stack:
-        folder = stack.enter_context(TemporaryDirectory(prefix="kernel-"))
+    with TemporaryDirectory(prefix="kernel-") as folder, ExitStack() as stack:
         manager = KernelManager(kernel_name="python3", transport="ipc", ip=f"{folder}/socket")
         manager.kernel_spec.argv[0] = sys.executable
         manager.start_kernel()

@@ -229,11 +229,8 @@ def copy_files(lab: Lab, *folders: Path) -> None:
 
 
 def _environment(folder: Path) -> dict[str, str]:
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("JUPYTER")}
-    for name, part in _FOLDERS.items():
-        (folder / part).mkdir()
-        environment[name] = str(folder / part)
-    return environment
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("JUPYTER")}
+    return kept | {name: str(folder / part) for name, part in _FOLDERS.items()}
 
 
 def _write_settings(folder: Path) -> None:
@@ -245,23 +242,13 @@ def _write_settings(folder: Path) -> None:
 
 def _command(notebooks: Path, base_url: str) -> list[str]:
     options = {
-        "ServerApp.ip": "127.0.0.1",
-        "ServerApp.port": "0",
-        "ServerApp.base_url": base_url,
-        "ServerApp.root_dir": str(notebooks),
-        "ServerApp.allow_root": "True",
-        "IdentityProvider.token": TOKEN,
-        "LabApp.expose_app_in_browser": "True",
-        "LabApp.news_url": "None",
-        "LanguageServerManager.autodetect": "False",  # it asks npm where they might be
+        "ServerApp": {"ip": "127.0.0.1", "port": 0, "base_url": base_url, "root_dir": notebooks, "allow_root": True},
+        "IdentityProvider": {"token": TOKEN},
+        "LabApp": {"expose_app_in_browser": True, "news_url": None},
+        "LanguageServerManager": {"autodetect": False},  # it asks npm where they might be
     }
-    return [
-        sys.executable,
-        "-m",
-        "jupyterlab",
-        "--no-browser",
-        *(f"--{name}={value}" for name, value in options.items()),
-    ]
+    words = [f"--{part}.{name}={value}" for part, given in options.items() for name, value in given.items()]
+    return [sys.executable, "-m", "jupyterlab", "--no-browser", *words]
 
 
 async def _address(folder: Path, server: psutil.Popen) -> str:

@@ -14,7 +14,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import takewhile
+from itertools import pairwise, takewhile
 from typing import Any
 
 from tutorial.checks._verdict import Verdict
@@ -23,6 +23,9 @@ from tutorial.checks.exercise import Exercise, listing
 ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)
 COMPARISONS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq)
 OPPOSITES = {"min": "max", "max": "min"}  # of the names that are not the source's own
+SYMMETRIC = {*OPPOSITES, "hypot"}  # take their arguments in any order
+ENDS = ("create_publisher", "create_subscription")
+"""The calls whose last argument, how many messages may wait, is left to an answer."""
 FILE = "mutant"  # what a mutant's code has for a file
 
 Edit = tuple[str, Any]  # the field of a node, and what it becomes
@@ -100,9 +103,11 @@ async def rejects(exercise: Exercise, mutant: Mutant, limit: float) -> bool:
 
 def _edits(tree: ast.Module) -> Iterator[tuple[ast.AST, str, Any]]:
     """Yield what can be done to the nodes, each with a field and its new value."""
+    calls = [node for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    depths = {id(call.args[-1]) for call in calls if ast.unparse(call.func).endswith(ENDS)}
     for node in ast.walk(tree):
-        for field, value in _parts_edits(node):
-            yield node, field, value
+        if id(node) not in depths:
+            yield from ((node, field, value) for field, value in _parts_edits(node))
     yield from _exchanged_names([node for node in ast.walk(tree) if isinstance(node, ast.Attribute)], tree)
     for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
         names = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
@@ -152,8 +157,9 @@ def _parts_edits(node: ast.AST) -> Iterator[Edit]:
         case ast.Tuple(elements) | ast.List(elements):
             yield from (("elts", others) for others in _exchanged(elements))
             yield from (("elts", rest) for rest in _one_left_out(elements))
-        case ast.Call(_, arguments, keywords):
-            yield from (("args", others) for others in _exchanged(arguments))
+        case ast.Call(function, arguments, keywords):
+            if ast.unparse(function) not in SYMMETRIC:
+                yield from (("args", others) for others in _exchanged(arguments))
             for others in _exchanged(keywords):
                 yield "keywords", [ast.keyword(each.arg, other.value) for each, other in zip(keywords, others)]
             yield from (("keywords", rest) for rest in _one_left_out(keywords))
@@ -164,7 +170,20 @@ def _parts_edits(node: ast.AST) -> Iterator[Edit]:
         case ast.stmt(body=[*body]):
             yield from (("body", rest or [ast.Pass()]) for rest in _one_left_out(body))
             if not isinstance(node, ast.ClassDef):
-                yield from (("body", others) for others in _exchanged(body))
+                swaps = zip(pairwise(body), _exchanged(body))
+                yield from (("body", others) for pair, others in swaps if not _are_unrelated(*pair))
+
+
+def _are_unrelated(one: ast.stmt, other: ast.stmt) -> bool:
+    """Whether two assignments may stand in either order: neither uses what the other sets, nor begins to listen."""
+    if not (isinstance(one, ast.Assign) and isinstance(other, ast.Assign)) or ".create_" in ast.unparse([one, other]):
+        return False
+    sets, uses = [], []
+    for each in (one, other):
+        targets = [part for target in each.targets for part in ast.walk(target)]
+        sets.append({ast.unparse(part) for part in targets if isinstance(getattr(part, "ctx", None), ast.Store)})
+        uses.append({ast.unparse(part) for part in ast.walk(each) if isinstance(part, ast.expr)})
+    return sets[0].isdisjoint(uses[1]) and sets[1].isdisjoint(uses[0])
 
 
 def _other_comparisons(op: ast.cmpop) -> list[ast.cmpop]:
@@ -188,9 +207,8 @@ def _other_constants(value: object) -> list[object]:
 
 
 def _negated(test: ast.expr) -> ast.expr:
-    match test:
-        case ast.UnaryOp(ast.Not(), operand):
-            return operand
+    if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
+        return test.operand
     return ast.UnaryOp(ast.Not(), test)
 
 

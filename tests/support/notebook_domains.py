@@ -7,7 +7,6 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
 from functools import partial
-from pathlib import Path
 
 import nbval.kernel
 import pytest
@@ -15,37 +14,21 @@ from jupyter_client.manager import KernelManager
 from nbval.plugin import IPyNbFile
 from pictures import need_pictures
 
-from tutorial import ros_backend
 from tutorial.ros.domains import reserved_domain
-
-FAST_DDS = ("rmw_fastrtps_cpp", "rmw_fastrtps_dynamic_cpp")
-WITH_PICTURES = ("6_camera_publisher",)
-UNTOLD = """
-
-[what Fast DDS does not tell of others]
-regex: History \\(Depth\\): .*
-replace: History (Depth): (untold)
-"""
 
 _open: dict[IPyNbFile, ExitStack] = {}
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Remember nothing that a test solves; and on Fast DDS, leave out of the comparison what it cannot say."""
+    """Remember nothing that a test solves."""
     folder = tempfile.TemporaryDirectory(prefix="progress-")
     config.add_cleanup(folder.cleanup)
     os.environ["TANK_PROGRESS"] = os.path.join(folder.name, "progress.json")  # noqa: PTH118
-    if ros_backend() == "rclpy" and os.environ.get("RMW_IMPLEMENTATION", FAST_DDS[0]) in FAST_DDS:
-        usual = Path(config.option.nbval_sanitize_with).read_text(encoding="utf-8")
-        with tempfile.NamedTemporaryFile("w", suffix=".cfg", delete=False) as file:
-            file.write(usual + UNTOLD)
-        config.add_cleanup(Path(file.name).unlink)
-        config.option.nbval_sanitize_with = file.name
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip the cells of a notebook that waits for pictures, where nothing renders."""
-    if isinstance(item.parent, IPyNbFile) and item.parent.path.stem in WITH_PICTURES:
+    if isinstance(item.parent, IPyNbFile) and item.parent.path.stem == "6_camera_publisher":
         need_pictures()
 
 
