@@ -107,7 +107,7 @@ def served(folder) -> Iterator[str]:
 BEYOND = """() => {
     const {state, setup} = drive.drive.simulation;
     const [body] = Object.entries(setup.paths).find(([, path]) => path.endsWith("CHASSIS"));
-    return state.xpos[3 * body] > -1.5;
+    return state && state.xpos[3 * body] > -1.5;
 }"""
 """Whether the simulated tank has come so far along the laboratory [m]."""
 
@@ -176,6 +176,8 @@ async def edit_and_err(page, visitor):
     await visitor.holds("TURRET_P", -0.0101, -0.0095)  # 1.96 N.m of the gun's weight, by 200 N.m/rad
     await visitor.edit("P_GAIN = 200.0", "P_GAIN = 2000.0")
     await visitor.holds("TURRET_P", -0.0112, -0.0104)  # a tenth of that below where it was aimed to be
+    await visitor.edit("self.joint.effort = P_GAIN", "self.joint.effort = 0.0 * P_GAIN")
+    await visitor.holds("TURRET_P", -1.0, -0.05)  # without a torque it sinks
     await visitor.edit("return axis if", "return 1 / 0 if")
     line = (await page.locator(".drive-text").input_value()).partition("return 1 / 0 if")[0].count("\n") + 1
     await page.keyboard.down("KeyW")
@@ -187,6 +189,19 @@ async def edit_and_err(page, visitor):
     await visitor.says("Is there a loop that never ends?")
     await page.get_by_role("button", name="Original").click()
     await page.locator(".drive-error").wait_for(state="hidden")
+
+
+async def drive_on_a_phone(page):
+    """Everything fits into the page of a phone, and a dragged stick moves the tank, whose program has begun anew."""
+    await page.set_viewport_size({"width": 390, "height": 800})
+    assert not await page.evaluate("document.documentElement.scrollWidth > innerWidth")
+    await page.evaluate("drive.drive.simulation.state = null")
+    stick = page.locator(".tank-stick-pad").first
+    await stick.hover()
+    await page.mouse.down()
+    await stick.hover(position={"x": 74, "y": 1}, force=True)
+    await page.wait_for_function(BEYOND)
+    await page.mouse.up()
 
 
 @pytest.mark.browser
@@ -203,11 +218,10 @@ def test_the_tank_drives_in_the_visitors_browser(site):
             before = [url for url in witness.requests if "/_static/drive/" in url or "main.min.js" in url]
             assert not before, "something heavy was asked for before the button was pressed"
             await page.get_by_role("button", name="Start").click()
-            await page.wait_for_function("drive.drive.isReady", timeout=200_000)  # a busy machine is slow to load Python
+            await page.wait_for_function("drive.drive.isReady", timeout=200_000)
             await drive_and_be_followed(page, visitor)
             await edit_and_err(page, visitor)
-            await page.set_viewport_size({"width": 390, "height": 800})  # a phone's
-            assert not await page.evaluate("document.documentElement.scrollWidth > innerWidth")
+            await drive_on_a_phone(page)
             assert {urlsplit(url).netloc for url in witness.requests if not url.startswith(("blob:", "data:"))} == {
                 urlsplit(address).netloc
             }
