@@ -280,4 +280,4 @@ class _Pace:
             if ratio < SLOW:
                 _log.warning("this machine can't keep up: the simulation runs at %.2f of real time", ratio)
             self._lost, self._since = 0.0, now
-        return int(min(debt, 0.05) / self._time_step)  # few enough to notice a stop at once
+        return int(min(debt, 0.1) / self._time_step)  # few enough to notice a stop at once

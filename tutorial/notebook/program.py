@@ -27,7 +27,7 @@ from tutorial.view.scene import Scene
 
 T = TypeVar("T")
 
-LONG_REST = 0.02  # [s] between two batches of steps while the page is gone: longer ones take less of the processor
+LONG_REST = 0.05  # [s] between two batches of steps while the page is gone: longer ones take less of the processor
 REST_AFTER = 300.0  # [s] without a page, after which a simulation that was started rests
 RESTS = "paused at %.1f s, after %d min without a page: start() goes on"
 LONGEST_PAUSE = 1.0  # [s] in a replay: between two cells, one thinks
