@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
 from functools import cached_property
+from io import StringIO
 from itertools import chain, combinations
 from math import isclose, isnan
 from numbers import Real
@@ -160,9 +162,14 @@ class Cases:
 
 
 def observed(case: Case, answer: Any) -> Any:
-    """Return what comes of a case; of an answer that raises, or leads to something odd, the failure."""
+    """Return what comes of a case; of an answer that raises, or leads to something odd, the failure.
+
+    What mistakes print while they are tried is dropped: the learner has not written that.
+    """
+    out, err = (StringIO(), StringIO()) if watch.explaining else (sys.stdout, sys.stderr)
     try:
-        return case(answer)
+        with redirect_stdout(out), redirect_stderr(err):
+            return case(answer)
     except Failure as failure:
         return failure
     except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to
