@@ -103,8 +103,11 @@ class Cases:
             elif label in causes or (not found and label == odd[0]):
                 cause = causes.get(label, unknown)
                 cause = cause if label in causes and not is_shared else shared.cause(cause)
-                text = f"{label}: {self.say(seen[label])}; expected: {self.say(expected[label])}"
-                yield failures[label].finding(cause, label) if label in failures else wrong(text, cause, place)
+                if label in failures:
+                    yield failures[label].finding(cause, label)
+                else:
+                    text = f"{label}: {self.say(seen[label])}; expected: {self.say(expected[label])}"
+                    yield wrong(text, cause, place)
         if self.on_ros and not odd:
             yield right(f"with another program: {self.on_ros(answer)}")
 
