@@ -58,6 +58,7 @@ the unit is wrong, sec or nanosec is left out, or they are exchanged: Time(nanos
 RATES = {ms: f"with steps of {ms} ms" for ms in (1, 2, 3, 6)}
 PERIOD = "Most likely the period is another: one message comes when io.step % round(1 / ($hz * io.time_step)) == 0."
 TOPIC = 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.'
+TOGETHER = "Most likely each joint has a message of its own, or publish is called twice: send one message with all."
 OTHERWISE = {
     "on the body Rover": TOPIC,
     "in the namespace /lab": f"Most likely a slash in front leaves out the node's namespace. {TOPIC}",
@@ -158,6 +159,8 @@ class Publishing:
             if rig.has_threads:
                 raise Failure("control", Misuse("it starts a thread of its own", APART), watch.noted.get("thread"))
             return f"{len(steps) or 'no'} message in {rig.io.time:.2g} s"
+        if len({*steps}) < len(steps) and not rig.has_threads:
+            raise Failure("control", Misuse("it publishes several messages in one step", TOGETHER))
         exact, periods = 1 / (self.hz * time_step), [b - a for a, b in pairwise(steps)]
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         if len(steps) > 3 and steps[0] <= exact + 1 and (late <= 1 or set(periods) == {round(exact)}):

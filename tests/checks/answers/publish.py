@@ -51,6 +51,13 @@ class ByATimer(SlowPublisher):
         self.timer = self.node.create_timer(0.04, super().control)
 
 
+class OneForEachJoint(SlowPublisher):
+    def control(self):
+        for joint in self.io.body.joints:
+            self.joints = [joint]
+            super().control()
+
+
 class MakesTwo(SlowPublisher):
     def configure(self, config):
         super().configure(config)
@@ -65,4 +72,5 @@ WRONG = [
     (MakesTwo, "one is made at every start, or by super().configure(config), too"),
     (DestroysInStop, "stop destroys what configure has made"),
     (ByATimer, "a timer or a thread publishes"),
+    (OneForEachJoint, "each joint has a message of its own"),
 ]
