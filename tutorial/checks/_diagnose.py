@@ -48,7 +48,7 @@ _KEEP = {
     **{each: f"configure does not keep it: self.{each} = config.{each}." for each in _CONFIG},
 }
 _UNSET = "it is read before anything has set it: "
-_LIFE = "configure comes first, then initialize, then control; a message may come at any time after configure."
+_LIFE = "configure comes first, then initialize, then control; a message may come as soon as there is a subscription."
 _CLASS = "Most likely parentheses are missing: {0} alone is the class, {0}(...) makes an object of it."
 _GENERAL = "Mend this line first; what comes after it has not been looked at."
 _CAUSES = {
