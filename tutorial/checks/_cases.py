@@ -28,6 +28,7 @@ TOLERANCE = 1e-4
 LONGEST = 20.0  # [s] in which mistakes are tried, one and two at once; so that a busy machine comes to an end, too
 CRASHES = (LookupError, ValueError, ArithmeticError, TypeError, TutorialError)
 CHANGED = "Most likely pop, sort, append, += or an assignment changes it: leave it as it is, make one of your own."
+UNLIKE = "Most likely something has the wrong type, such as a number or an array in place of a list or a message."
 CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
 
 Case = Callable[[Any], Any]
@@ -175,8 +176,11 @@ def observed(case: Case, answer: Any) -> Any:
             return case(answer)
     except Failure as failure:
         return failure
+    except Misuse as misuse:
+        return Failure(name_of(answer), misuse)
     except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to
-        return Failure(name_of(answer), error)
+        text = f"what it has made cannot be read: {type(error).__name__}: {error}"
+        return Failure(name_of(answer), Misuse(text, UNLIKE))
 
 
 def call(function: Callable[..., Any], *arguments: Any) -> Any:
