@@ -176,11 +176,9 @@ def observed(case: Case, answer: Any) -> Any:
             return case(answer)
     except Failure as failure:
         return failure
-    except Misuse as misuse:
-        return Failure(name_of(answer), misuse)
     except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to
         text = f"what it has made cannot be read: {type(error).__name__}: {error}"
-        return Failure(name_of(answer), Misuse(text, UNLIKE))
+        return Failure(name_of(answer), error if isinstance(error, Misuse) else Misuse(text, UNLIKE))
 
 
 def call(function: Callable[..., Any], *arguments: Any) -> Any:

@@ -63,6 +63,8 @@ _CAUSES = {
     r"AttributeError: type object '(\w+)'": _CLASS,
     r".*'(?:property|member_descriptor)' object": "Most likely parentheses are missing where an object is made: a "
     "class was used in its place.",
+    r"AttributeError: .* has no attribute '(?:nano)?sec'": "Most likely the stamp is a number, or a Time that is no "
+    "message: Time(nanoseconds=self.io.time_ns).to_msg() makes one.",
     r"IndexError": "Most likely there is an index beyond the end: ask for len first, or keep what came before.",
     r"KeyError|StopIteration": "Most likely something is taken for granted: ask first whether it is there.",
     r"TypeError: unhashable type: '(\w+)'": "Most likely a {0} is the key of a dict, which cannot be: take a tuple of "
