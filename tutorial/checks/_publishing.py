@@ -35,6 +35,10 @@ the number of steps is written down for 1 ms: compute it from io.time_step.
 the number of steps is cut off or rounded up: round(1 / ($hz * io.time_step)) is the nearest.
     round(1 / => int(1 / => int(1// => round(0.4999 + 1 /
 
+a certain step is waited for, and is over if the simulation begins later, as after stop: ask io.step % $steps == 0.
+    self.io = io => self.io, self.due = io, 0
+    self.io.step % self.$steps == 0 => self.io.step == self.due and [vars(self).update(due=self.due + self.$steps)]
+
 the time has to be a multiple of $ms ms, which few steps meet if they are of 3 ms: count steps, io.step % $steps.
     self.io.step % self.$steps == 0 => self.io.time_ns % ($ms * 1_000_000) == 0 => self.io.time % ($ms / 1000) == 0
 

@@ -177,7 +177,7 @@ def mistaken(hall: Hall) -> str:
         with closing(hall.another()) as other:
             heard(imu(x, y, z))(other)
             moved = any(where != STOOD for where in (other.where(), *(where for where, _ in other.shown)))
-            taken = moved or bool(other.loop.timers or watch.noted.pop("timer", None))
+            taken = bool(watch.noted.pop("timer", None) or moved or other.loop.timers)
             if taken != (hypot(x, y) > 20):
                 odd.append(f"{x:g} {y:g} {z:g}{' is one' * taken}")
     return ", ".join(odd) if odd else "none is mistaken"

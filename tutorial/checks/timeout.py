@@ -104,7 +104,8 @@ def tried(calls: str, objects: int = 1) -> Case:
         messages = {letter: Joy(axes=[ord(letter.lower()) / 128]) for letter in "AaBC"}
         messages["C"].header.stamp.sec, messages["C"].axes = 6, []
         turns = cycle([call(answer) for _ in range(objects)])
-        return [fresh(next(turns), messages.get(each, Joy()), float(at)) for each, at in map(str.split, calls.split(","))]
+        given = map(str.split, calls.split(","))
+        return [fresh(next(turns), messages.get(each, Joy()), float(at)) for each, at in given]
 
     return case
 
