@@ -64,6 +64,7 @@ def test_whatever_comes_in_only_known_joints_move_and_only_to_received_finite_va
         assert (values, report, str(report)) == (*fresh, str(fresh[1])), "one matcher does as a fresh one does"
 
 
+TWICE = "named twice, the last number wins: 'a'"
 KNOWN = "Known are 'TURRET_P', 'TURRET_Y'."
 
 
@@ -80,7 +81,11 @@ KNOWN = "Known are 'TURRET_P', 'TURRET_Y'."
         (TANK, ["TURRET_Y"], [0.1] * 3, {"TURRET_Y": 0.1}, "1 joint shown; more positions than names, by 2"),
         (TANK, ["TURRET_P"], [0.7909], {"TURRET_P": 0.7909}, "1 joint shown"),
         (TANK, ["TURRET_P"], [1.5], {"TURRET_P": 1.5}, "1 joint shown; outside its range: 'TURRET_P'"),
-        ("ab", ["a"] * 2, [0.1, 0.2], {"a": 0.2}, "1 joint shown; named twice, the last wins: 'a'"),
+        *(
+            ("ab", ["a", "b", "a"], [*twins[:1], 0.3, *twins[1:]], {"a": 0.2, "b": 0.3}, f"2 joints shown; {TWICE}")
+            for twins in ((0.1, 0.2), (math.nan, 0.2), (0.2, math.nan), (0.2, math.inf), (0.2, 1e10))
+        ),
+        ("ab", ["a"] * 2, [math.nan, math.inf], {}, f"0 joints shown; {TWICE}; not a finite number: 'a'"),
         (
             *(TANK, ["TURET_Y", "TURRET_P"], [0.1, 0.2], {"TURRET_P": 0.2}),
             f"1 joint shown; unknown 'TURET_Y'. Did you mean 'TURRET_Y'? {KNOWN}",

@@ -41,12 +41,13 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
 
     Returns:
         The positions by joint [rad or m], to be applied as they are, and the report. A joint is missing from the
-        positions when the message says nothing usable about it; then it stays where it is.
+        positions when the message says nothing usable about it; then it stays where it is. If it is named more than
+        once, the last number that can be shown counts.
     """
     ranges = _ranges(joints)
     names, positions = message.name, message.position
     known = [(name, position) for name, position in zip(names, positions) if name in ranges]
-    received = dict(known)  # of twins, the last wins
+    received = dict(known) | {name: q for name, q in known if abs(q) <= SHOWABLE}  # of twins, the last that is fit
     shown = {joint: position for joint, position in received.items() if abs(position) <= SHOWABLE}  # NaN is not
     strange = [name for name in names if name not in ranges]
     named = Counter(name for name, _ in known)
@@ -96,7 +97,7 @@ class JointReport(NamedTuple):
     joints: tuple[str, ...] = ()  #: those that got a position
     arrival: Arrival = Arrival.NEXT
     unknown: NameList = NameList()  #: names that are no joints of the body
-    duplicate: NameList = NameList()  #: joints that were named more than once; the last entry won
+    duplicate: NameList = NameList()  #: joints that were named more than once; the last number that can be shown won
     short: int = 0  #: how many names came without a position
     long: int = 0  #: how many positions came without a name
     non_finite: NameList = NameList()  #: joints whose position was NaN or infinite; they keep their last good value
@@ -132,7 +133,7 @@ class JointReport(NamedTuple):
         complaints = (
             (self.arrival.value, self.arrival.value),
             (self.unknown.total, f"unknown {self.unknown}.{hint}"),
-            (self.duplicate.total, f"named twice, the last wins: {self.duplicate}"),
+            (self.duplicate.total, f"named twice, the last number wins: {self.duplicate}"),
             (self.short, f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}"),
             (self.long, f"more positions than names, by {self.long}"),
             (self.non_finite.total, f"not a finite number: {self.non_finite}"),

@@ -152,6 +152,12 @@ def test_how_long_known_mistakes_take_is_not_the_answers_doing(monkeypatch):
     assert all(seen)
 
 
+def test_what_known_mistakes_print_is_not_told_as_the_answers(monkeypatch, capsys):
+    monkeypatch.setattr(_cases, "with_mistakes", lambda *_: print)
+    assert not aim.judge(Pushy).right
+    assert capsys.readouterr() == ("", "")
+
+
 @every_exercise
 def test_the_notebooks_own_cell_is_not_attempted(exercise, capsys):
     name = exercise.right_answer.__name__

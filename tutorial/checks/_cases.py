@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
 from functools import cached_property
+from io import StringIO
 from itertools import chain, combinations
 from math import isclose, isnan
 from numbers import Real
@@ -26,6 +28,7 @@ TOLERANCE = 1e-4
 LONGEST = 20.0  # [s] in which mistakes are tried, one and two at once; so that a busy machine comes to an end, too
 CRASHES = (LookupError, ValueError, ArithmeticError, TypeError, TutorialError)
 CHANGED = "Most likely pop, sort, append, += or an assignment changes it: leave it as it is, make one of your own."
+UNLIKE = "Most likely something has the wrong type, such as a number or an array in place of a list or a message."
 CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
 
 Case = Callable[[Any], Any]
@@ -101,8 +104,11 @@ class Cases:
             elif label in causes or (not found and label == odd[0]):
                 cause = causes.get(label, unknown)
                 cause = cause if label in causes and not is_shared else shared.cause(cause)
-                text = f"{label}: {self.say(seen[label])}; expected: {self.say(expected[label])}"
-                yield failures[label].finding(cause, label) if label in failures else wrong(text, cause, place)
+                if label in failures:
+                    yield failures[label].finding(cause, label)
+                else:
+                    text = f"{label}: {self.say(seen[label])}; expected: {self.say(expected[label])}"
+                    yield wrong(text, cause, place)
         if self.on_ros and not odd:
             yield right(f"with another program: {self.on_ros(answer)}")
 
@@ -160,13 +166,19 @@ class Cases:
 
 
 def observed(case: Case, answer: Any) -> Any:
-    """Return what comes of a case; of an answer that raises, or leads to something odd, the failure."""
+    """Return what comes of a case; of an answer that raises, or leads to something odd, the failure.
+
+    What mistakes print while they are tried is dropped: the learner has not written that.
+    """
+    out, err = (StringIO(), StringIO()) if watch.explaining else (sys.stdout, sys.stderr)
     try:
-        return case(answer)
+        with redirect_stdout(out), redirect_stderr(err):
+            return case(answer)
     except Failure as failure:
         return failure
     except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to
-        return Failure(name_of(answer), error)
+        text = f"what it has made cannot be read: {type(error).__name__}: {error}"
+        return Failure(name_of(answer), error if isinstance(error, Misuse) else Misuse(text, UNLIKE))
 
 
 def call(function: Callable[..., Any], *arguments: Any) -> Any:

@@ -48,7 +48,7 @@ _KEEP = {
     **{each: f"configure does not keep it: self.{each} = config.{each}." for each in _CONFIG},
 }
 _UNSET = "it is read before anything has set it: "
-_LIFE = "configure comes first, then initialize, then control; a message may come at any time after configure."
+_LIFE = "configure comes first, then initialize, then control; a message may come as soon as there is a subscription."
 _CLASS = "Most likely parentheses are missing: {0} alone is the class, {0}(...) makes an object of it."
 _GENERAL = "Mend this line first; what comes after it has not been looked at."
 _CAUSES = {
@@ -63,6 +63,8 @@ _CAUSES = {
     r"AttributeError: type object '(\w+)'": _CLASS,
     r".*'(?:property|member_descriptor)' object": "Most likely parentheses are missing where an object is made: a "
     "class was used in its place.",
+    r"AttributeError: .* has no attribute '(?:nano)?sec'": "Most likely the stamp is a number, or a Time that is no "
+    "message: Time(nanoseconds=self.io.time_ns).to_msg() makes one.",
     r"IndexError": "Most likely there is an index beyond the end: ask for len first, or keep what came before.",
     r"KeyError|StopIteration": "Most likely something is taken for granted: ask first whether it is there.",
     r"TypeError: unhashable type: '(\w+)'": "Most likely a {0} is the key of a dict, which cannot be: take a tuple of "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,18 +15,22 @@ from rclpy.expand_topic_name import expand_topic_name
 from rclpy.logging import get_logger
 from rclpy.node import Node
 
+from tutorial.checks._cases import Case, call
 from tutorial.checks._diagnose import AT_ONCE, Misuse, lacks_self, no_self
-from tutorial.checks._watch import Failure
+from tutorial.checks._interleave import interleave
+from tutorial.checks._watch import Failure, watch
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import SpinThread
 
-__all__ = ["Endpoint", "MemoryNode", "ros_node", "send", "wait"]
+__all__ = ["Endpoint", "MemoryNode", "early", "ros_node", "send", "wait"]
 
+MESSAGES = 100  # that come while a controller is configured, one at every instruction
 PATIENCE = 10.0  # [s]; only what never comes takes so long
 
 IN_STOP = "Most likely stop destroys what configure has made, and a restart finds none: do so in unconfigure."
 THE_NODE = "config.node belongs to the whole program: unconfigure destroys only the {0}, {1}."
 TOO_MANY = "Most likely one is made at every start, or by super().configure(config), too: make one {0}, in configure."
+EARLY = "Most likely the subscription is created before what its callback uses, so it finds nothing: create it last."
 LEFT = "Most likely unconfigure lacks {1}: a flag, None or self.{0}.destroy() does not tell the node."
 
 
@@ -76,13 +81,12 @@ class MemoryNode:
         get_clock, get_logger, get_name, get_namespace: as rclpy's.
         made: the publishers and subscriptions that were ever made.
         kept: those that it has; also one that was destroyed without telling it.
-        timers: what `create_timer` was given; none of them ever fires.
         destroyed: whether the learner has destroyed the node itself.
     """
 
     def __init__(self, publish: Callable[[Endpoint, Any], object] = lambda *_: None, namespace: str = "/") -> None:
         self.publish, self.namespace, self.destroyed = publish, namespace, False
-        self.made, self.kept, self.timers = list[Endpoint](), list[Endpoint](), list[tuple[Any, ...]]()
+        self.made, self.kept = list[Endpoint](), list[Endpoint]()
         self.get_clock, self.get_logger = Clock, partial(get_logger, "tank")
         self.get_name, self.get_namespace = (lambda: "tank"), (lambda: namespace)
 
@@ -95,9 +99,9 @@ class MemoryNode:
         check_callback(callback, msg_type)
         return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback))
 
-    def create_timer(self, *arguments: Any) -> None:
-        """Note that a timer was asked for."""
-        self.timers.append(arguments)
+    def create_timer(self, *_: Any) -> None:
+        """Have `watch` note that a timer was asked for, which never fires: ``"timer"``."""
+        watch.note("timer", sys._getframe())
 
     def destroy_publisher(self, endpoint: Endpoint) -> bool:
         """Take a publisher or a subscription back; whether there was one."""
@@ -142,6 +146,30 @@ class MemoryNode:
         self.made.append(endpoint)
         self.kept.append(endpoint)
         return endpoint
+
+
+def early(make: Callable[..., Any], message: Any) -> Case:
+    """Observe whether the callback can run as soon as there is a subscription, while `configure` goes on.
+
+    Args:
+        make: makes what an answer is tried in, and has it configured, given the answer and a node.
+        message: comes again and again, between any two instructions of `configure`.
+    """
+
+    def case(answer: Any) -> str:
+        def come() -> None:
+            for callback, _ in zip(node.listeners(message), left):
+                try:
+                    call(callback, message)
+                except Failure as failure:
+                    text = f"the first message comes while configure runs: {failure.error}"
+                    raise Failure(failure.method, Misuse(text, EARLY), failure.place) from failure
+
+        node, left = MemoryNode(), iter(range(MESSAGES))
+        interleave(lambda: make(answer, node=node), come, None)
+        return "it can be taken"
+
+    return case
 
 
 def check_callback(callback: Any, message_type: type) -> None:

@@ -35,6 +35,10 @@ the number of steps is written down for 1 ms: compute it from io.time_step.
 the number of steps is cut off or rounded up: round(1 / ($hz * io.time_step)) is the nearest.
     round(1 / => int(1 / => int(1// => round(0.4999 + 1 /
 
+a certain step is waited for, and is over if the simulation begins later, as after stop: ask io.step % $steps == 0.
+    self.io = io => self.io, self.due = io, 0
+    self.io.step % self.$steps == 0 => self.io.step == self.due and [vars(self).update(due=self.due + self.$steps)]
+
 the time has to be a multiple of $ms ms, which few steps meet if they are of 3 ms: count steps, io.step % $steps.
     self.io.step % self.$steps == 0 => self.io.time_ns % ($ms * 1_000_000) == 0 => self.io.time % ($ms / 1000) == 0
 
@@ -58,6 +62,7 @@ the unit is wrong, sec or nanosec is left out, or they are exchanged: Time(nanos
 RATES = {ms: f"with steps of {ms} ms" for ms in (1, 2, 3, 6)}
 PERIOD = "Most likely the period is another: one message comes when io.step % round(1 / ($hz * io.time_step)) == 0."
 TOPIC = 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.'
+TOGETHER = "Most likely each joint has a message of its own, or publish is called twice: send one message with all."
 OTHERWISE = {
     "on the body Rover": TOPIC,
     "in the namespace /lab": f"Most likely a slash in front leaves out the node's namespace. {TOPIC}",
@@ -158,6 +163,8 @@ class Publishing:
             if rig.has_threads:
                 raise Failure("control", Misuse("it starts a thread of its own", APART), watch.noted.get("thread"))
             return f"{len(steps) or 'no'} message in {rig.io.time:.2g} s"
+        if len({*steps}) < len(steps) and not rig.has_threads:
+            raise Failure("control", Misuse("it publishes several messages in one step", TOGETHER))
         exact, periods = 1 / (self.hz * time_step), [b - a for a, b in pairwise(steps)]
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         if len(steps) > 3 and steps[0] <= exact + 1 and (late <= 1 or set(periods) == {round(exact)}):

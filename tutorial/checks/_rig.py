@@ -106,10 +106,10 @@ class Rig:
         """Begin to simulate, at a step; also again, after `stop`."""
         self.begun = self.io.step = step
         self.do("initialize", self.io)
-        if [*self.node.timers]:
-            raise Failure("configure", Misuse("it makes a timer", APART))
-        if "thread" in watch.noted and not has(self._answer, "control"):
-            raise Failure("initialize", Misuse("it starts a thread of its own", APART), watch.noted["thread"])
+        if place := watch.noted.pop("timer", None):
+            raise Failure(place.function, Misuse("it makes a timer", APART), place)
+        if not has(self._answer, "control") and (place := watch.noted.get("thread")):
+            raise Failure(place.function, Misuse("it starts a thread of its own", APART), place)
         check_has(self._answer, "control")
 
     def advance(self, steps: int) -> None:

@@ -226,9 +226,8 @@ def hands_over(*messages: Any) -> Step:
         before = viewer.loop.posted
         for message in messages:
             viewer.receive(message)
-            if "thread" in watch.noted or viewer.node.timers:
-                beside = Misuse("a timer or a thread goes on beside it", BESIDE)
-                raise Failure("the callback", beside, watch.noted.get("thread"))
+            if place := watch.noted.get("thread") or watch.noted.get("timer"):
+                raise Failure(place.function, Misuse("a timer or a thread goes on beside it", BESIDE), place)
             viewer.drain()
         posted = viewer.loop.posted - before
         return "none is posted" if not posted else "some are posted" if posted < len(messages) else "all are posted"

@@ -11,12 +11,13 @@ from typing import Any
 
 from tutorial.checks._cases import Case, Cases, mistakes
 from tutorial.checks._mistakes import A_MISTAKE
-from tutorial.checks._node import ros_node, send
+from tutorial.checks._node import early, ros_node, send
 from tutorial.checks._viewer import Step, Viewer
 from tutorial.checks._watch import watch
 
 __all__ = ["viewing"]
 
+AT_ONCE = "a message as soon as there is a subscription"
 SHARED_STATE = "Most likely what is kept belongs to the class: make it in configure, self.place = ..."
 THROTTLED = "Most likely messages are dropped by time or by count: post and show every one, whenever it comes."
 SHARED = """
@@ -101,5 +102,6 @@ def viewing(
     known = [replace(each, fails=text) for text, rows in blocks for each in mistakes(rows)]
     causes = {each.fails: f"Most likely {each.cause}" for each in reversed(known)}
     cases = {text: case(steps) for text, steps in tried.items()}
+    cases[AT_ONCE] = early(lambda answer, node: Viewer(answer, node=node).close(), message)
     options = {"clock": THROTTLED, "otherwise": {"": SHARED_STATE, **causes}, **options}
     return Cases(solution, cases, known, str, on_ros=on_ros, one_by_one=True, **options)

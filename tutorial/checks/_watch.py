@@ -73,7 +73,8 @@ class Watch:
         answer: the learner's class or function.
         files: where the learner's code is.
         running: by thread, the method and a number that is different for every call.
-        noted: what the learner's code has done beside its work, and where: ``"sleep"``, ``"clock"``, ``"thread"``.
+        noted: what the learner's code has done beside its work, and where: ``"sleep"``, ``"clock"``, ``"thread"``,
+            ``"timer"``.
         clocks: by name, where the clocks of `time` stand still for the learner's code; None while they go.
         ahead: by how much they have been put ahead since [s].
         interleaved: whether methods are being held up on purpose, so that how long they take says nothing.

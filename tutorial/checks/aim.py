@@ -67,6 +67,9 @@ the reference is set to joint.position, in every call or when the stick rests: i
     lower, upper = => self.q_ref = self.joint.position // lower, upper =
     => self.q_ref = self.q_ref if stick else self.joint.position // lower, upper =
 
+the reference begins anew at joint.position in every call: it moves on from self.q_ref.
+    self.q_ref + 0.002 * stick => self.joint.position + 0.002 * stick
+
 the rate is another, or converted from or to degrees: it is 0.002 rad per call.
     0.002 => 0.02 => 0.0002 => radians(0.002) => degrees(0.002)
 

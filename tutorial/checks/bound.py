@@ -50,7 +50,7 @@ def four_axes(message: Joy) -> list[float]:
 
 
 MISTAKES = mistakes("""
-all axes are returned: the first four are enough, message.axes[:4].
+all axes are taken, or returned: the first four are enough, message.axes[:4].
     message.axes[:4] => message.axes
     0.0][:4] => 0.0][: max(4, len(message.axes))]
 

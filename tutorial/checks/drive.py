@@ -36,6 +36,7 @@ from sensor_msgs.msg import Joy
 
 from tutorial.checks._cases import Cases, mistakes
 from tutorial.checks._interleave import interleave
+from tutorial.checks._node import early
 from tutorial.checks._rig import Rig
 from tutorial.checks._watch import watch
 from tutorial.checks.bound import four_axes
@@ -242,6 +243,7 @@ CASES = Cases(
         "two tanks": two,
         "control between the callback's instructions": lambda answer: halved(answer, True),
         "a message between control's instructions": lambda answer: halved(answer, False),
+        "a message as soon as there is a subscription": early(Rig, Joy(axes=DRIVES)),
         "after unconfigure": lambda answer: Rig(answer).leave(),
     },
     MISTAKES,

@@ -22,7 +22,7 @@ from sensor_msgs.msg import Joy
 
 from tutorial.checks._cases import Cases, mistakes
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._node import ros_node, send
+from tutorial.checks._node import early, ros_node, send
 from tutorial.checks._rig import Rig
 from tutorial.checks._watch import Failure
 from tutorial.checks.exercise import Exercise
@@ -139,6 +139,7 @@ TRIED = {
     "a message without buttons": after((1, 1), ()),
     "a message with one button, pressed": after((1,)),
     "two tanks at the same time, and the button of the first one is pressed": two,
+    "a message as soon as there is a subscription": early(Rig, Joy(buttons=[1])),
     "after unconfigure": lambda answer: Rig(answer).leave(),
 }
 

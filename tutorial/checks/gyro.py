@@ -9,7 +9,7 @@ topic is `Tank/gyro`, without a slash in front, so it is in the namespace of the
 - It marks what is not measured: -1 is the first number in the covariances of orientation and linear acceleration.
 - Its stamp is the simulated time at which it is sent.
 - Its frame is the sensor's own, `Tank/GYRO`, with the body's name. On the tank the chassis, `Tank/base_link`, is
-  right, too, because the sensor is fixed to it.
+  right, too: the sensor is fixed to it, with the same axes. (The crane's sensor is at the tip of its jib.)
 - It works on any body that has such a sensor, and with any time step.
 - In `unconfigure`, when it leaves the body, the node destroys its publisher.
 
@@ -117,12 +117,15 @@ x, y and z are exchanged, or only z is sent: the sensor's value has all three, i
     velocity.x, velocity.y, velocity.z = => velocity.z, velocity.y, velocity.x = => velocity.y, velocity.x, velocity.z =
     => velocity.x, velocity.z, velocity.y = => _, _, velocity.z =
 
+the frame is that of the chassis: on the crane the sensor is at the tip of the jib, so take the sensor's own, "/GYRO".
+    {self.sensor.name}" => base_link"
+
 the sign is turned round, or it is in degrees: send what the sensor says, in rad/s.
     np.mean(self.samples, axis=0) => (-np.mean(self.samples, axis=0)) => np.degrees(np.mean(self.samples, axis=0))
 """
 OTHERWISE = {
     "": "Compare with the mean, component by component, of the measurements since the last message.",
-    "the frame": "Most likely the body or the sensor is missing: "
+    "the frame": "Most likely the body or the sensor is missing, or another: "
     'message.header.frame_id = f"{self.io.body.name}/GYRO".',
     "what is not measured": "Most likely one of them is not marked, or angular_velocity is, too: -1.0 in "
     "orientation_covariance[0] and linear_acceleration_covariance[0] says that these two are not measured.",
@@ -173,11 +176,9 @@ def marks(_rig: Rig, sent: list[Sent]) -> str:
 
 
 def frame(_rig: Rig, sent: list[Sent]) -> str:
-    """Observe the frame of the last message; that of what the sensor is fixed to is as good as its own."""
+    """Observe the frame of the last message; of the tank Rover, that of its chassis is as good as the sensor's own."""
     frame_id = sent[-1].message.header.frame_id
-    name, _, rest = frame_id.partition("/")
-    known = name == "Rover" and any(word in rest.lower() for word in ("gyro", "imu", "base_link", "chassis"))
-    return "'Rover/GYRO'" if known else repr(frame_id)
+    return repr("Rover/GYRO" if frame_id == "Rover/base_link" else frame_id)
 
 
 PUBLISHING = Publishing(Imu, "gyro", 10, shaken, means)
@@ -185,6 +186,7 @@ TRIED = {
     "what is sent": PUBLISHING.sent(0.45),
     "what is not measured": PUBLISHING.sent(0.25, look=marks),
     "the frame": PUBLISHING.sent(0.25, look=frame),
+    "the frame, on the crane Lift": PUBLISHING.sent(0.25, look=frame, model="crane", name="Lift"),
     "on the crane, 20 ms a step": PUBLISHING.sent(0.45, model="crane", ms=20),
     "on a robot with a gyroscope alone": PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
 }

@@ -1,7 +1,8 @@
 """The exercise `publish`: publish joint states at another rate.
 
 Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body, which for the
-body `Tank` is `/Tank/turret`, 25 times per simulated second, as nearly as whole steps allow.
+body `Tank` is `Tank/turret`, without a slash in front, so it is in the namespace of the node. It does so 25 times per
+simulated second, as nearly as whole steps allow.
 
 - Each message names all joints of the body, in the body's order, with position, velocity and effort.
 - Its stamp is the simulated time at which it is sent.
@@ -129,7 +130,7 @@ def joints(rig: Rig, sent: list[Sent]) -> list[Any]:
     return [names(rig, sent), *(numbers(rig, sent, field) for field in UNITS)]
 
 
-PUBLISHING = Publishing(JointState, "turret", 25, moving, joints, namespaces=False)
+PUBLISHING = Publishing(JointState, "turret", 25, moving, joints)
 TRIED = {
     "the names": PUBLISHING.sent(0.2, names),
     **{field: PUBLISHING.sent(0.2, partial(numbers, field=field)) for field in UNITS},

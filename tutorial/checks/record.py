@@ -30,6 +30,8 @@ from threading import Thread
 from types import SimpleNamespace as Namespace
 from typing import Any
 
+from rclpy.clock import Clock
+
 from tutorial.checks._cases import Case, Cases, call, mistakes
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._watch import Failure, watch
@@ -112,7 +114,7 @@ class Surroundings:
         recorder.connection, recorder.subscription = "connection", Namespace(destroy=lambda: None)
         recorder.received = Namespace(get=self.get, put=self.entries.append, empty=self.empty)
         recorder.received.get_nowait = partial(self.get, block=False)
-        recorder.node = Namespace(destroy_subscription=self.destroy)
+        recorder.node = Namespace(destroy_subscription=self.destroy, get_clock=Clock)
         recorder.writer = Namespace(join=self.join, is_alive=self.thread.is_alive)
         recorder.bag = Namespace(write=self.write, close=self.close)
 

@@ -52,6 +52,10 @@ def counts_through_all(message):
     return four_axes(Joy(axes=axes))
 
 
+def filters_all(message):
+    return four_axes(Joy(axes=[*filter(math.isfinite, message.axes)]))
+
+
 def sleeps(message):
     time.sleep(0.001)
     return four_axes(message)
@@ -65,5 +69,6 @@ WRONG = [
     (counts_through_all, ["all of the axes are copied or gone through"]),
     (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["all of the axes are copied or gone through"]),
     (lambda message: [f"{axis}" for axis in four_axes(message)], ["Return a list of four numbers"]),
+    (filters_all, ["are left out, so others move up", "all axes are taken, or returned"]),
     (sleeps, ["sleeps"]),
 ]

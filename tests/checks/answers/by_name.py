@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from functools import partial
-from math import isfinite, isnan
+from math import isfinite, isinf, isnan
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def in_a_loop(joint_names, message):
 def from_the_end(joint_names, message):
     found = OrderedDict()
     for name, position in reversed([*zip(message.name, message.position)]):
-        if not isnan(position):
+        if not (isnan(position) or isinf(position)):
             found.setdefault(name, position)
     return {name: found[name] for name in joint_names if name in found}
 
@@ -77,6 +77,7 @@ WRONG = [
     (sorts, "leave it as it is"),
     (makes_one_dict, "the dict is kept from call to call"),
     (looks_up_all, "every joint is expected in every message"),
-    (in_whole_thousandths, "infinity is not expected"),
+    (in_whole_thousandths, "infinity is not left out"),
+    (partial(usable, lambda q: q == q), "infinity is not left out"),
     (unpacks, "Mend this line first"),
 ]

@@ -10,6 +10,7 @@ from sensor_msgs.msg import JointState, Joy
 
 from tutorial.checks.bound import four_axes
 from tutorial.checks.drive import GentleTank
+from tutorial.handoff import Latest
 
 
 def dead(axes):
@@ -42,8 +43,8 @@ class LocksAllOfControl(GentleTank):
     """Has the callback wait as long as `control` runs."""
 
     def configure(self, config):
-        super().configure(config)
         self.lock = threading.Lock()
+        super().configure(config)
 
     def on_joy(self, message):
         with self.lock:
@@ -102,6 +103,11 @@ def no_lock(self, config):
     self.subscription = self.node.create_subscription(Joy, "joy", self.on_joy, 1)
 
 
+def subscribes_first(self, config):
+    self.subscription = config.node.create_subscription(Joy, "joy", self.on_joy, 1)
+    self.node, self.joy = config.node, Latest(Joy())
+
+
 def other_type(self, config):
     self.node = config.node
     self.subscription = self.node.create_subscription(JointState, "joy", self.on_joy, 1)
@@ -119,6 +125,7 @@ METHODS = [
     ({"x": 0.0, "y": 0.0, "control": smooth}, "smoothed"),
     ({"on_joy": throttle}, "dropped by time"),
     ({"control": lambda self: setattr(self, "track_l", 1.0)}, "in place of self.track_l.ctrl"),
+    ({"configure": subscribes_first}, "the subscription is created before what its callback uses"),
     ({"configure": other_type}, ["or another type", "is read before anything"]),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not tell the node"),
     (

@@ -12,11 +12,11 @@ from tutorial.checks.gyro import GyroPublisher
 
 
 class CountsItsSteps(GyroPublisher):
-    """Adds up, sends one message again and again in its sensor's frame."""
+    """Adds up, sends one message again and again, in the chassis' frame where the sensor is fixed to that."""
 
     def initialize(self, io):
         self.io, self.sensor, self.message = io, io.body.sensor("GYRO"), Imu()
-        self.message.header.frame_id = f"{io.body.name}/{self.sensor.name}"
+        self.message.header.frame_id = f"{io.body.name}/{'base_link' if 'TURRET_Y' in io.body.joint_names else 'GYRO'}"
         self.message.orientation_covariance[0] = self.message.linear_acceleration_covariance[0] = -1
         self.sum, self.count = np.zeros(3), np.int64(0)
 
@@ -48,7 +48,7 @@ class AtATime(GyroPublisher):
     def filled(self, samples):
         message = Imu()
         message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
-        message.header.frame_id = f"{self.io.body.name}/imu_link"
+        message.header.frame_id = f"{self.io.body.name}/GYRO"
         v = message.angular_velocity
         v.x, v.y, v.z = (sum(each) / len(samples) for each in zip(*samples))
         message.orientation_covariance = [-1.0, *[0.0] * 8]
@@ -83,7 +83,14 @@ class AnotherFrame(GyroPublisher):
         self.io.body.name = name
 
 
+class NoFrame(GyroPublisher):
+    def initialize(self, io):
+        super().initialize(io)
+        self.sensor.name = "imu_link"
+
+
 WRONG = [
+    (NoFrame, "the body or the sensor is missing, or another"),
     (OnItsOwnThread, "a timer or a thread publishes"),
-    (AnotherFrame, "the body or the sensor is missing"),
+    (AnotherFrame, "the body or the sensor is missing, or another"),
 ]

@@ -15,7 +15,7 @@ class OneMessage(SlowPublisher):
 
     def configure(self, config):
         self.node, self.message = config.node, JointState(name=list(config.body.joint_names))
-        topic = "/".join(["", config.body.name, "turret"])
+        topic = "/".join([config.body.name, "turret"])
         self.publisher = self.node.create_publisher(JointState, topic, qos_profile_sensor_data)
 
     def control(self):
@@ -51,6 +51,20 @@ class ByATimer(SlowPublisher):
         self.timer = self.node.create_timer(0.04, super().control)
 
 
+class WithASlash(SlowPublisher):
+    def configure(self, config):
+        config.body.name, name = f"/{config.body.name}", config.body.name
+        super().configure(config)
+        config.body.name = name
+
+
+class OneForEachJoint(SlowPublisher):
+    def control(self):
+        for joint in self.io.body.joints:
+            self.joints = [joint]
+            super().control()
+
+
 class MakesTwo(SlowPublisher):
     def configure(self, config):
         super().configure(config)
@@ -62,7 +76,9 @@ class DestroysInStop(SlowPublisher):
 
 
 WRONG = [
+    (WithASlash, "a slash in front leaves out the node's namespace"),
     (MakesTwo, "one is made at every start, or by super().configure(config), too"),
     (DestroysInStop, "stop destroys what configure has made"),
     (ByATimer, "a timer or a thread publishes"),
+    (OneForEachJoint, "each joint has a message of its own"),
 ]

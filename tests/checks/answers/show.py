@@ -69,7 +69,15 @@ def shares_its_body(self, config):
     type(self).body = config.body
 
 
+def subscribes_first(self, config):
+    self.subscription = config.node.create_subscription(
+        JointState, f"{config.body.name}/joint_state", self.on_joint_state, 1
+    )
+    self.body, self.node, self.call_later = config.body, config.node, config.call_later
+
+
 WRONG = [
+    (changed(configure=subscribes_first), "the subscription is created before what its callback uses"),
     (changed(on_joint_state=lambda self, message: self.update(message)), "the callback moves the body itself"),
     (changed(on_joint_state=lambda self, m: self.call_later(self.update(m))), "the parentheses call it at once"),
     (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "a timer or a thread of its own"),
