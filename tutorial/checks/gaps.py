@@ -99,6 +99,10 @@ the limit of a gap is another: it is 0.1 s, which is 100_000_000 ns.
 the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
     stamp > 1_000_000_000 => stamp > 100_000_000 => stamp > 500_000_000 => stamp > 10_000_000_000
 
+both comparisons are others: exactly 0.1 s ahead, or exactly 1 s back, is nothing yet. Ask with >, not with >=.
+    stamp - newest > => stamp - newest >=
+    newest - stamp > => newest - stamp >=
+
 a gap of over 1 s does not count: however long, it is one.
     stamp - newest > 100_000_000 => 100_000_000 < stamp - newest <= 1_000_000_000
 
