@@ -48,8 +48,12 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
 
     @property
     def kind(self) -> tuple[type[BaseException], str]:
-        """What two failures have in common that are the same observation; a `Misuse` has a cause, too."""
-        return type(self.error), getattr(self.error, "cause", "")
+        """What two failures have in common that are the same observation.
+
+        A `Misuse` has a cause, too, and a call without an argument that is required has the method.
+        """
+        called_in = self.method * ("required positional argument" in str(self.error))
+        return type(self.error), getattr(self.error, "cause", called_in)
 
     def finding(self, cause: str | None = None, when: str = "") -> Finding:
         """Say what happened, and what most likely caused it.

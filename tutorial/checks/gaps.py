@@ -93,15 +93,15 @@ the numbers have no sign, as numpy's uint64: less than nothing is a huge number 
     stamp - newest > => (stamp - newest) % 2**64 >
     newest - stamp > => (newest - stamp) % 2**64 >
 
-the comparison is another, twice: exactly 0.1 s and exactly 1 s say nothing, more than that does.
-    stamp - newest > 100 => stamp - newest >= 100
-    newest - stamp > 1_000 => newest - stamp >= 1_000
-
 the limit of a gap is another: it is 0.1 s, which is 100_000_000 ns.
     newest > 100_000_000 => newest > 0 => newest > 10_000_000 => newest > 500_000_000 => newest > 1_000_000_000
 
 the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
     stamp > 1_000_000_000 => stamp > 100_000_000 => stamp > 500_000_000 => stamp > 10_000_000_000
+
+both comparisons are others: exactly 0.1 s ahead, or exactly 1 s back, is nothing yet. Ask with >, not with >=.
+    stamp - newest > => stamp - newest >=
+    newest - stamp > => newest - stamp >=
 
 a gap of over 1 s does not count: however long, it is one.
     stamp - newest > 100_000_000 => 100_000_000 < stamp - newest <= 1_000_000_000

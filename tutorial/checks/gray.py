@@ -91,6 +91,12 @@ class GrayPublisher(SimpleController):
 
 
 MISTAKES = """
+publish is called at once: give it without parentheses, self.camera.capture(self.publish, self.io.time_ns).
+    capture(self.publish, => capture(self.publish(),
+
+no time is handed on with publish: self.camera.capture(self.publish, self.io.time_ns).
+    capture(self.publish, self.io.time_ns) => capture(self.publish)
+
 message.data is given an array with rows: it takes one byte after the other, array('B', ....tobytes()).
     array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()) => pixels.mean(axis=2).astype(np.uint8)
 

@@ -104,11 +104,8 @@ a pair goes on waiting after it was returned: take it out, pop.
     while stamp in self.waiting: => while next(iter(self.waiting)) != stamp:
 
 only one message of a stream is kept: more may wait, up to 50.
-    together = => self.waiting = {k: m for k, m in self.waiting.items() if stream not in m} // together =
-
-the newest message of each stream is kept, and no other: more may wait, up to 50.
     together = => for those in self.waiting.values(): those.pop(stream, None) // together =
-    while stamp in self.waiting: => while False:
+    while stamp in self.waiting: => while stamp in self.waiting: => while False:
 
 there is no limit to what waits: of more than 50, the one that came first gives way.
     if len(self.waiting) > 50: => if False:

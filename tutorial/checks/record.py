@@ -30,7 +30,7 @@ from threading import Thread
 from types import SimpleNamespace as Namespace
 from typing import Any
 
-from rclpy.clock import Clock
+from rclpy.time import Time
 
 from tutorial.checks._cases import Case, Cases, call, mistakes
 from tutorial.checks._diagnose import Misuse
@@ -78,6 +78,9 @@ the thread ends before it has written what waits in the queue: let only None end
     received := self.received.get() => not vars(self).get("ends") and (received := self.received.get())
     self.received.put(None) => self.ends = True // self.received.put(None)
 
+the time of writing is noted: write the one that stands in the entry, the time at which the message came.
+    *received) => self.node.get_clock().now().nanoseconds, received[1])
+
 the messages are kept until the end, and lost if the program dies: write each one as it comes.
     while received := self.received.get(): => for received in [*iter(self.received.get, None)]:
 """)
@@ -114,7 +117,8 @@ class Surroundings:
         recorder.connection, recorder.subscription = "connection", Namespace(destroy=lambda: None)
         recorder.received = Namespace(get=self.get, put=self.entries.append, empty=self.empty)
         recorder.received.get_nowait = partial(self.get, block=False)
-        recorder.node = Namespace(destroy_subscription=self.destroy, get_clock=Clock)
+        clock = Namespace(now=lambda: Time(nanoseconds=9))
+        recorder.node = Namespace(destroy_subscription=self.destroy, get_clock=lambda: clock)
         recorder.writer = Namespace(join=self.join, is_alive=self.thread.is_alive)
         recorder.bag = Namespace(write=self.write, close=self.close)
 
