@@ -38,9 +38,10 @@ def loads(students: list[Student]) -> list[float]:
     return [100 * (now - then) / took for now, then in zip(after, before)]
 
 
-def times(pool: ThreadPoolExecutor, students: list[Student]) -> list[float]:
-    """The time in each student's simulation [s]."""
-    return [float(said) for said in pool.map(lambda student: student.run("print(program.simulation.time)"), students)]
+def times(pool: ThreadPoolExecutor, students: list[Student]) -> list[list[float]]:
+    """The time in each student's simulation, and that of the machine [s]."""
+    ask = "print(program.simulation.time, module.time.monotonic())"
+    return [[*map(float, said.split())] for said in pool.map(lambda student: student.run(ask), students)]
 
 
 def memory(student: Student) -> float:
@@ -82,10 +83,8 @@ def main(users: int) -> None:
         students = list(pool.map(lambda number: Student(at, f"student{number}"), range(users)))
         domains = set(pool.map(attend, students))
         print(f"{users} students, {len(domains)} domains, all tanks run after {time.monotonic() - began:.0f} s")
-        began_at, since = times(pool, students), time.monotonic()
-        running = loads(students)
-        took = time.monotonic() - since
-        paces = [100 * (now - then) / took for now, then in zip(times(pool, students), began_at)]
+        before, running, after = times(pool, students), loads(students), times(pool, students)
+        paces = [100 * (now[0] - then[0]) / (now[1] - then[1]) for now, then in zip(after, before)]
         list(pool.map(rest, students))
         resting, megabytes = loads(students), [memory(student) for student in students]
         list(pool.map(finish, students))

@@ -211,8 +211,9 @@ class Program:
             raise TutorialError("this program is closed. Run the cell with open_program again.")
 
     def _draw(self) -> None:
-        """Draw what happens outside of `run`, again and again."""
-        self._next = asyncio.get_running_loop().call_later(FRAME, self._draw)
+        """Draw what happens outside of `run`, again and again; once a second while the page is gone."""
+        is_away = time.monotonic() - CellWidget.heard_at > AWAY_AFTER
+        self._next = asyncio.get_running_loop().call_later(1.0 if is_away else FRAME, self._draw)
         if not self._running:
             self._rest()
             self.host.refresh()

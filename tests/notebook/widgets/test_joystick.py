@@ -80,9 +80,11 @@ def test_a_page_that_is_gone_is_a_joystick_that_is_unplugged(joystick, monkeypat
     monkeypatch.setattr(CellWidget, "heard_at", -math.inf)
     joystick._tick()
     assert not published
+    assert joystick._timer.timer_period_ns == 1_000_000_000
     say(joystick)
     joystick._tick()
     assert published
+    assert joystick._timer.timer_period_ns == 20_000_000
 
 
 def test_messages_that_make_no_sense_change_nothing(joystick):

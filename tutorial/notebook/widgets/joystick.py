@@ -60,7 +60,7 @@ class Joystick(NodeWidget):
     def _set_up(self, node: Node) -> None:
         self._node = node
         self._publisher = node.create_publisher(Joy, "joy", 1)
-        node.create_timer(1 / RATE, self._tick)
+        self._timer = node.create_timer(1 / RATE, self._tick)
 
     def _on_message(self, _widget: object, content: object, _buffers: object) -> None:
         """Take what a page says, on whatever thread, and leave it for the node's."""
@@ -74,7 +74,10 @@ class Joystick(NodeWidget):
         return _Sticks() if is_old or self.ended else held
 
     def _tick(self) -> None:
-        if time.monotonic() - CellWidget.heard_at < AWAY_AFTER:
+        """Publish; while the page is gone, only look once a second whether it is back."""
+        is_away = time.monotonic() - CellWidget.heard_at > AWAY_AFTER
+        self._timer.timer_period_ns = 10**9 if is_away else 10**9 // RATE
+        if not is_away:
             self._publish()
 
     def _publish(self) -> None:

@@ -30,8 +30,6 @@ QUIET = 0.1  # [s] without a message, after which nothing more is taken to be on
 FLUSH_EVERY = 1.0  # [s]: of a recording that is killed, so much is missing
 DEPTH = 1000  # of the subscriptions, where the publishers' depth would be too little when Python is busy
 MOST_WAITING = 2 * LARGEST_MESSAGE  # of messages that wait to be written [bytes]
-MOST_TOPICS = 1000  # a robot has a hundred
-MOST_PROFILES = 100  # of the publishers of one topic
 
 _log = logging.getLogger(__name__)
 
@@ -188,13 +186,11 @@ class Recorder:
             raise TutorialError("its name breaks the rules of ROS 2")
         if len(types) > 1:
             raise TutorialError(f"it has several types, {', '.join(map(escape_name, types[:10]))}")
-        if len(self._subscriptions) >= MOST_TOPICS:
-            raise TutorialError(f"there are more than {MOST_TOPICS:,} topics")
         kind, request = message_class(types[0]), reader_qos(self._node, topic)
         request.depth = DEPTH
         heard = partial(self._on_message, topic)
         self._subscriptions[topic] = self._node.create_subscription(kind, topic, heard, request, raw=True)
-        qos = qos_text(info.qos_profile for info in publishers[:MOST_PROFILES])
+        qos = qos_text(info.qos_profile for info in publishers)
         definition, type_hash = _definition(types[0])
         type_hash = type_hash or str(publishers[0].topic_type_hash)
         self._writer.add_channel(Channel(topic, types[0], "cdr", qos, definition, type_hash))
