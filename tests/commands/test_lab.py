@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import re
 import shutil
 from contextlib import closing
 from urllib.request import Request
 
 import nbformat
+import psutil
 import pytest
 from nbformat.sign import NotebookNotary
 from programs import PATIENCE, answer, until
@@ -52,23 +54,26 @@ def is_trusted(path, folder):
 
 
 NOWHERE = dict.fromkeys(("BROWSER", "DISPLAY", "WAYLAND_DISPLAY", "WSL_DISTRO_NAME", "VSCODE_IPC_HOOK_CLI"), "")
+JUPYTERS = ("JUPYTER_CONFIG", "JUPYTER_DATA", "JUPYTER_RUNTIME", "JUPYTERLAB_WORKSPACES")  # folders; the user's rest
 NOWHERE |= dict.fromkeys(("JUPYTER_TOKEN", "JUPYTER_TOKEN_FILE", *CODESPACE), "")
 
 
 @pytest.mark.process
 def test_where_there_is_no_browser_it_says_what_to_open_trusts_the_notebooks_and_ends_with_its_kernels(
-    program, own_folders
+    program, tmp_path
 ):
     """As root, too, which the tests are in a container. Ctrl-C ends it without a word."""
+    folders = {f"{name}_DIR": str(tmp_path / name) for name in JUPYTERS}
     quick = ("--ServerApp.port=0", "--LanguageServerManager.autodetect=False")  # it asks npm where they might be
-    running = program("lab", "--", *quick, environment=NOWHERE | own_folders)
+    running = program("lab", "--", *quick, environment=NOWHERE | folders | {"PATH": os.defpath})
     running.says("?token=")
     until(lambda: ADDRESS.search(running.output), "the address")
     address = ADDRESS.search(running.output)[0]
     with answer(address) as page:
         assert page.url == address  # and not the page that asks for the token
+    assert shutil.which("tank", path=psutil.Process(running.process.pid).environ()["PATH"])  # in its terminals, too
     for path in NOTEBOOKS.glob("*.ipynb"):
-        assert is_trusted(path, own_folders["JUPYTER_DATA_DIR"]), path
+        assert is_trusted(path, folders["JUPYTER_DATA_DIR"]), path
     kernels = address.replace("/lab/tree/notebooks/0_setup.ipynb", "/api/kernels")
     with answer(Request(kernels, data=b"{}", method="POST")) as reply:
         channels = kernels.replace("?", f"/{json.load(reply)['id']}/channels?").replace("http", "ws")
