@@ -134,7 +134,7 @@ async def test_a_started_simulation_rests_when_its_page_is_gone_and_never_withou
     await until(lambda: "paused" not in below())
     assert program.simulation.running
     assert program.simulation.rest == REST
-    monkeypatch.setattr(program_module, "AWAY_AFTER", 0.0)
+    monkeypatch.setattr(CellWidget, "heard_at", -math.inf)
     await until(lambda: program.simulation.rest > REST)
 
 

@@ -16,7 +16,7 @@ from tutorial.body import Body
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.host import FRAME, Host
-from tutorial.notebook.widgets.cell_widget import AWAY_AFTER, CellWidget
+from tutorial.notebook.widgets.cell_widget import CellWidget
 from tutorial.notebook.widgets.scene_view import SceneView
 from tutorial.project import Project
 from tutorial.simulation import REST, Simulation
@@ -211,21 +211,21 @@ class Program:
             raise TutorialError("this program is closed. Run the cell with open_program again.")
 
     def _draw(self) -> None:
-        """Draw what happens outside of `run`, again and again; once a second while the page is gone."""
-        is_away = time.monotonic() - CellWidget.heard_at > AWAY_AFTER
-        self._next = asyncio.get_running_loop().call_later(1.0 if is_away else FRAME, self._draw)
-        if not self._running:
-            self._rest()
-            self.host.refresh()
+        """Draw what happens outside of `run`, again and again.
 
-    def _rest(self) -> None:
-        """Let a simulation whose page is gone take less, and in the end stop it; without a page so far, it goes on."""
-        gone_for = time.monotonic() - max(CellWidget.heard_at, self._started_at)
+        While the page is gone, all takes less; if it is gone for long, a simulation that goes on is stopped. Without
+        any page so far, it goes on.
+        """
+        is_gone = CellWidget.page_is_gone()
+        self._next = asyncio.get_running_loop().call_later(1.0 if is_gone else FRAME, self._draw)
         if self.host.simulation is not None:
-            self.simulation.rest = LONG_REST if gone_for > AWAY_AFTER else REST
-        if gone_for > REST_AFTER and self.simulation.running:
-            self.host.note = RESTS % (self.simulation.time, gone_for / 60)
-            self.stop()
+            self.simulation.rest = LONG_REST if is_gone else REST
+        if not self._running:
+            gone_for = time.monotonic() - max(CellWidget.heard_at, self._started_at)
+            if gone_for > REST_AFTER and self.simulation.running:
+                self.host.note = RESTS % (self.simulation.time, gone_for / 60)
+                self.stop()
+            self.host.refresh()
 
 
 def _find(name: str, things: dict[str, T], what: str) -> T:

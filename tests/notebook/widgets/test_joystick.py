@@ -2,6 +2,7 @@
 
 import math
 import threading
+from types import SimpleNamespace
 
 import pytest
 from programs import until
@@ -75,6 +76,7 @@ def test_when_the_page_falls_silent_the_sticks_are_let_go(joystick, clock):
 
 def test_a_page_that_is_gone_is_a_joystick_that_is_unplugged(joystick, monkeypatch):
     joystick._ros.close()  # this thread ticks now
+    joystick._timer = SimpleNamespace()
     published = []
     monkeypatch.setattr(joystick, "_publish", lambda: published.append(CellWidget.heard_at))
     monkeypatch.setattr(CellWidget, "heard_at", -math.inf)

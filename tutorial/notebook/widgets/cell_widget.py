@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import time
 from collections.abc import Callable
 from typing import Any, ClassVar, TypeVar
 
@@ -15,9 +16,6 @@ from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 
 T = TypeVar("T")
-
-AWAY_AFTER = 70.0
-"""After so long without a word the page counts as gone [s]; a page that is hidden says something once a minute."""
 
 
 def kernel_loop() -> asyncio.AbstractEventLoop:
@@ -59,6 +57,11 @@ class CellWidget(anywidget.AnyWidget):
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}()"
+
+    @staticmethod
+    def page_is_gone() -> bool:
+        """Whether no page was heard for over a minute: one that is hidden speaks once a minute. Any thread."""
+        return time.monotonic() - CellWidget.heard_at > 70.0
 
     def end(self) -> None:
         """End what is behind the widget; what it showed last stays on the page. Idempotent, main thread."""

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Joy
 
 from tutorial.handoff import Latest
-from tutorial.notebook.widgets.cell_widget import AWAY_AFTER, CellWidget, NodeWidget, parse_message
+from tutorial.notebook.widgets.cell_widget import CellWidget, NodeWidget, parse_message
 from tutorial.ros.joy import NEUTRAL, RATE, joy_message
 from tutorial.view.assets import read_static
 
@@ -31,7 +31,7 @@ class Joystick(NodeWidget):
 
     It publishes from its node's thread, so it drives also while a cell is busy. The numbers are those of the ROS 2 joy
     package's ``game_controller_node``: left and forward are +1. If the page sends no more while a stick is held,
-    the sticks are released; a page that is gone for a minute is a joystick that is unplugged, which publishes nothing.
+    the sticks are released. When the page has been gone for a minute, it publishes nothing, as an unplugged joystick.
     """
 
     _esm = read_static("make.js", "cell.js", "joystick.js")
@@ -75,9 +75,9 @@ class Joystick(NodeWidget):
 
     def _tick(self) -> None:
         """Publish; while the page is gone, only look once a second whether it is back."""
-        is_away = time.monotonic() - CellWidget.heard_at > AWAY_AFTER
-        self._timer.timer_period_ns = 10**9 if is_away else 10**9 // RATE
-        if not is_away:
+        is_gone = self.page_is_gone()
+        self._timer.timer_period_ns = 10**9 if is_gone else 10**9 // RATE
+        if not is_gone:
             self._publish()
 
     def _publish(self) -> None:
