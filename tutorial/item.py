@@ -52,11 +52,6 @@ class JointWatch:
         self._asked_at = -COMPLAIN_EVERY
         self._publishers = ""  # who they are, in words
 
-    @property
-    def topics(self) -> list[str]:
-        """The topics that joint states come on."""
-        return [meter.topic for meter in self.meters]
-
     def take(self, report: JointReport) -> None:
         """Note what was made of one message."""
         self.tally.update(report.counts())
@@ -108,7 +103,7 @@ class JointWatch:
             return
         self._asked_at = now
         before, self._publishers = self._publishers, "another publisher is not followed"
-        for topic in self.topics:
+        for topic in (meter.topic for meter in self.meters):
             nodes = self._node.get_publishers_info_by_topic(topic)
             if len(nodes) > 1:
                 names = sorted({f"{node.node_namespace.rstrip('/')}/{node.node_name}"[:LONGEST_NAME] for node in nodes})

@@ -73,7 +73,7 @@ def _topics(meters: Iterable[TopicMeter], items: Iterable[Item]) -> dict[str, di
         ends[meter.direction, meter.topic].append(meter)
     applied: Counter[str] = Counter()
     for item in items:
-        applied.update(dict.fromkeys(item.joints.topics, item.joints.applied))
+        applied.update({meter.topic: item.joints.applied for meter in item.joints.meters})
     topics: dict[str, dict[str, Any]] = {}
     for (direction, topic), same in sorted(ends.items(), key=lambda end: end[0][0]):  # what is received comes last
         record = topics.setdefault(topic, {"type": same[0].type_name})

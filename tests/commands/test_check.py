@@ -107,7 +107,7 @@ DISTURBED = "The answer has disturbed the process that judged it."
 AIM = [
     ("carl", "not judged", f"The answer did not come to its end within {LIMIT} s."),
     ("jack", "not judged", DISTURBED),
-    ("kim", "not judged", "The answer ended the process that judged it."),
+    ("kim", "not judged", submission.BROKEN),
     ("moe", "not judged", DISTURBED),
 ]
 
@@ -194,6 +194,14 @@ def test_ctrl_c_shows_what_is_done_and_leaves_nothing(judging):
 def test_nothing_goes_on_when_the_teachers_process_is_killed(judging):
     judging.process.kill()
     judging.ends()
+
+
+def test_all_processes_of_an_answer_share_one_limit_of_memory(monkeypatch, tmp_path):
+    monkeypatch.setattr(submission, "MEMORY", 1 << 30)
+    sixteen = "import os, time\n    for _ in range(4): os.fork()\n    kept = b'x' * (1 << 27)\n    time.sleep(10_000)"
+    path = notebook(tmp_path / "olga.ipynb", AT_ONCE.format(sixteen), RIGHT)
+    verdicts = asyncio.run(submission.judge(path, LIMIT))
+    assert (verdicts["aim"].cause, verdicts["by_name"].outcome) == (submission.BROKEN, "right")
 
 
 def test_a_check_can_be_interrupted_while_a_process_is_started(tmp_path):

@@ -20,7 +20,8 @@ from tutorial.printing import say
 
 if TYPE_CHECKING:
     from tutorial.commands.checking.messages import Judged
-    from tutorial.commands.checking.report import Results
+
+    Done = dict[Path, dict[str, Judged]]
 
 TOGETHER = 2  # notebooks at a time
 LIMIT = 60.0  # [s] that an answer may take
@@ -48,8 +49,10 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     Only the answers are run, with the definitions that they need, in a sandbox.
     The exit status is 1 if an answer is not right, or could not be judged; one that was not tried does not count.
     """
+    from rich.console import Console
+
+    from tutorial.commands.checking import report
     from tutorial.commands.checking.messages import Outcome
-    from tutorial.commands.checking.report import as_junit
     from tutorial.commands.checking.sandbox import need_sandbox
 
     if junit is not None:
@@ -60,14 +63,19 @@ def check(notebooks: tuple[Path, ...], jobs: int, limit: float, as_json: bool, n
     if not no_sandbox:
         need_sandbox()
     names = _names(paths)
-    done: dict[Path, dict[str, Judged]] = {}
-    interrupted = until_asked(_judge_all(paths, names, jobs, limit, not no_sandbox, done))
+    done: Done = {}
+    interrupted = until_asked(_judge_all(names, jobs, limit, not no_sandbox, done))
     results = [(names[path], done[path]) for path in paths if path in done]
-    _show(results, as_json, not no_sandbox)
+    if as_json:
+        say(json.dumps(report.as_json(results, not no_sandbox), indent=2) + "\n")
+    else:
+        console = Console(highlight=False)
+        console.print(report.table(results))
+        console.print(*report.summary(results, not no_sandbox), sep="\n", markup=False)
     if junit is not None:
         try:
             with junit as file:
-                file.write(as_junit(results))
+                file.write(report.as_junit(results))
         except OSError as error:
             raise TutorialError(f"the JUnit report cannot be written: {error.strerror}.") from error
     if interrupted:
@@ -93,43 +101,22 @@ def _names(paths: Sequence[Path]) -> dict[Path, str]:
     return {path: printable(str(whole.relative_to(common))) for path, whole in zip(paths, absolute)}
 
 
-async def _judge_all(
-    paths: Sequence[Path],
-    names: dict[Path, str],
-    jobs: int,
-    limit: float,
-    is_sandboxed: bool,
-    done: dict[Path, dict[str, Judged]],
-) -> None:
+async def _judge_all(names: dict[Path, str], jobs: int, limit: float, is_sandboxed: bool, done: Done) -> None:
     """Judge notebooks, some at a time, with a progress bar; where nobody can watch it, a line for each."""
     from tqdm import tqdm
 
     from tutorial.commands.checking.submission import judge
 
     turn = asyncio.Semaphore(jobs)
-    with tqdm(total=len(paths), unit="notebook", disable=None, ascii=" =") as bar:
+    with tqdm(total=len(names), unit="notebook", disable=None, ascii=" =") as bar:
 
         async def judge_one(path: Path) -> None:
             async with turn:
                 done[path] = await judge(path, limit, is_sandboxed)
             bar.update()
             if bar.disable:
-                say(f"{len(done)} of {len(paths)}: {names[path]}\n", err=True)
+                say(f"{len(done)} of {len(names)}: {names[path]}\n", err=True)
 
         async with asyncio.TaskGroup() as group:
-            for path in paths:
+            for path in names:
                 group.create_task(judge_one(path))
-
-
-def _show(results: Results, as_json: bool, is_sandboxed: bool) -> None:
-    from rich.console import Console
-
-    from tutorial.commands.checking import report
-
-    if as_json:
-        say(json.dumps(report.as_json(results, is_sandboxed), indent=2) + "\n")
-        return
-    console = Console(highlight=False)
-    console.print(report.table(results))
-    for line in report.summary(results, is_sandboxed):
-        console.print(line, markup=False)

@@ -65,10 +65,14 @@ class Gamepad:
 
     Args:
         controller: pygame's controller.
+
+    Attributes:
+        name: what the gamepad calls itself.
     """
 
     def __init__(self, controller: Any) -> None:
         self._controller = controller
+        self.name = str(controller.name)
 
     @classmethod
     def find(cls) -> Gamepad | None:
@@ -86,11 +90,6 @@ class Gamepad:
             if controller.is_controller(i):
                 return cls(controller.Controller(i))
         return None
-
-    @property
-    def name(self) -> str:
-        """What the gamepad calls itself."""
-        return str(self._controller.name)
 
     def read(self, seconds: float) -> tuple[list[float], list[int]]:  # noqa: ARG002 - a gamepad lives in the present
         """Return the axes and buttons of now, as of the ROS 2 joy package's ``game_controller_node``.

@@ -46,7 +46,8 @@ def sandbox(folder: str) -> list[str]:
         folder: the one that can be written to; what is written there is seen by nobody outside.
     """
     readable = [word for path in _readable() for word in ("--ro-bind-try", path, path)]
-    course = [word for path in _course() for word in ("--dir", path)]
+    shown = COURSE if is_course(PACKAGE.parent) else ()  # it is known for a checkout by them, and they stay closed
+    course = [word for part in shown for word in ("--dir", str(PACKAGE.parent / part))]
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
     closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # root could set the kernel's
     return [
@@ -108,9 +109,3 @@ def _readable() -> Iterator[str]:
     yield from sorted(known - {str(PACKAGE.parent), str(Path.cwd())})  # what is beside the package, or here, is closed
     for own in (sys.prefix, sys.base_prefix, PACKAGE, PACKAGE.parent / "project"):
         yield str(own)
-
-
-def _course() -> Iterator[str]:
-    """Yield the folders by which a checkout is known for one; what is in them stays closed, but for the project."""
-    if is_course(PACKAGE.parent):
-        yield from (str(PACKAGE.parent / part) for part in COURSE)

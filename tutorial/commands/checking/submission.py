@@ -9,10 +9,12 @@ import signal
 import site
 import sys
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
 import msgspec
+import psutil
 
 from tutorial.commands.checking.messages import Judged, Opened, Outcome
 from tutorial.commands.checking.sandbox import sandbox
@@ -22,10 +24,12 @@ from tutorial.paths import PACKAGE
 LARGEST = 50 << 20  # bytes of a notebook
 LINE = 1 << 16  # bytes of a message
 OUTLAST = 4  # times its limit that an answer may take of the processor: two threads and more may be at work
+MEMORY = 4 << 30  # bytes of all processes of an answer together
+LOOK = 0.1  # [s] between two looks at the memory
 UNREAD = "it could not be read: the process that reads it has ended, or taken too long"
 ENDLESS = "The answer did not come to its end within {limit:g} s."
 DISTURBED = "The answer has disturbed the process that judged it."
-BROKEN = "The answer ended the process that judged it."
+BROKEN = "The answer ended the process that judged it, or its processes together took more than 4 GB of memory."
 KEPT = (
     *("PATH", "LANG", "LC_", "TZ", "PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_", "VIRTUAL_ENV", "CONDA_PREFIX"),
     *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_"),
@@ -69,13 +73,9 @@ async def _judge_one(path: Path, exercise: str, limit: float, is_sandboxed: bool
     """Have an answer judged; if it takes too long, or ends or disturbs its process, the verdict says so."""
     try:
         return await _told(Judged, path, limit, is_sandboxed, exercise)
-    except TimeoutError:
-        why = ENDLESS.format(limit=limit)
-    except EOFError:
-        why = BROKEN
-    except (ValueError, RecursionError):
-        why = DISTURBED
-    return Judged(Outcome.NOT_JUDGED, why, why)
+    except (EOFError, TimeoutError, ValueError, RecursionError) as error:
+        why = {EOFError: BROKEN, TimeoutError: ENDLESS.format(limit=limit)}.get(type(error), DISTURBED)
+        return Judged(Outcome.NOT_JUDGED, why, why)
 
 
 async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *exercise: str) -> T:
@@ -106,8 +106,10 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             async with asyncio.timeout(limit):
                 process = await asyncio.shield(starting)
                 assert process.stdout is not None
+                looking = asyncio.create_task(_bound_memory(process.pid))  # it ends when the process does, too
                 line = await process.stdout.readline()
                 more = await process.stdout.read(1)
+                looking.cancel()
         finally:
             process = await starting
             signal_group(process.pid, signal.SIGKILL)
@@ -117,6 +119,22 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
     if more:
         raise ValueError(more)
     return msgspec.json.decode(line, type=kind)
+
+
+async def _bound_memory(pid: int) -> None:
+    """Look after the memory of a process and of all that come from it, until it ends; kill them if it is too much."""
+    with suppress(psutil.NoSuchProcess):
+        first = psutil.Process(pid)
+        while sum(map(_resident, (first, *first.children(recursive=True)))) <= MEMORY:
+            await asyncio.sleep(LOOK)
+        signal_group(pid, signal.SIGKILL)
+
+
+def _resident(process: psutil.Process) -> int:
+    """Return the bytes that a process has in memory; 0 if it has just ended."""
+    with suppress(psutil.Error):
+        return int(process.memory_info().rss)
+    return 0
 
 
 def _environment(folder: str) -> dict[str, str]:
