@@ -15,10 +15,12 @@ import subprocess
 import sys
 import threading
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 PATIENCE = 5.0  # [s] from asking to killing
 ASKING = {signal.SIGINT, signal.SIGTERM}
+OWN = str(Path(sys.executable).with_name("tank"))
 
 
 def main() -> int:
@@ -28,7 +30,7 @@ def main() -> int:
     early: set[int] = set()
     os.register_at_fork(before=lambda: early.update(signal.sigpending() & ASKING))
     try:
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=lambda: _begin(early))  # noqa: PLW1509
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, preexec_fn=partial(_begin, command[0], early))  # noqa: PLW1509
     except OSError as error:
         print(f"{command[0]} could not be started: {error.strerror}", file=sys.stderr)  # noqa: T201
         return 127
@@ -53,17 +55,21 @@ def start_watched(
     Raises:
         OSError, TypeError, ValueError: it cannot be started so.
     """
-    return subprocess.Popen(
-        [sys.executable, "-S", "-I", __file__, *words],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        start_new_session=True,
-        env={"PYTHONUNBUFFERED": "1", **environment},
-        cwd=folder,
-        encoding="utf-8",
-        errors="replace",
-    )
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ASKING)  # a child has this, too, and is quiet until it is ready
+    try:
+        return subprocess.Popen(
+            [sys.executable, "-S", "-I", __file__, *words],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            env={"PYTHONUNBUFFERED": "1", **environment},
+            cwd=folder,
+            encoding="utf-8",
+            errors="replace",
+        )
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def signal_group(pid: int, number: int) -> bool:
@@ -79,11 +85,14 @@ def signal_group(pid: int, number: int) -> bool:
     return True
 
 
-def _begin(early: set[int]) -> None:
-    """Restore the command's signals, and send it those that came before it was started, each once."""
+def _begin(program: str, early: set[int]) -> None:
+    """Restore the command's signals, and send it those that came before it was started, each once.
+
+    Of SIGINT, which Python tells with a traceback while it starts, ``tank`` itself says when it takes it.
+    """
     for asking in ASKING:
         signal.signal(asking, signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, ASKING)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM} if program == OWN else ASKING)
     for number in early:
         os.kill(os.getpid(), number)
 

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from contextlib import nullcontext
 from unittest.mock import Mock
 
@@ -253,6 +254,16 @@ while not asked: time.sleep(0.01)
 time.sleep(0.2)
 print(len(asked))
 """
+
+
+@pytest.mark.process
+def test_ctrl_c_while_a_command_of_ours_starts_gives_no_traceback():
+    watch = launcher.parent_watch
+    for moment in range(20):
+        with watch.start_watched([watch.OWN, "--version"], os.environ) as process:
+            time.sleep(0.005 * moment)
+            watch.signal_group(process.pid, INT)
+            assert "Traceback" not in process.stdout.read()
 
 
 @pytest.mark.process
