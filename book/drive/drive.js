@@ -26,13 +26,18 @@ class WorldView {
     const pane = makePane(node.previousElementSibling.textContent);
     node.prepend(pane);
     try {
-      this.picture = new Picture(pane, () => { this.line.textContent = TAKEN.join(" "); });
+      this.picture = new Picture(pane, () => this.say(TAKEN.join(" ")));
     } catch (error) {
-      this.line.textContent = noGraphics(error).join(" ");
-      return;
+      this.blind = noGraphics(error).join(" ");
+      return this.say();
     }
     listenToKeys(pane, () => this.picture);
     new SceneReader(this.picture.viewer, () => {}).read(scene);
+  }
+
+  /** Write the line below it, where that need not say why there is no picture. */
+  say(text) {
+    this.line.textContent = this.blind ?? text;
   }
 
   /** xpos, xmat: of all MuJoCo bodies, as MuJoCo has them. */
@@ -64,27 +69,18 @@ class Program {
     this.worker = new Worker(file("worker.js"), {type: "module"});
     this.tell("start", {setup: {...this.setup, source: this.source}, wireName: this.wireName});
     return new Promise((resolve, reject) => {
-      const fail = (text) => {
+      const broken = (text) => {
         this.end(text);
         reject(new Error(text));
       };
-      const hear = {
-        loaded: onLoaded,
-        broken: fail,
-        ready: () => {
-          this.silentFor = 0;
-          resolve();
-        },
-        state: (state) => {
-          this.silentFor = 0;
-          this.state = state;
-          this.view?.show(state);
-        },
-        error: (text) => this.say(text),
-        line: (text) => { if (this.view) this.view.line.textContent = `${text}.`; },
-        log: (text) => console.debug(text),
+      const ready = () => resolve(this.silentFor = 0);
+      const state = (state) => {
+        Object.assign(this, {state, silentFor: 0});
+        this.view?.show(state);
       };
-      this.worker.onerror = ({message}) => fail(message || "the worker does not start");
+      const error = (text) => this.say(text), line = (text) => this.view?.say(`${text}.`), log = console.debug;
+      const hear = {loaded: onLoaded, broken, ready, state, error, line, log};
+      this.worker.onerror = ({message}) => broken(message || "the worker does not start");
       this.worker.onmessage = ({data: [what, value]}) => hear[what](value);
     });
   }
@@ -113,9 +109,7 @@ class Program {
 
   /** End it if it has shown nothing for too long. */
   look() {
-    if (!this.worker) return;
-    this.silentFor += 1;
-    if (this.silentFor > STUCK) this.end(STUCK_TEXT);
+    if (this.worker && ++this.silentFor > STUCK) this.end(STUCK_TEXT);
   }
 }
 
@@ -167,8 +161,7 @@ class Topics {
     this.channel = new BroadcastChannel(wireName);
     this.channel.onmessage = ({data: {topic, type, data}}) => {
       if (!topic) return;
-      const heard = this.counts.get(topic) ?? {type, count: 0};
-      this.counts.set(topic, {type, count: heard.count + 1, size: data.byteLength});
+      this.counts.set(topic, {type, count: 1 + (this.counts.get(topic)?.count ?? 0), size: data.byteLength});
     };
     this.since = performance.now();
   }
@@ -203,8 +196,7 @@ class Drive {
 
   async start() {
     this.button.disabled = true;
-    const loaded = [];
-    const say = (what) => {
+    const loaded = [], say = (what) => {
       loaded.push(what);
       this.progress.textContent = `Loading… ${loaded.join(", ")}: there.`;
     };
@@ -222,12 +214,9 @@ class Drive {
     this.build(scenes);
     this.topics = new Topics(this.root.querySelector(".drive-topics"), wireName);
     this.isReady = true;
-    const {line} = this.viewer.view;
-    line.textContent = "Loading…";
-    this.viewer.start().catch((error) => { line.textContent = `It does not start: ${error.message}`; });
-    setInterval(() => {
-      if (!document.hidden) this.programs.forEach((program) => program.look());
-    }, LOOK_EVERY);
+    this.viewer.view.say("Loading…");
+    this.viewer.start().catch(({message}) => this.viewer.view.say(`It does not start: ${message}`));
+    setInterval(() => document.hidden || this.programs.forEach((program) => program.look()), LOOK_EVERY);
     setInterval(() => this.figures(), 1000);
   }
 
@@ -269,8 +258,7 @@ class Drive {
 
   reset() {
     this.editor.say("");
-    if (this.simulation.worker) this.simulation.tell("reset");
-    else this.simulation.run();
+    this.simulation.worker ? this.simulation.tell("reset") : this.simulation.run();
   }
 
   restore() {
@@ -287,7 +275,7 @@ class Drive {
     const factor = this.last ? (state.step - this.last.step) / (now - this.last.now) : 0;
     this.last = {step: state.step, now};
     const inFigures = ([name, position, effort]) => `${name} ${position.toFixed(3)} rad, ${effort.toFixed(2)} N·m`;
-    view.line.textContent = [...state.joints.map(inFigures), `${Math.max(0, factor).toFixed(2)} of real time`].join(" · ").replaceAll("-", "−");
+    view.say([...state.joints.map(inFigures), `${Math.max(0, factor).toFixed(2)} of real time`].join(" · ").replaceAll("-", "−"));
   }
 }
 

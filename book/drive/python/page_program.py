@@ -55,7 +55,6 @@ class Program:
         self._controllers: dict[str, tuple[SimpleController, ControllerIO, Callable[[], None]]] = {}
         self._simulates = setup["simulates"]
         self._started_at = 0.0
-        self._has_failed, self._at_work = False, ""
         self.step = 0
         for name in setup["others"]:
             self._start(name, find_controller(name))

@@ -15,7 +15,6 @@ import time
 import uuid
 from collections import defaultdict, deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import chain
 from types import SimpleNamespace
 from typing import Any
@@ -69,7 +68,7 @@ class Wire:
         participants: of this program.
         others: by program, what it has told of its participants.
         send: called with topic, type, the writer's identifier and the bytes that the other programs are to receive.
-        announce: called with `described` whenever that changes.
+        announce: called with bytes for the other programs' `hear`.
     """
 
     def __init__(self) -> None:
@@ -87,19 +86,15 @@ class Wire:
         participants = chain(self.participants, *self.others.values())
         return [each for participant in participants for each in getattr(participant, what)]
 
-    def described(self) -> bytes:
-        """Write down this program's endpoints and nodes, for `hear`."""
-        return pickle.dumps(self.participants)
-
     def hear(self, program: str, described: Any) -> None:
-        """Take note of another program's endpoints and nodes, `described` there: bytes, as JavaScript has them."""
+        """Take note of what another program's `tell` has announced: bytes, as JavaScript has them."""
         self.others[program] = pickle.loads(described.to_bytes())
         self._compare()
 
     def tell(self) -> None:
-        """Say that this program's endpoints or nodes have changed."""
+        """Announce this program's endpoints and nodes, which have changed."""
         self._compare()
-        self.announce(self.described())
+        self.announce(pickle.dumps(self.participants))
 
     def receive(self, guid: str, data: Any) -> None:
         """Take what another program has published: bytes, as JavaScript has them."""
@@ -146,13 +141,11 @@ class Participant(Entity):
 Domain = DomainParticipant = Participant
 
 
-@dataclass
 class Topic(Entity):
     """A topic's name, and the type of its payloads."""
 
-    owner: Participant
-    name: str
-    data_type: Any
+    def __init__(self, _participant: Participant, name: str, data_type: Any) -> None:
+        self.name, self.data_type = name, data_type
 
 
 class Endpoint(Entity):
@@ -167,13 +160,10 @@ class Endpoint(Entity):
 
     def __init__(self, participant: Participant, topic: Topic, policies: Qos) -> None:
         super().__init__(participant)
-        self.guid = uuid.uuid4()
+        self.guid, self.qos, self._payload = uuid.uuid4(), policies, topic.data_type
         self.topic_name, self.type_name = topic.name, topic.data_type.__idl_typename__
-        self.qos = policies
         self.partners: dict[str, int] = {}
-        self._payload = topic.data_type
-        self._last_misfit = FITS
-        self._unsaid = False
+        self._last_misfit, self._unsaid = FITS, False
         with changed:
             participant.endpoints.append(self)
         participant.wire.tell()
@@ -305,9 +295,7 @@ class WaitSet(Entity):
     def _waitset_wait(self, _ref: object, keys: list[int | None], _size: int, timeout_ns: int) -> int:
         """Wait [ns], write the keys of those that are ready, and return how many they are."""
         with changed:
-            if timeout_ns > 0:
-                changed.wait_for(self._ready, timeout_ns / 1e9)
-            ready = self._ready()
+            ready = changed.wait_for(self._ready, max(0, timeout_ns) / 1e9)
         keys[: len(ready)] = ready
         return len(ready)
 

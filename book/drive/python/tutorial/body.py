@@ -5,6 +5,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable, Mapping
 from math import inf
+from operator import setitem as set_at
 from typing import Any
 
 from tutorial.errors import TutorialError, did_you_mean
@@ -29,8 +30,9 @@ class State:
     def look_up(self) -> None:
         """Look up where MuJoCo has its arrays: they move when it takes more memory."""
         data = self.data
-        self._ctrl, self._qpos = data.ctrl, data.qpos
-        self._views = ((self._qpos, self.qpos), (data.qvel, self.qvel), (data.qfrc_actuator, self.effort))
+        self._qpos, self._ctrl = data.qpos, data.ctrl
+        theirs = self._qpos, data.qvel, data.qfrc_actuator, self._ctrl
+        self._views = tuple(zip(theirs, (self.qpos, self.qvel, self.effort, self.ctrl)))
 
     def step(self) -> None:
         """Let MuJoCo step."""
@@ -49,7 +51,6 @@ class State:
         self._mujoco.mj_forward(self.model, self.data)
         self.look_up()
         self._copy()
-        self._ctrl.assign_to(self.ctrl)
 
     def _copy(self) -> None:
         for theirs, ours in self._views:
@@ -57,74 +58,44 @@ class State:
 
 
 class Joint:
-    """A hinge joint: its name, its range [rad], position [rad], velocity [rad/s] and effort [N.m]."""
+    """A hinge joint: its name, its range [rad], position [rad], velocity [rad/s] and effort [N.m].
+
+    The effort is what the motor applied in the last step. Setting it commands the motor's next one.
+    """
 
     def __init__(self, state: State, name: str, limits: list[float] | None, qpos: int, dof: int, ctrl: int) -> None:
         self.name = name
         self.range = tuple(limits) if limits else (-inf, inf)
         self._state, self._qpos, self._dof, self._ctrl = state, qpos, dof, ctrl
 
-    @property
-    def position(self) -> float:
-        """Position [rad]."""
-        return self._state.qpos[self._qpos]
-
-    @position.setter
-    def position(self, value: float) -> None:
-        self._state.qpos[self._qpos] = value
-
-    @property
-    def velocity(self) -> float:
-        """Velocity [rad/s]."""
-        return self._state.qvel[self._dof]
-
-    @property
-    def effort(self) -> float:
-        """Torque that the motor applied in the last step [N.m]. Setting it commands the motor's next one."""
-        return self._state.effort[self._dof]
-
-    @effort.setter
-    def effort(self, value: float) -> None:
-        self._state.ctrl[self._ctrl] = value
+    position = property(
+        lambda self: self._state.qpos[self._qpos], lambda self, q: set_at(self._state.qpos, self._qpos, q)
+    )
+    velocity = property(lambda self: self._state.qvel[self._dof])
+    effort = property(
+        lambda self: self._state.effort[self._dof], lambda self, u: set_at(self._state.ctrl, self._ctrl, u)
+    )
 
 
 class Actuator:
     """An actuator that is not a joint's motor, such as a track: its control signal, for a track its speed [m/s]."""
 
     def __init__(self, state: State, name: str, ctrl: int) -> None:
-        self.name = name
-        self._state, self._adr = state, ctrl
+        self.name, self._state, self._adr = name, state, ctrl
 
-    @property
-    def ctrl(self) -> float:
-        """The control signal."""
-        return self._state.ctrl[self._adr]
-
-    @ctrl.setter
-    def ctrl(self, value: float) -> None:
-        self._state.ctrl[self._adr] = value
+    ctrl = property(lambda self: self._state.ctrl[self._adr], lambda self, u: set_at(self._state.ctrl, self._adr, u))
 
 
 class Body:
-    """The tank: simulated in one program, displayed in the other."""
+    """The tank: simulated in one program, displayed in the other. Its attributes are those of the course's `Body`."""
 
     def __init__(self, state: State, name: str, joints: list[dict[str, Any]], actuators: dict[str, int]) -> None:
-        self.name = name
-        self._state = state
-        self.joints = tuple(Joint(state, **joint) for joint in joints)
-        self._joints = {joint.name: joint for joint in self.joints}
+        self.name, self._state = name, state
+        self._joints = {joint["name"]: Joint(state, **joint) for joint in joints}
+        self.joints, self.joint_names = tuple(self._joints.values()), tuple(self._joints)
+        self.joint_ranges = {joint.name: joint.range for joint in self.joints}
         self._actuators = {each: Actuator(state, each, ctrl) for each, ctrl in actuators.items()}
         self._observers: list[Callable[[Any], object]] = []
-
-    @property
-    def joint_names(self) -> tuple[str, ...]:
-        """The names of its joints."""
-        return tuple(self._joints)
-
-    @property
-    def joint_ranges(self) -> dict[str, tuple[float, ...]]:
-        """The ranges of its joints by name [rad]."""
-        return {joint.name: joint.range for joint in self.joints}
 
     def joint(self, name: str) -> Joint:
         """Find a joint by name."""
