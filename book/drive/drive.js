@@ -1,7 +1,7 @@
 // The page `drive`: two programs of the course in the visitor's browser, with the visitor's own controllers.
 // make.js, scene.js, viewer.js and the joystick stand before this text in the same script.
 
-const FILES = new URL("drive/", document.currentScript.src), MESHCAT = new URL("main.min.js", document.currentScript.src);
+const HERE = document.currentScript.src, MESHCAT = new URL("main.min.js", HERE);
 const LOOK_EVERY = 500;  // whether the programs are at work [ms]
 const STUCK = 6;  // looks without a sign of that, after which a program is ended
 const STUCK_TEXT = "The controller has not returned for three seconds, so its program was ended. Is there a loop that never ends? " +
@@ -9,13 +9,12 @@ const STUCK_TEXT = "The controller has not returned for three seconds, so its pr
 
 const SEEN = 5;  // digits of a pose that make a difference to the eye
 
-const file = (name) => new URL(name, FILES);
+const file = (name) => new URL(`drive/${name}`, HERE);
 
-async function read(name, kind) {
-  const answer = await fetch(file(name));
+const read = (name, kind) => fetch(file(name)).then((answer) => {
   if (!answer.ok) throw new Error(`${name} is not there: ${answer.status}`);
   return answer[kind]();
-}
+});
 
 /** A picture of one program's world. */
 class WorldView {
@@ -69,10 +68,7 @@ class Program {
     this.worker = new Worker(file("worker.js"), {type: "module"});
     this.tell("start", {setup: {...this.setup, source: this.source}, wireName: this.wireName});
     return new Promise((resolve, reject) => {
-      const broken = (text) => {
-        this.end(text);
-        reject(new Error(text));
-      };
+      const broken = (text) => reject(this.end(text));
       const ready = () => resolve(this.silentFor = 0);
       const state = (state) => {
         Object.assign(this, {state, silentFor: 0});
@@ -100,11 +96,12 @@ class Program {
     this.onError(this);
   }
 
-  /** End the worker, and say why. */
-  end(error) {
+  /** End the worker, say why, and return that as an error. */
+  end(text) {
     this.worker?.terminate();
     this.worker = null;
-    this.say(error);
+    this.say(text);
+    return new Error(text);
   }
 
   /** End it if it has shown nothing for too long. */
@@ -115,18 +112,13 @@ class Program {
 
 /** The editor: a text with the numbers of its lines, and the errors. */
 class Editor {
-  constructor(root, onInput, onRun) {
+  constructor(root, onInput) {
     [this.numbers, this.text, this.error] = ["numbers", "text", "error"].map((name) => root.querySelector(`.drive-${name}`));
     this.text.addEventListener("input", () => {
       this.number();
       onInput(this.text.value);
     });
     this.text.addEventListener("scroll", () => { this.numbers.scrollTop = this.text.scrollTop; });
-    this.text.addEventListener("keydown", (event) => {
-      if (event.key !== "Enter" || !(event.ctrlKey || event.metaKey || event.shiftKey)) return;
-      event.preventDefault();
-      onRun();
-    });
   }
 
   set(source) {
@@ -144,8 +136,7 @@ class Editor {
 
   /** Say what is wrong, and show the line. */
   say(text) {
-    this.error.textContent = text;
-    this.error.hidden = !text;
+    Object.assign(this.error, {textContent: text, hidden: !text});
     const line = Number(/, line (\d+)/.exec(text)?.[1] ?? 0);
     const height = this.text.scrollHeight / this.text.value.split("\n").length;
     if (line && Math.abs(this.text.scrollTop / height + 8 - line) > 6) this.text.scrollTop = Math.max(0, line - 8) * height;
@@ -156,14 +147,10 @@ class Editor {
 /** Which topics there are, and how many messages a second, as they are heard on the page's wire. */
 class Topics {
   constructor(node, wireName) {
-    this.node = node;
-    this.counts = new Map();
-    this.channel = new BroadcastChannel(wireName);
+    Object.assign(this, {node, counts: new Map(), since: performance.now(), channel: new BroadcastChannel(wireName)});
     this.channel.onmessage = ({data: {topic, type, data}}) => {
-      if (!topic) return;
-      this.counts.set(topic, {type, count: 1 + (this.counts.get(topic)?.count ?? 0), size: data.byteLength});
+      if (topic) this.counts.set(topic, {type, count: 1 + (this.counts.get(topic)?.count ?? 0), size: data.byteLength});
     };
-    this.since = performance.now();
   }
 
   show() {
@@ -183,9 +170,7 @@ class Topics {
 
 class Drive {
   constructor(root) {
-    this.root = root;
-    this.button = root.querySelector("button");
-    this.progress = root.querySelector(".drive-progress");
+    Object.assign(this, {root, button: root.querySelector("button"), progress: root.querySelector(".drive-progress")});
     this.button.addEventListener("click", () => this.start().catch((error) => {
       console.error(error);
       this.progress.textContent = `This does not work here: ${error.message}. Reload the page to try again.`;
@@ -227,7 +212,7 @@ class Drive {
     root.classList.add("drive-on");
     const views = root.querySelectorAll(".drive-view");
     programs.forEach((program, i) => { program.view = new WorldView(views[i], scenes[i], program.setup.paths); });
-    this.editor = new Editor(root, (source) => { this.edited.source = source; }, () => this.run());
+    this.editor = new Editor(root, (source) => { this.edited.source = source; });
     this.tabs = [...root.querySelectorAll(".drive-tab")];
     this.tabs.forEach((tab, i) => tab.addEventListener("click", () => this.edit(programs[i])));
     for (const act of ["run", "reset", "restore"]) root.querySelector(`.drive-${act}`).addEventListener("click", () => this[act]());
@@ -262,8 +247,7 @@ class Drive {
   }
 
   restore() {
-    this.edited.source = this.edited.setup.source;
-    this.editor.set(this.edited.source);
+    this.editor.set(this.edited.source = this.edited.setup.source);
     this.run();
   }
 
@@ -279,5 +263,4 @@ class Drive {
   }
 }
 
-const root = document.getElementById("drive");
-if (root) new Drive(root);
+new Drive(document.getElementById("drive"));

@@ -4,11 +4,10 @@ import loadMujoco from "./mujoco.js";
 import {loadPyodide} from "./pyodide.mjs";
 
 const TURN = 16;  // from one turn of the program to the next [ms]
-const FOLDER = "/course";
 
 const PREPARE = `
 import os, sys
-sys.path.insert(0, "${FOLDER}")
+sys.path.insert(0, "/course")
 sys.dont_write_bytecode = True  # a file that changes twice in a second would be taken for the old one
 os.register_at_fork = lambda **_: None  # nothing is forked in a browser
 `;
@@ -26,24 +25,24 @@ const wire = {
 const commands = {
   async start({setup, wireName}) {
     name = setup.node;
-    const part = async (what, promise) => {
-      const result = await promise;
-      say("loaded", what);
-      return result;
-    };
+    const part = (what, promise) => promise.then((made) => { say("loaded", what); return made; });
     const log = (text) => say("log", text);
     const [mujoco, python, files] = await Promise.all([
       part("MuJoCo", loadMujoco()),
       part("Python", loadPyodide({stdout: log, stderr: log})),
       part("the course", fetch(new URL("course.zip", import.meta.url)).then((answer) => answer.arrayBuffer())),
     ]);
-    python.unpackArchive(files, "zip", {extractDir: FOLDER});
+    python.unpackArchive(files, "zip", {extractDir: "/course"});
     python.runPython(PREPARE);
     channel = new BroadcastChannel(wireName);
-    const made = python.pyimport("page_program").Program(mujoco, setup, wire, (text) => say("line", text));
-    program = {data: made.state.data, wire: made.wire};
-    for (const method of ["run", "reset", "turn", "sticks"]) program[method] = made[method];
-    channel.onmessage = ({data}) => hear(data);
+    const {state, wire: {deliver, hear, tell}, run, reset, turn: step, sticks} =
+      python.pyimport("page_program").Program(mujoco, setup, wire, (text) => say("line", text));
+    program = {data: state.data, run, reset, step, sticks};
+    channel.onmessage = ({data: {from, guid, data, described, hello}}) => {
+      if (guid) deliver(guid, python.toPy(data));
+      else if (described) hear(from, python.toPy(described));
+      else if (hello) tell();
+    };
     channel.postMessage({from: name, hello: true});
     say("ready");  // first: the page ends a program that shows nothing only once it is ready
     commands.run(setup);
@@ -60,15 +59,8 @@ onmessage = ({data}) => {
   last = last.then(() => commands[data.type](data)).catch(({message}) => say("broken", message));
 };
 
-/** Take what another program says. */
-function hear({from, guid, data, described, hello}) {
-  if (guid) program.wire.receive(guid, data);
-  else if (described) program.wire.hear(from, described);
-  else if (hello) program.wire.tell();
-}
-
 function turn() {
-  const [error, step, joints] = program.turn(performance.now() / 1000);
+  const [error, step, joints] = program.step(performance.now() / 1000);
   if (error) say("error", error);
   const {data: {xpos, xmat}} = program;
   say("state", {xpos: xpos.slice(), xmat: xmat.slice(), step, joints});

@@ -54,8 +54,7 @@ class Program:
             self._joystick = self._make_node("joystick").create_publisher(Joy, "joy", 1)
         self._controllers: dict[str, tuple[SimpleController, ControllerIO, Callable[[], None]]] = {}
         self._simulates = setup["simulates"]
-        self._started_at = 0.0
-        self.step = 0
+        self.step, self._started_at = 0, 0.0
         for name in setup["others"]:
             self._start(name, find_controller(name))
 
@@ -75,8 +74,7 @@ class Program:
             What is wrong, how many steps were simulated, and each joint's name, position [rad] and effort [N.m].
         """
         error = "" if self._has_failed else self._attempt(self._work, now)
-        joints = [[joint.name, joint.position, joint.effort] for joint in self._bodies[0].joints]
-        return to_js([error, self.step, joints])
+        return to_js([error, self.step, [[each.name, each.position, each.effort] for each in self._bodies[0].joints]])
 
     def sticks(self, axes: Any, buttons: Any) -> None:
         """Publish what the joystick says."""

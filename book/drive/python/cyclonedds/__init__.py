@@ -14,7 +14,6 @@ import threading
 import time
 import uuid
 from collections import defaultdict, deque
-from collections.abc import Callable
 from itertools import chain
 from types import SimpleNamespace
 from typing import Any
@@ -41,17 +40,17 @@ class Entity:
     """Base of what belongs to a participant, or to a reader.
 
     In what another program is told, a namespace with the attributes named in `TOLD` stands for it.
+
+    Attributes:
+        is_ready: whether an executor that waits for it is to wake.
     """
 
     TOLD: tuple[str, ...] = ()
+    is_ready: Any = False
     _ref = property(lambda self: self)
 
     def __init__(self, owner: Any, *_: object) -> None:
         self.owner = owner
-
-    def is_ready(self) -> bool:
-        """Whether an executor that waits for it is to wake."""
-        return False
 
     def __reduce__(self) -> Any:
         """Be pickled as what is told of it."""
@@ -74,8 +73,7 @@ class Wire:
     def __init__(self) -> None:
         self.participants: list[Participant] = []
         self.others: dict[str, list[Any]] = {}
-        self.send: Callable[[str, str, str, bytes], object] = lambda *_: None
-        self.announce: Callable[[bytes], object] = lambda _: None
+        self.send = self.announce = lambda *_: None
 
     def own_endpoints(self) -> list[Any]:
         """Return the endpoints of this program."""
@@ -87,8 +85,8 @@ class Wire:
         return [each for participant in participants for each in getattr(participant, what)]
 
     def hear(self, program: str, described: Any) -> None:
-        """Take note of what another program's `tell` has announced: bytes, as JavaScript has them."""
-        self.others[program] = pickle.loads(described.to_bytes())
+        """Take note of what another program's `tell` has announced."""
+        self.others[program] = pickle.loads(described)
         self._compare()
 
     def tell(self) -> None:
@@ -96,12 +94,8 @@ class Wire:
         self._compare()
         self.announce(pickle.dumps(self.participants))
 
-    def receive(self, guid: str, data: Any) -> None:
-        """Take what another program has published: bytes, as JavaScript has them."""
-        self.deliver(guid, data.to_bytes())
-
-    def deliver(self, guid: str, data: bytes) -> None:
-        """Give this program's readers that a writer fits what it has published."""
+    def deliver(self, guid: str, data: Any) -> None:
+        """Give this program's readers that a writer fits what it has published, in this program or another."""
         with changed:
             for each in self.own_endpoints():
                 if each.partners.get(guid) == FITS:
@@ -126,9 +120,7 @@ class Participant(Entity):
     TOLD = ("endpoints", "nodes")
 
     def __init__(self, domain_id: int, *_: object) -> None:
-        self.wire = wires[domain_id]
-        self.endpoints: list[Endpoint] = []
-        self.nodes: list[SimpleNamespace] = []
+        self.wire, self.endpoints, self.nodes = wires[domain_id], list[Endpoint](), list[SimpleNamespace]()
         self.wire.participants.append(self)
 
     def __del__(self) -> None:
@@ -162,8 +154,7 @@ class Endpoint(Entity):
         super().__init__(participant)
         self.guid, self.qos, self._payload = uuid.uuid4(), policies, topic.data_type
         self.topic_name, self.type_name = topic.name, topic.data_type.__idl_typename__
-        self.partners: dict[str, int] = {}
-        self._last_misfit, self._unsaid = FITS, False
+        self.partners, self._last_misfit = dict[str, int](), FITS
         with changed:
             participant.endpoints.append(self)
         participant.wire.tell()
@@ -189,18 +180,14 @@ class Endpoint(Entity):
             if each.topic_name == self.topic_name and each.is_writer != self.is_writer:
                 misfit = self.partners[each.guid.hex] = self.misfit(each)
                 if misfit and each.guid.hex not in known:
-                    self._last_misfit, self._unsaid = misfit, True
-
-    def is_ready(self) -> bool:
-        """Whether a partner has come that does not fit."""
-        return self._unsaid
+                    self._last_misfit, self.is_ready = misfit, True
 
     def set_status_mask(self, _mask: int) -> None:
         """Watch for partners that do not fit, which it does anyway."""
 
     def take_status(self, _mask: int) -> bool:
         """Say whether one has come since the last time."""
-        unsaid, self._unsaid = self._unsaid, False
+        unsaid, self.is_ready = self.is_ready, False
         return unsaid
 
     def status(self) -> Any:
@@ -238,13 +225,12 @@ class DataReader(Endpoint):
         self.samples: deque[Any] = deque(maxlen=_depth(policies))
         super().__init__(participant, topic, policies)
         for each in participant.wire.own_endpoints() if _is_kept(policies) else ():
-            if self.partners.get(each.guid.hex) == FITS:
-                for data in each.kept:
-                    self.put(data)
+            for data in each.kept if self.partners.get(each.guid.hex) == FITS else ():
+                self.put(data)
 
     def put(self, data: bytes) -> None:
         """Keep what was published."""
-        payload = self._payload.deserialize(data)
+        payload = self._payload.deserialize(bytes(data))
         payload.sample_info = SimpleNamespace(valid_data=True, source_timestamp=time.time_ns())
         self.samples.append(payload)
 
@@ -257,36 +243,27 @@ class DataReader(Endpoint):
 class ReadCondition(Entity):
     """Is ready while a reader has payloads."""
 
-    def is_ready(self) -> bool:
-        """Whether it has."""
-        return bool(self.owner.samples)
+    is_ready = property(lambda self: bool(self.owner.samples))
 
 
 class GuardCondition(Entity):
     """Is ready when it was set by hand."""
 
-    _is_set = False
-
     def set(self, value: bool) -> None:
         """Set it."""
         with changed:
-            self._is_set = value
+            self.is_ready = value
             changed.notify_all()
 
     def take(self) -> None:
         """Set it back."""
-        self._is_set = False
-
-    def is_ready(self) -> bool:
-        """Whether it is set."""
-        return self._is_set
+        self.is_ready = False
 
 
 class WaitSet(Entity):
     """Waits for several entities."""
 
-    def __init__(self, participant: Participant) -> None:
-        super().__init__(participant)
+    def __init__(self, _participant: Participant) -> None:
         self._attached: dict[int, Entity] = {}
 
     def _waitset_attach(self, _ref: object, entity: Entity, key: int) -> None:
@@ -300,7 +277,7 @@ class WaitSet(Entity):
         return len(ready)
 
     def _ready(self) -> list[int]:
-        return [key for key, entity in self._attached.items() if entity.is_ready()]
+        return [key for key, entity in self._attached.items() if entity.is_ready]
 
 
 DDSStatus = SimpleNamespace(OfferedIncompatibleQos=1, RequestedIncompatibleQos=1)

@@ -17,17 +17,13 @@ class SampleInfo:
     __match_args__ = ()
 
 
-class Keys:
-    """Makes a list of keys, as ctypes makes an array."""
+class Types:
+    """C's types, of which one is as good as another where nothing is called; an array of `attach` is a list of keys."""
+
+    attach = property(lambda self: self)
 
     def __mul__(self, size: int) -> Any:
         return lambda: [None] * size
-
-
-class Types:
-    """C's types, of which one is as good as another where nothing is called."""
-
-    attach = Keys()
 
     def __getattr__(self, _name: str) -> Any:
         return c_void_p

@@ -16,8 +16,7 @@ class Graph:
     """The node graph as seen from one participant."""
 
     def __init__(self, participant: Participant) -> None:
-        self.participant = participant
-        self.changes = Entity(participant)
+        self.participant, self.changes = participant, Entity(participant)
 
     def add_node(self, namespace: str, name: str) -> Node:
         """Announce a node of this program."""

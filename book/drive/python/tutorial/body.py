@@ -5,7 +5,7 @@ from __future__ import annotations
 from array import array
 from collections.abc import Callable, Mapping
 from math import inf
-from operator import setitem as set_at
+from operator import setitem as put
 from typing import Any
 
 from tutorial.errors import TutorialError, did_you_mean
@@ -20,8 +20,7 @@ class State:
     """
 
     def __init__(self, mujoco: Any, xml: str) -> None:
-        self._mujoco = mujoco
-        self.model = mujoco.MjModel.from_xml_string(xml)
+        self._mujoco, self.model = mujoco, mujoco.MjModel.from_xml_string(xml)
         self.data = mujoco.MjData.new(self.model)
         nq, nv, nu = self.model.nq, self.model.nv, self.model.nu
         self.qpos, self.qvel, self.effort, self.ctrl = (array("d", bytes(8 * size)) for size in (nq, nv, nv, nu))
@@ -64,17 +63,12 @@ class Joint:
     """
 
     def __init__(self, state: State, name: str, limits: list[float] | None, qpos: int, dof: int, ctrl: int) -> None:
-        self.name = name
-        self.range = tuple(limits) if limits else (-inf, inf)
+        self.name, self.range = name, tuple(limits) if limits else (-inf, inf)
         self._state, self._qpos, self._dof, self._ctrl = state, qpos, dof, ctrl
 
-    position = property(
-        lambda self: self._state.qpos[self._qpos], lambda self, q: set_at(self._state.qpos, self._qpos, q)
-    )
+    position = property(lambda self: self._state.qpos[self._qpos], lambda self, q: put(self._state.qpos, self._qpos, q))
     velocity = property(lambda self: self._state.qvel[self._dof])
-    effort = property(
-        lambda self: self._state.effort[self._dof], lambda self, u: set_at(self._state.ctrl, self._ctrl, u)
-    )
+    effort = property(lambda self: self._state.effort[self._dof], lambda self, u: put(self._state.ctrl, self._ctrl, u))
 
 
 class Actuator:
@@ -83,14 +77,14 @@ class Actuator:
     def __init__(self, state: State, name: str, ctrl: int) -> None:
         self.name, self._state, self._adr = name, state, ctrl
 
-    ctrl = property(lambda self: self._state.ctrl[self._adr], lambda self, u: set_at(self._state.ctrl, self._adr, u))
+    ctrl = property(lambda self: self._state.ctrl[self._adr], lambda self, u: put(self._state.ctrl, self._adr, u))
 
 
 class Body:
     """The tank: simulated in one program, displayed in the other. Its attributes are those of the course's `Body`."""
 
     def __init__(self, state: State, name: str, joints: list[dict[str, Any]], actuators: dict[str, int]) -> None:
-        self.name, self._state = name, state
+        self.name, self.calc_forward_kinematics = name, state.kinematics
         self._joints = {joint["name"]: Joint(state, **joint) for joint in joints}
         self.joints, self.joint_names = tuple(self._joints.values()), tuple(self._joints)
         self.joint_ranges = {joint.name: joint.range for joint in self.joints}
@@ -109,10 +103,6 @@ class Body:
         """Move joints [rad]; the others stay where they are."""
         for name, position in positions.items():
             self.joint(name).position = position
-
-    def calc_forward_kinematics(self) -> None:
-        """Compute where the links are."""
-        self._state.kinematics()
 
     def notify_change(self, report: Any = None) -> None:
         """Tell whoever displays the body that it has changed, and what joint matching made of the message."""
