@@ -53,14 +53,16 @@ def test_a_kernel_remembers_what_is_solved_beside_its_notebook(folder):
 
 
 def test_the_first_day_counts_and_others_stay(notebook):
-    (notebook / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')
+    (notebook / "own").write_text('{"solved": {"aim": "2026-01-02", "gyro": 5}}')
+    (notebook / FILE).symlink_to("own")
     remember("aim")
     remember("show")
-    assert read_progress() == ({"aim": date(2026, 1, 2), "show": date.today()}, "")
+    assert read_progress() == ({"aim": "2026-01-02", "gyro": 5, "show": date.today().isoformat()}, "")
     assert read_progress(notebook) == read_progress()
+    assert (notebook / FILE).is_symlink()
 
 
-@pytest.mark.parametrize("text", ["", '{"solved": {"hop": "soon"}}', "\xff", "[" * 100_000])
+@pytest.mark.parametrize("text", ["", '{"solved": ["hop"]}', "\xff", "[" * 100_000])
 def test_a_broken_file_is_said_and_left_as_it_is(notebook, text):
     (notebook / FILE).write_text(text, encoding="latin-1")
     said = repr(Overview(exercise_names()))

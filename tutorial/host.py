@@ -137,10 +137,7 @@ class Host(AbstractAsyncContextManager["Host"]):
         self._ros.error = self._cameras.error = self._calls.error = None
 
     async def run(
-        self,
-        duration: float | None = None,
-        linger: float = 0.0,
-        progress: Callable[[float], object] | None = None,
+        self, duration: float | None = None, linger: float = 0.0, progress: Callable[[float], object] | None = None
     ) -> None:
         """Run for a while. The event loop stays free: posted calls run, and the view is drawn, meanwhile.
 

@@ -23,13 +23,12 @@ LARGEST = 2**20  # [bytes] a thousand times what such a file has
 
 
 class _File(msgspec.Struct):
-    """What the file looks like: by the exercise's name, the day when it was solved."""
+    """What the file looks like: by the exercise's name, the day when it was solved; an odd one stays as it is."""
 
-    solved: dict[str, date]
+    solved: dict[str, Any]
 
 
-UNREADABLE = (OSError, RecursionError, msgspec.MsgspecError)
-"""What is raised for a file that cannot be read, or is not such a file."""
+UNREADABLE = (OSError, RecursionError, msgspec.MsgspecError)  # of a file that cannot be read, or is no such file
 
 
 def remember(exercise: str) -> None:
@@ -49,7 +48,7 @@ def remember(exercise: str) -> None:
                 _write(path, {**solved, exercise: date.today()})
 
 
-def read_progress(folder: Path | None = None) -> tuple[dict[str, date], str]:
+def read_progress(folder: Path | None = None) -> tuple[dict[str, Any], str]:
     """Return the exercises that are solved in a folder's notebooks.
 
     Args:
@@ -99,7 +98,7 @@ class Overview:
 
 
 def _file(folder: Path) -> Path:
-    return Path(os.environ.get(VARIABLE) or folder / FILE)
+    return Path(os.environ.get(VARIABLE) or folder / FILE).resolve()
 
 
 def _in_notebook() -> bool:
@@ -108,7 +107,7 @@ def _in_notebook() -> bool:
     return ipython is not None and getattr(ipython.get_ipython(), "kernel", None) is not None
 
 
-def _read(path: Path) -> dict[str, date]:
+def _read(path: Path) -> dict[str, Any]:
     """Return what a file has; nothing where there is none.
 
     Raises:
@@ -121,7 +120,7 @@ def _read(path: Path) -> dict[str, date]:
     return msgspec.json.decode(path.read_bytes(), type=_File).solved
 
 
-def _write(path: Path, solved: dict[str, date]) -> None:
+def _write(path: Path, solved: dict[str, Any]) -> None:
     """Write the file whole, or not at all: two notebooks may be open, or the machine may stop."""
     with tempfile.NamedTemporaryFile(dir=path.parent, prefix=FILE, delete=False) as file:
         file.write(msgspec.json.format(msgspec.json.encode(_File(solved))) + b"\n")

@@ -197,8 +197,8 @@ def test_nothing_goes_on_when_the_teachers_process_is_killed(judging):
 
 
 def test_all_processes_of_an_answer_share_one_limit_of_memory(monkeypatch, tmp_path):
-    monkeypatch.setattr(submission, "MEMORY", 1 << 30)
-    sixteen = "import os, time\n    for _ in range(4): os.fork()\n    kept = b'x' * (1 << 27)\n    time.sleep(10_000)"
+    monkeypatch.setattr(submission, "MEMORY", 3 << 30)
+    sixteen = "import os, time\n    for _ in range(4): os.fork()\n    time.sleep(10_000)"
     path = notebook(tmp_path / "olga.ipynb", AT_ONCE.format(sixteen), RIGHT)
     verdicts = asyncio.run(submission.judge(path, LIMIT))
     assert (verdicts["aim"].cause, verdicts["by_name"].outcome) == (submission.BROKEN, "right")

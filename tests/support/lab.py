@@ -81,7 +81,12 @@ class Notebook:
 
         await until(is_so, "the notebook's kernel is ready")
         await self._do("sessionContext.ready")
-        assert await self.run_new("import sys; print(sys.executable)") == f"{sys.executable}\n"
+
+        async def answers() -> bool:
+            """Whether its kernel runs this Python; the server drops what it says while it makes the connection."""
+            return await self.run_new("import sys; print(sys.executable)") == f"{sys.executable}\n"
+
+        await until(answers, "the notebook's kernel answers")
 
     async def run_all(self) -> None:
         """Run all cells, and wait until they are done."""

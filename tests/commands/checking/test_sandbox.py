@@ -59,6 +59,9 @@ say(
     mount=lambda: output("import ctypes; print(ctypes.CDLL(None).mount(b'x', b'/etc', b'tmpfs', 0, None))"),
     first_to_go=lambda: Path("/proc/self/oom_score_adj").read_text(),
     not_last=lambda: Path("/proc/self/oom_score_adj").write_text("0"),
+    mode=lambda: os.fchmod(1, 0o600),
+    hidden=lambda: os.memfd_create("x"),
+    first=os.getpid,
     capable=lambda: output("import re; print(re.search('CapEff:.*', open('/proc/self/status').read())[0])"),
 )
 """
@@ -129,6 +132,8 @@ def test_my_files_processes_and_the_network_are_out_of_reach_and_what_is_needed_
     assert found["mount"] == "['-1']"
     assert found["first_to_go"] == repr("1000\n")  # where memory runs out, the kernel begins there
     assert found["capable"] == "['CapEff:', '0000000000000000']"
+    assert found["mode"] == found["hidden"] == "PermissionError"
+    assert found["first"] == "1"  # beside it there is no process that lacks the limits
 
 
 @pytest.mark.process

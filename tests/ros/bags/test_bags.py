@@ -27,9 +27,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
 from tutorial.errors import TutorialError
-from tutorial.ros.bags import Bag, BagTopic, bag_info
+from tutorial.ros.bags import Bag, BagTopic, bag_info, mcap
 from tutorial.ros.bags.qos import offered, qos_text
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, LONGEST_TEXT, Channel
 from tutorial.ros.bags.writer import BagWriter
 
 START = 1_700_000_000 * 10**9
@@ -248,6 +248,7 @@ def test_whatever_is_in_a_file_the_worst_is_a_clear_error(tmp_path, storage):
         (HEADER + chunk(1000, b"no zstd at all"), "cannot be unpacked"),
         (HEADER + chunk(1000, b"x", b"rar\x1b"), r"compressed by 'rar\x1b'"),
         (HEADER + record(4, b"\1\0\1\0\xff\xff\xff\xff/a"), "a record in it cannot be read"),
+        (HEADER + record(4, bytes(4) + text(b"x" * (LONGEST_TEXT + 1)) + bytes(8)), "a record in it cannot be read"),
     ],
     ids=lambda value: "" if isinstance(value, bytes) else value,
 )
@@ -261,6 +262,15 @@ def test_a_hostile_mcap_takes_no_memory(tmp_path, data, said):
     assert found == []
     assert said in damage
     assert peak < 2_000_000
+
+
+def test_of_too_many_topics_the_first_are_known(monkeypatch, tmp_path):
+    monkeypatch.setattr(mcap, "MOST_TOPICS", 3)
+    topics = (record(4, struct.pack("<HH", i, 0) + text(b"/x") + text(b"cdr") + bytes(4)) for i in range(5))
+    (tmp_path / "x.mcap").write_bytes(HEADER + b"".join(topics))
+    reader = mcap.McapReader(tmp_path / "x.mcap", print)
+    assert [list(some) for some in reader.batches(0)] == [[]] * 6
+    assert list(reader.channels) == [0, 1, 2]
 
 
 TABLES = """
@@ -395,6 +405,7 @@ OLDER = (
     [
         ("", DEFAULT),
         ("- {reliability: 9, deadline: {sec: x}}", DEFAULT),
+        (f"# {'x' * LONGEST_TEXT}\n{OLDER}", DEFAULT),
         (qos_text([QoSProfile(depth=1), QoSProfile(depth=2)]), DEFAULT),
         (OLDER, (10, ReliabilityPolicy.BEST_EFFORT, DurabilityPolicy.TRANSIENT_LOCAL)),
     ],

@@ -48,6 +48,7 @@ def _end_with_the_teacher() -> None:
     """Wait until the other end of stdin is closed: the teacher's process closes it, or has ended."""
     os.read(0, 1)
     os.killpg(0, signal.SIGKILL)
+    os._exit(1)  # the sandbox's first process bears its own signals; when it ends, so do the others
 
 
 def _open(notebook: int, known: Mapping[str, Exercise]) -> tuple[dict[str, Answer], str]:

@@ -32,6 +32,9 @@ LIMITS = {
 PROCESSES = 256  # with their threads
 FIRST_TO_GO = 'echo 1000 > /proc/self/oom_score_adj; exec "$@"'  # where memory runs out, the kernel ends these first
 SECCOMP = "libseccomp.so.2"
+# The calls that are refused: on keys, which namespaces don't part; for memory that no process need have mapped; and on
+# the mode of what is not the sandbox's alone, such as /dev/null.
+REFUSED = b"add_key request_key keyctl memfd_create shmget chmod fchmod fchmodat fchmodat2".split()
 SCMP_ACT_ALLOW, SCMP_ACT_EPERM = 0x7FFF0000, 0x00050001  # of its seccomp.h
 NO_SANDBOX = (
     "an answer is a stranger's program, and there is no sandbox for it here: {}. On Debian and Ubuntu, sudo apt-get "
@@ -51,7 +54,7 @@ def sandbox(folder: str) -> list[str]:
     bounded = [word for path in ("/dev/shm", folder) for word in ("--size", str(FOLDER_SIZE), "--tmpfs", path)]
     closed = [word for path in ("/proc", "/dev", "/") for word in ("--remount-ro", path)]  # root could set the kernel's
     return [
-        *("sh", "-c", FIRST_TO_GO, "sh", "bwrap"),
+        *("sh", "-c", FIRST_TO_GO, "sh", "bwrap", "--as-pid-1"),  # so no process in it lacks the limits
         *("--unshare-all", "--unshare-user", "--disable-userns", "--die-with-parent", "--cap-drop", "ALL"),
         *(*readable, *course, "--proc", "/proc", "--dev", "/dev", *bounded, *closed, "--chdir", folder, "--"),
     ]
@@ -76,25 +79,22 @@ def limit(seconds: int, is_sandboxed: bool) -> None:
 
     Args:
         seconds: of processor time that each process may take [s].
-        is_sandboxed: whether processes are counted in the sandbox alone, and the kernel's keys are refused.
+        is_sandboxed: whether processes are counted in the sandbox alone, and some calls are refused.
     """
     processes = {resource.RLIMIT_NPROC: PROCESSES} if is_sandboxed else {}
     for what, most in {**LIMITS, **processes, resource.RLIMIT_CPU: seconds}.items():
         with suppress(ValueError, OSError):  # macOS knows no limit of address space; a lower one may hold already
             resource.setrlimit(what, (most, most))
     if is_sandboxed:
-        _refuse_keys()
+        _refuse()
 
 
-def _refuse_keys() -> None:
-    """Have the kernel refuse this process, and all that will come from it, the calls about its keys.
-
-    Namespaces don't part them: a user's process can link the keys of any session of his to its own.
-    """
+def _refuse() -> None:
+    """Have the kernel refuse this process, and all that will come from it, some calls."""
     library = ctypes.CDLL(SECCOMP)
     library.seccomp_init.restype = ctypes.c_void_p
     rules = ctypes.c_void_p(library.seccomp_init(SCMP_ACT_ALLOW))
-    for call in (b"add_key", b"request_key", b"keyctl"):
+    for call in REFUSED:
         library.seccomp_rule_add(rules, SCMP_ACT_EPERM, library.seccomp_syscall_resolve_name(call), 0)
     if library.seccomp_load(rules):
         raise OSError("the kernel takes no filter of calls")

@@ -22,14 +22,13 @@ from tutorial.parent_watch import signal_group
 from tutorial.paths import PACKAGE
 
 LARGEST = 50 << 20  # bytes of a notebook
-LINE = 1 << 16  # bytes of a message
 OUTLAST = 4  # times its limit that an answer may take of the processor: two threads and more may be at work
-MEMORY = 4 << 30  # bytes of all processes of an answer together
+MEMORY = 8 << 30  # bytes of address space of all processes of an answer together; so shared memory counts, too
 LOOK = 0.1  # [s] between two looks at the memory
 UNREAD = "it could not be read: the process that reads it has ended, or taken too long"
 ENDLESS = "The answer did not come to its end within {limit:g} s."
 DISTURBED = "The answer has disturbed the process that judged it."
-BROKEN = "The answer ended the process that judged it, or its processes together took more than 4 GB of memory."
+BROKEN = "The answer ended the process that judged it, or its processes together took more than 8 GB of memory."
 KEPT = (
     *("PATH", "LANG", "LC_", "TZ", "PYTHONPATH", "LD_LIBRARY_PATH", "DYLD_", "VIRTUAL_ENV", "CONDA_PREFIX"),
     *("ROS_", "RMW_", "AMENT_", "CYCLONEDDS_", "FASTDDS_", "FASTRTPS_", "TUTORIAL_"),
@@ -95,7 +94,7 @@ async def _told(kind: type[T], path: Path, limit: float, is_sandboxed: bool, *ex
             stdin=asyncio.subprocess.PIPE,  # its end tells the process that this one is gone
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.DEVNULL,
-            limit=LINE,
+            limit=1 << 16,  # bytes of a message
             pass_fds=[file.fileno()],
             start_new_session=True,
             cwd=folder,
@@ -125,15 +124,15 @@ async def _bound_memory(pid: int) -> None:
     """Look after the memory of a process and of all that come from it, until it ends; kill them if it is too much."""
     with suppress(psutil.NoSuchProcess):
         first = psutil.Process(pid)
-        while sum(map(_resident, (first, *first.children(recursive=True)))) <= MEMORY:
+        while sum(map(_mapped, (first, *first.children(recursive=True)))) <= MEMORY:
             await asyncio.sleep(LOOK)
         signal_group(pid, signal.SIGKILL)
 
 
-def _resident(process: psutil.Process) -> int:
-    """Return the bytes that a process has in memory; 0 if it has just ended."""
+def _mapped(process: psutil.Process) -> int:
+    """Return the bytes of a process's address space; 0 if it has just ended."""
     with suppress(psutil.Error):
-        return int(process.memory_info().rss)
+        return int(process.memory_info().vms)
     return 0
 
 

@@ -24,7 +24,7 @@ from mcap.reader import FOOTER_SIZE
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, RawMessage
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, LONGEST_TEXT, MOST_TOPICS, Channel, Damaged, RawMessage
 
 CHUNK_SIZE = 768 * 1024  # [bytes], as ros2 bag's
 LARGEST_RECORD = LARGEST_MESSAGE + 64  # with what stands before the messages [bytes]
@@ -49,8 +49,7 @@ DECOMPRESSORS: dict[str, Callable[[bytes, int], bytes]] = {
 
 CUT_CHUNK = "a chunk in it is incomplete"
 CUT_OFF = "it ends in the middle of a record"
-UNREADABLE = (EndOfFile, struct.error, UnicodeDecodeError, OverflowError)
-"""What the package raises of a spoilt record."""
+UNREADABLE = (EndOfFile, struct.error, UnicodeDecodeError, OverflowError)  # what is raised of a spoilt record
 
 
 class McapWriter:
@@ -186,7 +185,7 @@ class McapReader:
         """Learn a topic, or what its messages are. What was learned first holds: the file may say it again, spoilt."""
         if isinstance(record, records.Schema):
             self._types.setdefault(record.id, record.name)
-        elif isinstance(record, records.Channel):
+        elif isinstance(record, records.Channel) and len(self.channels) < MOST_TOPICS:
             kind, qos = self._types.get(record.schema_id, ""), record.metadata.get("offered_qos_profiles", "")
             self.channels.setdefault(record.id, Channel(record.topic, kind, record.message_encoding, qos))
 
@@ -214,4 +213,7 @@ class _Words(ReadDataStream):
     """The content of a record, whose texts may be made of any bytes."""
 
     def read_prefixed_string(self) -> str:
-        return self.read(self.read4()).decode("utf-8", "backslashreplace")
+        size = self.read4()
+        if size > LONGEST_TEXT:
+            raise OverflowError
+        return self.read(size).decode("utf-8", "backslashreplace")

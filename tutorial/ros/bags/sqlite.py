@@ -18,8 +18,7 @@ TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM
 TABLES = Sqlite3Writer.SQLITE_SCHEMA.replace("'rosbags'", "'jazzy'")
 MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # not by the index
 BATCH = 100  # messages, of which one may be that much out of order
-UNREADABLE = (sqlite3.Error, UnicodeDecodeError)
-"""What Python raises of a spoilt file; the second is about SQLite's own words."""
+UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised of a spoilt file; the second is about SQLite's own words
 
 
 class SqliteWriter:
