@@ -46,7 +46,7 @@ def main() -> NoReturn:
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     faulthandler.enable(report)
     judge = os.getpid()  # here the answer's os._exit raises, and so is told with its place; a copy of its own ends
-    os._exit = lambda status: sys.exit(status) if os.getpid() == judge else _exit(status)  # type: ignore[assignment]
+    os._exit = lambda status: sys.exit(status) if os.getpid() == judge else _exit(status)
     threading.Thread(target=_watchdog, args=(report, parent), name="watchdog", daemon=True).start()
     with instrumented():  # before the answer is there, for it may have its own name for time.sleep
         exercise = getattr(importlib.import_module(module), name)
