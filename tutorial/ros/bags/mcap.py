@@ -210,10 +210,7 @@ class McapReader:
 
 
 class _Words(ReadDataStream):
-    """The content of a record, whose texts may be made of any bytes."""
+    """The content of a record, whose texts may be made of any bytes; of a long one, the beginning."""
 
     def read_prefixed_string(self) -> str:
-        size = self.read4()
-        if size > LONGEST_TEXT:
-            raise OverflowError
-        return self.read(size).decode("utf-8", "backslashreplace")
+        return self.read(self.read4())[:LONGEST_TEXT].decode("utf-8", "backslashreplace")
