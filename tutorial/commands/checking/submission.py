@@ -130,9 +130,9 @@ async def _bound_memory(pid: int) -> None:
 
 
 def _mapped(process: psutil.Process) -> int:
-    """Return the bytes of a process's address space; 0 if it has just ended."""
+    """Return the bytes of a process's address space; 0 if it has just ended. On macOS that is hundreds of GB always."""
     with suppress(psutil.Error):
-        return int(process.memory_info().vms)
+        return int(getattr(process.memory_info(), "rss" if sys.platform == "darwin" else "vms"))
     return 0
 
 
