@@ -24,7 +24,9 @@ def meter(topic, direction, count, last=STATE):
 def shown(*topics, messages=0, **positions):
     """An item that has displayed so many messages."""
     joints = [SimpleNamespace(name=name, position=position) for name, position in positions.items()]
-    watch = SimpleNamespace(applied=messages, tally=Counter(matched=messages), topics=topics)
+    watch = SimpleNamespace(
+        applied=messages, tally=Counter(matched=messages), meters=[meter(each, "received", messages) for each in topics]
+    )
     return SimpleNamespace(body=SimpleNamespace(joints=joints), joints=watch)
 
 
