@@ -1,7 +1,5 @@
 """The book: Sphinx reads the pages of this folder, and the notebooks as they are committed."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import sys

@@ -4,8 +4,6 @@ The page's controllers are those of the course, as they are. What a browser does
 a simulation, is made up for by ``drive/python``.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

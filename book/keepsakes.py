@@ -4,8 +4,6 @@
 widget that a notebook displays is kept as ``n.html``.
 """
 
-from __future__ import annotations
-
 import base64
 import html
 import re

@@ -1,7 +1,5 @@
 """The notebooks as pages of the book: as they are committed, with what was kept of their widgets in their places."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

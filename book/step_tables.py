@@ -1,7 +1,5 @@
 """The tables of steps in the README, CONTRIBUTING and the book, made from one list: ``make steps`` writes them."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What all tests share. `tutorial` comes first: it is what makes rclpy importable."""
 
-from __future__ import annotations
-
 import signal
 import sys
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """A body: its joints by name, and whose it is."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

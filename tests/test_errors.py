@@ -1,7 +1,5 @@
 """What goes wrong is said without harm: `tutorial.errors`."""
 
-from __future__ import annotations
-
 import pytest
 
 from tutorial.errors import did_you_mean, printable, printable_lines, tell

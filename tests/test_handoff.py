@@ -1,7 +1,5 @@
 """The laws of the hand-off: every call once, in order, on the main thread, or refused."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 import threading

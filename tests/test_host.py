@@ -1,7 +1,5 @@
 """One running program: its items, its threads, and what happens when they go while messages arrive."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import random

@@ -1,7 +1,5 @@
 """A body with its controllers: what is known of the messages that have moved it."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Joints are matched by name. The laws as properties, the cases as a table."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """MuJoCo's warnings are counted and logged, and never end the process."""
 
-from __future__ import annotations
-
 from tutorial import mujoco_warnings
 from tutorial.mujoco_warnings import _MujocoWarns
 

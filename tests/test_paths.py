@@ -1,7 +1,5 @@
 """Which course folder is meant: it depends on where one works."""
 
-from __future__ import annotations
-
 from tutorial import paths
 from tutorial.paths import PACKAGE, SHIPPED, find_home
 

@@ -1,7 +1,5 @@
 """What is solved is remembered beside the notebook, and nowhere else."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

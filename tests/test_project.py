@@ -1,7 +1,5 @@
 """Project files: what they say, what is said when they are wrong, and a user's own controllers in their place."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from unittest.mock import Mock

@@ -1,7 +1,5 @@
 """The record of a run: what is counted, by topic and direction, and what became of the messages."""
 
-from __future__ import annotations
-
 from collections import Counter
 from types import SimpleNamespace
 

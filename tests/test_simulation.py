@@ -1,7 +1,5 @@
 """The simulated copy: stepped at once or in real time, and seen by controllers through their io."""
 
-from __future__ import annotations
-
 import _thread
 import sys
 import threading

@@ -1,7 +1,5 @@
 """What is written down of messages and calls on their way from thread to thread."""
 
-from __future__ import annotations
-
 import asyncio
 from concurrent.futures import ThreadPoolExecutor
 

@@ -1,7 +1,5 @@
 """Where controllers come from: the library's own, one a file, and those in a file of the user's."""
 
-from __future__ import annotations
-
 import pkgutil
 import sys
 from importlib import import_module

@@ -1,7 +1,5 @@
 """What goes wrong, said so that the reader knows the mend."""
 
-from __future__ import annotations
-
 import re
 import sys
 import threading

@@ -1,7 +1,5 @@
 """An item of a running program: a displayed body with its controllers, and what is known of its messages."""
 
-from __future__ import annotations
-
 import logging
 import time
 from collections import Counter

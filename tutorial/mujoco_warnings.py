@@ -1,7 +1,5 @@
 """What MuJoCo warns of goes into the log. Left to itself MuJoCo prints it, and writes a file into the user's folder."""
 
-from __future__ import annotations
-
 import logging
 import time
 from contextlib import suppress

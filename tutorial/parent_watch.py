@@ -7,8 +7,6 @@ Signals that ask are left to the command.
 Standard library only, and run by its path: starting it costs next to nothing.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

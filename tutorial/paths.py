@@ -6,8 +6,6 @@ works, and is decided once in a process: the nearest course folder from the curr
 checkout that the package is in; else the package's own.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Prints what comes in part from outside, at a terminal and in a cell."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
 

@@ -3,8 +3,6 @@
 There is no account, and nothing leaves the folder. To begin anew, delete the file.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile

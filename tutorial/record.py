@@ -1,7 +1,5 @@
 """The record of a run: one JSON file for each process, and what the demo's table is made of."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """A simulation that can be started and stopped: a stepped world, and the thread that steps it in real time."""
 
-from __future__ import annotations
-
 import logging
 import sys
 import threading

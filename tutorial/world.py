@@ -1,7 +1,5 @@
 """Composing one MuJoCo model out of the bodies that a project lists."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """YAML files that people write by hand: read, checked against a type, and wrong with a line number."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager

@@ -3,8 +3,6 @@
 ``make bench`` runs it. It is not part of the tests: a ratio is looked at, a test either holds or not.
 """
 
-from __future__ import annotations
-
 import os
 import shlex
 import statistics

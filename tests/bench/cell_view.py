@@ -1,7 +1,5 @@
 """A frame of the 3D view in a cell, in a kernel of its own."""
 
-from __future__ import annotations
-
 import atexit
 import threading
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What one step, one match, one import and one frame cost. Each function returns ours and the reference, in seconds."""
 
-from __future__ import annotations
-
 import itertools
 import subprocess
 import sys

@@ -4,8 +4,6 @@ Two processes: ``fleet.py publish COUNT`` publishes for so many tanks, one after
 subscribe COUNT`` is the viewer, with its view and without a browser.
 """
 
-from __future__ import annotations
-
 import asyncio
 import math
 import sys

@@ -1,7 +1,5 @@
 """What an answer may do to the process it is judged in, and that nothing of it reaches the learner's own."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import ctypes

@@ -1,7 +1,5 @@
 """What is read from Python's own sentences, on each version that the tutorial is for."""
 
-from __future__ import annotations
-
 import asyncio
 import gc
 

@@ -1,7 +1,5 @@
 """What every exercise has in common: what it says before, and that its solution is right in a process of its own."""
 
-from __future__ import annotations
-
 import ast
 import asyncio
 import importlib

@@ -1,7 +1,5 @@
 """The checks as a notebook uses them: classes that live in a kernel's ``__main__``, and cells that are awaited."""
 
-from __future__ import annotations
-
 import pytest
 from kernels import kernel
 from programs import until

@@ -1,7 +1,5 @@
 """Small faults in the right answers, of which ``make mutants`` judges all: here a fixed sample."""
 
-from __future__ import annotations
-
 import asyncio
 import itertools
 

@@ -1,7 +1,5 @@
 """Right answers in their styles, and wrong ones that no edit of a solution tells: those of the folder ``answers``."""
 
-from __future__ import annotations
-
 from importlib import import_module
 
 import pytest

@@ -1,7 +1,5 @@
 """The tables of the exercises: each mistake that is known can be made, is one, and is told from all others."""
 
-from __future__ import annotations
-
 import importlib
 from dataclasses import replace
 from itertools import combinations

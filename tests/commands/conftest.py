@@ -1,7 +1,5 @@
 """The commands of ``tank``, run within the test's own process."""
 
-from __future__ import annotations
-
 import gc
 import io
 import logging

@@ -1,7 +1,5 @@
 """``tank bag``: a drive is recorded, looked at and played."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

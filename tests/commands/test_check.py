@@ -1,7 +1,5 @@
 """`tank check` with a class whose answers try everything: each gets its own verdict, and the teacher is safe."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import os

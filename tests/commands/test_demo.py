@@ -1,7 +1,5 @@
 """The demo's closing table. That it runs is seen where it is installed: tests/house/test_wheel.py."""
 
-from __future__ import annotations
-
 import io
 
 from rich.console import Console

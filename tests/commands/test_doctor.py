@@ -1,7 +1,5 @@
 """The doctor: each probe with what is well and what is not. The whole command is in test_hostile_names.py."""
 
-from __future__ import annotations
-
 from unittest.mock import Mock
 
 import pytest

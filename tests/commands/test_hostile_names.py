@@ -1,7 +1,5 @@
 """What ``tank`` prints beside a program whose names would have a terminal obey them: it is Cyclone DDS alone."""
 
-from __future__ import annotations
-
 import pytest
 from programs import until
 from rclpy.serialization import serialize_message

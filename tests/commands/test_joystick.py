@@ -1,7 +1,5 @@
 """Drive files, what is said when they are wrong, and how long a joystick lasts."""
 
-from __future__ import annotations
-
 import re
 import sys
 import threading

@@ -1,7 +1,5 @@
 """The command that opens JupyterLab on the notebooks."""
 
-from __future__ import annotations
-
 import json
 import logging
 import os

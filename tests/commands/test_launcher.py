@@ -1,7 +1,5 @@
 """Launch files without ROS: processes that end together, whatever happens."""
 
-from __future__ import annotations
-
 import io
 import os
 import signal

@@ -1,7 +1,5 @@
 """`tank package`: what it makes is a ROS 2 package, as REP 149 and colcon want it, and nothing is written over."""
 
-from __future__ import annotations
-
 from xml.etree import ElementTree
 
 import pytest

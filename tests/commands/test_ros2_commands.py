@@ -1,7 +1,5 @@
 """``tank node`` and ``tank topic``, compared with what a real ``ros2`` printed."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

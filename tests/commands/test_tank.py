@@ -1,7 +1,5 @@
 """What a beginner would mistype, and how a run ends: a clear error, the right status, and never a traceback."""
 
-from __future__ import annotations
-
 import signal
 
 import pytest

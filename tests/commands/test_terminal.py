@@ -1,7 +1,5 @@
 """How commands end: the first Ctrl-C or SIGTERM asks, the second ends all at once, whatever the main thread does."""
 
-from __future__ import annotations
-
 import io
 import logging
 import os

@@ -1,7 +1,5 @@
 """Step 8's controller: what is published of the body is in the bag, and a slow disk holds up nobody."""
 
-from __future__ import annotations
-
 import threading
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """What the tank publishes of its camera."""
 
-from __future__ import annotations
-
 import threading
 from dataclasses import replace
 

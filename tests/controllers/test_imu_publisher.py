@@ -1,7 +1,5 @@
 """What the tank publishes of its sensors."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from controlled import on_course, stamps_ms

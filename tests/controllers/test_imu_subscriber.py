@@ -1,7 +1,5 @@
 """Step 5's controller: what is measured is shown, and a blow shakes the body, which then stands where it stood."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Where the tank publishes that it is, and how it moves."""
 
-from __future__ import annotations
-
 from copy import copy
 
 import mujoco

@@ -1,7 +1,5 @@
 """Step 7's viewer: pose and joints of one moment together, or not at all."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The robot description on its topic: it was sent before anybody listened, and everybody gets it."""
 
-from __future__ import annotations
-
 from loops import in_a_loop, until
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String

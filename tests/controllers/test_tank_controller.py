@@ -1,7 +1,5 @@
 """Step 1's controller: whatever comes on ``/joy``, the sticks are four numbers from -1 to 1."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 

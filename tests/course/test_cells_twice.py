@@ -1,7 +1,5 @@
 """Running any cell twice does no harm: every notebook in a kernel of its own, without a page."""
 
-from __future__ import annotations
-
 import shutil
 
 import nbformat

@@ -1,7 +1,5 @@
 """A class on one machine: a real JupyterHub, where each student has a private temporary folder."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest

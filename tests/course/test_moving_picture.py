@@ -1,7 +1,5 @@
 """The README's picture: in a notebook, the tank drives to the rail and back, driven by the joystick beside it."""
 
-from __future__ import annotations
-
 import asyncio
 import io
 import json

@@ -1,7 +1,5 @@
 """What comparing the outputs leaves open: nbval passes cells that never ran, images, and cells without end."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

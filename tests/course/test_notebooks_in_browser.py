@@ -1,7 +1,5 @@
 """The notebooks as a learner has them: in JupyterLab, in a browser, run from the top to the end."""
 
-from __future__ import annotations
-
 import pytest
 from browser import AS_WITHOUT
 from desk import lab_desk

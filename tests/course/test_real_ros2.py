@@ -1,7 +1,5 @@
 """What is said about a real ROS 2: the list of its packages."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 

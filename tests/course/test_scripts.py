@@ -1,7 +1,5 @@
 """The notebooks' scripts, as programs of their own: until Ctrl-C they do what their pages say."""
 
-from __future__ import annotations
-
 import asyncio
 import signal
 import subprocess

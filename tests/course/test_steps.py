@@ -1,7 +1,5 @@
 """The steps as a whole: two programs in one process, in lockstep over real topics; and as a user runs them."""
 
-from __future__ import annotations
-
 import pytest
 from loops import in_a_loop, until
 from scenes import commands

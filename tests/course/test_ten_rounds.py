@@ -1,7 +1,5 @@
 """The programs of the notebooks, opened and closed ten times in a kernel while messages arrive: nothing is left."""
 
-from __future__ import annotations
-
 import json
 import re
 

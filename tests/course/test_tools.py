@@ -1,7 +1,5 @@
 """What the tutorial gives to others' tools: all of it is about topics and frames that there are."""
 
-from __future__ import annotations
-
 import yaml
 from loops import in_a_loop, until
 

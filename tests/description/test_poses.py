@@ -1,7 +1,5 @@
 """Roll, pitch and yaw: whatever the rotation, they make it again."""
 
-from __future__ import annotations
-
 from math import pi, tau
 
 import mujoco

@@ -4,8 +4,6 @@ As in ``tests/ros/test_beside_ros2.py`` it names a command that runs another wit
 middleware that has, Cyclone DDS if it is not set.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

@@ -1,7 +1,5 @@
 """The robot description: MuJoCo, which reads URDF, too, makes of it the model that it was made from."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from xml.etree import ElementTree

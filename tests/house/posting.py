@@ -1,7 +1,5 @@
 """What the linter's type checker says of calls that are posted wrongly: an error that does not come is one, too."""
 
-from __future__ import annotations
-
 from tutorial.controller import ControllerConfig
 
 

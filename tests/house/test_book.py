@@ -1,7 +1,5 @@
 """The book: it is built, its pages open, and nothing comes from outside."""
 
-from __future__ import annotations
-
 import asyncio
 import gzip
 import json

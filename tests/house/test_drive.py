@@ -1,7 +1,5 @@
 """What the page on which the tank drives is made of: its rclpy is the pocket ROS 2, and its physics MuJoCo's."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """What an import does to the program that makes it."""
 
-from __future__ import annotations
-
 import pkgutil
 import subprocess
 import sys

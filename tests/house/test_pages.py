@@ -1,7 +1,5 @@
 """What the README, the book and the notebooks link to is there, and what they tell a reader to type is understood."""
 
-from __future__ import annotations
-
 import ast
 import json
 import re

@@ -1,7 +1,5 @@
 """What is installed from a wheel: it has all that is needed, and works where there is no checkout."""
 
-from __future__ import annotations
-
 import os
 import re
 import tarfile

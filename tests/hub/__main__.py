@@ -5,8 +5,6 @@ the tank while it runs and nobody watches it, the same when it rests, and the me
 other processes, in which what they share counts in equal parts (PSS).
 """
 
-from __future__ import annotations
-
 import statistics
 import sys
 import tempfile

@@ -5,8 +5,6 @@ answer is, in a process and a ROS domain of its own, two at a time; these proces
 status is 1 if of any exercise more than 2 % survive, or one is rejected that is listed as equivalent.
 """
 
-from __future__ import annotations
-
 import asyncio
 import sys
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Tests that are coroutines run as a cell does: on a loop, and everything that they opened is closed behind them."""
 
-from __future__ import annotations
-
 import asyncio
 import inspect
 

@@ -1,7 +1,5 @@
 """A bag that is played from a cell."""
 
-from __future__ import annotations
-
 import asyncio
 
 import pytest

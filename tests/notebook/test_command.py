@@ -1,7 +1,5 @@
 """A command beside the kernel: what it says, and that it ends."""
 
-from __future__ import annotations
-
 import shlex
 import sys
 

@@ -1,7 +1,5 @@
 """What is open in a kernel: under each name one thing, and in the end nothing."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import sys

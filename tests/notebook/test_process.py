@@ -1,7 +1,5 @@
 """What importing `tutorial.notebook` does to a kernel."""
 
-from __future__ import annotations
-
 import logging
 import os
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """A program within a kernel: what a notebook's cells do with it."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,7 +1,5 @@
 """What the tools for topics wait for before they print."""
 
-from __future__ import annotations
-
 import asyncio
 from unittest.mock import Mock
 

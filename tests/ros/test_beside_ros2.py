@@ -4,8 +4,6 @@ They run where the variable TANK_REAL_ROS2 names a command that runs another one
 that sources ``/opt/ros/jazzy/setup.bash`` and ends with ``exec "$@"``.
 """
 
-from __future__ import annotations
-
 import os
 import shlex
 import signal

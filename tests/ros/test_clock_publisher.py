@@ -1,7 +1,5 @@
 """A simulation's time on /clock, as nodes of other programs go by it."""
 
-from __future__ import annotations
-
 import asyncio
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A ROS domain that nobody else holds."""
 
-from __future__ import annotations
-
 import pytest
 
 from tutorial.errors import TutorialError

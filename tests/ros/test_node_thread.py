@@ -1,7 +1,5 @@
 """A node that counts, on a thread of its own: in everything that its program sees it is rclpy's."""
 
-from __future__ import annotations
-
 import sys
 import threading
 from contextlib import nullcontext

@@ -7,8 +7,6 @@ messages, and so may the viewer: its subscription keeps the newest. The exit sta
 the end it says what.
 """
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Iterator

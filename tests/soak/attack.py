@@ -4,8 +4,6 @@ What it sends reaches whoever shows the tank's joint states in this ROS domain.
 It uses the pocket ROS 2, whichever its victim uses, because a real one does not let a program send such things.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import socket

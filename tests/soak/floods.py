@@ -5,8 +5,6 @@ end, it ends.
 ``make soak`` runs it, too. Its exit status is 1 if something does not hold; in the end it says what.
 """
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import threading

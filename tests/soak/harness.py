@@ -1,7 +1,5 @@
 """What the soaks share: their command line and verdict, the processes that they start, and whether memory is flat."""
 
-from __future__ import annotations
-
 import os
 import signal
 import statistics

@@ -3,8 +3,6 @@
 Only what rclpy promises is used, so it runs on any. What was measured is printed as one line of JSON.
 """
 
-from __future__ import annotations
-
 import asyncio
 import json
 import statistics

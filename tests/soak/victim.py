@@ -3,8 +3,6 @@
 Every tenth of a second it writes the longest hold of the past one [s] to the file that ``HOLDS`` names.
 """
 
-from __future__ import annotations
-
 import asyncio
 import os
 import time

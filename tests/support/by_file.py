@@ -3,8 +3,6 @@
 A plugin, for a conftest.py is not read when only the notebooks are to run, and their cells have to stay together.
 """
 
-from __future__ import annotations
-
 import os
 import re
 

@@ -3,8 +3,6 @@
 ``python tests/support/comparison.py`` writes it anew into the page; a test says when that is needed.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """A JupyterLab, and a page that is watched, for all tests of a file."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import AsyncExitStack, contextmanager

@@ -1,7 +1,5 @@
 """The mutants that are right answers, too: a check has to take them."""
 
-from __future__ import annotations
-
 from tutorial.checks.catalogue import exercises
 
 EXERCISES = {each.name: each for those in exercises().values() for each in those}

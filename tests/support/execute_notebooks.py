@@ -4,8 +4,6 @@ Nothing of the run is saved but the outputs, so that what git shows is what has 
 there is no kernel to bring it to life when the notebook is opened the next time. What it showed is kept for the book.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

@@ -4,8 +4,6 @@ For mutants, of which there are hundreds: to be judged takes each of them a thir
 otherwise what a learner's answer is run with; that it begins in a fresh interpreter is for other tests.
 """
 
-from __future__ import annotations
-
 import asyncio
 import multiprocessing
 import os

@@ -1,7 +1,5 @@
 """A real JupyterHub for the tests, the one that ``make hub`` starts, and students who log in and run a notebook."""
 
-from __future__ import annotations
-
 import json
 import os
 import random

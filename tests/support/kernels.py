@@ -1,7 +1,5 @@
 """A real kernel, without a page."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager

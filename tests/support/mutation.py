@@ -4,8 +4,6 @@ cosmic-ray and mutmut mutate the files of a project, one test run a mutant, and 
 names: `ast` needs less than they would.
 """
 
-from __future__ import annotations
-
 import ast
 import asyncio
 import linecache

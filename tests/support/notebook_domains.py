@@ -1,7 +1,5 @@
 """A pytest plugin: each notebook is run in a ROS domain of its own, by a kernel that no user's settings change."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from collections.abc import Iterator

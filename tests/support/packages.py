@@ -1,7 +1,5 @@
 """ROS 2 packages that ``tank package`` has made, installed as colcon does it, without colcon and without a network."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Starting the command ``tank`` as a user does, and seeing to it that nothing of it is left."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

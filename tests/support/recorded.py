@@ -1,7 +1,5 @@
 """What a real ``ros2`` printed, from tests/support/data."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager

@@ -1,7 +1,5 @@
 """What bench, soak and mutants print."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterable, Sequence
 

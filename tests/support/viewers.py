@@ -4,8 +4,6 @@ Each holds a pose, takes one message after the other, and says whether anybody w
 they do besides, such as mimic joints, is left out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import isfinite
 from typing import Any

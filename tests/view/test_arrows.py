@@ -1,7 +1,5 @@
 """The arrows of inertial sensors: where they point, when they are there, and what is said of them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

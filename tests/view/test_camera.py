@@ -1,7 +1,5 @@
 """Pictures from the cameras of a simulated world: what is on them, and who waits for them."""
 
-from __future__ import annotations
-
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor

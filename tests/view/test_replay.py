@@ -1,7 +1,5 @@
 """A run is kept as a page, and the page shows the run."""
 
-from __future__ import annotations
-
 import base64
 import gzip
 import math

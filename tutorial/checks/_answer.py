@@ -1,7 +1,5 @@
 """What was handed in: the right kind of thing or not, attempted or not."""
 
-from __future__ import annotations
-
 import dis
 import inspect
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """What is wrong with an answer: it does in every case what the solution does with one or two known mistakes in it."""
 
-from __future__ import annotations
-
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence

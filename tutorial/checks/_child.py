@@ -7,8 +7,6 @@ the learner's methods does not return; it counts its own looks, not seconds, so 
 not held against the learner.
 """
 
-from __future__ import annotations
-
 import faulthandler
 import importlib
 import os

@@ -1,7 +1,5 @@
 """An event loop whose clock stands still, so that what a timer does can be looked at, however busy the machine is."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 from collections.abc import Callable, Coroutine

@@ -1,7 +1,5 @@
 """Running an answer in a process of its own, so that whatever it does ends with that process."""
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import os

@@ -3,8 +3,6 @@
 These sentences are no interface. Where one is another, an exception speaks for itself.
 """
 
-from __future__ import annotations
-
 import dis
 import inspect
 import re

@@ -1,7 +1,5 @@
 """Two threads in the order that is worst: another one's turn comes between any two instructions of a function."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, wait

@@ -1,6 +1,6 @@
 """Mistakes: edits of a solution's source, each with the cause that it is told as; of a table, or common slips."""
 
-from __future__ import annotations
+from __future__ import annotations  # for what is compiled here, too: an edit may spoil an annotation
 
 import ast
 import asyncio

@@ -1,7 +1,5 @@
 """What all exercises have in common whose controllers publish at a rate: the topic, the rate, the stamps, the end."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise

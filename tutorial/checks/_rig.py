@@ -1,7 +1,5 @@
 """What a controller is tried in without a middleware: a body on which nothing moves by itself, step by step."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What an answer keeps outside of its objects, on the class or in the notebook, and so shares between them."""
 
-from __future__ import annotations
-
 import inspect
 import io
 import threading

@@ -1,7 +1,5 @@
 """What a check has found, and how it is said."""
 
-from __future__ import annotations
-
 import linecache
 import re
 from collections.abc import Iterator

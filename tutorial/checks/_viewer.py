@@ -1,7 +1,5 @@
 """What a controller of a displayed body is tried in: messages on another thread, and the main thread's queue."""
 
-from __future__ import annotations
-
 import inspect
 import sys
 import threading

@@ -1,7 +1,5 @@
 """What all exercises have in common whose controllers show something: the topic, the hand-over, the end."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import closing

@@ -1,7 +1,5 @@
 """Whose turn it is: which of the learner's methods runs, on which thread, how it uses time, and what came of it."""
 
-from __future__ import annotations
-
 import queue
 import sys
 import threading

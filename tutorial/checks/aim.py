@@ -22,8 +22,6 @@ self.q_ref, self.q_prev = q_ref, q.
 Notice that a reference which stays within the range answers at once when you reverse the stick.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from math import isnan, nan
 from typing import Any

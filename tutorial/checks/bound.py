@@ -23,8 +23,6 @@ isfinite(axis) else 0.0, for axis in axes.
 Notice that no message can make it fail or take long, because it limits every value before anything uses it.
 """
 
-from __future__ import annotations
-
 import tracemalloc
 from array import array
 from collections.abc import Iterator

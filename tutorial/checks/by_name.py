@@ -24,8 +24,6 @@ if ...}, with name in joint_names and isfinite(position).
 Notice that a short array, an unknown name and a name that comes twice needed no line of their own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import inf, isfinite, nan
 from numbers import Real

@@ -1,7 +1,5 @@
 """The exercise of step 6: publish gray pictures."""
 
-from __future__ import annotations
-
 from tutorial.checks.gray import gray
 
 __all__ = ["gray"]

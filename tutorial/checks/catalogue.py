@@ -1,7 +1,5 @@
 """The exercises that there are."""
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 from functools import cache

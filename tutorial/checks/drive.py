@@ -25,8 +25,6 @@ self.track_l.ctrl and self.track_r.ctrl. In unconfigure: self.node.destroy_subsc
 Notice that control takes the message once and reads both axes from it, and that you need no lock of your own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from itertools import count

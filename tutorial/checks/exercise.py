@@ -1,7 +1,5 @@
 """An exercise: its statement, its check, its hints and its solution."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import re

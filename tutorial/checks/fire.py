@@ -13,8 +13,6 @@ Hint 3: pressed = len(message.buttons) > 0 and ..., and then self.fire.put(press
 Notice that the callback only leaves a value behind, and returns.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

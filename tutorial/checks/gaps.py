@@ -23,8 +23,6 @@ Hint 3: In the loop: with no newest one yet, newest = stamp. If stamp - newest >
 Notice that you did not need the bag's own times: a slow computer is no gap.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 

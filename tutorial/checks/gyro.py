@@ -26,8 +26,6 @@ message.orientation_covariance[0] = -1.0, and so on. Publish, then self.samples.
 Notice that the average of many measurements shakes less than any of them, and you lose nothing between them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any

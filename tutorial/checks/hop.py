@@ -25,8 +25,6 @@ back self.place itself: if you add and subtract, the result is not exactly the s
 Notice that one method lands, for the timer, the next blow and unconfigure: the first of them ends the hop.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Sequence
 from contextlib import closing

@@ -1,7 +1,5 @@
 """The exercise of step 4: publish means of what a sensor measures."""
 
-from __future__ import annotations
-
 from tutorial.checks.gyro import gyro
 
 __all__ = ["gyro"]

@@ -1,7 +1,5 @@
 """The exercise of step 5: a timer on the main thread, and state that ends with the controller."""
 
-from __future__ import annotations
-
 from tutorial.checks.hop import hop
 
 __all__ = ["hop"]

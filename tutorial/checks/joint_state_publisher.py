@@ -1,7 +1,5 @@
 """Exercises of step 2: publish joint states, and publish only what is news."""
 
-from __future__ import annotations
-
 from tutorial.checks.publish import publish
 from tutorial.checks.thrift import thrift
 

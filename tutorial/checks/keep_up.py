@@ -16,8 +16,6 @@ same for every message and may be the body's name; then the function and the mes
 Notice what you lose: a call that is replaced never runs, so every message has to name all joints.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from itertools import count

@@ -25,8 +25,6 @@ in there, and return both.
 Notice that the order of arrival is enough to know what is past, also after a new start.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import cycle
 from typing import Any

@@ -1,7 +1,5 @@
 """The exercises of step 7: from one frame to the next, and two messages of one moment."""
 
-from __future__ import annotations
-
 from tutorial.checks.pair import pair
 from tutorial.checks.where import where
 

@@ -23,8 +23,6 @@ self.joints], and so on; self.node.destroy_publisher(self.publisher).
 Notice that neither the rate nor the stamp uses the wall clock: a slow simulation publishes the same.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from itertools import pairwise
 from typing import Any

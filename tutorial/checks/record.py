@@ -21,8 +21,6 @@ self.bag.close().
 Notice that the callback never waits for the disk, and that no message is lost at the end.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from queue import Empty, SimpleQueue

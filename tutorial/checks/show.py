@@ -22,8 +22,6 @@ notify_change. In unconfigure: self.node.destroy_subscription(self.subscription)
 Notice that the body's name and its joints come from the body, so the crane needed no other line.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from itertools import count

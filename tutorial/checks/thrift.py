@@ -24,8 +24,6 @@ self.sent.update(news). In unconfigure: self.node.destroy_publisher(self.publish
 Notice that receivers have to match these messages by name: the viewer of step 3 shows them without a change.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

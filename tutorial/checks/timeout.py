@@ -20,8 +20,6 @@ self.since is at most 0.5.
 Notice that a robot whose joystick breaks, or whose network fails, now stops by itself.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import cycle
 from typing import Any

@@ -21,8 +21,6 @@ turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). In the en
 Notice that it goes from frame to frame, however many there are: tf2 does just the same.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from math import cos, radians, sin
 from typing import Any

@@ -2,8 +2,6 @@
 
 # ruff: noqa: PLC0415 - rclpy is slow to import, and help must be fast
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Sequence
 

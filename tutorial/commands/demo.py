@@ -1,7 +1,5 @@
 """The demo's closing table: what the records of a run say, side by side."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -5,8 +5,6 @@ What may crash or hang is asked in a process of its own, which answers in JSON.
 
 # ruff: noqa: PLC0415 - what may crash is imported only by the process that is asked
 
-from __future__ import annotations
-
 import asyncio
 import json
 import os

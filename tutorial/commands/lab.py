@@ -1,7 +1,5 @@
 """JupyterLab on the notebooks."""
 
-from __future__ import annotations
-
 import logging
 import os
 import re

@@ -1,7 +1,5 @@
 """Options that several commands of ``tank`` share."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from pathlib import Path

@@ -2,8 +2,6 @@
 
 # ruff: noqa: PLC0415 - help must be fast
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """``tank run --bag``: a program's topics, recorded while it runs."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 from collections.abc import AsyncIterator

@@ -1,7 +1,5 @@
 """What the commands do at a terminal: they end when they are asked to, and show how far they have come."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import os

@@ -1,7 +1,5 @@
 """Step 8: record the joint states of the body."""
 
-from __future__ import annotations
-
 from datetime import datetime
 from pathlib import Path
 from queue import SimpleQueue

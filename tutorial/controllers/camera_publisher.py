@@ -1,7 +1,5 @@
 """Step 6: publish what the camera of the simulated robot sees."""
 
-from __future__ import annotations
-
 from array import array
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Step 4: publish what the inertial sensors of the simulated robot measure."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

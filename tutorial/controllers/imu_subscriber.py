@@ -1,7 +1,5 @@
 """Step 5: show what another program's inertial sensors measure, and shake when its tank hits something."""
 
-from __future__ import annotations
-
 import asyncio
 from math import hypot
 from random import uniform

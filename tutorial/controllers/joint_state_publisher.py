@@ -1,7 +1,5 @@
 """Step 2: publish the joint states of the simulated robot."""
 
-from __future__ import annotations
-
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 

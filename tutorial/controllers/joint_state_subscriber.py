@@ -1,7 +1,5 @@
 """Step 3: show the joint states that another program publishes."""
 
-from __future__ import annotations
-
 from sensor_msgs.msg import JointState
 
 from tutorial.controller import ControllerConfig, SimpleController

@@ -1,7 +1,5 @@
 """Step 7: publish where the simulated robot is."""
 
-from __future__ import annotations
-
 from geometry_msgs.msg import TransformStamped, Vector3
 from nav_msgs.msg import Odometry
 from rclpy.time import Time

@@ -1,7 +1,5 @@
 """Step 7: show where another program's robot is, and its joints, both of the same moment."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Step 7: tell other programs what the robot looks like, and how it moves."""
 
-from __future__ import annotations
-
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 

@@ -1,7 +1,5 @@
 """Step 1: drive the tank with the joystick."""
 
-from __future__ import annotations
-
 from math import isfinite
 
 from rclpy.node import Node

@@ -1,7 +1,5 @@
 """Which geoms MuJoCo's own viewer shows, and in which colour."""
 
-from __future__ import annotations
-
 import mujoco
 import numpy as np
 from numpy.typing import NDArray

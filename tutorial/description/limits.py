@@ -1,7 +1,5 @@
 """A joint's limits and losses in URDF: its range, its largest effort, its damping and friction."""
 
-from __future__ import annotations
-
 from xml.etree.ElementTree import Element, SubElement
 
 import mujoco

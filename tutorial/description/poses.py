@@ -1,7 +1,5 @@
 """Poses as 4 x 4 matrices, and how URDF writes them: a position, and roll, pitch and yaw."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from math import atan2, hypot
 from typing import Any

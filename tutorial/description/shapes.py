@@ -1,7 +1,5 @@
 """MuJoCo's geoms as the shapes of URDF: what is seen of a link, and what touches."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 

@@ -5,8 +5,6 @@ Names are the model's, without the body's before them: robot_state_publisher add
 name a joint has, too, gets another. Sensors and cameras have links of their own, the frames of their messages.
 """
 
-from __future__ import annotations
-
 import logging
 from collections import Counter
 from math import pi

@@ -4,8 +4,6 @@ Opening something under a name closes what was open under it, so any cell can be
 rest. Everything here belongs to the kernel's main thread.
 """
 
-from __future__ import annotations
-
 from ipywidgets import Widget
 
 from tutorial.checks.catalogue import exercise_names

@@ -1,7 +1,5 @@
 """``ros2 bag play`` for a cell."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A command in a process of its own, started from a cell: what a second terminal would be."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import shutil

@@ -1,7 +1,5 @@
 """What is open in this kernel, by name, and what the library has said meanwhile."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import time

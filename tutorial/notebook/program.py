@@ -1,7 +1,5 @@
 """A project's program within the kernel, and its 3D view in a cell."""
 
-from __future__ import annotations
-
 import asyncio
 import math
 import time

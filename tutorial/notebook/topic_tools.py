@@ -1,7 +1,5 @@
 """``ros2 topic list``, ``info``, ``echo`` and ``hz`` for a cell: they print what these commands print."""
 
-from __future__ import annotations
-
 from tutorial.notebook.desk import keep_once
 from tutorial.printing import say, say_all
 from tutorial.ros.node_thread import MeteredNode, NodeThread

@@ -1,7 +1,5 @@
 """Which ROS 2 is in use: the real one if there is one, else the pocket ROS 2."""
 
-from __future__ import annotations
-
 import os
 import sys
 from functools import cache

@@ -1,7 +1,5 @@
 """The time of a simulation, for other programs."""
 
-from __future__ import annotations
-
 from rclpy.node import Node
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock

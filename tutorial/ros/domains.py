@@ -1,7 +1,5 @@
 """A ROS domain of one's own, so that runs side by side don't hear each other."""
 
-from __future__ import annotations
-
 import random
 import socket
 import sys

@@ -1,7 +1,5 @@
 """What a joystick publishes: `sensor_msgs/Joy`, as the ROS 2 joy package's ``game_controller_node`` does."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from rclpy.node import Node

@@ -3,8 +3,6 @@
 In meshcat, an animation holds the poses of each object that moves, with their times.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

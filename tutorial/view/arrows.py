@@ -1,7 +1,5 @@
 """What inertial sensors measure: arrows in the scene that follow the body, and numbers for the table below it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Where the files of the 3D view and of the widgets are: our own, and meshcat's viewer."""
 
-from __future__ import annotations
-
 import gzip
 from functools import cache
 from importlib.metadata import distribution

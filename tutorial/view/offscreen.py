@@ -1,7 +1,5 @@
 """Rendering without a screen, by MuJoCo with EGL or what the system has."""
 
-from __future__ import annotations
-
 import copy
 import importlib
 import os

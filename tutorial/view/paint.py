@@ -1,7 +1,5 @@
 """Draws what stale joints move in grey, and later in its own colours again."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator
 
 import mujoco

@@ -4,8 +4,6 @@ While the run goes on, the messages of the scene become an animation (`tutorial.
 page.
 """
 
-from __future__ import annotations
-
 import base64
 import gzip
 import html

@@ -7,8 +7,6 @@ A message is a row of records: the payload's length (four bytes, little-endian),
 is, the payload.
 """
 
-from __future__ import annotations
-
 import logging
 import struct
 from collections.abc import Callable, Iterable

@@ -4,8 +4,6 @@ Written out here rather than with ``meshcat.geometry``, which has no capsules, p
 import brings ZMQ, IPython and Pillow along (0.3 s and a deprecation warning).
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import mujoco

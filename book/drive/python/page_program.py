@@ -1,7 +1,5 @@
 """One program of the page: a node, the tank, and its controllers, of which the visitor edits one."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections.abc import Callable

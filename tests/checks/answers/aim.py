@@ -1,7 +1,5 @@
 """The exercise `aim`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import InitVar, dataclass
 

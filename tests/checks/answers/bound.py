@@ -1,7 +1,5 @@
 """The exercise `bound`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 import math
 import time
 from itertools import islice, zip_longest

@@ -1,7 +1,5 @@
 """The exercise `by_name`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from functools import partial
 from math import isfinite, isinf, isnan

@@ -1,7 +1,5 @@
 """The exercise `fire`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 import numpy as np
 from sensor_msgs.msg import Joy
 

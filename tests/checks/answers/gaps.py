@@ -1,7 +1,5 @@
 """The exercise `gaps`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The exercise `gray`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 import queue
 import threading
 from functools import partial

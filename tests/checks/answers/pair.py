@@ -1,7 +1,5 @@
 """The exercise `pair`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 from collections import OrderedDict, deque
 
 from tutorial.checks.pair import Pairs

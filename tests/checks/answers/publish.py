@@ -1,7 +1,5 @@
 """The exercise `publish`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 from array import array
 
 from rclpy.qos import qos_profile_sensor_data

@@ -1,7 +1,5 @@
 """The exercise `record`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from queue import Empty
 

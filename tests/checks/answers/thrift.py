@@ -1,7 +1,5 @@
 """The exercise `thrift`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 from itertools import count
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The exercise `timeout`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 from tutorial.checks.timeout import CommandTimeout
 
 

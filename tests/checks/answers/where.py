@@ -1,7 +1,5 @@
 """The exercise `where`: right answers in their styles, and what no edit of the solution tells."""
 
-from __future__ import annotations
-
 from collections import namedtuple
 from functools import reduce
 

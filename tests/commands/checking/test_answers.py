@@ -1,7 +1,5 @@
 """Which of a notebook's statements an answer is made of."""
 
-from __future__ import annotations
-
 import pytest
 
 from tutorial.commands.checking.answers import cells_of, find_answers

@@ -1,7 +1,5 @@
 """What is reported of an answer that cannot be judged, and by what name."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

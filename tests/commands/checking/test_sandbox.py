@@ -1,7 +1,5 @@
 """What a process in the sandbox can reach, and what not."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Pages that are played: what they say arrives as ipykernel delivers it."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What plots have in common: their ticks, and curves of few points."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -1,7 +1,5 @@
 """The pictures of a topic in a cell: what is sent, and what is no picture."""
 
-from __future__ import annotations
-
 import threading
 from array import array
 

@@ -1,7 +1,5 @@
 """Widgets in a page: what gets into it, and what doesn't. Names that are markup are text there, and run nothing."""
 
-from __future__ import annotations
-
 import base64
 from html import escape
 

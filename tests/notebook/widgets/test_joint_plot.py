@@ -1,7 +1,5 @@
 """The plot of joint positions."""
 
-from __future__ import annotations
-
 import asyncio
 import math
 import threading

@@ -1,7 +1,5 @@
 """A plot of some curves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

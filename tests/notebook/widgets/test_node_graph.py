@@ -1,7 +1,5 @@
 """The picture of the node graph."""
 
-from __future__ import annotations
-
 import threading
 from itertools import pairwise
 from types import SimpleNamespace

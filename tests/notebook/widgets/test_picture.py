@@ -1,7 +1,5 @@
 """The picture in a cell: what it is made of."""
 
-from __future__ import annotations
-
 from xml.etree import ElementTree
 
 import pytest

@@ -1,7 +1,5 @@
 """The picture of the hand-off."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 from tutorial.notebook.widgets.swimlane import LEFT, RIGHT, swimlane

@@ -1,7 +1,5 @@
 """A bag that was written is read again, by ours and by others; one that was cut off or spoilt, as far as it goes."""
 
-from __future__ import annotations
-
 import os
 import random
 import shutil

@@ -1,7 +1,5 @@
 """A bag is played: the bytes, the order, the times and the quality of service of then."""
 
-from __future__ import annotations
-
 import threading
 import time
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """What goes over topics is in the bag, byte for byte, and what is missing is said."""
 
-from __future__ import annotations
-
 import threading
 import time
 from functools import cache

@@ -1,7 +1,5 @@
 """The faults: what each does to a message, that a seed gives them again, and what a matcher makes of them."""
 
-from __future__ import annotations
-
 import math
 from copy import deepcopy
 from itertools import pairwise

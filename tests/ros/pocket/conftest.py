@@ -1,7 +1,5 @@
 """Fixtures: a context and a node for each test, in a domain of its own, and a helper to spin until."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time

@@ -4,8 +4,6 @@ Whatever is done when, what comes is rclpy's exception or nothing: never another
 interpreter ends, or a thread that stays.
 """
 
-from __future__ import annotations
-
 import pytest
 
 pytestmark = [pytest.mark.process, pytest.mark.pocket]

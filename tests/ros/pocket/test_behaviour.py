@@ -1,7 +1,5 @@
 """The pocket ROS 2 prints, raises and logs what a real rclpy did."""
 
-from __future__ import annotations
-
 import gc
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How far a program is heard, whom it looks for, and how many there may be."""
 
-from __future__ import annotations
-
 import socket
 from contextlib import ExitStack
 

@@ -1,7 +1,5 @@
 """The node graph where what is announced cannot be trusted: too often, too much, or no announcement at all."""
 
-from __future__ import annotations
-
 import re
 from unittest.mock import Mock
 

@@ -1,7 +1,5 @@
 """Which rclpy is found: a real one wherever there is one, else the pocket ROS 2."""
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 from importlib.util import find_spec

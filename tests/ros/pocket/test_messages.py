@@ -1,7 +1,5 @@
 """Message classes are those that ROS 2 generates: what they hold, convert, check and say."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 import re

@@ -1,7 +1,5 @@
 """Every public name of rclpy 7.1.3 is there with its signature, or says that it needs a real ROS 2."""
 
-from __future__ import annotations
-
 import inspect
 import json
 from collections.abc import Callable

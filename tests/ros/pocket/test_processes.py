@@ -1,7 +1,5 @@
 """Several processes: messages, the node graph, signals."""
 
-from __future__ import annotations
-
 import re
 import signal
 import time

@@ -1,7 +1,5 @@
 """rclpy's surface beyond what was recorded from a real one."""
 
-from __future__ import annotations
-
 import threading
 import time
 

@@ -1,7 +1,5 @@
 """Publishers, subscriptions, timers and executors within one process."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

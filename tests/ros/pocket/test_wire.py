@@ -1,7 +1,5 @@
 """Messages to bytes and back: the bytes of a real ROS 2, and what is done with bytes that are none."""
 
-from __future__ import annotations
-
 import json
 import tracemalloc
 from contextlib import suppress

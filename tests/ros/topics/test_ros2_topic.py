@@ -1,7 +1,5 @@
 """What ``ros2 topic`` prints, compared with what a real one printed: tutorial/topics."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Iterator
 from contextlib import aclosing

@@ -5,8 +5,6 @@ and the name of the exercise. Without a name it lists the exercises. It writes o
 process that started it is gone.
 """
 
-from __future__ import annotations
-
 import asyncio
 import os
 import signal

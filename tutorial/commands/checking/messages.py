@@ -1,7 +1,5 @@
 """Messages from the process that reads a notebook, or judges an answer, to the teacher's: one line of JSON each."""
 
-from __future__ import annotations
-
 from enum import StrEnum
 
 import msgspec

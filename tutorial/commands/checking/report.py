@@ -1,7 +1,5 @@
 """What became of a class's answers: a table, a summary, JSON, and JUnit's XML."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any

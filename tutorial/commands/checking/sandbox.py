@@ -5,8 +5,6 @@ be written to; a network that has only its own loopback; and processes that all 
 program ``bwrap``, the library libseccomp, and a system that lets ordinary users make namespaces.
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import resource

@@ -1,7 +1,5 @@
 """Having one notebook judged, in processes of their own that a sandbox holds."""
 
-from __future__ import annotations
-
 import asyncio
 import math
 import os

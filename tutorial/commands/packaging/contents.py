@@ -1,7 +1,5 @@
 """What a package is called, who maintains it, and what its files hold."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from importlib.util import decode_source, find_spec

@@ -1,7 +1,5 @@
 """What the widgets with a page of their own have in common."""
 
-from __future__ import annotations
-
 import asyncio
 import math
 import time

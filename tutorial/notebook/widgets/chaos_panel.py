@@ -1,7 +1,5 @@
 """Sliders for the faults in a stream of joint states, which a node of its own publishes."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ipywidgets import HTML, Button, FloatSlider, GridBox, Layout, VBox

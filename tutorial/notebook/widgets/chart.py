@@ -1,7 +1,5 @@
 """A plot: two axes with round numbers, curves within them, and the curves' names beside them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from itertools import groupby

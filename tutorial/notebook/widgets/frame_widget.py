@@ -6,8 +6,6 @@ slow, asleep or closed, is not sent for any more. When it says that it has seen 
 Once a minute it says that it is still ``here``, also if there is no frame to see.
 """
 
-from __future__ import annotations
-
 import threading
 import time
 from typing import Any, ClassVar

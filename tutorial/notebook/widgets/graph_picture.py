@@ -1,7 +1,5 @@
 """Draws a node graph: nodes as ellipses, topics as boxes, arrows from who publishes to who subscribes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The pictures of a topic in a cell, as ``rqt_image_view`` shows them."""
 
-from __future__ import annotations
-
 import numpy as np
 from rclpy.node import Node
 from rclpy.qos import QoSProfile

@@ -1,7 +1,5 @@
 """A live plot of joint positions, as ``rqt_plot`` shows them."""
 
-from __future__ import annotations
-
 import asyncio
 import math
 from collections import deque

@@ -1,7 +1,5 @@
 """A joystick in a cell: two sticks for mouse, fingers, keys or a gamepad, published as `sensor_msgs/Joy`."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time

@@ -3,8 +3,6 @@
 Edges that would close a circle run from right to left; an edge over several layers gets a row of its own in each.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

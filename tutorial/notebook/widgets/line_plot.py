@@ -1,7 +1,5 @@
 """A plot of some curves: numbers over time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 

@@ -1,7 +1,5 @@
 """A live picture of the node graph, as ``rqt_graph`` shows it."""
 
-from __future__ import annotations
-
 import time
 
 from rclpy.node import Node

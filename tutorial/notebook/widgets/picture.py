@@ -1,7 +1,5 @@
 """A vector picture in a cell, which its program can redraw; also one that a node of its own keeps up to date."""
 
-from __future__ import annotations
-
 import traitlets
 
 from tutorial.handoff import CallQueue

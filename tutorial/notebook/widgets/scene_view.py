@@ -1,7 +1,5 @@
 """The 3D view in a cell: a scene, shown by meshcat's viewer over the notebook's own connection."""
 
-from __future__ import annotations
-
 from tutorial.notebook.widgets.frame_widget import Frame, FrameWidget
 from tutorial.view.assets import read_static, zipped_viewer
 from tutorial.view.scene import Scene

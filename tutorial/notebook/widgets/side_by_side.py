@@ -1,7 +1,5 @@
 """Widgets in a row."""
 
-from __future__ import annotations
-
 from ipywidgets import HBox, Layout, Widget
 
 from tutorial.notebook.widgets.scene_view import SceneView

@@ -1,7 +1,5 @@
 """Vector pictures made of elements, so that every name in them is escaped, in the colours of JupyterLab's theme."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
 

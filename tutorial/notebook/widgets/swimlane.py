@@ -1,7 +1,5 @@
 """A picture of the hand-off: the threads as lanes, and each message's way from one to the other."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element

@@ -1,7 +1,5 @@
 """A bag that is read: which topics it has, and their messages, as far as it goes."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator

@@ -1,7 +1,5 @@
 """What a bag holds, in the lines of ``ros2 bag info``."""
 
-from __future__ import annotations
-
 import time
 
 from tutorial.errors import printable

@@ -5,8 +5,6 @@ file. The package mcap reads and writes single records. Its reader of files, and
 whole; ours also reads what a killed program or a spoilt disk has left.
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Callable, Iterable, Iterator

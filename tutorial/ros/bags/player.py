@@ -1,7 +1,5 @@
 """Playing: the messages of a bag are published again, at the times at which they were received."""
 
-from __future__ import annotations
-
 import asyncio
 import heapq
 import logging

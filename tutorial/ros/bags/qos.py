@@ -1,7 +1,5 @@
 """The quality of service of a topic, as a bag keeps it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Recording: what goes over topics is written into a bag."""
 
-from __future__ import annotations
-
 import logging
 import math
 import threading

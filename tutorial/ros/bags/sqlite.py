@@ -1,7 +1,5 @@
 """SQLite files, which ``ros2 bag`` writes with ``-s sqlite3``."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing

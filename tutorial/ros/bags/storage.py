@@ -1,7 +1,5 @@
 """What the two kinds of file that a bag is made of, MCAP and SQLite, have in common."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A bag that is being written: a folder of one file or several, and what they have in common."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from pathlib import Path

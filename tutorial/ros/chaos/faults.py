@@ -4,8 +4,6 @@ Each fault draws from random numbers of its own, so the same seed gives the same
 fault hits do not depend on whether another is on.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from math import inf, nan

@@ -1,7 +1,5 @@
 """Publishes joint states with faults in them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Who is on a topic, whatever it is called, and what a subscription can ask of all publishers there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from rclpy.node import Node

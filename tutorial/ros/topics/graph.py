@@ -1,7 +1,5 @@
 """Waiting until the node graph is known, so that what is said about it is complete."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import time

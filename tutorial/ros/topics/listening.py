@@ -3,8 +3,6 @@
 The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
 """
 
-from __future__ import annotations
-
 import asyncio
 import math
 import time

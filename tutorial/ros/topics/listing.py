@@ -4,8 +4,6 @@ The node that asks has a thread of its own, `tutorial.ros.node_thread.NodeThread
 names are written by `escape_name`; ``ros2`` prints them as they come.
 """
 
-from __future__ import annotations
-
 from rclpy.duration import Duration, Infinite
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy

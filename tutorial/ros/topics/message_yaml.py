@@ -1,7 +1,5 @@
 """Messages as the YAML text that ``ros2 topic echo`` prints."""
 
-from __future__ import annotations
-
 import re
 import sys
 from array import array

@@ -4,8 +4,6 @@ ROS 2 checks the names that its own programs use. A program that is DDS alone ma
 type whatever it likes.
 """
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 from importlib.util import find_spec

@@ -1,7 +1,5 @@
 """Filling a message with the values that a user wrote, with the checks of ``ros2 topic pub``."""
 
-from __future__ import annotations
-
 import re
 from array import array
 from typing import Any

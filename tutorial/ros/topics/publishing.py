@@ -3,8 +3,6 @@
 The node that publishes has a thread of its own, `tutorial.ros.node_thread.NodeThread`. Nothing here prints.
 """
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections.abc import AsyncGenerator

@@ -5,8 +5,6 @@ Cyclone DDS's own. What is published reaches the readers of the same program at 
 to the page's other programs. Nothing leaves the page.
 """
 
-from __future__ import annotations
-
 import copyreg
 import pickle
 import sys

@@ -1,7 +1,5 @@
 """Who is there in the page's programs, as `cyclonedds.Wire` knows: in the place of the pocket ROS 2's module."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any

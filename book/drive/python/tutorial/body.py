@@ -1,7 +1,5 @@
 """A body of the page: the joints and actuators that the course's controllers ask for, over MuJoCo for a browser."""
 
-from __future__ import annotations
-
 from array import array
 from collections.abc import Callable, Mapping
 from math import inf

@@ -1,7 +1,5 @@
 """Snippets of rclpy programs: where they are kept, how they are run, and what of their outcome is compared."""
 
-from __future__ import annotations
-
 import ast
 import gc
 import json

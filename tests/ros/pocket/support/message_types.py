@@ -1,7 +1,5 @@
 """Classes of messages by the names of their types."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import Any
 

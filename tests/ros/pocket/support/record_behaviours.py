@@ -3,8 +3,6 @@
 Run it where a real ROS 2 is in use, then look at what git shows.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import platform

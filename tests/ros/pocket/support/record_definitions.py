@@ -3,8 +3,6 @@
 Run it when rosbags has others, then look at what git shows.
 """
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

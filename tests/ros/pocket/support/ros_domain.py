@@ -1,7 +1,5 @@
 """A pytest plugin: which ROS 2 is in use, and a domain for each test."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

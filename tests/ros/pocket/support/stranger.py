@@ -1,7 +1,5 @@
 """A program that is DDS alone and announces nodes as ROS 2 does, to the pocket ROS 2."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from rclpy._graph import _WRITER_QOS, DataWriter, Topic, payload_type
