@@ -4,6 +4,7 @@ import ast
 import asyncio
 import importlib
 import json
+from types import SimpleNamespace
 
 import pytest
 from steps import BESIDE
@@ -55,7 +56,8 @@ TEXT = "Mend.\n\nMend it.\n\nHint 1: Look.\n\nHint 2: Think.\n\nHint 3: Write.\n
 @pytest.mark.parametrize(("rights", "wrongs", "number"), [(0, 1, 1), (2, 1, 2), (3, 1, 3), (3, 2, 2)])
 def test_a_wrong_answer_is_told_which_hint_fits(rights, wrongs, number):
     findings = [right("a")] * rights + [wrong("b", f"Cause {i}.") for i in range(wrongs)]
-    exercise = Exercise("mending", TEXT, lambda _: iter(findings), GentleTank)
+    cases = SimpleNamespace(solution=GentleTank, judge=lambda _: iter(findings))
+    exercise = Exercise("mending", TEXT, cases)
     says = {1: "what to look at", 2: "how it is done", 3: "nearly the code"}[number]
     assert str(exercise.judge(GentleTank)).splitlines()[-1] == f"Stuck? mending.hint({number}) says {says}."
 

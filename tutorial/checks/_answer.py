@@ -12,8 +12,6 @@ from tutorial.checks._diagnose import NO_ARGUMENTS, Misuse
 from tutorial.checks._watch import Failure
 from tutorial.controller import SimpleController
 
-__all__ = ["check_has", "has", "is_empty", "misfit", "name_of", "unwritten"]
-
 _EMPTY = {
     *("RESUME", "NOP", "CACHE", "LOAD_CONST", "POP_TOP", "RETURN_VALUE", "RETURN_CONST", "PUSH_NULL"),
     *("PRECALL", "CALL", "RAISE_VARARGS", "COPY_FREE_VARS", "LOAD_GLOBAL"),

@@ -14,13 +14,11 @@ from typing import Any
 
 from tutorial.checks._answer import name_of
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._mistakes import Mistake, mistakes, slips, with_mistakes
+from tutorial.checks._mistakes import Mistake, read, slips, with_mistakes
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, watch
 from tutorial.errors import TutorialError
-
-__all__ = ["Cases", "ask", "call", "mistakes", "observed", "same"]
 
 TOLERANCE = 1e-4
 LONGEST = 20.0  # [s] in which mistakes are tried, one and two at once; so that a busy machine comes to an end, too
@@ -42,10 +40,9 @@ class Cases:
         solution: the right answer. What is observed of it is what is expected.
         cases: by what is tried, as the learner is told, a function that is given an answer and returns what is
             observed. It may raise `Failure`, which is an observation, too.
-        mistakes: those that are known, the root causes first.
+        table: what is known of mistakes, as `read` reads it. Of the parts of a case's text that it speaks of, the
+            longest counts.
         say: puts an observation into words.
-        otherwise: the cause to name where no known mistakes explain what is observed, by a part of the text of the
-            first case that shows it. The longest part counts, and "" is a part of every text.
         crashes: parts of the texts of cases. It is the cause, too, that what they give, or None, cannot be computed
             with.
         beside: functions of the solution's module that a mistake may change, too.
@@ -56,9 +53,8 @@ class Cases:
 
     solution: Any
     cases: Mapping[str, Case]
-    mistakes: Sequence[Mistake]
+    table: str
     say: Callable[[Any], str]
-    otherwise: Mapping[str, str]
     crashes: Sequence[str] = ()
     beside: Sequence[Any] = ()
     clock: str = CLOCK
@@ -147,6 +143,16 @@ class Cases:
     def expected(self) -> dict[str, Any]:
         """By case, what is observed of the solution."""
         return {label: case(self.solution) for label, case in self.cases.items()}
+
+    @cached_property
+    def mistakes(self) -> tuple[Mistake, ...]:
+        """Those that are known, the root causes first."""
+        return read(self.table)[0]
+
+    @cached_property
+    def otherwise(self) -> dict[str, str]:
+        """The cause to name where no known mistakes explain what is observed, by a part of the case's text."""
+        return read(self.table)[1]
 
     def _otherwise(self, label: str) -> str:
         return self.otherwise[max((part for part in self.otherwise if part in label), key=len)]

@@ -10,8 +10,6 @@ from typing import Any
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._watch import watch
 
-__all__ = ["ClockedLoop"]
-
 BEGAN = 1024.0  # [s] on the clock; with times of powers of two every sum is exact
 TURN = 2.0**-17  # [s] that a turn of the loop takes: time passes also for what asks for another turn for ever
 TURNS = 20  # of the loop after a timer: what it calls, and what that calls

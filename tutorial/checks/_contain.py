@@ -19,8 +19,6 @@ from tutorial.checks._watch import files_of
 from tutorial.paths import PACKAGE
 from tutorial.ros.domains import reserved_domain
 
-__all__ = ["DONE", "contain"]
-
 DONE = b"done\n"
 LIMIT = 120.0  # [s] of a whole check, whose watchdog ends what takes long far earlier
 OUTPUT_KEPT = 20_000  # bytes

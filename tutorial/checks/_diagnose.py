@@ -14,8 +14,6 @@ from typing import Any
 
 from tutorial.controller import SimpleController
 
-__all__ = ["AT_ONCE", "NO_ARGUMENTS", "Misuse", "endless", "lacks_self", "likely_cause", "no_self", "slept"]
-
 AT_ONCE = "Most likely the callback is called at once: give it without parentheses, self.{}."
 NO_ARGUMENTS = "__init__ is given nothing: config comes to configure(self, config), and io to initialize(self, io)."
 _RETURNS = {

@@ -9,8 +9,6 @@ from typing import Any
 
 from tutorial.checks._watch import watch
 
-__all__ = ["interleave", "traced"]
-
 TURN = 0.05  # [s]; who waits for a lock that the interrupted function holds gets no further, however long this is
 
 

@@ -16,8 +16,6 @@ from functools import cache
 from itertools import product
 from typing import Any
 
-__all__ = ["A_MISTAKE", "Mistake", "mistakes", "slips", "with_mistakes"]
-
 A_MISTAKE = "<a mistake>"  # the file of a solution with mistakes
 NEW_LINE = " // "
 MODULES = {"asyncio": asyncio, "threading": threading}  # what an edit may use, beside math, itertools and its own
@@ -50,29 +48,41 @@ class Mistake:
         return source
 
 
-def mistakes(table: str) -> tuple[Mistake, ...]:
-    """Read mistakes, the root causes first.
+def read(table: str) -> tuple[tuple[Mistake, ...], dict[str, str]]:
+    """Read a table: mistakes, the root causes first, and what to say of a case that none of them explains.
 
     Args:
         table: one block for each mistake. Its cause stands at the margin. Below it stand its edits, indented, one a
             line: ``what => what instead``. A `` // `` in an edit begins a new line, indented as the changed one.
             ``what => this => that`` makes two mistakes with the same cause; the next line may go on with ``=>``. Change
             as little as possible: two mistakes that change the same text cannot be found together.
+            A line with ``#`` and a part of cases' texts begins a section; ``#`` alone is for any case. A sentence in it
+            without edits is said of these cases when no mistake explains them; where there is none, its first cause is.
+            Mistakes in a section fail the case of this text, and explain only that.
+
+    Returns:
+        The mistakes, and by part of a case's text, the sentence.
 
     Raises:
         ValueError: a cause has no edit below it, or an edit no cause.
     """
     lines = re.sub(r"\n +=>", " =>", inspect.cleandoc(table)) + "\n"
-    block = r"((?:^\S.*\n)+)((?:^ .*=>.*\n)+)"
+    block = r"((?:^#.*\n)*)((?:^[^\s#].*\n)+)((?:^ .*=>.*\n)*)"
     left = re.sub(block, "", lines, flags=re.MULTILINE).strip()
+    known, said, parts = list[Mistake](), dict[str, str](), list[str]()
+    for marks, text, edits in re.findall(block, lines, re.MULTILINE):
+        cause, parts = " ".join(text.split()), [mark[1:].strip() for mark in marks.splitlines()] or parts
+        if edits:
+            chosen = product(*map(_edits, edits.splitlines()))
+            known += [Mistake(cause, each, *parts[:1]) for each in chosen]
+            said = {**dict.fromkeys(parts, f"Most likely {cause}"), **said}
+        elif parts:
+            said |= dict.fromkeys(parts, cause)
+        else:
+            left = cause
     if left:
         raise ValueError(f"this is no cause with its edits below it, indented, what => what instead: {left}")
-    blocks = re.findall(block, lines, re.MULTILINE)
-    return tuple(
-        Mistake(" ".join(cause.split()), chosen)
-        for cause, edits in blocks
-        for chosen in product(*map(_edits, edits.splitlines()))
-    )
+    return tuple(known), said
 
 
 def _edits(line: str) -> list[tuple[str, str]]:

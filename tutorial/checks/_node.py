@@ -22,8 +22,6 @@ from tutorial.checks._watch import Failure, watch
 from tutorial.errors import TutorialError
 from tutorial.ros.node_thread import SpinThread
 
-__all__ = ["Endpoint", "MemoryNode", "early", "ros_node", "send", "wait"]
-
 MESSAGES = 100  # that come while a controller is configured, one at every instruction
 PATIENCE = 10.0  # [s]; only what never comes takes so long
 

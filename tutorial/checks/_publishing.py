@@ -8,13 +8,11 @@ from typing import Any
 
 from rclpy.qos import qos_profile_sensor_data
 
-from tutorial.checks._cases import Case, Cases, mistakes, same
+from tutorial.checks._cases import Case, Cases, same
 from tutorial.checks._diagnose import Misuse
 from tutorial.checks._node import ros_node, wait
 from tutorial.checks._rig import APART, Rig, Sent
 from tutorial.checks._watch import Failure, watch
-
-__all__ = ["Publishing", "compared", "compared_stamps"]
 
 NOTHING = "no message"
 FIRST = """
@@ -56,19 +54,29 @@ that is the wall clock's time: take the simulation's, self.io.time_ns.
 the unit is wrong, sec or nanosec is left out, or they are exchanged: Time(nanoseconds=$time).to_msg() sets both.
     =$time => =$time//1_000 => =$time//1_000_000 => =$time//10**9 => =$time//10**9 * 10**9 => =$time % 10**9
     => =$time % 10**9 * 10**9 + $time//10**9
+
+# on the body Rover
+Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.
+
+# with steps of
+Most likely the period is another: one message comes when io.step % round(1 / ($hz * io.time_step)) == 0.
+
+# the stamp
+Most likely it is counted or kept: message.header.stamp = Time(nanoseconds=$time).to_msg(), always.
+
+# two robots in turns
+Most likely what is kept belongs to the class: make it in initialize.
+
+# after a restart
+Most likely something of the run before is kept: initialize begins anew, at every start.
+"""
+IN_A_NAMESPACE = """
+# in the namespace /lab
+Most likely a slash in front leaves out the node's namespace. Compare with
+config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.
 """
 RATES = {ms: f"with steps of {ms} ms" for ms in (1, 2, 3, 6)}
-PERIOD = "Most likely the period is another: one message comes when io.step % round(1 / ($hz * io.time_step)) == 0."
-TOPIC = 'Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.'
 TOGETHER = "Most likely each joint has a message of its own, or publish is called twice: send one message with all."
-OTHERWISE = {
-    "on the body Rover": TOPIC,
-    "in the namespace /lab": f"Most likely a slash in front leaves out the node's namespace. {TOPIC}",
-    "with steps of": PERIOD,
-    "the stamp": "Most likely it is counted or kept: message.header.stamp = Time(nanoseconds=$time).to_msg(), always.",
-    "two robots in turns": "Most likely what is kept belongs to the class: make it in initialize.",
-    "after a restart": "Most likely something of the run before is kept: initialize begins anew, at every start.",
-}
 
 Look = Callable[[Any, list[Sent]], Any]
 
@@ -97,7 +105,7 @@ class Publishing:
     time: str = "self.io.time_ns"
     namespaces: bool = True
 
-    def cases(self, solution: type, own: Mapping[str, Case], table: str, otherwise: Mapping[str, str]) -> Cases:
+    def cases(self, solution: type, own: Mapping[str, Case], table: str) -> Cases:
         """Put together what is tried and known of all such exercises, and of this one."""
         words = {**vars(self), "kind": self.kind.__name__, "ms": 1000 // self.hz}
         tried = {
@@ -111,11 +119,9 @@ class Publishing:
             "after a restart": self.restarted,
             "after unconfigure": lambda answer: self.play(answer, 0.1).leave(),
         }
-        causes = {
-            label: Template(text).substitute(words) for label, text in OTHERWISE.items() if label in " ".join(tried)
-        }
-        known = mistakes(Template(FIRST + table + LAST).substitute(words))
-        return Cases(solution, {**tried, **own}, known, say, {**causes, **otherwise}, on_ros=self.on_ros)
+        rows, mark, sections = table.partition("\n#")
+        known = FIRST + rows + LAST + IN_A_NAMESPACE * self.namespaces + mark + sections
+        return Cases(solution, {**tried, **own}, Template(known).substitute(words), say, on_ros=self.on_ros)
 
     def messages(self, rig: Rig) -> list[Sent]:
         """Return what was sent on the topic; on another where nothing was."""

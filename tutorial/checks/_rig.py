@@ -22,8 +22,6 @@ from tutorial.controller import ControllerConfig, ControllerIO
 from tutorial.paths import HOME
 from tutorial.world import Placement, compose
 
-__all__ = ["APART", "Rig", "Sent", "model_of"]
-
 MODELS = HOME / "project" / "models"
 QUIET = 0.05  # [s] after which a thread of the learner's has published what it was going to
 

@@ -11,8 +11,6 @@ import cloudpickle  # type: ignore[import-untyped, unused-ignore]
 
 from tutorial.checks._watch import classes_of, functions_of
 
-__all__ = ["SharedState", "outside", "pickled"]
-
 _LOCKS = {type(make()): lambda _, make=make: (make, ()) for make in (threading.Lock, threading.RLock)}
 _NEW = object()
 _DEFAULT = "the default of the argument "

@@ -5,8 +5,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-__all__ = ["Finding", "Place", "Verdict", "cut", "right", "wrong"]
-
 WRONG_SHOWN = 2  # one thing after the other; what is wrong further down often follows from the first
 OUTPUT_SHOWN = 20  # lines
 WIDTH = 200  # characters of a line

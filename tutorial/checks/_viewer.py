@@ -22,8 +22,6 @@ from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig
 from tutorial.handoff import CallQueue, ThreadGuard
 
-__all__ = ["Step", "Viewer", "hands_over", "heard", "side_by_side"]
-
 Step = Callable[[Any], str | None]
 
 PATIENCE = 1.0  # [s], after which a callback that has not returned waits for something

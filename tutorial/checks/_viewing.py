@@ -1,24 +1,22 @@
 """What all exercises have in common whose controllers show something: the topic, the hand-over, the end."""
 
-import re
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import replace
 from string import Template
 from typing import Any
 
-from tutorial.checks._cases import Case, Cases, mistakes
+from tutorial.checks._cases import Case, Cases
 from tutorial.checks._mistakes import A_MISTAKE
 from tutorial.checks._node import early, ros_node, send
 from tutorial.checks._viewer import Step, Viewer
 from tutorial.checks._watch import watch
 
-__all__ = ["viewing"]
-
 AT_ONCE = "a message as soon as there is a subscription"
-SHARED_STATE = "Most likely what is kept belongs to the class: make it in configure, self.place = ..."
 THROTTLED = "Most likely messages are dropped by time or by count: post and show every one, whenever it comes."
 SHARED = """
+#
+Most likely what is kept belongs to the class: make it in configure, self.place = ...
+
 # on a body called Rover it listens to
 the topic is another: it is f"{config.body.name}/$topic".
     {self.body.name}/$topic" => {self.body.name}/${topic}s" => Tank/$topic"
@@ -73,7 +71,7 @@ def viewing(
         tried: by text, in the order in which they are tried, steps: functions of the viewer, of which each may return
             what is observed, in words.
         table: the mistakes, those that fail a case below a line with ``#`` and its text. To them come those that all
-            viewers share. The first one's cause is named where no other leads to exactly what was observed.
+            viewers share.
         post: the solution's statement that posts.
         viewer: makes what an answer is tried in.
         options: of `Cases`.
@@ -95,11 +93,7 @@ def viewing(
             return made.where()
 
     words = {"topic": topic, "kind": type(message).__name__, "move": move, "post": post}
-    _, *parts = re.split(r"^# (.*)$", Template(SHARED + table).substitute(words), flags=re.MULTILINE)
-    blocks = zip(parts[::2], parts[1::2])
-    known = [replace(each, fails=text) for text, rows in blocks for each in mistakes(rows)]
-    causes = {each.fails: f"Most likely {each.cause}" for each in reversed(known)}
     cases = {text: case(steps) for text, steps in tried.items()}
     cases[AT_ONCE] = early(lambda answer, node: Viewer(answer, node=node).close(), message)
-    options = {"clock": THROTTLED, "otherwise": {"": SHARED_STATE, **causes}, **options}
-    return Cases(solution, cases, known, str, on_ros=on_ros, one_by_one=True, **options)
+    known = Template(SHARED + table).substitute(words)
+    return Cases(solution, cases, known, str, on_ros=on_ros, one_by_one=True, **{"clock": THROTTLED, **options})

@@ -16,9 +16,6 @@ from typing import Any
 from tutorial.checks._diagnose import Misuse, likely_cause, slept
 from tutorial.checks._verdict import Finding, Place, wrong
 
-__all__ = ["Failure", "Watch", "classes_of", "files_of", "functions_of", "instrumented", "watch"]
-
-
 CLOCKS = ("time", "time_ns", "monotonic", "monotonic_ns", "perf_counter", "perf_counter_ns")
 NOTED = (
     *((time, "sleep", "sleep"), (threading.Condition, "wait", "sleep"), (threading.Thread, "start", "thread")),

@@ -27,11 +27,8 @@ from math import isnan, nan
 from typing import Any
 
 from tutorial.body import Joint
-from tutorial.checks._cases import Cases, call, mistakes
-from tutorial.checks._diagnose import Misuse
 from tutorial.checks._rig import Rig
-from tutorial.checks._watch import Failure
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Cases, Exercise, Failure, Misuse, call
 from tutorial.controller import SimpleController
 
 __all__ = ["HeldJoint", "aim"]
@@ -56,7 +53,7 @@ class HeldJoint:
         self.q_ref, self.q_prev = q_ref, q
 
 
-MISTAKES = mistakes("""
+MISTAKES = """
 the reference or self.q_prev begins at 0: both begin where the joint stands, at joint.position.
     self.q_ref = self.q_prev = joint.position => self.q_ref, self.q_prev = 0.0, joint.position
     => self.q_ref, self.q_prev = joint.position, 0.0
@@ -112,13 +109,17 @@ the torque is added to the last one, +=: it is set anew at every call, =.
 
 nothing is set while the stick rests: the joint has to be held then, too.
     lower, upper = => if not stick: return // lower, upper =
-""")
+
+#
+Compare with torque = 200 * (q_ref - q) + 50 * (dq_ref - dq).
+
+# full stick, with steps of 5 ms
+Most likely the time step is written down as a number: use time_step.
+
+# a joint with another range
+Most likely the ends of the range are written down: they are in joint.range.
+"""
 POSITION = "Most likely the result is set as joint.position: a motor takes a torque, joint.effort."
-OTHERWISE = {
-    "": "Compare with torque = 200 * (q_ref - q) + 50 * (dq_ref - dq).",
-    "full stick, with steps of 5 ms": "Most likely the time step is written down as a number: use time_step.",
-    "a joint with another range": "Most likely the ends of the range are written down: they are in joint.range.",
-}
 
 NARROW = (-0.1700001, 0.7800001)  # [rad]; a whole number of moves away, and a trace more, from where the cases begin
 
@@ -188,6 +189,4 @@ def say(torque: Any) -> str:
     return "no torque" if isnan(torque) else f"{torque:.1f} N.m".replace("-0.0", "0.0")
 
 
-CASES = Cases(HeldJoint, TRIED, MISTAKES, say, OTHERWISE)
-
-aim = Exercise("aim", __doc__, CASES.judge, HeldJoint)
+aim = Exercise("aim", __doc__, Cases(HeldJoint, TRIED, MISTAKES, say))

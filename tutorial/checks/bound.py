@@ -32,11 +32,8 @@ from typing import Any
 
 from sensor_msgs.msg import Joy
 
-from tutorial.checks._cases import Case, Cases, ask, call, mistakes
-from tutorial.checks._diagnose import Misuse
 from tutorial.checks._interleave import traced
-from tutorial.checks._watch import Failure, watch
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Case, Cases, Exercise, Failure, Misuse, ask, call, watch
 
 __all__ = ["bound", "four_axes"]
 
@@ -47,7 +44,7 @@ def four_axes(message: Joy) -> list[float]:
     return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]
 
 
-MISTAKES = mistakes("""
+MISTAKES = """
 all axes are taken, or returned: the first four are enough, message.axes[:4].
     message.axes[:4] => message.axes
     0.0][:4] => 0.0][: max(4, len(message.axes))]
@@ -80,13 +77,32 @@ only one number is returned: return stands within the loop, and belongs behind i
 
 the four are in reverse order, or the two sticks are exchanged: keep the order of the message.
     return [ => axes = axes[::-1] // return [ => axes = axes[2:] + axes[:2] // return [
-""")
-MANY = "Most likely a certain number of axes is expected: there may be more, and the first four count."
-FEW = "Most likely four axes are taken for granted: of those that the message lacks, each counts as 0."
-NOT_A_NUMBER = "NaN counts as 0, and min and max let it through, or make 1 or -1 of it: ask isfinite(axis) first."
-INFINITE = "An infinity counts as 0, and not as 1 or -1: ask isfinite(axis) before anything else; isnan does not tell."
-BEYOND = "Most likely an axis beyond -1 or 1 is not expected: limit it to that end with min and max."
-KEPT = "Most likely the list is kept from call to call: make a new one in every call."
+
+#
+Compare with: the first four axes, each by itself, 0 if lacking or not finite, else limited to -1 and 1.
+
+# six axes
+Most likely a certain number of axes is expected: there may be more, and the first four count.
+
+# three axes
+# one axis
+# no axes
+Most likely four axes are taken for granted: of those that the message lacks, each counts as 0.
+
+# NaN for
+NaN counts as 0, and min and max let it through, or make 1 or -1 of it: ask isfinite(axis) first.
+
+# infinity
+An infinity counts as 0, and not as 1 or -1: ask isfinite(axis) before anything else; isnan does not tell.
+
+# 1.5 for
+# -3 for
+# 1e30 for
+Most likely an axis beyond -1 or 1 is not expected: limit it to that end with min and max.
+
+# two messages
+Most likely the list is kept from call to call: make a new one in every call.
+"""
 ALL = "Most likely all of the axes are copied or gone through: begin with message.axes[:4], the first four."
 A_LIST = "Return a list of four numbers: return [... for axis in axes], with square brackets."
 
@@ -179,15 +195,6 @@ TRIED = {
     "two messages, one after the other": twice,
     "a million axes": million,
 }
-OTHERWISE = {
-    "": "Compare with: the first four axes, each by itself, 0 if lacking or not finite, else limited to -1 and 1.",
-    "six axes": MANY,
-    **dict.fromkeys(("three axes", "one axis", "no axes"), FEW),
-    "NaN for": NOT_A_NUMBER,
-    "infinity": INFINITE,
-    **dict.fromkeys(("1.5 for", "-3 for", "1e30 for"), BEYOND),
-    "two messages": KEPT,
-}
 
 
 def say(seen: list[float]) -> str:
@@ -195,6 +202,5 @@ def say(seen: list[float]) -> str:
     return f"[{', '.join(f'{axis + 0.0:g}' for axis in seen)}]"
 
 
-CASES = Cases(four_axes, TRIED, MISTAKES, say, OTHERWISE, crashes=[""])
-
-bound = Exercise("bound", __doc__, CASES.judge, four_axes, imports=("from math import isfinite",))
+CASES = Cases(four_axes, TRIED, MISTAKES, say, crashes=[""])
+bound = Exercise("bound", __doc__, CASES, imports=("from math import isfinite",))

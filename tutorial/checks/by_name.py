@@ -31,9 +31,7 @@ from typing import Any
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._cases import Cases, ask, mistakes
-from tutorial.checks._diagnose import Misuse
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Cases, Exercise, Misuse, ask
 
 __all__ = ["by_name", "match_by_name"]
 
@@ -47,7 +45,7 @@ def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, 
     }
 
 
-MISTAKES = mistakes("""
+MISTAKES = """
 the joints' names are typed: those of the body are in joint_names.
     name in joint_names => name in ("TURRET_Y", "TURRET_P")
 
@@ -100,11 +98,53 @@ return stands within the loop, which so ends with the first pair, or with the fi
 
 a joint that the message says nothing about gets 0, NaN or None: leave it out of the dict, then it stays where it is.
     { => dict.fromkeys(joint_names, 0.0) | { => dict.fromkeys(joint_names, nan) | { => dict.fromkeys(joint_names) | {
-""")
+
+#
+Compare with: the i-th position belongs to the i-th name, if the body has that name and it is finite.
+
+# another order
+Most likely places in the body are taken for places in the message: go by the message's names.
+
+# only HATCH
+Most likely every joint is expected in every message: go through the message's names.
+
+# an unknown name
+Most likely a name that the body does not have is not expected: ask if name in joint_names.
+
+# 3 names
+Most likely fewer positions than names are not expected: zip ends with the shorter of both.
+
+# 2 names
+Most likely more positions than names are not expected: those without a name say nothing.
+
+# no positions
+# an empty message
+Most likely an empty array is not expected: it says nothing about the pose, so return {}.
+
+# NaN for
+Most likely NaN is not left out as it should be: only that joint, and math.isfinite tells.
+
+# infinity
+Most likely infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
+
+# twice
+Most likely a name that comes twice is not expected: the last one that is a number counts.
+
+# almost right
+Most likely names are compared in part, or changed first: a joint's name is the whole of it.
+
+# HATCH below
+Most likely 0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions.
+
+# many digits
+Most likely positions are rounded: pass them on as they are.
+
+# one joint
+Most likely only as many names are looked at as the body has joints: look at all of the message's.
+"""
 A_DICT = "Return a dict from names to positions, an empty one when there is nothing to tell; dict(pairs) makes one."
 KEPT = "Most likely the dict is kept from call to call: make a new one in every call, and not as a default argument."
 
-EMPTY = "Most likely an empty array is not expected: it says nothing about the pose, so return {}."
 
 BODY = ("TURRET_Y", "TURRET_P", "HATCH")
 CRANE = ("SLEW", "BRIDGE", "LUFF")
@@ -139,23 +179,6 @@ def pairs(found: dict[Any, Any]) -> list[str]:
     return sorted(f"{name}: {number}" for name, number in numbers.items())
 
 
-OTHERWISE = {  # by a part of a case's text
-    "": "Compare with: the i-th position belongs to the i-th name, if the body has that name and it is finite.",
-    "another order": "Most likely places in the body are taken for places in the message: go by the message's names.",
-    "only HATCH": "Most likely every joint is expected in every message: go through the message's names.",
-    "an unknown name": "Most likely a name that the body does not have is not expected: ask if name in joint_names.",
-    "3 names": "Most likely fewer positions than names are not expected: zip ends with the shorter of both.",
-    "2 names": "Most likely more positions than names are not expected: those without a name say nothing.",
-    "no positions": EMPTY,
-    "an empty message": EMPTY,
-    "NaN for": "Most likely NaN is not left out as it should be: only that joint, and math.isfinite tells.",
-    "infinity": "Most likely infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.",
-    "twice": "Most likely a name that comes twice is not expected: the last one that is a number counts.",
-    "almost right": "Most likely names are compared in part, or changed first: a joint's name is the whole of it.",
-    "HATCH below": "Most likely 0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions.",
-    "many digits": "Most likely positions are rounded: pass them on as they are.",
-    "one joint": "Most likely only as many names are looked at as the body has joints: look at all of the message's.",
-}
 TRIED = {
     "all joints, in order": heard(BODY, (0.1, 0.2, 0.3)),
     "another order": heard(BODY[::-1], (0.3, 0.2, 0.1)),
@@ -180,6 +203,5 @@ TRIED = {
     "a body with one joint": heard(("TURRET_P", "HATCH"), (0.2, 0.3), ("HATCH",)),
 }
 
-CASES = Cases(match_by_name, TRIED, MISTAKES, str, OTHERWISE, crashes=[""])
-
-by_name = Exercise("by_name", __doc__, CASES.judge, match_by_name, imports=("from math import isfinite",))
+CASES = Cases(match_by_name, TRIED, MISTAKES, str, crashes=[""])
+by_name = Exercise("by_name", __doc__, CASES, imports=("from math import isfinite",))

@@ -32,13 +32,11 @@ from typing import Any
 
 from sensor_msgs.msg import Joy
 
-from tutorial.checks._cases import Cases, mistakes
 from tutorial.checks._interleave import interleave
 from tutorial.checks._node import early
 from tutorial.checks._rig import Rig
-from tutorial.checks._watch import watch
 from tutorial.checks.bound import four_axes
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Cases, Exercise, watch
 from tutorial.checks.fire import over_ros
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.handoff import Latest
@@ -76,7 +74,7 @@ class GentleTank(SimpleController):
         self.node.destroy_subscription(self.subscription)
 
 
-MISTAKES = mistakes("""
+MISTAKES = """
 the stick is read once, in initialize: control has to look at every step, self.joy.get().
     self.track_l = io => self.once = self.joy.get() // self.track_l = io
     self.joy.get()) => self.once)
@@ -132,7 +130,42 @@ the two axes share one dead zone: it holds for each axis for itself.
 an axis is shifted, rescaled, squared or cubed, or only its sign counts: outside of the dead zone it counts as it is.
     (axis if => (axis - 0.3 * axis / abs(axis) if => ((axis - 0.3 * axis / abs(axis)) / 0.7 if => (axis * abs(axis) if
     => (axis**3 if => (axis / abs(axis) if
-""")
+
+#
+Compare with TRACK_L: 1.0 * left_y - 0.5 * left_x, TRACK_R: 1.0 * left_y + 0.5 * left_x, and nothing else.
+
+# the topic, in the namespace /lab
+Most likely it is another topic, as one with a slash in front or a body's name, or another type: it is
+config.node.create_subscription(Joy, "joy", self.on_joy, 1), in configure.
+
+# a message, before the next step
+Most likely the callback sets the tracks: only control may, on its thread.
+
+# before the first message
+# axes
+Most likely a message or its axes are taken for granted, or one with few is dropped: what it lacks counts as 0.
+
+# a second step does the same
+Most likely the speeds are smoothed, step by step: set them at once.
+
+# 300 steps without a message
+# four messages between two steps
+Most likely messages are dropped by time, or count for a while only: the newest counts until there is another.
+
+# a message that comes before the start
+# after a restart
+Most likely initialize throws away the newest message, or keeps another: make what keeps it in configure.
+
+# two tanks
+Most likely what is kept belongs to the class: make it in configure, self.joy = ...
+
+# control between the callback's instructions
+Most likely the callback keeps the message piece by piece, and control runs between two pieces: keep it as a whole, in a
+Latest.
+
+# a message between control's instructions
+Most likely control looks twice, and a message comes in between: take it once, and read both axes from that.
+"""
 DRIVES, AHEAD = (0.5, -0.8, 0.7, -0.9), (0.0, 1.0, 0.7, -0.9)
 STICKS = (
     *((0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-0.6, 0.8), (1.0, 1.0), (0.16, -0.1), (-0.16, 0.1), (0.02, 0.02)),
@@ -140,27 +173,7 @@ STICKS = (
 )
 MESSAGES = ((0.0, 1.0), (), (1.0,), (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4))
 WHOLE, MIXED = ((0.6, 0.5), (-0.4, -0.9)), ((0.6, -0.9), (-0.4, 0.5))
-AXES = "Most likely a message or its axes are taken for granted, or one with few is dropped: what it lacks counts as 0."
 KEPT = "Most likely messages are dropped by time, or count for a while only: the newest counts until there is another."
-RESTART = "Most likely initialize throws away the newest message, or keeps another: make what keeps it in configure."
-OTHERWISE = {
-    "": "Compare with TRACK_L: 1.0 * left_y - 0.5 * left_x, TRACK_R: 1.0 * left_y + 0.5 * left_x, and nothing else.",
-    "the topic, in the namespace /lab": "Most likely it is another topic, as one with a slash in front or a body's "
-    'name, or another type: it is config.node.create_subscription(Joy, "joy", self.on_joy, 1), in configure.',
-    "a message, before the next step": "Most likely the callback sets the tracks: only control may, on its thread.",
-    "before the first message": AXES,
-    "a second step does the same": "Most likely the speeds are smoothed, step by step: set them at once.",
-    " axes": AXES,
-    "300 steps without a message": KEPT,
-    "four messages between two steps": KEPT,
-    "a message that comes before the start": RESTART,
-    "after a restart": RESTART,
-    "two tanks": "Most likely what is kept belongs to the class: make it in configure, self.joy = ...",
-    "control between the callback's instructions": "Most likely the callback keeps the message piece by piece, and "
-    "control runs between two pieces: keep it as a whole, in a Latest.",
-    "a message between control's instructions": "Most likely control looks twice, and a message comes in between: take "
-    "it once, and read both axes from that.",
-}
 
 
 def speeds(rig: Rig) -> str:
@@ -246,10 +259,8 @@ CASES = Cases(
     },
     MISTAKES,
     str,
-    OTHERWISE,
     crashes=["before the first message", " axes"],
     clock=KEPT,
     on_ros=lambda answer: over_ros(answer, Joy(axes=DRIVES), stepped),
 )
-
-drive = Exercise("drive", __doc__, CASES.judge, GentleTank)
+drive = Exercise("drive", __doc__, CASES)

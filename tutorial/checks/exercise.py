@@ -3,18 +3,21 @@
 import ast
 import inspect
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from tutorial.checks._answer import check_has, misfit, name_of, unwritten
+from tutorial.checks._cases import Case, Cases, ask, call, same
 from tutorial.checks._contain import contain
+from tutorial.checks._diagnose import AT_ONCE, Misuse
 from tutorial.checks._verdict import Finding, Verdict, wrong
 from tutorial.checks._watch import Failure, instrumented, watch
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.progress import remember
 
-__all__ = ["NOT_YET", "Exercise", "listing"]
+__all__ = ["AT_ONCE", "NOT_YET", "Case", "Cases", "Exercise", "Failure", "Misuse"]
+__all__ += ["ask", "call", "listing", "same", "watch"]
 
 NOT_YET = "Not attempted yet"
 """What the text begins with that says that nothing is written yet."""
@@ -32,9 +35,8 @@ class Exercise:
         text: the module's docstring: a title, the statement, which is the exercise's docstring, too, then paragraphs
             that begin with ``Hint 1: ``, what to look at, ``Hint 2: ``, how, ``Hint 3: ``, nearly the code, and
             ``Notice``, about an answer that is right.
-        judge: looks at an answer and yields what it finds, the root cause first; it ends where looking on makes no
-            sense. It may raise `Failure` or `TutorialError`.
-        solution: the right answer; its source is what `solution` shows, in the notebooks' style.
+        cases: what an answer is tried in, with the solution, whose source is shown in the notebooks' style. Their
+            `judge` may raise `Failure` or `TutorialError`.
         parts: the methods that are to be written; if none are given, what a controller overrides of its base, or all
             of another class.
         imports: what the solution needs and the notebook has not imported, each an import statement.
@@ -44,20 +46,19 @@ class Exercise:
         self,
         name: str,
         text: str | None,
-        judge: Callable[[Any], Iterator[Finding]],
-        solution: Any,
+        cases: Cases,
         parts: Sequence[str] = (),
         imports: Sequence[str] = (),
     ) -> None:
         _title, _, page = inspect.cleandoc(text or "").partition("\n\n")
         self.__doc__, *prose = _PARTS.split(page)
         *self._hints, self._notice = (" ".join(each.split()) for each in prose)
-        self.name, self.module, self.right_answer = name, solution.__module__, solution
-        self._judge, self._imports = judge, imports
+        self.name, self.cases, self.right_answer = name, cases, cases.solution
+        self.module, self._imports = self.right_answer.__module__, imports
         self._base: type | None = None
-        if isinstance(solution, type):
-            self._base = SimpleController if issubclass(solution, SimpleController) else object
-        written = [each for each in vars(solution) if each[0] != "_"]
+        if isinstance(cases.solution, type):
+            self._base = SimpleController if issubclass(cases.solution, SimpleController) else object
+        written = [each for each in vars(cases.solution) if each[0] != "_"]
         own = [each for each in written if self._base is object or hasattr(SimpleController, each)]
         self._parts = parts or own
         self._requires = [each for each in own if self._base is object or each in ("configure", "initialize")]
@@ -92,7 +93,7 @@ class Exercise:
         try:
             with instrumented():
                 check_has(answer, *self._requires)
-                yield from self._judge(answer)
+                yield from self.cases.judge(answer)
         except Failure as failure:
             yield failure.finding()
         except TutorialError as error:

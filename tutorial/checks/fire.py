@@ -18,12 +18,9 @@ from collections.abc import Callable
 import numpy as np
 from sensor_msgs.msg import Joy
 
-from tutorial.checks._cases import Cases, mistakes
-from tutorial.checks._diagnose import Misuse
 from tutorial.checks._node import early, ros_node, send
 from tutorial.checks._rig import Rig
-from tutorial.checks._watch import Failure
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Cases, Exercise, Failure, Misuse
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.handoff import Latest
 
@@ -60,7 +57,7 @@ class FireButton(Listener):
         self.fire.put(pressed)
 
 
-MISTAKES = mistakes("""
+MISTAKES = """
 it looks at message.axes: the buttons are in message.buttons.
     message.buttons => message.axes
 
@@ -81,15 +78,21 @@ True is put only when the button goes down, or it is turned on and off: it is Tr
 
 nothing is put while the button is not pressed, or if there are no buttons, so that the last one stays: put False then.
     self.fire.put => pressed and self.fire.put => len(message.buttons) > 0 and self.fire.put
-""")
+
+#
+Compare with: whether there is a buttons[0], and it is 1.
+
+# the topic
+Most likely configure lacks what Listener's does: super().configure(config) listens to "joy".
+
+# without buttons
+Most likely buttons are taken for granted: ask for len(message.buttons) first.
+
+# one button
+Most likely more buttons are taken for granted: only buttons[0] counts.
+"""
 NO_LATEST = "Most likely self.fire is assigned anew: what it holds is replaced by self.fire.put(...)."
 NO_TRUTH = "Put whether the button is pressed: True or False. bool(...) makes one of them of anything."
-OTHERWISE = {
-    "": "Compare with: whether there is a buttons[0], and it is 1.",
-    "the topic": 'Most likely configure lacks what Listener\'s does: super().configure(config) listens to "joy".',
-    "without buttons": "Most likely buttons are taken for granted: ask for len(message.buttons) first.",
-    "one button": "Most likely more buttons are taken for granted: only buttons[0] counts.",
-}
 
 
 def held(rig: Rig, *states: tuple[int, ...]) -> bool:
@@ -147,6 +150,5 @@ def on_ros(answer: type[SimpleController]) -> str:
     return over_ros(answer, Joy(buttons=[1]), lambda rig: str(held(rig)))
 
 
-CASES = Cases(FireButton, TRIED, MISTAKES, str, OTHERWISE, crashes=["without buttons", "one button"], on_ros=on_ros)
-
-fire = Exercise("fire", __doc__, CASES.judge, FireButton, parts=("on_joy",))
+CASES = Cases(FireButton, TRIED, MISTAKES, str, crashes=["without buttons", "one button"], on_ros=on_ros)
+fire = Exercise("fire", __doc__, CASES, parts=("on_joy",))

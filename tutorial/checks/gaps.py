@@ -29,9 +29,7 @@ from typing import Any
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._cases import Cases, ask, mistakes
-from tutorial.checks._diagnose import Misuse
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Cases, Exercise, Misuse, ask
 
 __all__ = ["find_gaps", "gaps"]
 
@@ -55,7 +53,7 @@ def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int
     return found
 
 
-MISTAKES = mistakes("""
+MISTAKES = """
 nanosec is left out: a stamp is sec and nanosec together.
     Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.sec * 1_000_000_000
 
@@ -149,9 +147,40 @@ the bag's times are told: the stamps are asked for.
 
 a stamp is missing, or the length is told: the three are what happened, the stamp before and the stamp after.
     newest, stamp)) => newest,)) => newest, stamp - newest)) => newest, stamp, stamp - newest))
-""")
-EXACT = "Most likely floats are computed, which are rounded: count in whole nanoseconds, without / and 1e9."
-BACK = "Most likely the limit of a restart is another: more than 1 s back, which is 1_000_000_000 ns."
+
+#
+Compare with: newest is the newest stamp since the last restart, and each stamp is compared with it.
+
+# the bag
+Most likely the bag's times are compared: they say when a message was received, not made.
+
+# a full second, and no gap
+Most likely the stamps are not compared whole: take sec and nanosec, both.
+
+# 0.09 s
+Most likely the limit is another: more than 0.1 s, which is 100_000_000 ns, is a gap.
+
+# milliseconds
+# exactly 0.1 s
+# robot's
+Most likely floats are computed, which are rounded: count in whole nanoseconds, without / and 1e9.
+
+# , from 0
+# s back
+Most likely the limit of a restart is another: more than 1 s back, which is 1_000_000_000 ns.
+
+# late
+Most likely each stamp is compared with the last one: compare it with the newest one so far.
+
+# half a second late
+Most likely a late message is not expected: up to 1 s back, it says nothing.
+
+# no message
+Most likely a bag without a message is not expected: return an empty list.
+
+# two bags
+Most likely the list is kept from call to call: make a new one in every call.
+"""
 A_LIST = 'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), an empty one for nothing.'
 WORDS = 'The words are "gap" and "restart".'
 
@@ -235,21 +264,6 @@ TRIED = {
     "no message": bag(),
     "a single message": bag(1.0),
 }
-OTHERWISE = {
-    "": "Compare with: newest is the newest stamp since the last restart, and each stamp is compared with it.",
-    "the bag": "Most likely the bag's times are compared: they say when a message was received, not made.",
-    "a full second, and no gap": "Most likely the stamps are not compared whole: take sec and nanosec, both.",
-    "0.09 s": "Most likely the limit is another: more than 0.1 s, which is 100_000_000 ns, is a gap.",
-    "milliseconds": EXACT,
-    "exactly 0.1 s": EXACT,
-    "robot's": EXACT,
-    ", from 0": BACK,
-    "s back": BACK,
-    "late": "Most likely each stamp is compared with the last one: compare it with the newest one so far.",
-    "half a second late": "Most likely a late message is not expected: up to 1 s back, it says nothing.",
-    "no message": "Most likely a bag without a message is not expected: return an empty list.",
-    "two bags": "Most likely the list is kept from call to call: make a new one in every call.",
-}
 
 
 def say(found: Found) -> str:
@@ -258,6 +272,5 @@ def say(found: Found) -> str:
     return ", ".join(said[:4]) + f" and {len(said) - 4} more" * (len(said) > 4) or "nothing"
 
 
-CASES = Cases(find_gaps, TRIED, MISTAKES, say, OTHERWISE, ["no message"])
-
-gaps = Exercise("gaps", __doc__, CASES.judge, find_gaps, imports=("from rclpy.time import Time",))
+CASES = Cases(find_gaps, TRIED, MISTAKES, say, ["no message"])
+gaps = Exercise("gaps", __doc__, CASES, imports=("from rclpy.time import Time",))

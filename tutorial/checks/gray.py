@@ -40,11 +40,9 @@ from rclpy.time import Time
 from sensor_msgs.msg import Image
 
 from tutorial.body import Body
-from tutorial.checks._cases import call
-from tutorial.checks._diagnose import AT_ONCE, Misuse
 from tutorial.checks._publishing import Publishing, compared, compared_stamps
 from tutorial.checks._rig import Rig, Sent
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import AT_ONCE, Exercise, Misuse, call
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.errors import TutorialError
 
@@ -126,18 +124,30 @@ these are the bytes of floats, several for a pixel: .astype(np.uint8) comes befo
 it is upside down or mirrored, or rows and columns are exchanged: the topmost row comes first, and begins on the left.
     pixels.mean(axis=2) => pixels[::-1].mean(axis=2) => pixels[:, ::-1].mean(axis=2) => pixels[::-1, ::-1].mean(axis=2)
     => pixels.mean(axis=2).T
+
+#
+Compare with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()), one byte for each pixel, row by row.
+
+# the size
+Width and height are exchanged, left out or typed: message.height, message.width, _ = pixels.shape.
+
+# the encoding
+The encoding is left out, or another: one byte for a pixel is called "mono8", in small letters.
+
+# the row
+Most likely step is left out, or that of colours: a row has message.step = message.width bytes.
+
+# pictures that come late, or not at all
+Most likely the time is that of delivery or of a later request, or pictures are counted. Hand the time on,
+self.camera.capture(self.publish, self.io.time_ns).
+
+# the frame
+Most likely the frame is left out, or the body's. It is the camera's, message.header.frame_id =
+f"{self.io.body.name}/{self.camera.name}_optical".
+
+# after stop
+Most likely the camera is not closed: in stop, self.camera.close().
 """
-OTHERWISE = {
-    "": "Compare with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()), one byte for each pixel, row by row.",
-    "the size": "Width and height are exchanged, left out or typed: message.height, message.width, _ = pixels.shape.",
-    "the encoding": 'The encoding is left out, or another: one byte for a pixel is called "mono8", in small letters.',
-    "the row": "Most likely step is left out, or that of colours: a row has message.step = message.width bytes.",
-    "pictures that come late, or not at all": "Most likely the time is that of delivery or of a later request, or "
-    "pictures are counted. Hand the time on, self.camera.capture(self.publish, self.io.time_ns).",
-    "the frame": "Most likely the frame is left out, or the body's. It is the camera's, "
-    'message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical".',
-    "after stop": "Most likely the camera is not closed: in stop, self.camera.close().",
-}
 
 Pixels = NDArray[np.uint8]  # (height, width, 3)
 SIZES = {"Rover": (8, 6), "Lift": (5, 7)}  # [px]
@@ -259,7 +269,5 @@ TRIED = {
     "pictures that come late, or not at all": late,
     "after stop": left_open,
 }
-CASES = PUBLISHING.cases(GrayPublisher, TRIED, MISTAKES, OTHERWISE)
-
 PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")
-gray = Exercise("gray", __doc__, CASES.judge, GrayPublisher, PARTS)
+gray = Exercise("gray", __doc__, PUBLISHING.cases(GrayPublisher, TRIED, MISTAKES), PARTS)

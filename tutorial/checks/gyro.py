@@ -120,15 +120,20 @@ the frame is that of the chassis: on the crane the sensor is at the tip of the j
 
 the sign is turned round, or it is in degrees: send what the sensor says, in rad/s.
     np.mean(self.samples, axis=0) => (-np.mean(self.samples, axis=0)) => np.degrees(np.mean(self.samples, axis=0))
+
+#
+Compare with the mean, component by component, of the measurements since the last message.
+
+# the frame
+Most likely the body or the sensor is missing, or another: message.header.frame_id = f"{self.io.body.name}/GYRO".
+
+# what is not measured
+Most likely one of them is not marked, or angular_velocity is, too: -1.0 in orientation_covariance[0] and
+linear_acceleration_covariance[0] says that these two are not measured.
+
+# on a robot with a gyroscope alone
+Most likely something is asked for that not every robot has: use only GYRO.
 """
-OTHERWISE = {
-    "": "Compare with the mean, component by component, of the measurements since the last message.",
-    "the frame": "Most likely the body or the sensor is missing, or another: "
-    'message.header.frame_id = f"{self.io.body.name}/GYRO".',
-    "what is not measured": "Most likely one of them is not marked, or angular_velocity is, too: -1.0 in "
-    "orientation_covariance[0] and linear_acceleration_covariance[0] says that these two are not measured.",
-    "on a robot with a gyroscope alone": "Most likely something is asked for that not every robot has: use only GYRO.",
-}
 
 SIGNAL = np.random.default_rng(4).exponential((0.2, 0.3, 0.5), (700, 3)) - (0.1, 0.4, 0.2)  # [rad/s], at each step
 GYROSCOPE_ALONE = """
@@ -188,6 +193,4 @@ TRIED = {
     "on the crane, 20 ms a step": PUBLISHING.sent(0.45, model="crane", ms=20),
     "on a robot with a gyroscope alone": PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
 }
-CASES = PUBLISHING.cases(GyroPublisher, TRIED, MISTAKES, OTHERWISE)
-
-gyro = Exercise("gyro", __doc__, CASES.judge, GyroPublisher)
+gyro = Exercise("gyro", __doc__, PUBLISHING.cases(GyroPublisher, TRIED, MISTAKES))

@@ -37,8 +37,7 @@ from sensor_msgs.msg import Imu
 
 from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side
 from tutorial.checks._viewing import viewing
-from tutorial.checks._watch import watch
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Exercise, watch
 from tutorial.controller import ControllerConfig, SimpleController
 
 __all__ = ["HopViewer", "hop"]
@@ -317,6 +316,4 @@ unconfigure puts it back although it is down: ask first whether it is up, if sel
     self.node.destroy => if hasattr(self, "place"): self.move(self.place) // self.node.destroy
 """
 MOVE = "self.body.position = position"
-CASES = viewing(HopViewer, "imu", imu(*BLOW), MOVE, TRIED, MISTAKES, viewer=Hall, clock="")
-
-hop = Exercise("hop", __doc__, CASES.judge, HopViewer)
+hop = Exercise("hop", __doc__, viewing(HopViewer, "imu", imu(*BLOW), MOVE, TRIED, MISTAKES, viewer=Hall, clock=""))

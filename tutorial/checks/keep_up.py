@@ -136,5 +136,4 @@ the callback keeps the message piece by piece, while the main thread reads it: h
 """
 POST = "self.call_latest(self.body.name, self.update, message)"
 CASES = viewing_joints(CalmViewer, tried={**FIRST, **OWN, **LAST}, table=MISTAKES + MORE, post=POST)
-
-keep_up = Exercise("keep_up", __doc__, CASES.judge, CalmViewer)
+keep_up = Exercise("keep_up", __doc__, CASES)

@@ -32,10 +32,7 @@ from typing import Any
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._cases import Cases, call, mistakes
-from tutorial.checks._diagnose import Misuse
-from tutorial.checks._watch import watch
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Cases, Exercise, Misuse, call, watch
 
 __all__ = ["Pairs", "pair"]
 
@@ -60,7 +57,7 @@ class Pairs:
         return None
 
 
-MISTAKES = mistakes("""
+MISTAKES = """
 the objects are compared, by `is` or id, and each message has a stamp of its own: compare its sec and nanosec.
     message.header.stamp.sec, message.header.stamp.nanosec => id(message.header.stamp)
 
@@ -123,7 +120,30 @@ an older stamp than the newest is refused: one topic may be ahead of the other, 
     together = => self.newest[OF] = max(stamp, self.newest.get(OF, stamp)) // together =
     together = => if stamp < self.newest[OF]: return None // together =
     OF => stream => None
-""")
+
+#
+Compare with: a message waits by its stamp, until the other stream's message of the same stamp is there.
+
+# two objects
+Most likely what waits belongs to the class, or to an argument's default: make it in __init__.
+
+# nanosecond
+Most likely the stamps are not compared as they are: sec and nanosec count, to the last digit.
+
+# digits
+Most likely the stamps are not compared as they are: both numbers count, sec and nanosec.
+
+# late
+Compare what is past: when a pair is found, what came before its first message is dropped, of both.
+
+# start
+Most likely it is asked which stamp is larger: after a new start they begin at 0; count on the arrival.
+
+# 50
+# 51
+# 60
+Compare what gives way: nothing as long as 50 wait, and of more the one that came first.
+"""
 NO_PAIR = "Return the two messages themselves, joints, pose, or None as long as one of them is missing."
 
 JOINTS, POSE = "joints", "pose"
@@ -221,17 +241,6 @@ TRIED = {
     "200 without a partner, then the pose of the first": tried(*joints(*range(0, 4000, 20)), *poses(0)),
     "200 without a partner, then started again": tried(*joints(*range(9000, 13000, 20)), *in_turn(0, 20)),
 }  # fmt: skip
-GIVES_WAY = "Compare what gives way: nothing as long as 50 wait, and of more the one that came first."
-SHARED = "Most likely what waits belongs to the class, or to an argument's default: make it in __init__."
-OTHERWISE = {
-    "": "Compare with: a message waits by its stamp, until the other stream's message of the same stamp is there.",
-    "two objects": SHARED,
-    "nanosecond": "Most likely the stamps are not compared as they are: sec and nanosec count, to the last digit.",
-    "digits": "Most likely the stamps are not compared as they are: both numbers count, sec and nanosec.",
-    "late": "Compare what is past: when a pair is found, what came before its first message is dropped, of both.",
-    "start": "Most likely it is asked which stamp is larger: after a new start they begin at 0; count on the arrival.",
-    **dict.fromkeys(("50 ", "51 ", "60 "), GIVES_WAY),
-}
 
 
 def say(returned: Sequence[Any]) -> str:
@@ -245,6 +254,4 @@ def _time(stamp: int) -> str:
     return f"{stamp // MS}" + f".{stamp % MS:06}" * (stamp % MS > 0) + " ms"
 
 
-CASES = Cases(Pairs, TRIED, MISTAKES, say, OTHERWISE)
-
-pair = Exercise("pair", __doc__, CASES.judge, Pairs)
+pair = Exercise("pair", __doc__, Cases(Pairs, TRIED, MISTAKES, say))

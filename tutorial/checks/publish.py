@@ -31,10 +31,9 @@ import numpy as np
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._cases import same
 from tutorial.checks._publishing import Publishing
 from tutorial.checks._rig import Rig, Sent
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Exercise, same
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 __all__ = ["SlowPublisher", "publish"]
@@ -87,13 +86,23 @@ the message is filled once, in initialize, and sent again and again: fill it in 
 
 the joints' names are typed, or how many there are: take all of them from the body, io.body.joints.
     io.body.joints => [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")] => io.body.joints[:2]
+
+#
+Most likely the joints' names are typed, or how many there are: take all of them from io.body.joints.
+
+# the names
+The names are left out, in another order, or added up: [joint.name for joint in self.joints].
+
+# position
+position is missing, mixed up or old: [joint.position for joint in self.joints].
+
+# velocity
+velocity is missing, mixed up or old: [joint.velocity for joint in self.joints].
+
+# effort
+effort is missing, mixed up or old: [joint.effort for joint in self.joints].
 """
 UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
-OTHERWISE = {
-    "": "Most likely the joints' names are typed, or how many there are: take all of them from io.body.joints.",
-    "the names": "The names are left out, in another order, or added up: [joint.name for joint in self.joints].",
-    **{field: f"{field} is missing, mixed up or old: [joint.{field} for joint in self.joints]." for field in UNITS},
-}
 
 
 def moving(answer: type, **options: Any) -> Rig:
@@ -134,6 +143,4 @@ TRIED = {
     **{field: PUBLISHING.sent(0.2, partial(numbers, field=field)) for field in UNITS},
     "on the crane Lift": PUBLISHING.sent(0.2, model="crane", name="Lift"),
 }
-CASES = PUBLISHING.cases(SlowPublisher, TRIED, MISTAKES, OTHERWISE)
-
-publish = Exercise("publish", __doc__, CASES.judge, SlowPublisher)
+publish = Exercise("publish", __doc__, PUBLISHING.cases(SlowPublisher, TRIED, MISTAKES))

@@ -30,10 +30,7 @@ from typing import Any
 
 from rclpy.time import Time
 
-from tutorial.checks._cases import Case, Cases, call, mistakes
-from tutorial.checks._diagnose import Misuse
-from tutorial.checks._watch import Failure, watch
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Case, Cases, Exercise, Failure, Misuse, call, watch
 from tutorial.controller import SimpleController
 
 __all__ = ["MyRecorder", "record"]
@@ -59,7 +56,7 @@ class MyRecorder(QueueRecorder):
         self.bag.close()
 
 
-MISTAKES = mistakes("""
+MISTAKES = """
 the bag is closed while the thread may still write: wait for it before, self.writer.join(), however long it takes.
     self.writer.join() => pass => self.bag.close() // self.writer.join()
 
@@ -81,12 +78,16 @@ the time of writing is noted: write the one that stands in the entry, the time a
 
 the messages are kept until the end, and lost if the program dies: write each one as it comes.
     while received := self.received.get(): => for received in [*iter(self.received.get, None)]:
-""")
-OTHERWISE = {
-    "one by one": "Take one entry, end if it is None, else self.bag.write(self.connection, time_ns, payload).",
-    "wait": "Compare with: stop listening, put None, join, close. And write ends at None, before it takes that apart.",
-    "": "Compare with: stop listening, put None, join, close.",
-}
+
+# one by one
+Take one entry, end if it is None, else self.bag.write(self.connection, time_ns, payload).
+
+# wait
+Compare with: stop listening, put None, join, close. And write ends at None, before it takes that apart.
+
+#
+Compare with: stop listening, put None, join, close.
+"""
 STUCK = "Most likely nothing puts None into the queue, somebody else takes it out, or write does not end at None."
 BUSY = "That keeps the processor busy: self.received.get() waits for an entry by itself, and join for the thread's end."
 OFTEN = 100  # times that somebody asks whether the queue is empty
@@ -220,6 +221,5 @@ TRIED = {
     "three messages wait": tried(A, B, C),
     "a message comes while it stops listening": tried(A, coming=[B]),
 }
-CASES = Cases(MyRecorder, TRIED, MISTAKES, str, OTHERWISE, crashes=["one by one", "wait"])
-
-record = Exercise("record", __doc__, CASES.judge, MyRecorder, ("write", "unconfigure"))
+CASES = Cases(MyRecorder, TRIED, MISTAKES, str, crashes=["one by one", "wait"])
+record = Exercise("record", __doc__, CASES, ("write", "unconfigure"))

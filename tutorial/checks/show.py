@@ -219,6 +219,4 @@ viewing_joints = partial(
     crashes=("order", "only TURRET_P", "ANTENNA", "NaN", "two names", "late"),
 )
 TRIED = {**FIRST, "five messages that wait together": [wait_together], **LAST}
-CASES = viewing_joints(MyViewer, tried=TRIED, table=MISTAKES + MORE)
-
-show = Exercise("show", __doc__, CASES.judge, MyViewer)
+show = Exercise("show", __doc__, viewing_joints(MyViewer, tried=TRIED, table=MISTAKES + MORE))

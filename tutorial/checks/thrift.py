@@ -30,10 +30,9 @@ from typing import Any
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._cases import Case
 from tutorial.checks._publishing import Publishing
 from tutorial.checks._rig import Rig, Sent
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Case, Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 __all__ = ["ThriftyPublisher", "thrift"]
@@ -131,12 +130,14 @@ the steps are counted from the last message, so after a pause it looks at every 
     self.io.step % self.steps_per_look == 0 => self.io.step >= self.due
     self.io = io => self.io, self.due = io, 0
     self.sent.update(news) => self.sent.update(news) // self.due = self.io.step + self.steps_per_look
+
+#
+Compare each joint's position with the one that was last sent for it, every 20 ms, and begin each message with new
+lists.
+
+# the joints of the tank
+Most likely the joints' names are typed: take them from io.body.joints.
 """
-OTHERWISE = {
-    "": "Compare each joint's position with the one that was last sent for it, every 20 ms, and begin each "
-    "message with new lists.",
-    "the joints of the tank": "Most likely the joints' names are typed: take them from io.body.joints.",
-}
 
 LOOK = 0.02  # [s]
 Move = tuple[float, float, float]  # [m, rad, rad] of the crane's joints
@@ -201,6 +202,4 @@ TRIED = {
     "two robots in turns": lambda answer: PUBLISHING.two(answer, moves=(REST,), model="crane"),
     "after a restart": lambda answer: PUBLISHING.restarted(answer, moves=(REST,), model="crane"),
 }
-CASES = PUBLISHING.cases(ThriftyPublisher, TRIED, MISTAKES, OTHERWISE)
-
-thrift = Exercise("thrift", __doc__, CASES.judge, ThriftyPublisher)
+thrift = Exercise("thrift", __doc__, PUBLISHING.cases(ThriftyPublisher, TRIED, MISTAKES))

@@ -27,10 +27,7 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import Joy
 
-from tutorial.checks._cases import Case, Cases, call, mistakes
-from tutorial.checks._diagnose import Misuse
-from tutorial.checks._watch import watch
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Case, Cases, Exercise, Misuse, call, watch
 
 __all__ = ["CommandTimeout", "timeout"]
 
@@ -49,7 +46,7 @@ class CommandTimeout:
         return seconds - self.since <= 0.5
 
 
-MISTAKES = mistakes("""
+MISTAKES = """
 what the messages hold is compared: a stick that is held sends the same again. Compare with `is not`.
     message is not self.message => message != self.message
 
@@ -84,8 +81,10 @@ once a message was too old, none is fresh any more: the next one is.
 
 a message that was too old is forgotten, and taken for a new one in the next call: keep it.
     return => self.message = message if seconds - self.since <= 0.5 else None // return
-""")
-OTHERWISE = {"": "Compare with: if the message is another object than before, keep it and the seconds; then subtract."}
+
+#
+Compare with: if the message is another object than before, keep it and the seconds; then subtract.
+"""
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 
 
@@ -131,6 +130,4 @@ TRIED = {
     "a new message each time, the one before is gone": tried("N 0, N 0.25, N 0.5, N 0.75, N 1"),
     "two robots in turns": tried("A 0, B 0.25, A 0.75, B 0.75", objects=2),
 }
-CASES = Cases(CommandTimeout, TRIED, MISTAKES, say, OTHERWISE)
-
-timeout = Exercise("timeout", __doc__, CASES.judge, CommandTimeout)
+timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, TRIED, MISTAKES, say))

@@ -29,8 +29,7 @@ import numpy as np
 from geometry_msgs.msg import Quaternion, TransformStamped
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial.checks._cases import Cases, ask, mistakes
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Cases, Exercise, ask
 
 __all__ = ["turned", "where", "where_is"]
 
@@ -49,7 +48,7 @@ def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayL
     return point
 
 
-MISTAKES = mistakes("""
+MISTAKES = """
 the order is the wrong way round: the last transform knows the point's frame, so it comes first.
     reversed( => list(
 
@@ -99,24 +98,37 @@ only x and y of the translation are added: z, too.
 the translations are added up, and not turned by the frames that they are in.
     + np.array([t => + 0 * np.array([t
     return point => return np.array(point) + sum(map(place, transforms), np.zeros(3))
-""")
-HOW_MANY = "Most likely a certain number of transforms is expected, or a frame's name: loop through all of them."
+
+#
+Compare with: from the last transform to the first, each turns the point and then adds its translation.
+
+# a quarter of a turn to the left
+To move is right, and to turn is not: compare with turned(q, point).
+
+# moved, and turned to the left
+Each alone, to move and to turn, is right: turn first, and then add.
+
+# its nose up
+# rolled to its side
+A turn about z is right, and one about another axis is not: compare with turned(q, point).
+
+# about a slanting axis
+A turn about x, y or z is right, one about all at once is not: compare with turned().
+
+# quaternions with all signs changed
+A rotation has two quaternions, q and -q: the sign of w alone says nothing.
+
+# transforms
+Most likely a certain number of transforms is expected, or a frame's name: loop through all of them.
+
+# whole numbers
+Most likely an array of whole numbers is made, which takes no fractions: begin with np.array(point, float).
+
+# no transform
+Without transforms the point is returned as it is: take no first transform for granted, and give it back.
+"""
 NONE_GIVEN = "Without transforms the point is returned as it is: take no first transform for granted, and give it back."
 XYZ = "Return x, y and z: a list, a tuple or an array of three numbers; a message is no list."
-WHOLE = "Most likely an array of whole numbers is made, which takes no fractions: begin with np.array(point, float)."
-TILTED = "A turn about z is right, and one about another axis is not: compare with turned(q, point)."
-OTHERWISE = {
-    "": "Compare with: from the last transform to the first, each turns the point and then adds its translation.",
-    "a quarter of a turn to the left": "To move is right, and to turn is not: compare with turned(q, point).",
-    "moved, and turned to the left": "Each alone, to move and to turn, is right: turn first, and then add.",
-    "its nose up": TILTED,
-    "rolled to its side": TILTED,
-    "about a slanting axis": "A turn about x, y or z is right, one about all at once is not: compare with turned().",
-    "quaternions with all signs changed": "A rotation has two quaternions, q and -q: the sign of w alone says nothing.",
-    "transforms": HOW_MANY,
-    "whole numbers": WHOLE,
-    "no transform": NONE_GIVEN,
-}
 
 Chain = Sequence[tuple[Any, Any, float]]  # of each the translation [m], and axis and angle of the rotation [deg]
 
@@ -197,6 +209,5 @@ def say(numbers: Sequence[float]) -> str:
     return ", ".join(f"{number:z.3f}" for number in numbers)
 
 
-CASES = Cases(where_is, TRIED, MISTAKES, say, OTHERWISE, crashes=["transform", "whole numbers"], beside=(turned,))
-
-where = Exercise("where", __doc__, CASES.judge, where_is)
+CASES = Cases(where_is, TRIED, MISTAKES, say, crashes=["transform", "whole numbers"], beside=(turned,))
+where = Exercise("where", __doc__, CASES)
