@@ -11,8 +11,6 @@ from typing import Any
 from tutorial.joints import JointMatcher
 from tutorial.ros.chaos.faults import SECOND_NS, stamp_ns
 
-__all__ = ["VIEWERS", "Viewer"]
-
 
 class Viewer:
     """What is common to all.

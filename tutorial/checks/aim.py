@@ -31,8 +31,6 @@ from tutorial.checks._rig import Rig
 from tutorial.checks.exercise import Cases, Exercise, Failure, Misuse, call
 from tutorial.controller import SimpleController
 
-__all__ = ["HeldJoint", "aim"]
-
 
 class HeldJoint:
     """One joint that a stick moves, and that is held where the stick has put it."""

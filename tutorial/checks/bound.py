@@ -35,8 +35,6 @@ from sensor_msgs.msg import Joy
 from tutorial.checks._interleave import traced
 from tutorial.checks.exercise import Case, Cases, Exercise, Failure, Misuse, ask, call, watch
 
-__all__ = ["bound", "four_axes"]
-
 
 def four_axes(message: Joy) -> list[float]:
     """Return the sticks' axes, each in [-1, 1]; one that the message lacks, or that is not finite, counts as 0."""

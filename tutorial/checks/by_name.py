@@ -33,8 +33,6 @@ from sensor_msgs.msg import JointState
 
 from tutorial.checks.exercise import Cases, Exercise, Misuse, ask
 
-__all__ = ["by_name", "match_by_name"]
-
 
 def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, float]:
     """Find out which joint a message moves where."""
@@ -49,22 +47,9 @@ MISTAKES = """
 the joints' names are typed: those of the body are in joint_names.
     name in joint_names => name in ("TURRET_Y", "TURRET_P")
 
-places in the body are taken for places in the message: the i-th position belongs to the i-th name of the message.
-    zip(message.name, => zip(joint_names, => zip([n * (n == j) for n, j in zip(message.name, joint_names)],
-
 unknown names or NaN are left out before zip, so positions move to other names: zip both as they come, leave out pairs.
     message.name, message.position => [n for n in message.name if n in joint_names], message.position
     => message.name, [q for q in message.position if isfinite(q)]
-
-the first of two of the same name counts, as with index or setdefault: the last one does, as in dict(pairs).
-    zip(message.name, message.position) => reversed([*zip(message.name, message.position)])
-    => zip([n * (n not in message.name[:i]) for i, n in enumerate(message.name)], message.position)
-
-the last of two of the same name is taken before NaN is left out: the last one that is a number counts.
-    zip(message.name, message.position) => dict(zip(message.name, message.position)).items()
-
-of two of the same name the largest position wins, as when pairs are sorted: the last one in the message does.
-    zip(message.name, message.position) => sorted(zip(message.name, message.position))
 
 the loop ends at an unknown name: leave out only that one and go on, continue.
     zip(message.name, => zip(takewhile(joint_names.__contains__, message.name),
@@ -78,18 +63,11 @@ the whole message is dropped for an unknown name, for NaN, or for a position too
     => if len(message.position) < len(message.name): return dict() // return {
     => if len(message.position) != len(message.name): return dict() // return {
 
-0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions like any other.
-    isfinite(position) => position and isfinite(position) => position >= 0 and isfinite(position)
-
 positions are converted, rounded or lose their sign: they are rad on both sides, pass them on as they are.
     name: position => name: degrees(position) => name: radians(position) => name: int(position) => name: abs(position)
 
 names and positions are exchanged in the dict: it goes from names to positions, {name: position}.
     name: position => position: name
-
-a name without a position gets 0, or None, as from zip_longest: zip leaves it out, then the joint stays where it is.
-    zip(message.name, message.position) => zip_longest(message.name, message.position, fillvalue=0.0)
-    => zip_longest(message.name, message.position)
 
 return stands within the loop, which so ends with the first pair, or with the first joint: put it behind the loop.
     zip(message.name, message.position) => [pair]
@@ -112,7 +90,7 @@ Most likely every joint is expected in every message: go through the message's n
 Most likely a name that the body does not have is not expected: ask if name in joint_names.
 
 # 3 names
-Most likely fewer positions than names are not expected: zip ends with the shorter of both.
+Most likely a name without a position gets 0, None or an error: zip leaves it out, then the joint stays where it is.
 
 # 2 names
 Most likely more positions than names are not expected: those without a name say nothing.
@@ -128,7 +106,7 @@ Most likely NaN is not left out as it should be: only that joint, and math.isfin
 Most likely infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
 
 # twice
-Most likely a name that comes twice is not expected: the last one that is a number counts.
+Most likely another one is taken where a name comes twice: the last one that is a number counts.
 
 # almost right
 Most likely names are compared in part, or changed first: a joint's name is the whole of it.

@@ -41,8 +41,6 @@ from tutorial.checks.fire import over_ros
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.handoff import Latest
 
-__all__ = ["GentleTank", "drive"]
-
 
 class GentleTank(SimpleController):
     """Drive the tracks with the left stick, gently."""

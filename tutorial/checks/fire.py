@@ -24,8 +24,6 @@ from tutorial.checks.exercise import Cases, Exercise, Failure, Misuse
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.handoff import Latest
 
-__all__ = ["FireButton", "Listener", "fire", "over_ros"]
-
 
 class Listener(SimpleController):
     """Listen to the joystick, as in the notebook."""

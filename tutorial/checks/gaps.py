@@ -31,8 +31,6 @@ from sensor_msgs.msg import JointState
 
 from tutorial.checks.exercise import Cases, Exercise, Misuse, ask
 
-__all__ = ["find_gaps", "gaps"]
-
 
 def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int, int]]:
     """Find where a stream was interrupted, and where its publisher was started again."""
@@ -64,13 +62,6 @@ seconds are computed as floating point numbers, which are rounded: count in whol
     Time.from_msg(message.header.stamp).nanoseconds => (at := message.header.stamp).sec + at.nanosec / 1e9
     > 100_000_000 => > 0.1
     > 1_000_000_000 => > 1
-
-seconds are computed as floating point numbers, which are rounded: count in whole nanoseconds.
-    stamp - newest > 100_000_000 => stamp / 1e9 - newest / 1e9 > 0.1
-    newest - stamp > 1_000_000_000 => newest / 1e9 - stamp / 1e9 > 1
-
-stamps are cut to milliseconds, or microseconds: count in whole nanoseconds.
-    .nanoseconds => .nanoseconds//1_000_000 * 1_000_000 => .nanoseconds//1_000 * 1_000
 
 each stamp is compared with the first one, or the last where something was found: newest has to move on.
     ("gap", newest, stamp)) => ("gap", newest, stamp)) => ("gap", newest, stamp)) // continue
@@ -163,7 +154,7 @@ Most likely the limit is another: more than 0.1 s, which is 100_000_000 ns, is a
 # milliseconds
 # exactly 0.1 s
 # robot's
-Most likely floats are computed, which are rounded: count in whole nanoseconds, without / and 1e9.
+Most likely the stamps are cut, or rounded, as floats are: count in whole nanoseconds, without / and 1e9.
 
 # , from 0
 # s back

@@ -46,8 +46,6 @@ from tutorial.checks.exercise import AT_ONCE, Exercise, Misuse, call
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.errors import TutorialError
 
-__all__ = ["GrayPublisher", "gray"]
-
 
 class GrayPublisher(SimpleController):
     """Publish what the camera sees in gray, at 5 Hz: a third of the bytes, and half as often."""

@@ -40,8 +40,6 @@ from tutorial.checks._rig import Rig, Sent
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
-__all__ = ["GyroPublisher", "gyro"]
-
 
 class GyroPublisher(SimpleController):
     """Publish the angular velocity at 10 Hz, the mean of the steps since the last message."""

@@ -40,8 +40,6 @@ from tutorial.checks._viewing import viewing
 from tutorial.checks.exercise import Exercise, watch
 from tutorial.controller import ControllerConfig, SimpleController
 
-__all__ = ["HopViewer", "hop"]
-
 Vector = tuple[float, float, float]
 
 HEIGHT = 0.1  # [m]

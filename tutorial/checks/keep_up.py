@@ -29,8 +29,6 @@ from tutorial.checks.show import FIRST, LAST, MISTAKES, joint_state, viewing_joi
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
-__all__ = ["CalmViewer", "keep_up"]
-
 BURST = 50
 MOST = 10_000  # instructions of a method
 EACH = "TURRET_Y at {0}, TURRET_P at {0}"

@@ -34,8 +34,6 @@ from sensor_msgs.msg import JointState
 
 from tutorial.checks.exercise import Cases, Exercise, Misuse, call, watch
 
-__all__ = ["Pairs", "pair"]
-
 
 class Pairs:
     """Finds the joint states and the pose of one stamp."""
@@ -66,12 +64,6 @@ only the seconds are compared, or only nanosec: a stamp has both.
     => stamp = found(self.waiting, stream, stamp, lambda a, b: a[WHICH] == b[WHICH]) // together =
     WHICH => 0 => 1
 
-the stamp is made one float, which can't tell nanoseconds apart on today's date: keep its two whole numbers.
-    together = => stamp = stamp[0] + stamp[1] / 1e9 // together =
-
-the numbers of the stamp are run together or added up, so that some look the same: keep both, in a tuple.
-    together = => stamp = f"{stamp[0]}{stamp[1]}" // together = => stamp = stamp[0] + stamp[1] // together =
-
 the first or the newest that waits is taken, whatever its stamp: only the same stamp will do.
     together = => stamp = found(self.waiting, stream, stamp, lambda a, b: True) // together =
     => stamp = next((k for k in [*self.waiting][::-1] if stream not in self.waiting[k]), stamp) // together =
@@ -92,9 +84,6 @@ a pair is looked for only when messages of one stream come: either may be the se
 a pair drops all that waits: only what came before it is past.
     while stamp in self.waiting: => self.waiting.clear() // while False:
 
-a pair drops what has a smaller stamp: what came before it is past, whatever its stamp.
-    while stamp in self.waiting: => self.waiting = {k: m for k, m in self.waiting.items() if k > stamp} // while False:
-
 a pair goes on waiting after it was returned: take it out, pop.
     while stamp in self.waiting: => while next(iter(self.waiting)) != stamp:
 
@@ -104,16 +93,6 @@ only one message of a stream is kept: more may wait, up to 50.
 
 there is no limit to what waits: of more than 50, the one that came first gives way.
     if len(self.waiting) > 50: => if False:
-
-the smallest stamp gives way, and after a new start that is the newest message: the one that came first has to.
-    if len(self.waiting) > 50: => if len(self.waiting) > 50: del self.waiting[min(self.waiting)] // if False:
-
-of more than 50 all are dropped: only the one that came first gives way.
-    if len(self.waiting) > 50: => if len(self.waiting) > 50: self.waiting.clear() // if False:
-    => if len(self.waiting) > 50: self.waiting = {stamp: together} // if False:
-
-what comes when 50 wait is not kept: the one that came first gives way.
-    if len(self.waiting) > 50: => if len(self.waiting) > 50: del self.waiting[stamp] // if False:
 
 an older stamp than the newest is refused: one topic may be ahead of the other, and a new start begins at 0.
     self.waiting: dict => self.newest = {} // self.waiting: dict

@@ -36,8 +36,6 @@ from tutorial.checks._rig import Rig, Sent
 from tutorial.checks.exercise import Exercise, same
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
-__all__ = ["SlowPublisher", "publish"]
-
 
 class SlowPublisher(SimpleController):
     """Publish position, velocity and effort of every joint at 25 Hz."""

@@ -33,8 +33,6 @@ from rclpy.time import Time
 from tutorial.checks.exercise import Case, Cases, Exercise, Failure, Misuse, call, watch
 from tutorial.controller import SimpleController
 
-__all__ = ["MyRecorder", "record"]
-
 
 class QueueRecorder(SimpleController):
     """The rest of the recorder, in the notebook. Here `Surroundings` gives it what its `configure` makes there."""

@@ -35,8 +35,6 @@ from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
-__all__ = ["FIRST", "LAST", "MISTAKES", "MyViewer", "joint_state", "show", "viewing_joints"]
-
 TRIES = 12  # messages, of which each is to be shown
 LATER = count(100_000, 20)  # [ms]
 

@@ -35,8 +35,6 @@ from tutorial.checks._rig import Rig, Sent
 from tutorial.checks.exercise import Case, Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
-__all__ = ["ThriftyPublisher", "thrift"]
-
 
 class ThriftyPublisher(SimpleController):
     """Publish the positions of the joints that have moved."""

@@ -29,8 +29,6 @@ from sensor_msgs.msg import Joy
 
 from tutorial.checks.exercise import Case, Cases, Exercise, Misuse, call, watch
 
-__all__ = ["CommandTimeout", "timeout"]
-
 
 class CommandTimeout:
     """Tells whether the newest command is fresh."""

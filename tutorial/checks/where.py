@@ -31,8 +31,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial.checks.exercise import Cases, Exercise, ask
 
-__all__ = ["turned", "where", "where_is"]
-
 
 def turned(q: Quaternion, point: ArrayLike) -> NDArray[np.float64]:
     """Turn a point about the origin."""
