@@ -47,6 +47,9 @@ SENTENCES = {
     "Most likely configure does not keep it: self.node = config.node.": lambda: Answer().node,
     "Most likely it is read before anything has set it: configure comes first": lambda: Answer().message,
     "Most likely it asks for the event loop": asyncio.get_running_loop,
+    "What stands before the dot is a tuple: take it apart first": lambda: (1,).header,
+    "Most likely there is an index beyond the end": lambda: "".split()[0],
+    "Most likely a list is the key of a dict": lambda: {[]: 1},
     "Leave it out: the program spins its node already": lambda: rclpy.spin_once(None),
     "Did you mean 'speed'?": set_what_there_is_not,
 }
@@ -55,7 +58,7 @@ SENTENCES = {
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("sentence", SENTENCES)
 def test_pythons_sentence_is_understood(sentence):
-    with pytest.raises((AttributeError, TypeError, RuntimeError)) as info:
+    with pytest.raises((AttributeError, TypeError, RuntimeError, LookupError)) as info:
         SENTENCES[sentence]()
     assert likely_cause(info.value, Answer).startswith(sentence)
     del info

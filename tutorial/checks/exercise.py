@@ -43,12 +43,7 @@ class Exercise:
     """
 
     def __init__(
-        self,
-        name: str,
-        text: str | None,
-        cases: Cases,
-        parts: Sequence[str] = (),
-        imports: Sequence[str] = (),
+        self, name: str, text: str | None, cases: Cases, parts: Sequence[str] = (), imports: Sequence[str] = ()
     ) -> None:
         _title, _, page = inspect.cleandoc(text or "").partition("\n\n")
         self.__doc__, *prose = _PARTS.split(page)

@@ -46,11 +46,6 @@ def yields(joint_names, message):
     yield from match_by_name(joint_names, message).items()
 
 
-def sorts(joint_names, message):
-    message.name.sort()
-    return match_by_name(joint_names, message)
-
-
 def makes_one_dict(joint_names, message, found={}):  # noqa: B006 - the mistake
     found.clear()
     found.update(match_by_name(joint_names, message))
@@ -66,16 +61,10 @@ def in_whole_thousandths(joint_names, message):
     return {name: int(1000 * q) / 1000 for name, q in usable(lambda q: q == q, joint_names, message).items()}
 
 
-def unpacks(joint_names, message):
-    return {name: position for name, position in message.name if name in joint_names}
-
-
 WRONG = [
     (yields, "Return a dict from names to positions"),
-    (sorts, "leave it as it is"),
     (makes_one_dict, "the dict is kept from call to call"),
     (looks_up_all, "every joint is expected in every message"),
     (in_whole_thousandths, "infinity is not left out"),
     (partial(usable, lambda q: q == q), "infinity is not left out"),
-    (unpacks, "Mend this line first"),
 ]

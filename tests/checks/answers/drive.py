@@ -126,9 +126,6 @@ METHODS = [
     ({"configure": subscribes_first}, "the subscription is created before what its callback uses"),
     ({"configure": other_type}, ["or another type", "is read before anything"]),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not tell the node"),
-    (
-        {"unconfigure": lambda self: self.node.destroy_node()},
-        "unconfigure destroys only the subscription",
-    ),
+    ({"unconfigure": lambda self: self.node.destroy_node()}, "unconfigure destroys only the subscription"),
 ]
 WRONG = [(type("Answer", (GentleTank,), {"set": set_tracks, **methods}), cause) for methods, cause in METHODS]

@@ -71,7 +71,4 @@ class Squared(GrayPublisher):
         super().publish(np.sqrt((pixels.astype(float) ** 2)[:, :, :1]).repeat(3, axis=2) / 2, time_ns)
 
 
-WRONG = [
-    (AtOnce, "give it without parentheses, self.publish"),
-    (Squared, "Compare with array('B'"),
-]
+WRONG = [(AtOnce, "give it without parentheses, self.publish"), (Squared, "Compare with array('B'")]

@@ -81,14 +81,7 @@ class AnotherFrame(GyroPublisher):
         self.io.body.name = name
 
 
-class NoFrame(GyroPublisher):
-    def initialize(self, io):
-        super().initialize(io)
-        self.sensor.name = "imu_link"
-
-
 WRONG = [
-    (NoFrame, "the body or the sensor is missing, or another"),
     (OnItsOwnThread, "a timer or a thread publishes"),
     (AnotherFrame, "the body or the sensor is missing, or another"),
 ]

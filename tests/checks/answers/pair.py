@@ -78,11 +78,6 @@ def returning(shape):
     return Shaped
 
 
-class StampAsKey(Pairs):
-    def add(self, stream, message):
-        self.waiting.setdefault(message.header.stamp, {})[stream] = message
-
-
 class NeverBehind(Queues):
     newest = (-1, 0)
 
@@ -97,6 +92,5 @@ WRONG = [
     (ADefault, "belongs to the class, or to an argument's default"),
     (OnlyTwenty, "what gives way: nothing as long as 50 wait"),
     (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),
-    (StampAsKey, "a Time is the key of a dict"),
     (NeverBehind, "after a new start they begin at 0"),
 ]

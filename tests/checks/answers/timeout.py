@@ -37,18 +37,6 @@ class Countdown:
         return self.age <= 0.5
 
 
-class Early:
-    def __init__(self):
-        self.newest = object()
-
-    def fresh(self, message, seconds):
-        if message is self.newest:
-            return seconds - self.came <= 0.5
-        self.newest = message
-        self.came = seconds
-        return True
-
-
 class Shared(CommandTimeout):
     came: dict = {}
 
@@ -67,14 +55,8 @@ class SaysTheAge(CommandTimeout):
         return seconds - self.since
 
 
-class Never(CommandTimeout):
-    def fresh(self, message, seconds):
-        return False
-
-
-RIGHT = [Deadline, Identity, Countdown, Early]
+RIGHT = [Deadline, Identity, Countdown]
 WRONG = [
     (Shared, ["make it in __init__"]),
     (SaysTheAge, ["Return True or False"]),
-    (Never, ["another object than before"]),
 ]
