@@ -90,7 +90,7 @@ Most likely every joint is expected in every message: go through the message's n
 Most likely a name that the body does not have is not expected: ask if name in joint_names.
 
 # 3 names
-Most likely a name without a position gets 0, None or an error: zip leaves it out, then the joint stays where it is.
+Most likely a name without a position is given one, or spoils the message: zip leaves out that name, the others count.
 
 # 2 names
 Most likely more positions than names are not expected: those without a name say nothing.
@@ -106,7 +106,7 @@ Most likely NaN is not left out as it should be: only that joint, and math.isfin
 Most likely infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
 
 # twice
-Most likely another one is taken where a name comes twice: the last one that is a number counts.
+Most likely the wrong one counts of a name that comes twice, or none: the last one that is a number does.
 
 # almost right
 Most likely names are compared in part, or changed first: a joint's name is the whole of it.
