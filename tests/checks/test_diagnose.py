@@ -48,7 +48,7 @@ SENTENCES = {
     "Most likely it is read before anything has set it: configure comes first": lambda: Answer().message,
     "Most likely it asks for the event loop": asyncio.get_running_loop,
     "What stands before the dot is a tuple: take it apart first": lambda: (1,).header,
-    "Most likely there is an index beyond the end": lambda: "".split()[0],
+    "Most likely there is an index beyond the end": lambda: [].pop(),
     "Most likely a list is the key of a dict": lambda: {[]: 1},
     "Leave it out: the program spins its node already": lambda: rclpy.spin_once(None),
     "Did you mean 'speed'?": set_what_there_is_not,
