@@ -1,6 +1,6 @@
 """What the checks of the exercises are worth: every small fault in a right answer is rejected, or shown to be none.
 
-``make mutants`` runs it; it takes some three minutes. Each mutant of each right answer is judged as a learner's
+``make mutants`` runs it; it takes about a minute. Each mutant of each right answer is judged as a learner's
 answer is, in a process and a ROS domain of its own, two at a time; these processes are forks (`forks`). Its exit
 status is 1 if of any exercise more than 2 % survive, or one is rejected that is listed as equivalent.
 """

@@ -114,10 +114,11 @@ class Cases:
         """
         raises = [isinstance(each, Failure) for each in seen.values()]
         odd = [label for label in seen if not same(seen[label], self.expected[label])]
-        known = [each for each in self.mistakes if each.fails in ("", odd[-1])]
-        alone = {each: observed(self.cases[odd[-1]], self.mistaken(each)) for each in known}
-        shows = {each for each in known if not same(alone[each], self.expected[odd[-1]])}
-        leads = {each for each in known if same(alone[each], seen[odd[-1]])}
+        at = odd[-1]
+        known = [each for each in self.mistakes if each.fails in ("", at)]
+        alone = {each: observed(self.cases[at], self.mistaken(each)) for each in known}
+        shows = {each for each in known if not same(alone[each], self.expected[at])}
+        leads = {each for each in known if same(alone[each], seen[at])}
         both = (two for two in combinations(known, 2) if shows.issuperset(two) or not leads.isdisjoint(two))
         tries = chain(
             ((each,) for each in known if each in leads),
@@ -128,10 +129,8 @@ class Cases:
         for chosen in tries:
             if time.monotonic() > end:
                 break
-            twin, first = self.mistaken(*chosen), odd[0 if chosen[0] not in alone else -1]
-            if twin and all(
-                same(observed(self.cases[label], twin), seen[label]) for label in dict.fromkeys((first, *seen))
-            ):
+            twin = self.mistaken(*chosen)
+            if twin and all(same(observed(self.cases[each], twin), seen[each]) for each in dict.fromkeys((at, *seen))):
                 return chosen
         return ()
 
