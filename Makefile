@@ -14,7 +14,7 @@
 #   make steps                the tables of steps, in the README, CONTRIBUTING and the book, after a change to their list
 #   make screenshots          the README's picture, which moves; it takes some minutes
 #   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency, memory and a bag; then floods that mean harm
-#   make mutants              every small fault in the exercises' solutions: does the check find it; some three minutes
+#   make mutants              every small fault in the exercises' solutions: does the check find it; about a minute
 #   make wheel                the wheels of tank-tutorial and pocket-ros2, in dist/
 #   make book                 the pages of book/ and the notebooks, as a site in book/_build/html
 #   make bench | lint | clean
