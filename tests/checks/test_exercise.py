@@ -20,7 +20,7 @@ from tutorial.checks.drive import GentleTank, drive
 from tutorial.checks.exercise import Exercise, listing
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.controller_files import controller_names
-from tutorial.paths import HOME
+from tutorial.paths import HOME, PACKAGE
 
 EXERCISES = [each for those in exercises().values() for each in those]
 every_exercise = pytest.mark.parametrize("exercise", EXERCISES, ids=lambda exercise: exercise.name)
@@ -31,6 +31,8 @@ def test_there_are_exercises_for_each_controller_and_each_is_called_by_its_name(
     files = {module.rpartition(".")[2] for module in controller_names().values()} - BESIDE
     assert all(sum(f"{file}_".startswith(f"{name}_") for name in names) == 1 for file in files)
     assert all(any(f"{file}_".startswith(f"{name}_") for file in files) for name in names)
+    modules = {path.stem for path in (PACKAGE / "checks").glob("[!_]*.py")} - names - {"catalogue", "exercise"}
+    assert modules == {exercise.name for exercise in EXERCISES}, "the module of a step lists its exercises"
     for exercise in EXERCISES:
         assert getattr(importlib.import_module(exercise.module), exercise.name) is exercise
         assert exercise.name != exercise.right_answer.__name__, "the answer would hide the exercise"

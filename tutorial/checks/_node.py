@@ -1,7 +1,5 @@
 """The learner's node: one in memory, as much of rclpy's as a controller uses, and rclpy's own for one last case."""
 
-from __future__ import annotations
-
 import inspect
 import sys
 import time
@@ -43,7 +41,7 @@ class Endpoint:
         destroyed: whether the learner has destroyed it.
     """
 
-    def __init__(self, node: MemoryNode, kind: type, topic: str, qos: Any, callback: Any = None) -> None:
+    def __init__(self, node: "MemoryNode", kind: type, topic: str, qos: Any, callback: Any = None) -> None:
         self.topic_name = expand_topic_name(topic, "tank", node.namespace)
         self.kind, self.callback, self.destroyed = kind, callback, False
         self.depth = getattr(qos, "depth", qos)

@@ -26,8 +26,6 @@ Notice that the control loop never waits for a picture, and that gray, half as o
 second that colour needs.
 """
 
-from __future__ import annotations
-
 from array import array
 from collections.abc import Callable
 from functools import cache, partial
@@ -172,7 +170,7 @@ class Camera:
         name: must be ``"CAMERA"``.
     """
 
-    def __init__(self, rig: CameraRig, body: Body, name: str) -> None:
+    def __init__(self, rig: "CameraRig", body: Body, name: str) -> None:
         if name != "CAMERA":
             raise TutorialError(f"the body {body.name!r} has no camera {name!r}. Known are 'CAMERA'.")
         self.name, (self.width, self.height) = name, SIZES[body.name]
