@@ -77,7 +77,7 @@ the four are in reverse order, or the two sticks are exchanged: keep the order o
     return [ => axes = axes[::-1] // return [ => axes = axes[2:] + axes[:2] // return [
 
 #
-Compare with: the first four axes, each by itself, 0 if lacking or not finite, else limited to -1 and 1.
+Compare with: the first four axes as they are, each by itself, 0 if lacking or not finite, else limited to -1 and 1.
 
 # six axes
 Most likely a certain number of axes is expected: there may be more, and the first four count.

@@ -81,7 +81,8 @@ a joint that the message says nothing about gets 0, NaN or None: leave it out of
 Compare with: the i-th position belongs to the i-th name, if the body has that name and it is finite.
 
 # another order
-Most likely places in the body are taken for places in the message: go by the message's names.
+Most likely places in the body are taken for places in the message, or names are looked for in the body's order only: go
+by the message's names, and ask of each whether the body has it.
 
 # only HATCH
 Most likely every joint is expected in every message: go through the message's names.

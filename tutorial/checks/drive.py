@@ -96,8 +96,8 @@ the speeds are limited to 1 m/s, which nobody asked for: in the corner it is 1.5
 nothing is set at rest, so the last speed stays: set 0 then.
     self.track_l.ctrl = 1 => if not left_x and not left_y: return // self.track_l.ctrl = 1
 
-it reads the right stick: the left one is axes[0] and axes[1].
-    axes[:2] => axes[2:]
+it reads the right stick, or one axis of it: the left one is axes[0] and axes[1].
+    axes[:2] => axes[2:] => axes[1:3] => [axes[2], axes[1]] => [axes[0], axes[3]]
 
 the two axes are exchanged: axes[0] is x, to the left, axes[1] is y, ahead.
     left_x, left_y = => left_y, left_x =
@@ -115,6 +115,10 @@ the factors are others, as those of TankController, or one is missing: here they
 the dead zone is missing, or that of one axis: both axes count as 0 within 0.3 of the middle.
     axes[:2]) => axes[:2]) // left_x, left_y = axes[:2]
     => axes[:2]) // left_x = axes[0] => axes[:2]) // left_y = axes[1]
+
+the dead zone is asked of the speeds: an axis counts as 0 within 0.3 of the middle, before speeds are made of both.
+    axes[:2]) => axes[:2]) // left_x, left_y = axes[:2]
+    + 0.5 * left_x => + 0.5 * left_x // for t in (self.track_l, self.track_r): t.ctrl = t.ctrl * (abs(t.ctrl) > 0.3)
 
 the dead zone is another, as that of TankController, which is 0.2: here it is 0.3.
     > 0.3 => > 0.03 => > 0.15 => > 0.2 => > 0.28 => > 0.32 => > 0.35 => > 0.45 => > 0.5
@@ -145,6 +149,9 @@ Most likely a message or its axes are taken for granted, or one with few is drop
 
 # a second step does the same
 Most likely the speeds are smoothed, step by step: set them at once.
+
+# all sticks
+Most likely a message is dropped when the sticks rest, so the tank drives on: keep every message, the newest counts.
 
 # 300 steps without a message
 # four messages between two steps
@@ -244,6 +251,8 @@ CASES = Cases(
         "before the first message": after("start", 1),
         "a second step does the same": lambda answer: len({after("start", DRIVES, n)(answer) for n in (1, 2)}) == 1,
         **{f"left_x {x:g}, left_y {y:g}": after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1) for x, y in STICKS},
+        "all sticks rest": after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1),
+        "all sticks almost rest": after("start", DRIVES, 1, (0.1, -0.1, 0.2, 0.1), 1),
         **{f"a message with {len(axes)} axes": after("start", DRIVES, 1, axes, 1) for axes in MESSAGES},
         "300 steps without a message": after("start", DRIVES, 300),
         "four messages between two steps": after("start", DRIVES, AHEAD, DRIVES, AHEAD, 1),

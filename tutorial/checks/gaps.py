@@ -52,6 +52,11 @@ def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int
 
 
 MISTAKES = """
+all is counted in microseconds: the numbers that are told are whole nanoseconds, so count in these.
+    .nanoseconds => .nanoseconds//1_000
+    > 100_000_000 => > 100_000
+    > 1_000_000_000 => > 1_000_000
+
 nanosec is left out: a stamp is sec and nanosec together.
     Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.sec * 1_000_000_000
 
@@ -140,7 +145,7 @@ a stamp is missing, or the length is told: the three are what happened, the stam
     newest, stamp)) => newest,)) => newest, stamp - newest)) => newest, stamp, stamp - newest))
 
 #
-Compare with: newest is the newest stamp since the last restart, and each stamp is compared with it.
+Compare with: newest is the newest stamp since the last restart, each stamp is compared with it, in nanoseconds.
 
 # the bag
 Most likely the bag's times are compared: they say when a message was received, not made.

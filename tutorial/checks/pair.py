@@ -109,6 +109,9 @@ Most likely what waits belongs to the class, or to an argument's default: make i
 # nanosecond
 Most likely the stamps are not compared as they are: sec and nanosec count, to the last digit.
 
+# three
+Most likely more than what is past is dropped, as at an older stamp: what came after a pair's first message still waits.
+
 # digits
 Most likely the stamps are not compared as they are: both numbers count, sec and nanosec.
 

@@ -122,6 +122,7 @@ METHODS = [
     ({"control": lambda self: self.set(*dead(self.joy.get().axes[i] for i in (0, 1)))}, "are taken for granted"),
     ({"x": 0.0, "y": 0.0, "control": smooth}, "smoothed"),
     ({"on_joy": throttle}, "dropped by time"),
+    ({"on_joy": lambda self, message: not any(message.axes) or self.joy.put(message)}, ["rest, so the tank drives on"]),
     ({"control": lambda self: setattr(self, "track_l", 1.0)}, "in place of self.track_l.ctrl"),
     ({"configure": subscribes_first}, "the subscription is created before what its callback uses"),
     ({"configure": other_type}, ["or another type", "is read before anything"]),
