@@ -63,9 +63,11 @@ class Cases:
 
     def judge(self, answer: Any) -> Iterator[Finding]:
         """Try an answer, say of each case what was observed, and name each mistake where it shows first."""
-        expected, shared, seen = self.expected, SharedState(answer), dict[str, Any]()
+        expected, shared, seen, took = self.expected, SharedState(answer), dict[str, Any](), dict[str, float]()
         for label, case in self.cases.items():
+            began = time.monotonic()
             seen[label] = each = observed(case, answer)
+            took[label] = time.monotonic() - began
             is_misuse = isinstance(each, Failure) and isinstance(each.error, Misuse)
             if is_misuse or (self.one_by_one and not same(each, expected[label])):
                 break
@@ -79,7 +81,7 @@ class Cases:
         for raised in kinds.values():
             told = [label for label in odd if label not in raised]
             rest = {label: each for label, each in seen.items() if label not in raised}
-            found = self.explain(rest) if told and not by_the_clock else ()
+            found = self.explain(rest, took) if told and not by_the_clock else ()
             if found:
                 break
         causes = self._shown(found, told)
@@ -107,15 +109,16 @@ class Cases:
         if self.on_ros and not odd:
             yield right(f"with another program: {self.on_ros(answer)}")
 
-    def explain(self, seen: Mapping[str, Any]) -> tuple[Mistake, ...]:
+    def explain(self, seen: Mapping[str, Any], took: Mapping[str, float]) -> tuple[Mistake, ...]:
         """Find the fewest mistakes that lead to exactly what was observed; none where nothing known does.
 
         Slips are left alone where one case alone is odd, or one raises. Of an answer that raises in the first case, or
-        was tried in few of them, two mistakes at once would only be guessed.
+        was tried in few of them, two mistakes at once would only be guessed. A case that took long is tried last, as
+        ``took`` says [s], and what is odd rather first: most likely a mistake does something else there.
         """
         raises = [isinstance(each, Failure) for each in seen.values()]
         odd = [label for label in seen if not same(seen[label], self.expected[label])]
-        at = odd[-1]
+        at, quickest = odd[-1], sorted(seen, key=lambda label: took[label] * (1 if label in odd else 2))
         known = [each for each in self.mistakes if each.fails in ("", at)]
         alone = {each: observed(self.cases[at], self.mistaken(each)) for each in known}
         shows = {each for each in known if not same(alone[each], self.expected[at])}
@@ -131,7 +134,7 @@ class Cases:
             if time.monotonic() > end:
                 break
             twin = self.mistaken(*chosen)
-            if twin and all(same(observed(self.cases[each], twin), seen[each]) for each in dict.fromkeys((at, *seen))):
+            if twin and all(same(observed(self.cases[each], twin), seen[each]) for each in quickest):
                 return chosen
         return ()
 
