@@ -49,13 +49,16 @@ the joints' names are typed: those of the body are in joint_names.
 
 unknown names or NaN are left out before zip, so positions move to other names: zip both as they come, leave out pairs.
     message.name, message.position => [n for n in message.name if n in joint_names], message.position
-    => message.name, [q for q in message.position if isfinite(q)]
+    => message.name, [*filter(isfinite, message.position)] => message.name, [q for q in message.position if q == q]
+
+infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
+    isfinite(position) => position == position
 
 the loop ends at an unknown name: leave out only that one and go on, continue.
     zip(message.name, => zip(takewhile(joint_names.__contains__, message.name),
 
 the loop ends at NaN: leave out only that joint and go on, continue.
-    message.position) => takewhile(isfinite, message.position))
+    message.position) => takewhile(isfinite, message.position)) => takewhile(lambda q: q == q, message.position))
 
 the whole message is dropped for an unknown name, for NaN, or for a position too few or too many: leave out only that.
     return { => if not set(message.name) <= set(joint_names): return dict() // return {
