@@ -51,8 +51,9 @@ class SharedState:
 def outside(answer: Any) -> Iterator[tuple[str, Any]]:
     """Yield what outlives an answer's objects, or belongs to the notebook, each with its name."""
     for kind in classes_of(answer):
-        kept = ((name, each) for name, each in vars(kind).items() if not isinstance(each, FunctionType))
-        yield from ((f"{kind.__name__}.{name}", each) for name, each in kept if not name.startswith("__"))
+        kept = [*vars(kind).items()]  # at once: to pickle an object adds an attribute to its class
+        own = ((name, each) for name, each in kept if name[:2] != "__" and not isinstance(each, FunctionType))
+        yield from ((f"{kind.__name__}.{name}", each) for name, each in own)
     for function in functions_of(answer):
         code, defaults = function.__code__, function.__defaults__ or ()
         arguments = code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount]

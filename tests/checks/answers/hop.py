@@ -57,7 +57,17 @@ class LikeASensor(HopViewer):
         self.subscription = self.node.create_subscription(Imu, topic, self.on_imu, qos_profile_sensor_data)
 
 
-RIGHT = [Task, Ticking, LikeASensor]
+class Remembers(HopViewer):
+    """Keeps an object of its own on the class, for nothing."""
+
+    seen: list = []
+
+    def update(self, message):
+        self.seen.append(self.land)
+        super().update(message)
+
+
+RIGHT = [Task, Ticking, LikeASensor, Remembers]
 
 
 def changed(**methods):
