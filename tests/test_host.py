@@ -347,62 +347,59 @@ async def test_a_new_run_forgets_what_failed_before(step3):
 NUMBERS = count()
 
 
-def unruly_class(rng, let, made):
-    """A class of controllers that misbehave in one of all the ways that the host has to live with.
+class Unruly(SimpleController):
+    """Misbehaves in one of all the ways that the host has to live with.
 
-    Args:
+    Attributes:
         rng: decides in which method, and how.
         let: ends its hanging.
         made: all that were made.
     """
 
-    class Unruly(SimpleController):
-        def __init__(self):
-            others = ("configure", "initialize", "stop", "unconfigure", "posted")
-            self.method = rng.choice((*others, *["control"] * 3, *["called_back"] * 2))
-            self.act = rng.choice((None, None, ValueError, SystemExit, KeyboardInterrupt, "hang"))
-            on_main = self.method in ("configure", "posted", "unconfigure")
-            if on_main and self.act in ("hang", KeyboardInterrupt):
-                self.act = SystemExit  # what hangs on the main thread is the reader's to interrupt
-            self.wait = rng.randrange(20)
-            self.hangs, self.raised = False, []  # whether it does, or did; and the texts of what it has raised
-            made.append(self)
+    def __init__(self):
+        others = ("configure", "initialize", "stop", "unconfigure", "posted")
+        self.method = self.rng.choice((*others, *["control"] * 3, *["called_back"] * 2))
+        self.act = self.rng.choice((None, None, ValueError, SystemExit, KeyboardInterrupt, "hang"))
+        on_main = self.method in ("configure", "posted", "unconfigure")
+        if on_main and self.act in ("hang", KeyboardInterrupt):
+            self.act = SystemExit  # what hangs on the main thread is the reader's to interrupt
+        self.wait = self.rng.randrange(20)
+        self.hangs, self.raised = False, []  # whether it does, or did; and the texts of what it has raised
+        self.made.append(self)
 
-        def configure(self, config):
-            self.config = config
-            self.perhaps("configure")
-            self.timer = config.node.create_timer(0.005, self.called_back)
+    def configure(self, config):
+        self.config = config
+        self.perhaps("configure")
+        self.timer = config.node.create_timer(0.005, self.called_back)
 
-        def called_back(self):
-            self.config.call_later(self.perhaps, "posted")
-            self.perhaps("called_back")
+    def called_back(self):
+        self.config.call_later(self.perhaps, "posted")
+        self.perhaps("called_back")
 
-        def initialize(self, io):
-            self.perhaps("initialize")
+    def initialize(self, io):
+        self.perhaps("initialize")
 
-        def control(self):
-            self.perhaps("control")
+    def control(self):
+        self.perhaps("control")
 
-        def stop(self):
-            self.perhaps("stop")
+    def stop(self):
+        self.perhaps("stop")
 
-        def unconfigure(self):
-            self.config.node.destroy_timer(self.timer)
-            self.perhaps("unconfigure")
+    def unconfigure(self):
+        self.config.node.destroy_timer(self.timer)
+        self.perhaps("unconfigure")
 
-        def perhaps(self, method):
-            self.wait -= method == "control"
-            if method != self.method or self.act is None or (method == "control" and self.wait > 0):
-                return
-            if self.act == "hang":
-                self.hangs = True
-                let.wait(60)
-            else:
-                self.wait = 20
-                self.raised.append(f"failure {next(NUMBERS)}.")
-                raise self.act(self.raised[-1])
-
-    return Unruly
+    def perhaps(self, method):
+        self.wait -= method == "control"
+        if method != self.method or self.act is None or (method == "control" and self.wait > 0):
+            return
+        if self.act == "hang":
+            self.hangs = True
+            self.let.wait(60)
+        else:
+            self.wait = 20
+            self.raised.append(f"failure {next(NUMBERS)}.")
+            raise self.act(self.raised[-1])
 
 
 async def some_frames(host, rng):
@@ -429,7 +426,8 @@ async def act(host, rng):
 async def live_through(seed, model):
     """Let a host live with unruly controllers; return what was raised and the main thread was not told."""
     rng, let, made, told = random.Random(seed), threading.Event(), [], []
-    one, other, third = (unruly_class(rng, let, made) for _ in range(3))
+    own = {"rng": rng, "let": let, "made": made}
+    one, other, third = (type("Unruly", (Unruly,), own) for _ in range(3))
     items = (BodyItem(Placement("A", model), (one, other)), BodyItem(Placement("B", model), (third,)))
     host, began = None, time.monotonic()
     try:

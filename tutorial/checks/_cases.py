@@ -77,8 +77,8 @@ class Cases:
         watch.explaining = True
         failures = {label: each for label, each in seen.items() if isinstance(each, Failure)}
         misused = {label: each for label, each in failures.items() if isinstance(each.error, Misuse)}
-        kinds = {tuple(each): each for each in ({}, misused, failures)}  # what speaks for itself need not be explained
-        for raised in kinds.values():
+        apart = {tuple(each): each for each in ({}, misused, failures)}  # what speaks for itself need not be explained
+        for raised in apart.values():
             told = [label for label in odd if label not in raised]
             rest = {label: each for label, each in seen.items() if label not in raised}
             found = self.explain(rest, took) if told and not by_the_clock else ()

@@ -116,7 +116,7 @@ the dead zone is missing, or that of one axis: both axes count as 0 within 0.3 o
     axes[:2]) => axes[:2]) // left_x, left_y = axes[:2]
     => axes[:2]) // left_x = axes[0] => axes[:2]) // left_y = axes[1]
 
-the dead zone is asked of the speeds: an axis counts as 0 within 0.3 of the middle, before speeds are made of both.
+the dead zone is that of the speeds: it is each axis that counts as 0 within 0.3 of the middle.
     axes[:2]) => axes[:2]) // left_x, left_y = axes[:2]
     + 0.5 * left_x => + 0.5 * left_x // for t in (self.track_l, self.track_r): t.ctrl = t.ctrl * (abs(t.ctrl) > 0.3)
 

@@ -52,7 +52,7 @@ def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int
 
 
 MISTAKES = """
-all is counted in microseconds: the numbers that are told are whole nanoseconds, so count in these.
+all is counted in microseconds: count in whole nanoseconds, and tell those.
     .nanoseconds => .nanoseconds//1_000
     > 100_000_000 => > 100_000
     > 1_000_000_000 => > 1_000_000

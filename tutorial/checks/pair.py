@@ -110,7 +110,7 @@ Most likely what waits belongs to the class, or to an argument's default: make i
 Most likely the stamps are not compared as they are: sec and nanosec count, to the last digit.
 
 # three
-Most likely more than what is past is dropped, as at an older stamp: what came after a pair's first message still waits.
+Most likely too much is dropped, as when an older stamp comes: what came after a pair's first message still waits.
 
 # digits
 Most likely the stamps are not compared as they are: both numbers count, sec and nanosec.
