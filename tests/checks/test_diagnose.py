@@ -50,7 +50,7 @@ SENTENCES = {
     "What stands before the dot is a tuple: take it apart first": lambda: (1,).header,
     "Most likely there is an index beyond the end": lambda: [].pop(),
     "Most likely a list is the key of a dict": lambda: {[]: 1},
-    "Leave it out: the program spins its node already": lambda: rclpy.spin_once(None),
+    "Leave it out: the program has called rclpy.init, spins its node": lambda: rclpy.spin_once(None),
     "Did you mean 'speed'?": set_what_there_is_not,
 }
 

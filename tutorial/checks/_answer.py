@@ -8,7 +8,7 @@ from functools import partial
 from types import EllipsisType
 from typing import Any
 
-from tutorial.checks._diagnose import NO_ARGUMENTS, Misuse
+from tutorial.checks._diagnose import Misuse
 from tutorial.checks._watch import Failure
 from tutorial.controller import SimpleController
 
@@ -73,26 +73,17 @@ def has(answer: type, name: str) -> bool:
     return any(name in vars(each) for each in answer.__mro__ if each is not SimpleController)
 
 
-def check_has(answer: type, *methods: str, misspelled: bool = False) -> None:
-    """Look whether methods are there that have to be written.
-
-    Args:
-        answer: the learner's class.
-        methods: their names.
-        misspelled: whether they may be missing, but not misspelled.
+def check_has(answer: type, *methods: str) -> None:
+    """Look whether methods of a learner's class are there that have to be written.
 
     Raises:
         Failure: one is missing, or empty.
     """
     for method in methods:
         if not has(answer, method):
-            text, cause = f"{answer.__name__} has no such method", _mend(answer, method)
-        elif is_empty(inspect.getattr_static(answer, method)):
-            text, cause = "it is still empty", f"Write the method {method}."
-        else:
-            continue
-        if "misspelled" in cause or not misspelled:
-            raise Failure(method, Misuse(text, cause))
+            raise Failure(method, Misuse(f"{answer.__name__} has no such method", _mend(answer, method)))
+        if is_empty(inspect.getattr_static(answer, method)):
+            raise Failure(method, Misuse("it is still empty", f"Write the method {method}."))
 
 
 def _mend(answer: type, part: str) -> str:
@@ -100,9 +91,6 @@ def _mend(answer: type, part: str) -> str:
     near = get_close_matches(part, others, n=1)
     if near:
         return f"Most likely its name is misspelled: {near[0]} should be {part}."
-    made = getattr(vars(answer).get("__init__"), "__code__", None)
-    if made is not None and made.co_argcount > 1 and issubclass(answer, SimpleController):
-        return f"Most likely __init__ does its work. {NO_ARGUMENTS}"
     return f"Write the method {part}; it is part of the answer."
 
 

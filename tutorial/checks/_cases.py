@@ -213,18 +213,17 @@ def ask(function: Any, *given: Any, read: Callable[[Any], Any], wanted: str) -> 
     before = [*map(str, given)]
     with watch.call(name_of(function)):
         returned = function(*given)
-        text, cause = f"it returns a {type(returned).__name__}", wanted
         changed = [type(each).__name__ for each, said in zip(given, before) if str(each) != said]
         if changed:
-            text, cause = f"the {changed[0]} that was given is not the same afterwards", CHANGED
-        elif returned is None:
-            text, cause = "it returns None", f"Most likely return is missing. {wanted}"
-        elif isinstance(returned, Iterator):
-            cause = f"With yield, or in parentheses, something makes an iterator. {wanted}"
+            raise Misuse(f"the {changed[0]} that was given is not the same afterwards", CHANGED)
+        if isinstance(returned, Iterator):
+            wanted = f"With yield, or in parentheses, something makes an iterator. {wanted}"
         else:
-            with suppress(AttributeError, TypeError, ValueError):
+            with suppress(AttributeError, LookupError, TypeError, ValueError):
                 return read(returned)
-        raise Misuse(text, cause)
+        if returned is None:
+            raise Misuse("it returns None", f"Most likely return is missing. {wanted}")
+        raise Misuse(f"it returns a {type(returned).__name__}", wanted)
 
 
 def same(a: Any, b: Any) -> bool:

@@ -16,12 +16,13 @@ import signal
 import sys
 import threading
 from collections import Counter
+from io import BufferedReader, FileIO
 from traceback import walk_stack
-from typing import BinaryIO, NoReturn
+from typing import NoReturn
 
 import msgspec
 
-from tutorial.checks._contain import DONE
+from tutorial.checks._contain import CLINGS, DONE
 from tutorial.checks._diagnose import endless
 from tutorial.checks._verdict import Finding, wrong
 from tutorial.checks._watch import instrumented, watch
@@ -32,12 +33,11 @@ BUDGET = 25  # looks that all calls of one method may take together
 HALT = 5.0  # [s] without a look, after which the watchdog itself is held up
 
 _exit = os._exit
-_CLINGS = "Most likely it uses an object of the notebook: let it take what it needs from config, io or its arguments."
 
 
 def main() -> NoReturn:
     """Judge the answer, and end the process."""
-    report = os.fdopen(os.dup(1), "wb")
+    report = os.fdopen(os.dup(1), "wb", 0)  # two threads write: each line at once, so none splits another's
     os.dup2(2, 1)
     parent = open(os.dup(0), "rb")  # noqa: SIM115, PTH123 - it stays open to the end
     module, name, sys.path[:], answer = pickle.load(parent)
@@ -52,13 +52,13 @@ def main() -> NoReturn:
             findings = exercise.findings(pickle.loads(answer))
         except Exception as error:  # noqa: BLE001 - unpickling runs the learner's code
             text = f"the answer cannot be run in a process of its own: {type(error).__name__}: {error}"
-            findings = [wrong(text, _CLINGS)]
+            findings = [wrong(text, CLINGS)]
         for finding in findings:
             _tell(report, finding)
     _end(report)
 
 
-def _watchdog(report: BinaryIO, parent: BinaryIO) -> None:
+def _watchdog(report: FileIO, parent: BufferedReader) -> None:
     """Look whether who has asked still lives, and whether a method of the learner's does not return."""
     looks: Counter[tuple[str, int]] = Counter()
     sums: Counter[str] = Counter()
@@ -74,26 +74,20 @@ def _watchdog(report: BinaryIO, parent: BinaryIO) -> None:
     os.killpg(0, signal.SIGKILL)
 
 
-def _give_up(report: BinaryIO, ident: int, method: str, stuck: bool) -> NoReturn:
+def _give_up(report: FileIO, ident: int, method: str, stuck: bool) -> NoReturn:
     """Say which method does not return, and where it is; then end the process."""
     text = f"{method} does not return" if stuck else f"{method} takes too long, at every call"
     _tell(report, wrong(text, endless(method), watch.place(walk_stack(sys._current_frames().get(ident)))))
     _end(report)
 
 
-def _end(report: BinaryIO) -> NoReturn:
-    _write(report, DONE)
+def _tell(report: FileIO, finding: Finding) -> None:
+    report.write(msgspec.json.encode(finding) + b"\n")
+
+
+def _end(report: FileIO) -> NoReturn:
+    report.write(DONE)
     _exit(0)
-
-
-def _tell(report: BinaryIO, finding: Finding) -> None:
-    _write(report, msgspec.json.encode(finding) + b"\n")
-
-
-def _write(report: BinaryIO, line: bytes) -> None:
-    """Write a line; the watchdog and the code that is judged do it on different threads, and none splits another's."""
-    report.write(line)
-    report.flush()
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ import msgspec
 from tutorial.checks._shared import outside, pickled
 from tutorial.checks._verdict import Finding, Place, wrong
 from tutorial.checks._watch import files_of
+from tutorial.parent_watch import signal_group
 from tutorial.paths import PACKAGE
 from tutorial.ros.domains import reserved_domain
 
@@ -71,20 +72,17 @@ async def _run(job: bytes, domain: int) -> tuple[list[bytes], bytearray, int | N
     except TimeoutError:
         pass
     finally:
-        with contextlib.suppress(ProcessLookupError, PermissionError):  # the latter is what macOS says of a zombie
-            os.killpg(process.pid, signal.SIGKILL)
+        signal_group(process.pid, signal.SIGKILL)
         await process.wait()
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(printing, REST)
     return told, output, process.returncode
 
 
-async def _start(environment: Mapping[str, str]) -> Process:
+async def _start(env: Mapping[str, str]) -> Process:
     """Start the process. Its stdout is for what is found; what the learner's code prints comes by stderr."""
-    command = sys.executable, "-P", "-u", "-m", "tutorial.checks._child"
-    return await asyncio.create_subprocess_exec(
-        *command, stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True, env=environment
-    )
+    own: dict[str, Any] = {"stdin": PIPE, "stdout": PIPE, "stderr": PIPE, "start_new_session": True, "env": env}
+    return await asyncio.create_subprocess_exec(sys.executable, "-P", "-u", "-m", "tutorial.checks._child", **own)
 
 
 async def _keep(printed: Any, output: bytearray) -> None:
@@ -101,14 +99,9 @@ def _findings(told: Sequence[bytes], files: Collection[str], status: int | None)
         files: where the learner's code is.
         status: of its end.
     """
-    findings, trace = list[Finding](), ""
-    for line in told:
-        try:
-            findings.append(msgspec.json.decode(line, type=Finding))
-        except (ValueError, RecursionError):  # what Python itself has said when it died, or that it is done
-            trace += line.decode(errors="replace")
-    if DONE not in told:
-        findings.append(_bad_end(trace, files, status or 0))
+    findings = [msgspec.json.decode(line, type=Finding) for line in told if line.startswith(b"{")]
+    if DONE not in told:  # other lines are what Python itself has said when it died
+        findings.append(_bad_end(b"".join(told).decode(errors="replace"), files, status or 0))
     return tuple(findings)
 
 

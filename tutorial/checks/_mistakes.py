@@ -148,12 +148,8 @@ def _another(node: ast.AST) -> Slips:
             for kind in (each for each in COMPARISONS if not isinstance(op, each)):
                 yield f"the comparison is another: it is `{code}`.", node, ast.Compare(left, [kind()], [right])
         case ast.BoolOp(op, values):
-            for each in values:
-                yield (
-                    f"`{ast.unparse(each)}` is not asked: it is `{code}`.",
-                    each,
-                    ast.Constant(isinstance(op, ast.And)),
-                )
+            asked = ast.Constant(isinstance(op, ast.And))
+            yield from ((f"`{ast.unparse(each)}` is not asked: it is `{code}`.", each, asked) for each in values)
         case ast.If(test) | ast.IfExp(test) | ast.comprehension(ifs=[test]):
             yield f"`{ast.unparse(test)}` is not asked.", test, ast.Constant(True)
             yield f"the condition is turned round: it is `{ast.unparse(test)}`.", test, ast.UnaryOp(ast.Not(), test)

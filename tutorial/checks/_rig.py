@@ -138,7 +138,6 @@ class Rig:
 
     def leave(self) -> str:
         """Have the controller leave its body, and say that it has left nothing behind."""
-        check_has(self._answer, "unconfigure", misspelled=True)
         self.do("unconfigure")
         return str(self.node.check_left())
 

@@ -3,20 +3,23 @@
 import inspect
 import sys
 import threading
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import closing
 from functools import partial
 from numbers import Real
+from string import Template
 from typing import Any, Self, cast
 
 import mujoco
 import numpy as np
 
 from tutorial.body import Body
-from tutorial.checks._answer import check_has, name_of
+from tutorial.checks._answer import name_of
+from tutorial.checks._cases import Case, Cases
 from tutorial.checks._clock import ClockedLoop
 from tutorial.checks._diagnose import Misuse, lacks_self, no_self, slept
-from tutorial.checks._node import MemoryNode
+from tutorial.checks._mistakes import A_MISTAKE
+from tutorial.checks._node import MemoryNode, early, ros_node, send
 from tutorial.checks._rig import model_of
 from tutorial.checks._watch import Failure, watch
 from tutorial.controller import ControllerConfig
@@ -34,6 +37,39 @@ BESIDE = "Most likely a timer or a thread of its own posts: the callback itself 
 COROUTINE = "It has to be a plain function, def: to wait, it makes a task of a coroutine, asyncio.create_task(...)."
 ENDLESS = "Most likely what is posted posts itself: post the method that shows the message, such as self.update."
 ARGUMENTS = "Most likely what is posted gets too few arguments, or too many: those of {} follow it, but not self."
+
+LISTENS = "on a body called Rover it listens to"
+AT_ONCE = "a message as soon as there is a subscription"
+THROTTLED = "Most likely messages are dropped by time or by count: post and show every one, whenever it comes."
+SHARED = """
+#
+Most likely what is kept belongs to the class: make it in configure, self.place = ...
+
+# on a body called Rover it listens to
+the topic is another: it is f"{config.body.name}/$topic".
+    {self.body.name}/$topic" => {self.body.name}/${topic}s" => Tank/$topic"
+config.node.create_subscription($kind, ...) is missing, or not reached.
+    self.node.create_subscription( => (
+the type of the messages is another: give $kind first.
+    ($kind, => (object,
+
+# messages come
+$post is missing, or not reached: the callback posts nothing.
+    $post => pass
+
+# the news of it
+self.body.calc_forward_kinematics() is missing, or comes too early: the links stay behind what is moved after it.
+    self.body.calc_forward_kinematics() => pass
+    $move => $move => self.body.calc_forward_kinematics() // $move
+self.body.notify_change() is missing, or comes too early: first the move, then the kinematics, then the news of it.
+    self.body.notify_change( => bool(
+    $move => $move => self.body.notify_change() // $move
+
+# one that waits when the controller leaves
+it goes to the event loop by itself: $post is asked for, and drops what still waits when the controller leaves its body.
+    self.node = config.node => self.node, self.loop = config.node, asyncio.get_running_loop()
+    $post => self.loop.call_soon_threadsafe(self.update, message)
+"""
 
 
 class _Guard(ThreadGuard):
@@ -121,7 +157,6 @@ class Viewer:
         Args:
             messages: come while the main thread is busy with that, just before.
         """
-        check_has(self._answer, "unconfigure", misspelled=True)
         self.shown.clear()
 
         def leave() -> None:
@@ -139,12 +174,8 @@ class Viewer:
         return str(self.node.check_left())
 
     def listens(self) -> str:
-        """Say what it listens to."""
-        return ", ".join(each.topic_name for each in self.node.subscriptions) or "nothing"
-
-    def kinds(self) -> str:
-        """Say of what type the messages are."""
-        return ", ".join(each.kind.__name__ for each in self.node.subscriptions)
+        """Say what it listens to, and of what type the messages are."""
+        return ", ".join(f"{each.topic_name} ({each.kind.__name__})" for each in self.node.subscriptions) or "nothing"
 
     def where(self) -> str:
         """Say where the joints are [rad or m]."""
@@ -257,3 +288,52 @@ def _check_call(function: Any, arguments: tuple[Any, ...]) -> None:
         inner = getattr(function, "__func__", None)
         cause = no_self(inner) if inner is not None and lacks_self(inner) else ARGUMENTS.format(name_of(function))
         raise Misuse(f"{name_of(function)} cannot begin with what is posted: {error}", cause) from error
+
+
+def viewing(
+    solution: type,
+    topic: str,
+    message: Any,
+    move: str,
+    tried: Mapping[str, Sequence[Step]],
+    table: str,
+    post: str = "self.call_later(self.update, message)",
+    viewer: type[Viewer] = Viewer,
+    **options: Any,
+) -> Cases:
+    """Put together what is tried and known of all such exercises, and of this one.
+
+    Args:
+        solution: the right answer.
+        topic: that it listens to, without the body's name.
+        message: what it is sent by another program in the end, with rclpy's own node.
+        move: the solution's statement that moves the body.
+        tried: by text, in the order in which they are tried, steps: functions of the viewer, of which each may return
+            what is observed, in words.
+        table: the mistakes, those that fail a case below a line with ``#`` and its text. To them come those that all
+            viewers share.
+        post: the solution's statement that posts.
+        viewer: makes what an answer is tried in.
+        options: of `Cases`.
+    """
+
+    def case(steps: Sequence[Step]) -> Case:
+        def attempt(answer: Any) -> str:
+            watch.noted.clear()
+            watch.files.add(A_MISTAKE)  # as if the learner had written that
+            with watch.clocks_stand(), closing(viewer(answer)) as made:
+                return ", ".join(dict.fromkeys(filter(None, [step(made) for step in steps])))
+
+        return attempt
+
+    def on_ros(answer: Any) -> str:
+        with ros_node() as node, closing(viewer(answer, node=node)) as made:
+            send(node, f"/Rover/{topic}", message, lambda: made.loop.posted)
+            made.drain()
+            return made.where()
+
+    words = {"topic": topic, "kind": type(message).__name__, "move": move, "post": post}
+    cases = {text: case(steps) for text, steps in {LISTENS: [Viewer.listens], **tried}.items()}
+    cases[AT_ONCE] = early(lambda answer, node: Viewer(answer, node=node).close(), message)
+    known = Template(SHARED + table).substitute(words)
+    return Cases(solution, cases, known, str, on_ros=on_ros, one_by_one=True, **{"clock": THROTTLED, **options})

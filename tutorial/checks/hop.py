@@ -35,8 +35,7 @@ from geometry_msgs.msg import Vector3
 from numpy.typing import ArrayLike
 from sensor_msgs.msg import Imu
 
-from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side
-from tutorial.checks._viewing import viewing
+from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side, viewing
 from tutorial.checks.exercise import Exercise, watch
 from tutorial.controller import ControllerConfig, SimpleController
 
@@ -192,8 +191,6 @@ def in_a_crowd(hall: Hall) -> str:
 
 THEN = Hall.where, Hall.falls, Hall.where  # what is asked after a message
 TRIED: dict[str, Sequence[Step]] = {
-    "on a body called Rover it listens to": [Hall.listens],
-    "for messages of the type": [Hall.kinds],
     "messages come": [harmless, hands_over(imu(*BLOW))],
     "of accelerations x, y, z that are blows or not": [mistaken],
     "a blow puts the body": [blow, Hall.where],

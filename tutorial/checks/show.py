@@ -29,8 +29,7 @@ from math import nan
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side
-from tutorial.checks._viewing import viewing
+from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side, viewing
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
@@ -111,8 +110,6 @@ STAMPS = (100_020, 100_000, 100_040, 5, 6)  # [ms]
 LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in enumerate(STAMPS)]
 
 FIRST: dict[str, Sequence[Step]] = {
-    "on a body called Rover it listens to": [Viewer.listens],
-    "for messages of the type": [Viewer.kinds],
     "messages come": [hands_over(*MESSAGES)],
     "a message": [state("Y P", (0.1, 0.2)), Viewer.where],
     "its joints in another order": [state("P Y", (0.2, 0.1)), Viewer.where],
