@@ -18,9 +18,9 @@ The modules that all exercises share, one at a time:
 - `_watch`: which of the learner's methods runs, what it raises, and how it uses time and threads.
 - `_verdict`, `_diagnose`: what was found, and how it is said; what most likely led to an exception.
 - `_mistakes`: known mistakes, as edits of the solution.
-- `_cases`: what an answer is tried in, and which mistake explains what is observed; `_publishing`, `_viewing`: what is
-  tried of all controllers that publish at a rate, or show something.
-- `_rig`, `_viewer`: what a simulated or a displayed body's controller is tried on. `_clock`: its event loop. `_node`:
-  its node, in memory, or rclpy's own for one last case.
+- `_cases`: what an answer is tried in, and which mistake explains what is observed; `_publishing`: what is tried of all
+  controllers that publish at a rate.
+- `_rig`: what a simulated body's controller is tried on; `_viewer`: what a displayed body's is, and what is tried of
+  all such. `_clock`: its event loop. `_node`: its node, in memory, or rclpy's own for one last case.
 - `_interleave`, `_shared`: two threads in every order, and what objects share that should not.
 """

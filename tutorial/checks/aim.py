@@ -27,8 +27,7 @@ from math import isnan, nan
 from typing import Any
 
 from tutorial.body import Joint
-from tutorial.checks._rig import Rig
-from tutorial.checks.exercise import Cases, Exercise, Failure, Misuse, call
+from tutorial.checks.exercise import Cases, Exercise, Failure, Misuse, Rig, call
 from tutorial.controller import SimpleController
 
 

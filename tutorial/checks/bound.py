@@ -31,8 +31,7 @@ from typing import Any
 
 from sensor_msgs.msg import Joy
 
-from tutorial.checks._interleave import traced
-from tutorial.checks.exercise import Case, Cases, Exercise, Misuse, ask, call
+from tutorial.checks.exercise import Case, Cases, Exercise, Misuse, ask, call, traced
 
 
 def four_axes(message: Joy) -> list[float]:

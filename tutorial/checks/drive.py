@@ -32,11 +32,8 @@ from typing import Any
 
 from sensor_msgs.msg import Joy
 
-from tutorial.checks._interleave import interleave
-from tutorial.checks._node import early
-from tutorial.checks._rig import Rig
 from tutorial.checks.bound import four_axes
-from tutorial.checks.exercise import Cases, Exercise, watch
+from tutorial.checks.exercise import Cases, Exercise, Rig, early, interleave, watch
 from tutorial.checks.fire import over_ros
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.handoff import Latest

@@ -1,4 +1,4 @@
-"""An exercise: its statement, its check, its hints and its solution."""
+"""An exercise: its statement, its check, its hints and its solution; with it comes what an exercise's module needs."""
 
 import ast
 import inspect
@@ -10,14 +10,20 @@ from tutorial.checks._answer import check_has, misfit, name_of, unwritten
 from tutorial.checks._cases import Case, Cases, ask, call, same
 from tutorial.checks._contain import contain
 from tutorial.checks._diagnose import AT_ONCE, Misuse
+from tutorial.checks._interleave import interleave, traced
+from tutorial.checks._node import early, ros_node, send
+from tutorial.checks._publishing import Publishing, compared, compared_stamps
+from tutorial.checks._rig import Rig, Sent
 from tutorial.checks._verdict import Finding, Verdict, wrong
+from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side, viewing
 from tutorial.checks._watch import Failure, instrumented, watch
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.progress import remember
 
-__all__ = ["AT_ONCE", "NOT_YET", "Case", "Cases", "Exercise", "Failure", "Misuse"]
-__all__ += ["ask", "call", "listing", "same", "watch"]
+__all__ = ["AT_ONCE", "NOT_YET", "Case", "Cases", "Exercise", "Failure", "Misuse", "ask", "call", "listing", "same"]
+__all__ += ["Publishing", "Rig", "Sent", "compared", "compared_stamps", "early", "interleave", "ros_node", "send"]
+__all__ += ["Step", "Viewer", "hands_over", "heard", "side_by_side", "traced", "viewing", "watch"]
 
 NOT_YET = "Not attempted yet"
 """What the text begins with that says that nothing is written yet."""

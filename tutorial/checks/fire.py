@@ -18,9 +18,7 @@ from collections.abc import Callable
 import numpy as np
 from sensor_msgs.msg import Joy
 
-from tutorial.checks._node import early, ros_node, send
-from tutorial.checks._rig import Rig
-from tutorial.checks.exercise import Cases, Exercise, Failure, Misuse
+from tutorial.checks.exercise import Cases, Exercise, Failure, Misuse, Rig, early, ros_node, send
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.handoff import Latest
 

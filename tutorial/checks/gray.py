@@ -38,9 +38,7 @@ from rclpy.time import Time
 from sensor_msgs.msg import Image
 
 from tutorial.body import Body
-from tutorial.checks._publishing import Publishing, compared, compared_stamps
-from tutorial.checks._rig import Rig, Sent
-from tutorial.checks.exercise import AT_ONCE, Exercise, Misuse, call
+from tutorial.checks.exercise import AT_ONCE, Exercise, Misuse, Publishing, Rig, Sent, call, compared, compared_stamps
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.errors import TutorialError
 

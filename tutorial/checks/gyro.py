@@ -35,9 +35,7 @@ from numpy.typing import NDArray
 from rclpy.time import Time
 from sensor_msgs.msg import Imu
 
-from tutorial.checks._publishing import Publishing, compared
-from tutorial.checks._rig import Rig, Sent
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Exercise, Publishing, Rig, Sent, compared
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 

@@ -35,8 +35,7 @@ from geometry_msgs.msg import Vector3
 from numpy.typing import ArrayLike
 from sensor_msgs.msg import Imu
 
-from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side, viewing
-from tutorial.checks.exercise import Exercise, watch
+from tutorial.checks.exercise import Exercise, Step, Viewer, hands_over, heard, side_by_side, viewing, watch
 from tutorial.controller import ControllerConfig, SimpleController
 
 Vector = tuple[float, float, float]

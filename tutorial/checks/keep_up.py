@@ -22,9 +22,7 @@ from itertools import count
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._interleave import interleave
-from tutorial.checks._viewer import Step, Viewer
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Exercise, Step, Viewer, interleave
 from tutorial.checks.show import FIRST, LAST, MISTAKES, joint_state, viewing_joints
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints

@@ -31,9 +31,7 @@ import numpy as np
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._publishing import Publishing
-from tutorial.checks._rig import Rig, Sent
-from tutorial.checks.exercise import Exercise, same
+from tutorial.checks.exercise import Exercise, Publishing, Rig, Sent, same
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 

@@ -29,8 +29,7 @@ from math import nan
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side, viewing
-from tutorial.checks.exercise import Exercise
+from tutorial.checks.exercise import Exercise, Step, Viewer, hands_over, heard, side_by_side, viewing
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 

@@ -30,9 +30,7 @@ from typing import Any
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks._publishing import Publishing
-from tutorial.checks._rig import Rig, Sent
-from tutorial.checks.exercise import Case, Exercise
+from tutorial.checks.exercise import Case, Exercise, Publishing, Rig, Sent
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 

@@ -59,14 +59,8 @@ class SetsPosition(HeldJoint):
 
 
 class TypedRange(HeldJoint):
-    def __init__(self, joint, time_step):
-        super().__init__(joint, time_step)
-        self.real = joint
-
     def aim(self, stick):
-        self.joint = type("", (), {"range": (-0.17, 0.78), "position": self.real.position})
-        super().aim(stick)
-        self.real.effort = self.joint.effort
+        super().aim(min(stick, (0.78 - self.q_ref) / 0.002))
 
 
 class PerMillisecond(HeldJoint):

@@ -9,14 +9,6 @@ import numpy as np
 from tutorial.checks.by_name import match_by_name
 
 
-def in_a_loop(joint_names, message):
-    known, found = set(joint_names), {}
-    for i in range(min(len(message.name), len(message.position))):
-        if message.name[i] in known and isfinite(message.position[i]):
-            found[message.name[i]] = message.position[i]
-    return found
-
-
 def from_the_end(joint_names, message):
     found = OrderedDict()
     for name, position in reversed([*zip(message.name, message.position)]):
@@ -39,7 +31,7 @@ def usable(is_usable, joint_names, message):
     return {n: q for n, q in zip(message.name, message.position) if n in joint_names and is_usable(q)}
 
 
-RIGHT = [in_a_loop, from_the_end, in_numbers_of_numpy, Matcher(), partial(usable, isfinite)]
+RIGHT = [from_the_end, in_numbers_of_numpy, Matcher(), partial(usable, isfinite)]
 
 
 def yields(joint_names, message):

@@ -37,22 +37,6 @@ class OwnLock(GentleTank):
         self.motors["L"].ctrl, self.motors["R"].ctrl = np.array([[-0.5, 1.0], [0.5, 1.0]]) @ (x, y)
 
 
-class LocksAllOfControl(GentleTank):
-    """Has the callback wait as long as `control` runs."""
-
-    def configure(self, config):
-        self.lock = threading.Lock()
-        super().configure(config)
-
-    def on_joy(self, message):
-        with self.lock:
-            self.joy.put(message)
-
-    def control(self):
-        with self.lock:
-            super().control()
-
-
 class WholeMessage(GentleTank):
     """Keeps one attribute, which is replaced as a whole, and logs when."""
 
@@ -68,7 +52,7 @@ class WholeMessage(GentleTank):
         self.track_l.ctrl, self.track_r.ctrl = y - x / 2, y + x / 2
 
 
-RIGHT = [GentleTank, OwnLock, LocksAllOfControl, WholeMessage]
+RIGHT = [GentleTank, OwnLock, WholeMessage]
 
 
 def in_callback(self, message):

@@ -21,10 +21,6 @@ def by_numpys_numbers(messages):
     return [Happening(np.str_(what), *np.array([before, after])) for what, before, after in find_gaps(messages)]
 
 
-def as_lists(messages):
-    return tuple(list(each) for each in find_gaps(messages))
-
-
 def with_durations(messages):
     found, newest = [], None
     for _, message in messages:
@@ -37,7 +33,7 @@ def with_durations(messages):
     return found
 
 
-RIGHT = [by_numpys_numbers, as_lists, with_durations]
+RIGHT = [by_numpys_numbers, with_durations]
 
 
 def stamps_of(messages):

@@ -26,21 +26,7 @@ class OneMessage(SlowPublisher):
         self.publisher.publish(self.message)
 
 
-class CountsItsSteps(SlowPublisher):
-    """Counts its own steps, so the first message comes after the first period."""
-
-    def initialize(self, io):
-        super().initialize(io)
-        self.count, self.period, self.steps_per_message = 0, self.steps_per_message, 1
-
-    def control(self):
-        self.count += 1
-        if self.count == self.period:
-            self.count = 0
-            super().control()
-
-
-RIGHT = [OneMessage, CountsItsSteps]
+RIGHT = [OneMessage]
 
 
 class ByATimer(SlowPublisher):

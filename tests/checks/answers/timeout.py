@@ -25,18 +25,6 @@ class Identity:
         return seconds <= came + 0.5
 
 
-class Countdown:
-    """It adds up the time between the calls."""
-
-    def __init__(self):
-        self.message, self.before, self.age = None, 0.0, 0.0
-
-    def fresh(self, message, seconds):
-        self.age = 0.0 if message is not self.message else self.age + (seconds - self.before)
-        self.message, self.before = message, seconds
-        return self.age <= 0.5
-
-
 class Shared(CommandTimeout):
     came: dict = {}
 
@@ -55,7 +43,7 @@ class SaysTheAge(CommandTimeout):
         return seconds - self.since
 
 
-RIGHT = [Deadline, Identity, Countdown]
+RIGHT = [Deadline, Identity]
 WRONG = [
     (Shared, ["make it in __init__"]),
     (SaysTheAge, ["Return True or False"]),
