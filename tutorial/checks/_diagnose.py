@@ -107,7 +107,7 @@ def _owner(error: BaseException, frames: Sequence[FrameType]) -> tuple[Any, str]
 
 def slept(method: str) -> str:
     """Say what is wrong about a method that sleeps."""
-    return f"Leave out what sleeps or waits; for a thread's end there is join. {_RETURNS.format(method)}"
+    return f"Leave out what sleeps or waits. {_RETURNS.format(method)}"
 
 
 def endless(method: str) -> str:

@@ -138,6 +138,7 @@ class Rig:
 
     def leave(self) -> str:
         """Have the controller leave its body, and say that it has left nothing behind."""
+        check_has(self._answer, "unconfigure")
         self.do("unconfigure")
         return str(self.node.check_left())
 

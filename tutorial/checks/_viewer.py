@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from tutorial.body import Body
-from tutorial.checks._answer import name_of
+from tutorial.checks._answer import check_has, name_of
 from tutorial.checks._cases import Case, Cases
 from tutorial.checks._clock import ClockedLoop
 from tutorial.checks._diagnose import Misuse, lacks_self, no_self, slept
@@ -157,6 +157,7 @@ class Viewer:
         Args:
             messages: come while the main thread is busy with that, just before.
         """
+        check_has(self._answer, "unconfigure")
         self.shown.clear()
 
         def leave() -> None:

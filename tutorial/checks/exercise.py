@@ -62,7 +62,7 @@ class Exercise:
         written = [each for each in vars(cases.solution) if each[0] != "_"]
         own = [each for each in written if self._base is object or hasattr(SimpleController, each)]
         self._parts = parts or own
-        self._requires = [each for each in own if self._base is object or each not in ("control", "stop")]
+        self._requires = [each for each in own if self._base is object or each in ("configure", "initialize")]
 
     def __repr__(self) -> str:
         return f"Exercise({self.name!r})"
