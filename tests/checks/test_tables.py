@@ -5,7 +5,7 @@ from itertools import combinations
 
 import pytest
 
-from tutorial.checks._mistakes import slips
+from tutorial.checks._mistakes import another, missing, slips
 from tutorial.checks.catalogue import exercises
 
 TABLES = {each: each.cases for those in exercises().values() for each in those}
@@ -39,7 +39,7 @@ SLIPS = {
 def test_what_is_missing_or_another_is_told_without_a_row(cause, name):
     cases = next(table for each, table in TABLES.items() if each.name == name)
     alone = replace(cases, table="#\nSomething else.")
-    slip = next(each for each in slips(cases.solution) if each.cause == cause)
+    slip = next(each for kind in (missing, another) for each in slips(kind, cases.solution) if each.cause == cause)
     told = [finding.cause for finding in alone.judge(cases.mistaken(slip)) if not finding.right]
     assert told == [f"Most likely {cause}"]
 

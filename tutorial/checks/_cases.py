@@ -14,7 +14,7 @@ from typing import Any
 
 from tutorial.checks._answer import name_of
 from tutorial.checks._diagnose import Misuse
-from tutorial.checks._mistakes import Mistake, read, slips, with_mistakes
+from tutorial.checks._mistakes import Mistake, another, missing, read, slips, with_mistakes
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
 from tutorial.checks._watch import Failure, watch
@@ -120,13 +120,15 @@ class Cases:
         odd = [label for label in seen if not same(seen[label], self.expected[label])]
         at, quickest = odd[-1], sorted(seen, key=lambda label: took[label] * (1 if label in odd else 2))
         known = [each for each in self.mistakes if each.fails in ("", at)]
+        has_slips = not any(raises) and len(odd) > 1
+        known += slips(missing, self.solution, self.beside) if has_slips else ()
         alone = {each: observed(self.cases[at], self.mistaken(each)) for each in known}
         shows = {each for each in known if not same(alone[each], self.expected[at])}
         leads = {each for each in known if same(alone[each], seen[at])}
         both = (two for two in combinations(known, 2) if shows.issuperset(two) or not leads.isdisjoint(two))
         tries = chain(
             ((each,) for each in known if each in leads),
-            () if any(raises) or len(odd) == 1 else ((each,) for each in slips(self.solution, self.beside)),
+            ((each,) for each in slips(another, self.solution, self.beside) if has_slips),
             () if raises[0] or self.one_by_one or 2 * len(seen) < len(self.cases) else both,
         )
         end = time.monotonic() + LONGEST

@@ -10,7 +10,7 @@ import math
 import re
 import sys
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -20,6 +20,7 @@ A_MISTAKE = "<a mistake>"  # the file of a solution with mistakes
 NEW_LINE = " // "
 MODULES = {"asyncio": asyncio, "threading": threading}  # what an edit may use, beside math, itertools and its own
 COMPARISONS = (ast.Gt, ast.GtE, ast.Lt, ast.LtE, ast.Eq, ast.NotEq)
+Slips = Iterator[tuple[str, Any, ast.AST]]  # each the cause, the part of a source that is replaced, and by what
 FACTORS = (10, 0.1, 2, 0.5, 5)  # by which a number is another
 
 
@@ -113,29 +114,27 @@ def _source(parts: tuple[Any, ...]) -> str:
     return "\n\n".join(map(inspect.getsource, parts))
 
 
-def slips(solution: Any, beside: Sequence[Any] = ()) -> Iterator[Mistake]:
-    """Make the mistakes that need no table: statements are missing, or, the smallest first, parts of them are another.
+def slips(kind: Callable[[ast.AST], Slips], solution: Any, beside: Sequence[Any] = ()) -> Iterator[Mistake]:
+    """Make mistakes that need no table, the smallest first.
 
     Args:
+        kind: `missing` for statements that are missing, `another` for parts of them that are another.
         solution: the right answer.
         beside: functions of the solution's module that a mistake may change, too.
     """
     source = _source((*beside, solution))
-    nodes = [*ast.walk(ast.parse(source))]
-    for made in (_missing, _another):
-        for cause, part, other in (slip for node in reversed(nodes) for slip in made(node)):
-            yield Mistake(cause, (_changed_lines(source, part, other),))
+    for cause, part, other in (slip for node in reversed([*ast.walk(ast.parse(source))]) for slip in kind(node)):
+        yield Mistake(cause, (_changed_lines(source, part, other),))
 
 
-Slips = Iterator[tuple[str, Any, ast.AST]]  # each the cause, the part of a source that is replaced, and by what
-
-
-def _missing(node: ast.AST) -> Slips:
+def missing(node: ast.AST) -> Slips:
+    """Leave out a statement."""
     if isinstance(node, ast.Expr | ast.Assign | ast.AnnAssign | ast.Return):
         yield f"`{ast.unparse(node)}` is missing, or not reached.", node, ast.Pass()
 
 
-def _another(node: ast.AST) -> Slips:
+def another(node: ast.AST) -> Slips:
+    """Change a part of an expression, or a condition."""
     code = ast.unparse(node)
     match node:
         case ast.BinOp(left, op, right):

@@ -40,7 +40,7 @@ ARGUMENTS = "Most likely what is posted gets too few arguments, or too many: tho
 
 LISTENS = "on a body called Rover it listens to"
 AT_ONCE = "a message as soon as there is a subscription"
-THROTTLED = "Most likely messages are dropped by time or by count: post and show every one, whenever it comes."
+THROTTLED = "Most likely messages are dropped by time or by count: post every one, whenever it comes."
 SHARED = """
 #
 Most likely what is kept belongs to the class: make it in configure, self.place = ...

@@ -57,11 +57,9 @@ all is counted in microseconds: count in whole nanoseconds, and tell those.
     > 100_000_000 => > 100_000
     > 1_000_000_000 => > 1_000_000
 
-nanosec is left out: a stamp is sec and nanosec together.
+nanosec or sec is left out: a stamp is both together, and nanosec begins anew with every second.
     Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.sec * 1_000_000_000
-
-sec is left out: nanosec begins anew with every second.
-    Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.nanosec
+    => message.header.stamp.nanosec
 
 seconds are computed as floating point numbers, which are rounded: count in whole nanoseconds.
     Time.from_msg(message.header.stamp).nanoseconds => (at := message.header.stamp).sec + at.nanosec / 1e9

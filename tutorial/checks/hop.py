@@ -260,7 +260,7 @@ the place of an earlier hop is used: note it with each blow that finds the body 
     timer, self.timer = self.timer, None => timer = self.timer
 
 # a second blow while it is up
-such a blow changes more than the time: it cancels the timer, and makes a new one of 0.5 s; place and height stay.
+the timer is not renewed as it should be: such a blow cancels it, and makes a new one of 0.5 s; place and height stay.
     self.land() => if self.timer: return self.land() => if self.timer: return self.timer.cancel()
 the place is noted anew by a blow that comes while the body is up: note it only when it stands, if self.timer is None.
     self.land() => if self.timer: self.timer.cancel()

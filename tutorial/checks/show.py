@@ -133,7 +133,7 @@ LAST: dict[str, Sequence[Step]] = {
 
 MISTAKES = """
 # messages come
-messages are dropped by time or by count: post and show every one, whenever it comes.
+messages are dropped by time or by count: post every one, whenever it comes.
     $post => if message.position[0] < 0.05: $post
 
 # a message

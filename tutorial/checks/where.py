@@ -50,11 +50,8 @@ MISTAKES = """
 the order is the wrong way round: the last transform knows the point's frame, so it comes first.
     reversed( => list(
 
-only the last transform is used, or only the first: each of them counts.
-    (transforms): => (transforms[-1:]): => (transforms[:1]):
-
-the last transform is left out, or the first: reversed(transforms) has all of them.
-    (transforms): => (transforms[:-1]): => (transforms[1:]):
+only the last transform is used, or the first, or one of these is left out: each counts, in reversed(transforms).
+    (transforms): => (transforms[-1:]): => (transforms[:1]): => (transforms[:-1]): => (transforms[1:]):
 
 it goes the wrong way, from the parent into the child: turn by the rotation, then add.
     turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) -
