@@ -44,6 +44,13 @@ def test_what_is_missing_or_another_is_told_without_a_row(cause, name):
     assert told == [f"Most likely {cause}"]
 
 
+def test_what_is_missing_is_told_beside_a_known_mistake():
+    cases = next(table for each, table in TABLES.items() if each.name == "gyro")
+    both = next(slips(missing, cases.solution)), next(each for each in cases.mistakes if "chassis" in each.cause)
+    told = [finding.cause for finding in cases.judge(cases.mistaken(*both)) if not finding.right]
+    assert told == [f"Most likely {each.cause}" for each in both]
+
+
 @pytest.mark.parametrize("cases", [cases for cases in TABLES.values() if not cases.one_by_one])
 def test_any_two_mistakes_can_be_made_at_once_unless_one_takes_away_what_the_other_changes(cases):
     made = [cases.mistaken(*two) for two in combinations(cases.mistakes, 2)]

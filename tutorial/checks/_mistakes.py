@@ -11,6 +11,7 @@ import re
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -105,8 +106,10 @@ def with_mistakes(solution: Any, chosen: Sequence[Mistake], beside: Sequence[Any
     if source is None:
         return None
     names = {**MODULES, **vars(math), **vars(itertools), **vars(sys.modules[solution.__module__])}
-    exec(compile(source, A_MISTAKE, "exec"), names)
-    return names[solution.__name__]
+    with suppress(SyntaxError):  # one has left half of a statement for another to change
+        exec(compile(source, A_MISTAKE, "exec"), names)
+        return names[solution.__name__]
+    return None
 
 
 @cache

@@ -74,7 +74,7 @@ class MemoryNode:
         namespace: of its topics.
 
     Attributes:
-        get_clock, get_logger, get_name, get_namespace: as rclpy's.
+        get_clock, get_logger, get_name, get_namespace, destroy_publisher, destroy_subscription: as rclpy's.
         made: the publishers and subscriptions that were ever made.
         kept: those that it has; also one that was destroyed without telling it.
         destroyed: whether the learner has destroyed the node itself.
@@ -84,6 +84,7 @@ class MemoryNode:
         self.publish, self.namespace, self.destroyed = publish, namespace, False
         self.made, self.kept = list[Endpoint](), list[Endpoint]()
         self.get_clock, self.get_logger = Clock, partial(get_logger, "tank")
+        self.destroy_publisher, self.destroy_subscription = partial(self._drop, False), partial(self._drop, True)
         self.get_name, self.get_namespace = (lambda: "tank"), (lambda: namespace)
 
     def create_publisher(self, msg_type: type, topic: str, qos_profile: Any, **_: Any) -> Endpoint:
@@ -98,16 +99,6 @@ class MemoryNode:
     def create_timer(self, *_: Any) -> None:
         """Have `watch` note that a timer was asked for, which never fires: ``"timer"``."""
         watch.note("timer", sys._getframe())
-
-    def destroy_publisher(self, endpoint: Endpoint) -> bool:
-        """Take a publisher or a subscription back; whether there was one."""
-        if endpoint not in self.kept:
-            return False
-        self.kept.remove(endpoint)
-        endpoint.destroy()
-        return True
-
-    destroy_subscription = destroy_publisher
 
     @property
     def subscriptions(self) -> list[Endpoint]:
@@ -137,6 +128,13 @@ class MemoryNode:
     def destroy_node(self) -> None:
         """Note that the whole node was destroyed."""
         self.destroyed = True
+
+    def _drop(self, has_callback: bool, endpoint: Endpoint) -> bool:
+        is_there = endpoint in self.kept and bool(endpoint.callback) == has_callback
+        if is_there:
+            self.kept.remove(endpoint)
+            endpoint.destroy()
+        return is_there
 
     def _keep(self, endpoint: Endpoint) -> Endpoint:
         self.made.append(endpoint)

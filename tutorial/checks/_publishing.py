@@ -62,7 +62,7 @@ Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1
 Most likely the period is another: one message comes when io.step % round(1 / ($hz * io.time_step)) == 0.
 
 # the stamp
-Most likely it is counted or kept: message.header.stamp = Time(nanoseconds=$time).to_msg(), always.
+Most likely it is counted, kept or shifted: message.header.stamp = Time(nanoseconds=$time).to_msg(), always.
 
 # two robots in turns
 Most likely what is kept belongs to the class: make it in initialize.

@@ -85,7 +85,7 @@ Most likely configure lacks what Listener's does: super().configure(config) list
 Most likely buttons are taken for granted: ask for len(message.buttons) first.
 
 # one button
-Most likely more buttons are taken for granted: only buttons[0] counts.
+Most likely more buttons are asked for: one is enough, len(message.buttons) > 0, and buttons[0] counts.
 """
 NO_LATEST = "Most likely self.fire is assigned anew: what it holds is replaced by self.fire.put(...)."
 NO_TRUTH = "Put whether the button is pressed: True or False. bool(...) makes one of them of anything."

@@ -89,6 +89,10 @@ publish is called at once: give it without parentheses, self.camera.capture(self
 no time is handed on with publish: self.camera.capture(self.publish, self.io.time_ns).
     capture(self.publish, self.io.time_ns) => capture(self.publish)
 
+a picture is asked for only when the one before has come, which may be late or never: ask for each at its time.
+    self.camera.capture( => self.kept, self.steps_per_picture = self.steps_per_picture, 10**9 // self.camera.capture(
+    message = Image() => self.steps_per_picture = self.kept // message = Image()
+
 message.data is given an array with rows: it takes one byte after the other, array('B', ....tobytes()).
     array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()) => pixels.mean(axis=2).astype(np.uint8)
 
@@ -136,11 +140,11 @@ Most likely the time is that of delivery or of a later request, or pictures are 
 self.camera.capture(self.publish, self.io.time_ns).
 
 # the frame
-Most likely the frame is left out, or the body's. It is the camera's, message.header.frame_id =
+Most likely the frame is left out, the body's or the camera's own. It is the optical one, message.header.frame_id =
 f"{self.io.body.name}/{self.camera.name}_optical".
 
 # after stop
-Most likely the camera is not closed: in stop, self.camera.close().
+Most likely the camera is not closed, or later: in stop, self.camera.close().
 """
 
 Pixels = NDArray[np.uint8]  # (height, width, 3)
@@ -239,6 +243,8 @@ PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "steps_per
 def late(answer: type) -> Any:
     """Observe the stamps of pictures that come after the next one was asked for, or not at all."""
     rig = PUBLISHING.play(answer, 1.6, 7, (1,), delay=40, missed=2)
+    if len(rig.orders) < 7:
+        return f"only {len(rig.orders)} pictures are asked for in 1.6 s"
     pairs = zip(PUBLISHING.messages(rig), rig.delivered)
     return compared_stamps([(each.stamp_ns, step * 7_000_000) for each, (step, _) in pairs])
 

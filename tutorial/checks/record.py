@@ -64,7 +64,7 @@ None comes into the queue while messages may still come, and those after it are 
 only one entry is written: take one after the other, in a loop.
     *received) => *received) // break
 
-the thread does not wait for the next message: get waits for it, and None is the end.
+the thread does not wait for the next message, or not long enough: get waits for it, and None is the end.
     while received := self.received.get(): => while not self.received.empty() and (received := self.received.get()):
 
 the thread ends before it has written what waits in the queue: let only None end it, which comes behind all others.
