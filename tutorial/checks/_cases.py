@@ -128,7 +128,7 @@ class Cases:
         both = (two for two in combinations(known, 2) if shows.issuperset(two) or not leads.isdisjoint(two))
         tries = chain(
             ((each,) for each in known if each in leads),
-            ((each,) for each in slips(another, self.solution, self.beside) if has_slips),
+            ((each,) for each in (slips(another, self.solution, self.beside) if has_slips else ())),
             () if raises[0] or self.one_by_one or 2 * len(seen) < len(self.cases) else both,
         )
         end = time.monotonic() + LONGEST

@@ -17,9 +17,7 @@ from tutorial.controller import SimpleController
 AT_ONCE = "Most likely the callback is called at once: give it without parentheses, self.{}."
 NO_ARGUMENTS = "__init__ is given nothing: config comes to configure(self, config), and io to initialize(self, io)."
 _RETURNS = "{} does its part and returns at once: the loops are the program's, which counts steps and spins its node."
-_PROGRAMS = (
-    "Leave it out: the program has called rclpy.init, spins its node, config.node, and shuts all down at its end."
-)
+_PROGRAMS = "Leave it out: the program has called rclpy.init, spins its node, config.node, and ends them, too."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {
