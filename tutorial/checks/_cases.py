@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout, suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from io import StringIO
 from itertools import chain, combinations
 from math import isclose, isnan
@@ -122,9 +122,8 @@ class Cases:
         known = [each for each in self.mistakes if each.fails in ("", at)]
         has_slips = not any(raises) and len(odd) > 1
         known += slips(missing, self.solution, self.beside) if has_slips else ()
-        alone = {each: observed(self.cases[at], self.mistaken(each)) for each in known}
-        shows = {each for each in known if not same(alone[each], self.expected[at])}
-        leads = {each for each in known if same(alone[each], seen[at])}
+        shows = {each for each in known if not same(_alone(self, at, each), self.expected[at])}
+        leads = {each for each in known if same(_alone(self, at, each), seen[at])}
         both = (two for two in combinations(known, 2) if shows.issuperset(two) or not leads.isdisjoint(two))
         tries = chain(
             ((each,) for each in known if each in leads),
@@ -166,12 +165,17 @@ class Cases:
         """By case, the cause that it shows; each is shown by the first case that it makes wrong by itself."""
         causes: dict[str, str] = {}
         for mistake in found:
-            twin = self.mistaken(mistake)
             free = [label for label in odd if label not in causes]
-            alone = (label for label in free if not same(observed(self.cases[label], twin), self.expected[label]))
+            shows = (label for label in free if not same(_alone(self, label, mistake), self.expected[label]))
             if free:
-                causes[next(alone, free[0])] = f"Most likely {mistake.cause}"
+                causes[next(shows, free[0])] = f"Most likely {mistake.cause}"
         return causes
+
+
+@cache
+def _alone(cases: Cases, label: str, mistake: Mistake) -> Any:
+    """Return what comes of a case for the solution with one mistake."""
+    return observed(cases.cases[label], cases.mistaken(mistake))
 
 
 def observed(case: Case, answer: Any) -> Any:
