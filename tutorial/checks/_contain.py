@@ -79,10 +79,12 @@ async def _run(job: bytes, domain: int) -> tuple[list[bytes], bytearray, int | N
     return told, output, process.returncode
 
 
-async def _start(env: Mapping[str, str]) -> Process:
+async def _start(environment: Mapping[str, str]) -> Process:
     """Start the process. Its stdout is for what is found; what the learner's code prints comes by stderr."""
-    own: dict[str, Any] = {"stdin": PIPE, "stdout": PIPE, "stderr": PIPE, "start_new_session": True, "env": env}
-    return await asyncio.create_subprocess_exec(sys.executable, "-P", "-u", "-m", "tutorial.checks._child", **own)
+    command = sys.executable, "-P", "-u", "-m", "tutorial.checks._child"
+    return await asyncio.create_subprocess_exec(
+        *command, stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True, env=environment
+    )
 
 
 async def _keep(printed: Any, output: bytearray) -> None:

@@ -5,7 +5,7 @@ the topic `gyro` of its body, 10 times per simulated second, as nearly as whole 
 topic is `Tank/gyro`, without a slash in front, so it is in the namespace of the node.
 
 - Its angular velocity is the average of what the sensor `GYRO` has measured, one value per step, since the last
-  message. The first message goes out at the first step, so it has one value.
+  message. The first message goes out at the first step, with one value, or a period later.
 - It marks what is not measured: -1 is the first number in the covariances of orientation and linear acceleration.
 - Its stamp is the simulated time at which it is sent.
 - Its frame is the sensor's own, `Tank/GYRO`, with the body's name. On the tank the chassis, `Tank/base_link`, is
