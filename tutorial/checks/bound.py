@@ -83,7 +83,7 @@ Most likely a certain number of axes is expected: there may be more, and the fir
 # three axes
 # one axis
 # no axes
-Most likely four axes are taken for granted: of those that the message lacks, each counts as 0.
+Most likely four axes are taken for granted, or too few zeros stand behind: each that the message lacks counts as 0.
 
 # NaN for
 NaN counts as 0, and min and max let it through, or make 1 or -1 of it: ask isfinite(axis) first.

@@ -54,11 +54,11 @@ unknown names or NaN are left out before zip, so positions move to other names: 
 infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
     isfinite(position) => position == position
 
-the loop ends at an unknown name: leave out only that one and go on, continue.
-    zip(message.name, => zip(takewhile(joint_names.__contains__, message.name),
-
-the loop ends at NaN: leave out only that joint and go on, continue.
-    message.position) => takewhile(isfinite, message.position)) => takewhile(lambda q: q == q, message.position))
+the loop ends at an unknown name, or at NaN: leave out only that one and go on, continue.
+    zip(message.name, message.position) => zip(takewhile(joint_names.__contains__, message.name), message.position)
+    => zip(message.name, takewhile(isfinite, message.position))
+    => zip(message.name, takewhile(lambda q: q == q, message.position))
+    => takewhile(lambda pair: pair[0] in joint_names and isfinite(pair[1]), zip(message.name, message.position))
 
 the whole message is dropped for an unknown name, for NaN, or for a position too few or too many: leave out only that.
     return { => if not set(message.name) <= set(joint_names): return dict() // return {

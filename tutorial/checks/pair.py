@@ -107,7 +107,7 @@ Compare with: a message waits by its stamp, until the other stream's message of 
 Most likely what waits belongs to the class, or to an argument's default: make it in __init__.
 
 # nanosecond
-Most likely the stamps are not compared as they are: sec and nanosec count, to the last digit.
+Most likely the stamps are rounded, as seconds in a float are, or cut: compare sec and nanosec as they are.
 
 # three
 Most likely too much is dropped, as when an older stamp comes: what came after a pair's first message still waits.
@@ -116,7 +116,7 @@ Most likely too much is dropped, as when an older stamp comes: what came after a
 Most likely the stamps are not compared as they are: both numbers count, sec and nanosec.
 
 # late
-Compare what is past: when a pair is found, what came before its first message is dropped, of both.
+Most likely older ones go on waiting, or later ones are dropped: a pair drops what came before its first message.
 
 # start
 Most likely it is asked which stamp is larger: after a new start they begin at 0; count on the arrival.
@@ -124,7 +124,7 @@ Most likely it is asked which stamp is larger: after a new start they begin at 0
 # 50
 # 51
 # 60
-Compare what gives way: nothing as long as 50 wait, and of more the one that came first.
+Most likely fewer than 50 may wait, or another gives way, the last or all: of more than 50, the one that came first.
 """
 NO_PAIR = "Return the two messages themselves, joints, pose, or None as long as one of them is missing."
 

@@ -131,6 +131,9 @@ the steps are counted from the last message, so after a pause it looks at every 
 Compare each joint's position with the one that was last sent for it, every 20 ms, and begin each message with new
 lists.
 
+# after a restart
+Most likely self.sent is kept from the run before: make it anew in initialize, at every start.
+
 # the joints of the tank
 Most likely the joints' names are typed: take them from io.body.joints.
 """

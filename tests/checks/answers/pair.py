@@ -72,7 +72,7 @@ class NeverBehind(Queues):
 
 WRONG = [
     (ADefault, "belongs to the class, or to an argument's default"),
-    (OnlyTwenty, "what gives way: nothing as long as 50 wait"),
+    (OnlyTwenty, "fewer than 50 may wait"),
     (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),
     (NeverBehind, "after a new start they begin at 0"),
 ]
