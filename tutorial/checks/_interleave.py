@@ -44,6 +44,7 @@ def interleave(function: Callable[[], object], between: Callable[[], object], at
     def enter(frame: FrameType, _event: str, _argument: Any) -> Any:
         if frame.f_code.co_filename not in watch.files:
             return None
+        frame.f_trace = step  # Python 3.13 stops at instructions only where this stands already
         frame.f_trace_opcodes = True
         return step
 
@@ -58,7 +59,7 @@ def interleave(function: Callable[[], object], between: Callable[[], object], at
 def traced(enter: Callable[[FrameType, str, Any], Any]) -> Iterator[None]:
     """Have this thread's code traced, instruction by instruction where a frame asks for it."""
     before = sys.gettrace()
-    sys._getframe().f_trace_opcodes = True  # Python 3.12 and 3.13 look only at settrace whether some frame wants them
+    sys._getframe().f_trace_opcodes = True  # Python 3.12 looks only at settrace whether some frame wants them
     watch.interleaved = True
     sys.settrace(enter)
     try:

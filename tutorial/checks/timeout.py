@@ -24,9 +24,10 @@ from collections.abc import Sequence
 from itertools import cycle
 from typing import Any
 
+import numpy as np
 from sensor_msgs.msg import Joy
 
-from tutorial.checks.exercise import Case, Cases, Exercise, ask, call
+from tutorial.checks.exercise import Case, Cases, Exercise, Misuse, call, watch
 
 
 class CommandTimeout:
@@ -99,10 +100,18 @@ def tried(calls: str, objects: int = 1) -> Case:
         messages["C"].header.stamp.sec, messages["C"].axes = 6, []
         turns = cycle([call(answer) for _ in range(objects)])
         each_call = [*map(str.split, calls.split(","))]  # at once, so that nothing gets N's place in memory
-        how: Any = {"read": {True: True, False: False}.__getitem__, "wanted": TRUTH}
-        return [ask(next(turns).fresh, messages.get(each) or Joy(), float(at), **how) for each, at in each_call]
+        return [fresh(next(turns), messages.get(each) or Joy(), float(at)) for each, at in each_call]
 
     return case
+
+
+def fresh(timeout: Any, message: Joy, seconds: float) -> bool:
+    """Ask the answer whether a message is fresh."""
+    with watch.call("fresh"):
+        returned = timeout.fresh(message, seconds)
+        if not isinstance(returned, (bool, np.bool_)):
+            raise Misuse(f"it returns a {type(returned).__name__}", TRUTH)
+        return bool(returned)
 
 
 def say(seen: Sequence[bool]) -> str:
