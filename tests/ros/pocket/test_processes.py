@@ -72,7 +72,7 @@ print([context.ok() for context in contexts])
 
 
 FORK = """
-import os, signal, sys, threading, rclpy
+import os, signal, sys, threading, rclpy, warnings
 from std_msgs.msg import String
 rclpy.init(args=[])
 node = rclpy.create_node("x")
@@ -80,6 +80,7 @@ heard = threading.Event()
 node.create_subscription(String, "words", lambda message: heard.set(), 10)
 publisher = node.create_publisher(String, "words", 10)
 threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+warnings.simplefilter("ignore")  # Python 3.12 advises against it
 child = os.fork()
 if child == 0:
     signal.alarm(30)  # nothing is to be left of it
