@@ -8,7 +8,7 @@ from functools import partial
 from types import EllipsisType
 from typing import Any
 
-from tutorial.checks._diagnose import Misuse
+from tutorial.checks._diagnose import NO_ARGUMENTS, Misuse
 from tutorial.checks._watch import Failure
 from tutorial.controller import SimpleController
 
@@ -91,6 +91,9 @@ def _mend(answer: type, part: str) -> str:
     near = get_close_matches(part, others, n=1)
     if near:
         return f"Most likely its name is misspelled: {near[0]} should be {part}."
+    made = getattr(vars(answer).get("__init__"), "__code__", None)
+    if made is not None and made.co_argcount > 1 and issubclass(answer, SimpleController):
+        return f"Most likely __init__ does its work. {NO_ARGUMENTS}"
     return f"Write the method {part}; it is part of the answer."
 
 

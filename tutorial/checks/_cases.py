@@ -225,7 +225,7 @@ def ask(function: Any, *given: Any, read: Callable[[Any], Any], wanted: str) -> 
         if isinstance(returned, Iterator):
             wanted = f"With yield, or in parentheses, something makes an iterator. {wanted}"
         else:
-            with suppress(AttributeError, LookupError, TypeError, ValueError):
+            with suppress(AttributeError, TypeError, ValueError):
                 return read(returned)
         if returned is None:
             raise Misuse("it returns None", f"Most likely return is missing. {wanted}")

@@ -16,7 +16,18 @@ from tutorial.controller import SimpleController
 
 AT_ONCE = "Most likely the callback is called at once: give it without parentheses, self.{}."
 NO_ARGUMENTS = "__init__ is given nothing: config comes to configure(self, config), and io to initialize(self, io)."
-_RETURNS = "{} does its part and returns at once: the loops are the program's, which counts steps and spins its node."
+_RETURNS = {
+    "configure": "configure only makes publishers and subscriptions, and returns; the program spins its node already.",
+    "initialize": "initialize only prepares the first step, and returns; what repeats belongs into control.",
+    "control": "control is called once for every step and returns at once; the loop is the simulation's. To wait, "
+    "count steps, io.step.",
+    "aim": "aim is called once for every step and returns at once; simulated time goes on by itself.",
+    "unconfigure": "to wait for a thread's end, join it.",
+    "update": "{} runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
+    "callback": "{} is a callback: it puts the message away, or posts a call, and returns; it never waits and never "
+    "repeats.",
+}
+"""Why a method returns at once, by its name."""
 _PROGRAMS = "Leave it out: the program has called rclpy.init, spins its node, config.node, and ends them, too."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
@@ -105,12 +116,17 @@ def _owner(error: BaseException, frames: Sequence[FrameType]) -> tuple[Any, str]
 
 def slept(method: str) -> str:
     """Say what is wrong about a method that sleeps."""
-    return f"Leave out what sleeps or waits. {_RETURNS.format(method)}"
+    return f"Leave out what sleeps or waits: {_returns(method) or 'nothing else goes on until it returns.'}"
 
 
 def endless(method: str) -> str:
     """Say what is wrong about a method that does not return."""
-    return f"Most likely a loop never ends, or something is waited for. {_RETURNS.format(method)}"
+    return _returns(method) or "Most likely the condition of a loop never becomes false, or it waits for something."
+
+
+def _returns(method: str) -> str:
+    kind = "callback" if method.startswith("on_") or "back" in method else method
+    return _RETURNS.get(kind, "").format(method)
 
 
 def lacks_self(function: Any) -> bool:

@@ -25,14 +25,14 @@ in there, and return both.
 Notice that the order of arrival is enough to know what is past, also after a new start.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import cycle
 from typing import Any
 
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.exercise import Cases, Exercise, ask, call
+from tutorial.checks.exercise import Cases, Exercise, Misuse, call, watch
 
 
 class Pairs:
@@ -166,6 +166,19 @@ def message_of(stream: str, stamp: int) -> Any:
     return message
 
 
+def add(pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]) -> list[Arrival] | None:
+    """Have a message arrive, and say what was returned, by the messages that are known."""
+    with watch.call("add"):
+        returned = pairs.add(stream, message)
+        if returned is None:
+            return None
+        those = returned if isinstance(returned, (tuple, list)) else ()
+        pair = [arrival for one in those for each, arrival in known if each is one]
+        if len(pair) != 2:
+            raise Misuse(f"it returns a {type(returned).__name__}", NO_PAIR)
+        return pair
+
+
 def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[type], list[Any]]:
     """Observe what is returned for one message after the other.
 
@@ -175,16 +188,9 @@ def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[type], list[Any]]:
     """
 
     def case(answer: type) -> list[Any]:
-        def read(returned: Any) -> list[Arrival] | None:
-            if returned is None:
-                return None
-            joints, pose = returned
-            return [known[id(joints)], known[id(pose)]]
-
-        messages, those = [message_of(*each) for each in arrivals], cycle([call(answer) for _ in range(objects)])
-        known = dict(zip(map(id, messages), arrivals))
-        given = [(pairs.add, stream, message) for pairs, (stream, _), message in zip(those, arrivals, messages)]
-        return [ask(*each, read=read, wanted=NO_PAIR) for each in given]
+        messages = [message_of(*arrival) for arrival in arrivals]
+        known, those = list(zip(messages, arrivals)), cycle([call(answer) for _ in range(objects)])
+        return [add(pairs, stream, message, known) for pairs, (message, (stream, _)) in zip(those, known)]
 
     return case
 

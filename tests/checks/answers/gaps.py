@@ -53,10 +53,6 @@ def own_words(messages):
     return [(what.upper(), before, after) for what, before, after in find_gaps(messages)]
 
 
-def texts(messages):
-    return [(what, f"{before} ns", f"{after} ns") for what, before, after in find_gaps(messages)]
-
-
 newest_of_all: list[int] = []
 
 
@@ -73,6 +69,5 @@ EMPTY = "a bag without a message is not expected"
 WRONG = [
     (neighbours_of_some, [LAST, EMPTY]),
     (own_words, ['The words are "gap" and "restart".']),
-    (texts, ["Return a list of tuples"]),
     (kept_newest, ["newest_of_all is kept from call to call"]),
 ]

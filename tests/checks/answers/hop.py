@@ -4,6 +4,8 @@ import asyncio
 import time
 
 import numpy as np
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import Imu
 
 from tutorial.checks.hop import HopViewer
 
@@ -45,6 +47,16 @@ class Ticking(HopViewer):
             self.timer = asyncio.get_running_loop().call_later(0.02, self.tick)
 
 
+class LikeASensor(HopViewer):
+    """Has a profile in place of a number, and a topic that begins with a slash."""
+
+    def configure(self, config):
+        super().configure(config)
+        self.node.destroy_subscription(self.subscription)
+        topic = f"/{self.body.name}/imu"
+        self.subscription = self.node.create_subscription(Imu, topic, self.on_imu, qos_profile_sensor_data)
+
+
 class Remembers(HopViewer):
     """Keeps an object of its own on the class, for nothing."""
 
@@ -55,7 +67,7 @@ class Remembers(HopViewer):
         super().update(message)
 
 
-RIGHT = [Task, Ticking, Remembers]
+RIGHT = [Task, Ticking, LikeASensor, Remembers]
 
 
 def changed(**methods):

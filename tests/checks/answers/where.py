@@ -5,7 +5,6 @@ from functools import reduce
 
 import mujoco
 import numpy as np
-from geometry_msgs.msg import Point
 
 from tutorial.checks.where import place, turned, where_is
 
@@ -37,11 +36,6 @@ def named(transforms, point):
 
 
 RIGHT = [where_is, recursive, by_matrices, named]
-
-
-def as_message(transforms, point):
-    t = place(transforms[0])
-    return Point(**dict(zip("xyz", t.tolist())))
 
 
 def overwrites(transforms, point):
@@ -77,7 +71,6 @@ WRONG = [
     (lambda all_, point: where_is(all_[:-1], to_parent(all_[-1], point)), "take no first transform for granted"),
     (lambda all_, point: where_is(all_, point) if all_ else None, "Without transforms the point is returned as it"),
     (lambda transforms, point: where_is(transforms, point)[:2], "Return x, y and z: a list"),
-    (as_message, "a message is no list"),
     (overwrites, "make one of your own"),
     (whole, "an array of whole numbers is made"),
     (until_odom, "or a frame's name"),
