@@ -28,7 +28,7 @@ _RETURNS = {
     "repeats.",
 }
 """Why a method returns at once, by its name."""
-_PROGRAMS = "Leave it out: the program has called rclpy.init, spins its node, config.node, and ends them, too."
+_PROGRAMS = "Leave it out: the program has called rclpy.init, spins its node, config.node, and shuts rclpy down."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {

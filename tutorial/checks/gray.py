@@ -144,7 +144,7 @@ Most likely the frame is left out, the body's or the camera's own. It is the opt
 f"{self.io.body.name}/{self.camera.name}_optical".
 
 # after stop
-Most likely the camera is not closed, or later: in stop, self.camera.close().
+Most likely the camera is not closed, or closed too late: in stop, self.camera.close().
 """
 
 Pixels = NDArray[np.uint8]  # (height, width, 3)

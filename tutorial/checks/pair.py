@@ -124,7 +124,7 @@ Most likely it is asked which stamp is larger: after a new start they begin at 0
 # 50
 # 51
 # 60
-Most likely fewer than 50 may wait, or another gives way, the last or all: of more than 50, the one that came first.
+Most likely fewer than 50 may wait, or another one gives way: of more than 50, drop the one that came first.
 """
 NO_PAIR = "Return the two messages themselves, joints, pose, or None as long as one of them is missing."
 
