@@ -58,8 +58,7 @@ the stamp is compared: a message that somebody sends by hand has none. Compare t
 the stamp is taken for the time at which it came: a message by hand has none. Keep the seconds of the first call.
     seconds - self.since => seconds - message.header.stamp.sec
 
-no message gets too old: every call sets the time, calls are counted, or the difference is turned round. Only a new
-message sets the time, and its age is seconds - self.since.
+no message gets too old: only a new message sets the time, self.since, and its age is seconds - self.since.
     return seconds - self.since <= 0.5 => return True
     => age, self.since = seconds - self.since, seconds // return age <= 0.5
 
@@ -119,13 +118,14 @@ def say(seen: Sequence[bool]) -> str:
     return ", ".join(map(str, seen))
 
 
+NEW = ", ".join(f"N {i / 4}" for i in range(40))
 TRIED = {
     "one message at 0, 0.25, 0.5 and 0.75 s": tried("A 0, A 0.25, A 0.5, A 0.75"),
     "one message, first at 12 s": tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
     "another message after a second, and again": tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"),
     "the stick is held, the same comes every 0.25 s": tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
     "two messages within half a second": tried("A 1, B 1.25, B 1.625, B 2"),
-    "a new message each time, the one before is gone": tried("N 0, N 0.25, N 0.5, N 0.75, N 1"),
+    "40 new messages, each when the one before is gone": lambda answer: [all(tried(NEW)(answer))],
     "two robots in turns": tried("A 0, B 0.25, A 0.75, B 0.75", objects=2),
 }
 timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, TRIED, MISTAKES, say))
