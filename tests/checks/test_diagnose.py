@@ -28,15 +28,6 @@ class Answer(SimpleController):
         return 1.0
 
 
-class Slotted:
-    __slots__ = ("speed",)
-
-
-def set_what_there_is_not():
-    slotted = Slotted()
-    slotted.sped = 1
-
-
 SENTENCES = {
     "Most likely self is missing: def control(self):": lambda: Answer().control(),
     "Most likely parentheses are missing: Answer alone is the class": lambda: Answer.on_joy(message=1),
@@ -51,7 +42,7 @@ SENTENCES = {
     "Most likely there is an index beyond the end": lambda: [].pop(),
     "Most likely a list is the key of a dict": lambda: {[]: 1},
     "Leave it out: the program has called rclpy.init, spins its node": lambda: rclpy.spin_once(None),
-    "Did you mean 'speed'?": set_what_there_is_not,
+    "Did you mean 'join'?": lambda: "".jion,
 }
 
 

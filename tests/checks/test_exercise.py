@@ -134,9 +134,9 @@ class Pushy:
 
 FIRST_LOOK = [
     (drive, "Tank", "An object of the class str was given. Give the class itself: await drive.check(GentleTank)."),
-    (drive, unwritten, "The function unwritten was given. Give the class itself: await drive.check(GentleTank)."),
+    (drive, unwritten, "unwritten was given. Give the class itself: await drive.check(GentleTank)."),
     (drive, Pushy, "Pushy is not made from SimpleController. Begin it with: class GentleTank(SimpleController):"),
-    (by_name, Pushy, "The class Pushy was given. Give the function itself: await by_name.check(match_by_name)."),
+    (by_name, Pushy, "Pushy was given. Give the function itself: await by_name.check(match_by_name)."),
 ]
 
 

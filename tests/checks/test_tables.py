@@ -22,7 +22,7 @@ def test_each_mistake_is_diagnosed_as_itself(exercise, mistake, domain):
     verdict = exercise.judge(twin)
     assert not verdict.right, f"this is no mistake: {mistake}"
     assert verdict.causes == (f"Most likely {mistake.cause}",), str(verdict)
-    assert verdict.findings[-1].text.startswith(mistake.fails), str(verdict)
+    assert not exercise.cases.one_by_one or verdict.findings[-1].text.startswith(mistake.fails), str(verdict)
 
 
 SLIPS = {

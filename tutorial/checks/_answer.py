@@ -33,7 +33,7 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
     """
     mend = f"Give the {'function' if base is None else 'class'} itself: {call}({name})."
     if isinstance(answer, type) != (base is not None) or not callable(answer):
-        return f"{_called(answer)} was given. {mend}"
+        return f"{getattr(answer, '__name__', f'An object of the class {type(answer).__name__}')} was given. {mend}"
     if base is not None and not issubclass(answer, base):
         return f"{answer.__name__} is not made from {base.__name__}. Begin it with: class {name}({base.__name__}):"
     return ""
@@ -95,11 +95,3 @@ def _mend(answer: type, part: str) -> str:
     if made is not None and made.co_argcount > 1 and issubclass(answer, SimpleController):
         return f"Most likely __init__ does its work. {NO_ARGUMENTS}"
     return f"Write the method {part}; it is part of the answer."
-
-
-def _called(answer: Any) -> str:
-    if isinstance(answer, type):
-        return f"The class {answer.__name__}"
-    if inspect.isroutine(answer):
-        return f"The function {answer.__name__}"
-    return f"An object of the class {type(answer).__name__}"

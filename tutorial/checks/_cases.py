@@ -119,7 +119,7 @@ class Cases:
         raises = [isinstance(each, Failure) for each in seen.values()]
         odd = [label for label in seen if not same(seen[label], self.expected[label])]
         at, quickest = odd[-1], sorted(seen, key=lambda label: took[label] * (1 if label in odd else 2))
-        known = [each for each in self.mistakes if each.fails in ("", at)]
+        known = [each for each in self.mistakes if each.fails in ("", at) or not self.one_by_one]
         has_slips = not any(raises) and len(odd) > 1
         known += slips(missing, self.solution, self.beside) if has_slips else ()
         shows = {each for each in known if not same(_alone(self, at, each), self.expected[at])}

@@ -6,10 +6,8 @@ These sentences are no interface. Where one is another, an exception speaks for 
 import dis
 import inspect
 import re
-from collections.abc import Sequence
 from difflib import get_close_matches
 from traceback import walk_tb
-from types import FrameType
 from typing import Any
 
 from tutorial.controller import SimpleController
@@ -60,6 +58,8 @@ _CAUSES = {
     r"TypeError: (?:\w+\.)*(\w+)\.\w+\(\) missing 1 required positional argument: 'self'": _CLASS,
     r"TypeError: \S*__init__\(\) missing": NO_ARGUMENTS,
     r"TypeError: (?:\S+\.)?(on_\w+)\(\) missing 1 required positional argument": AT_ONCE,
+    r"TypeError: (?:\S+\.)?(\w+)\(\) (?:takes|missing)": "Most likely {0} gets too few arguments, or too many: "
+    "compare its def line with where it is posted or called.",
 }
 
 
@@ -88,30 +88,18 @@ def likely_cause(error: BaseException, answer: Any) -> str:
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     called = {each.f_code.co_name for each in frames if str(each.f_globals.get("__name__")).startswith("rclpy")}
     causes = [_PROGRAMS] if called & _CALLED_ONCE else []
-    owner, name = _owner(error, frames)
+    owner, name = (error.obj, str(error.name)) if isinstance(error, AttributeError) else (None, "")
     if isinstance(answer, type) and isinstance(owner, answer):
         causes.append(_unset(answer, name))
     text = f"{type(error).__name__}: {error}"
     taken = re.match(r"TypeError: (?:\S+\.)?(\w+)\(\) takes", text)
     method = getattr(answer, taken[1], None) if taken else None
-    if inspect.isfunction(method) and lacks_self(method):
-        causes.append(no_self(method))
+    if inspect.isfunction(method):
+        causes.append(_no_self(method))
     causes += [cause.format(*found.groups()) for each, cause in _CAUSES.items() if (found := re.match(each, text))]
     if owner is not None:
         causes.append(_what_there_is(owner, name))
-    return next(iter(causes), _GENERAL)
-
-
-def _owner(error: BaseException, frames: Sequence[FrameType]) -> tuple[Any, str]:
-    """Find out whose attribute was looked for, and its name; of one that was to be set, Python does not tell."""
-    if not isinstance(error, AttributeError):
-        return None, ""
-    if error.obj is not None:
-        return error.obj, str(error.name)
-    kind, name, *_ = [*re.findall(r"'(\w+)'", str(error)), "", ""]
-    near = [value for frame in reversed(frames) for value in frame.f_locals.values()]
-    near += [value for each in near for value in getattr(each, "__dict__", {}).values()]
-    return next((each for each in near if type(each).__name__ == kind), None), name
+    return next(filter(None, causes), _GENERAL)
 
 
 def slept(method: str) -> str:
@@ -129,17 +117,13 @@ def _returns(method: str) -> str:
     return _RETURNS.get(kind, "").format(method)
 
 
-def lacks_self(function: Any) -> bool:
-    """Whether a method's first argument is not called ``self``."""
+def _no_self(function: Any) -> str:
+    """Say how a method begins that has forgotten ``self``; nothing of another."""
     code = function.__code__
-    return not code.co_flags & inspect.CO_VARARGS and code.co_varnames[: min(1, code.co_argcount)] != ("self",)
-
-
-def no_self(function: Any) -> str:
-    """Say how a method begins that has forgotten ``self``."""
-    code = function.__code__
-    arguments = ", ".join(("self", *code.co_varnames[: code.co_argcount]))
-    return f"Most likely self is missing: def {code.co_name}({arguments}):"
+    arguments = code.co_varnames[: code.co_argcount]
+    if code.co_flags & inspect.CO_VARARGS or arguments[:1] == ("self",):
+        return ""
+    return f"Most likely self is missing: def {code.co_name}({', '.join(('self', *arguments))}):"
 
 
 def _unset(answer: type, name: str) -> str:

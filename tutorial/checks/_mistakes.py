@@ -32,7 +32,7 @@ class Mistake:
     Attributes:
         cause: what names it, after the words "Most likely".
         edits: what in the solution's source is replaced, and by what: all that is like it, one after the other.
-        fails: the case that it fails, and so may explain; "" for any.
+        fails: a part of the text of a case that it fails; "" for any.
     """
 
     cause: str
@@ -60,7 +60,7 @@ def read(table: str) -> tuple[tuple[Mistake, ...], dict[str, str]]:
             as little as possible: two mistakes that change the same text cannot be found together.
             A line with ``#`` and a part of cases' texts begins a section; ``#`` alone is for any case. A sentence in it
             without edits is said of these cases when no mistake explains them; where there is none, its first cause is.
-            Mistakes in a section fail the case of this text, and explain only that.
+            Mistakes in a section explain this case alone, if the exercise's cases are tried one by one.
 
     Returns:
         The mistakes, and by part of a case's text, the sentence.

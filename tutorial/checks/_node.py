@@ -14,7 +14,7 @@ from rclpy.logging import get_logger
 from rclpy.node import Node
 
 from tutorial.checks._cases import Case, call
-from tutorial.checks._diagnose import AT_ONCE, Misuse, lacks_self, no_self
+from tutorial.checks._diagnose import AT_ONCE, Misuse
 from tutorial.checks._interleave import interleave
 from tutorial.checks._watch import Failure, watch
 from tutorial.errors import TutorialError
@@ -170,7 +170,7 @@ def check_callback(callback: Any, message_type: type) -> None:
     """Refuse a callback that cannot work, in the learner's words.
 
     Raises:
-        Misuse: it is not a function, or one that cannot take a message.
+        Misuse: it is not a function, or a coroutine function.
     """
     name = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in message_type.__name__)
     if not callable(callback):
@@ -179,8 +179,6 @@ def check_callback(callback: Any, message_type: type) -> None:
     if inspect.iscoroutinefunction(callback):
         text = f"{callback.__name__} is a coroutine function, async def, and nobody awaits it"
         raise Misuse(text, "A callback is a plain function: it puts the message away, or posts a call, and returns.")
-    if inspect.ismethod(callback) and lacks_self(callback.__func__):
-        raise Misuse(f"{callback.__name__} cannot take a message", no_self(callback.__func__))
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from tutorial.body import Body
 from tutorial.checks._answer import check_has, name_of
 from tutorial.checks._cases import Case, Cases
 from tutorial.checks._clock import ClockedLoop
-from tutorial.checks._diagnose import Misuse, lacks_self, no_self, slept
+from tutorial.checks._diagnose import Misuse, slept
 from tutorial.checks._mistakes import A_MISTAKE
 from tutorial.checks._node import MemoryNode, early, ros_node, send
 from tutorial.checks._rig import model_of
@@ -36,7 +36,6 @@ TOUCHED = "Most likely the callback moves the body itself: post all that touches
 BESIDE = "Most likely a timer or a thread of its own posts: the callback itself posts, once for each message."
 COROUTINE = "It has to be a plain function, def: to wait, it makes a task of a coroutine, asyncio.create_task(...)."
 ENDLESS = "Most likely what is posted posts itself: post the method that shows the message, such as self.update."
-ARGUMENTS = "Most likely what is posted gets too few arguments, or too many: those of {} follow it, but not self."
 
 LISTENS = "on a body called Rover it listens to"
 AT_ONCE = "a message as soon as there is a subscription"
@@ -215,14 +214,14 @@ class Viewer:
         self._failures.append(error if isinstance(error, Failure) else watch.failure("what runs on the loop", error))
 
     def _later(self, function: Any, *arguments: Any) -> None:
-        _check_call(function, arguments)
+        _check_callable(function)
         self._scope.call_later(self._run, function, *arguments)
 
     def _latest(self, key: Any, function: Any = None, *arguments: Any) -> None:
         if callable(key) and not callable(function):
             raise Misuse("call_latest is called without a key", KEY)
         self.keys.append(key)
-        _check_call(function, arguments)
+        _check_callable(function)
         self._scope.call_latest(key, self._run, function, *arguments)
 
     def _tell(self) -> None:
@@ -274,8 +273,8 @@ def side_by_side(*steps: Step) -> Step:
     return step
 
 
-def _check_call(function: Any, arguments: tuple[Any, ...]) -> None:
-    """Refuse to post what cannot be called, or not with these arguments.
+def _check_callable(function: Any) -> None:
+    """Refuse to post what cannot be called.
 
     Raises:
         Misuse: it cannot.
@@ -283,12 +282,6 @@ def _check_call(function: Any, arguments: tuple[Any, ...]) -> None:
     if not callable(function):
         cause = SECONDS if isinstance(function, Real) else PARENTHESES
         raise Misuse(f"what is posted is no function: {function!r:.40}", cause)
-    try:
-        inspect.signature(function).bind(*arguments)
-    except TypeError as error:
-        inner = getattr(function, "__func__", None)
-        cause = no_self(inner) if inner is not None and lacks_self(inner) else ARGUMENTS.format(name_of(function))
-        raise Misuse(f"{name_of(function)} cannot begin with what is posted: {error}", cause) from error
 
 
 def viewing(

@@ -51,9 +51,6 @@ unknown names or NaN are left out before zip, so positions move to other names: 
     message.name, message.position => [n for n in message.name if n in joint_names], message.position
     => message.name, [*filter(isfinite, message.position)] => message.name, [q for q in message.position if q == q]
 
-infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
-    isfinite(position) => position == position
-
 the loop ends at an unknown name, or at NaN: leave out only that one and go on, continue.
     zip(message.name, message.position) => zip(takewhile(joint_names.__contains__, message.name), message.position)
     => zip(message.name, takewhile(isfinite, message.position))
@@ -65,9 +62,6 @@ the whole message is dropped for an unknown name, for NaN, or for a position too
     => if not all(map(isfinite, message.position)): return dict() // return {
     => if len(message.position) < len(message.name): return dict() // return {
     => if len(message.position) != len(message.name): return dict() // return {
-
-positions are converted, rounded or lose their sign: they are rad on both sides, pass them on as they are.
-    name: position => name: degrees(position) => name: radians(position) => name: int(position) => name: abs(position)
 
 names and positions are exchanged in the dict: it goes from names to positions, {name: position}.
     name: position => position: name
@@ -84,8 +78,7 @@ a joint that the message says nothing about gets 0, NaN or None: leave it out of
 Compare with: the i-th position belongs to the i-th name, if the body has that name and it is finite.
 
 # another order
-Most likely places in the body are taken for places in the message, or names are looked for in the body's order only: go
-by the message's names, and ask of each whether the body has it.
+Most likely the order of the body is expected in the message: go by the message's names, wherever each stands.
 
 # only HATCH
 Most likely every joint is expected in every message: go through the message's names.
@@ -107,7 +100,8 @@ Most likely an empty array is not expected: it says nothing about the pose, so r
 Most likely NaN is not left out as it should be: only that joint, and math.isfinite tells.
 
 # infinity
-Most likely infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
+infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
+    isfinite(position) => position == position
 
 # twice
 Most likely the wrong one counts of a name that comes twice, or none: the last one that is a number does.
@@ -119,7 +113,8 @@ Most likely names are compared in part, or changed first: a joint's name is the 
 Most likely 0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions.
 
 # many digits
-Most likely positions are rounded: pass them on as they are.
+positions are converted, rounded or lose their sign: they are rad on both sides, pass them on as they are.
+    name: position => name: degrees(position) => name: radians(position) => name: int(position) => name: abs(position)
 
 # one joint
 Most likely only as many names are looked at as the body has joints: look at all of the message's.

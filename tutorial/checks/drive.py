@@ -134,8 +134,7 @@ an axis is shifted, rescaled, squared or cubed, or only its sign counts: outside
 Compare with TRACK_L: 1.0 * left_y - 0.5 * left_x, TRACK_R: 1.0 * left_y + 0.5 * left_x, and nothing else.
 
 # the topic, in the namespace /lab
-Most likely it is another topic, as one with a slash in front or a body's name, or another type: it is
-config.node.create_subscription(Joy, "joy", self.on_joy, 1), in configure.
+Most likely it is another topic, as "/joy", or another type: create_subscription(Joy, "joy", self.on_joy, 1).
 
 # a message, before the next step
 Most likely the callback sets the tracks: only control may, on its thread.
@@ -162,8 +161,7 @@ Most likely initialize throws away the newest message, or keeps another: make wh
 Most likely what is kept belongs to the class: make it in configure, self.joy = ...
 
 # control between the callback's instructions
-Most likely the callback keeps the message piece by piece, and control runs between two pieces: keep it as a whole, in a
-Latest.
+Most likely the callback keeps the message piece by piece, and control runs between two: keep it whole, in a Latest.
 
 # a message between control's instructions
 Most likely control looks twice, and a message comes in between: take it once, and read both axes from that.

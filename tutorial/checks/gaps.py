@@ -57,15 +57,6 @@ all is counted in microseconds: count in whole nanoseconds, and tell those.
     > 100_000_000 => > 100_000
     > 1_000_000_000 => > 1_000_000
 
-nanosec or sec is left out: a stamp is both together, and nanosec begins anew with every second.
-    Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.sec * 1_000_000_000
-    => message.header.stamp.nanosec
-
-seconds are computed as floating point numbers, which are rounded: count in whole nanoseconds.
-    Time.from_msg(message.header.stamp).nanoseconds => (at := message.header.stamp).sec + at.nanosec / 1e9
-    > 100_000_000 => > 0.1
-    > 1_000_000_000 => > 1
-
 each stamp is compared with the first one, or the last where something was found: newest has to move on.
     ("gap", newest, stamp)) => ("gap", newest, stamp)) => ("gap", newest, stamp)) // continue
     max(newest, stamp) => newest
@@ -83,12 +74,6 @@ the numbers have no sign, as numpy's uint64: less than nothing is a huge number 
     stamp - newest > => (stamp - newest) % 2**64 >
     newest - stamp > => (newest - stamp) % 2**64 >
 
-the limit of a gap is another: it is 0.1 s, which is 100_000_000 ns.
-    newest > 100_000_000 => newest > 0 => newest > 10_000_000 => newest > 500_000_000 => newest > 1_000_000_000
-
-the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
-    stamp > 1_000_000_000 => stamp > 100_000_000 => stamp > 500_000_000 => stamp > 10_000_000_000
-
 both comparisons are others: exactly 0.1 s ahead, or exactly 1 s back, is nothing yet. Ask with >, not with >=.
     stamp - newest > => stamp - newest >=
     newest - stamp > => newest - stamp >=
@@ -99,9 +84,6 @@ a gap of over 1 s does not count: however long, it is one.
 a restart is told as a gap: abs() takes a step back for one ahead.
     stamp - newest > => abs(stamp - newest) >
     ("gap", newest, stamp)) => ("gap", newest, stamp)) => ("gap", newest, stamp)) // stamp = max(newest, stamp)
-
-any step back counts as a restart, or none at all: up to 1 s back, a message is late, and equal stamps say nothing.
-    newest - stamp > 1_000_000_000 => newest - stamp > 0 => newest - stamp > -1
 
 return stands within the loop: it belongs after it.
     return found => return [] if messages else None
@@ -149,25 +131,33 @@ Compare with: newest is the newest stamp since the last restart, each stamp is c
 Most likely the bag's times are compared: they say when a message was received, not made.
 
 # a full second, and no gap
-Most likely the stamps are not compared whole: take sec and nanosec, both.
+nanosec or sec is left out: a stamp is both together, and nanosec begins anew with every second.
+    Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.sec * 1_000_000_000
+    => message.header.stamp.nanosec
 
 # 0.09 s
-Most likely the limit is another: more than 0.1 s, which is 100_000_000 ns, is a gap.
+the limit of a gap is another: it is 0.1 s, which is 100_000_000 ns.
+    newest > 100_000_000 => newest > 0 => newest > 10_000_000 => newest > 500_000_000 => newest > 1_000_000_000
 
 # milliseconds
 # exactly 0.1 s
 # robot's
-Most likely the stamps are cut, or rounded, as floats are: count in whole nanoseconds, without / and 1e9.
+seconds are computed as floating point numbers, which are rounded: count in whole nanoseconds.
+    Time.from_msg(message.header.stamp).nanoseconds => (at := message.header.stamp).sec + at.nanosec / 1e9
+    > 100_000_000 => > 0.1
+    > 1_000_000_000 => > 1
 
 # , from 0
 # s back
-Most likely the limit of a restart is another: more than 1 s back, which is 1_000_000_000 ns.
+the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
+    stamp > 1_000_000_000 => stamp > 100_000_000 => stamp > 500_000_000 => stamp > 10_000_000_000
 
 # late
 Most likely each stamp is compared with the last one: compare it with the newest one so far.
 
 # half a second late
-Most likely a late message is not expected: up to 1 s back, it says nothing.
+any step back counts as a restart, or none at all: up to 1 s back, a message is late, and equal stamps say nothing.
+    newest - stamp > 1_000_000_000 => newest - stamp > 0 => newest - stamp > -1
 
 # no message
 Most likely a bag without a message is not expected: return an empty list.

@@ -136,12 +136,10 @@ The encoding is left out, or another: one byte for a pixel is called "mono8", in
 Most likely step is left out, or that of colours: a row has message.step = message.width bytes.
 
 # pictures that come late, or not at all
-Most likely the time is that of delivery or of a later request, or pictures are counted. Hand the time on,
-self.camera.capture(self.publish, self.io.time_ns).
+The time is that of delivery, or counted: hand on that of asking, self.camera.capture(self.publish, self.io.time_ns).
 
 # the frame
-Most likely the frame is left out, the body's or the camera's own. It is the optical one, message.header.frame_id =
-f"{self.io.body.name}/{self.camera.name}_optical".
+It is the optical frame, message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical".
 
 # after stop
 Most likely the camera is not closed, or closed too late: in stop, self.camera.close().

@@ -104,9 +104,6 @@ the step's own measurement comes too late: note it before the message is sent.
 that is the accelerometer: the gyroscope is io.body.sensor("GYRO").
     "GYRO" => "ACCEL_SENSOR"
 
-the accelerometer is asked for, too, which not every robot has: this message only has what the gyroscope measures.
-    self.sensor = => self.other = io.body.sensor("ACCEL_SENSOR") // self.sensor =
-
 x, y and z are exchanged, or only z is sent: the sensor's value has all three, in this order.
     velocity.x, velocity.y, velocity.z = => velocity.z, velocity.y, velocity.x = => velocity.y, velocity.x, velocity.z =
     => velocity.x, velocity.z, velocity.y = => _, _, velocity.z =
@@ -124,11 +121,11 @@ Compare with the mean, component by component, of the measurements since the las
 Most likely the body or the sensor is missing, or another: message.header.frame_id = f"{self.io.body.name}/GYRO".
 
 # what is not measured
-Most likely one of them is not marked, or angular_velocity is, too: -1.0 in orientation_covariance[0] and
-linear_acceleration_covariance[0] says that these two are not measured.
+These two are not measured: put -1.0 into orientation_covariance[0] and linear_acceleration_covariance[0], nowhere else.
 
 # on a robot with a gyroscope alone
-Most likely something is asked for that not every robot has: use only GYRO.
+the accelerometer is asked for, too, which not every robot has: this message only has what the gyroscope measures.
+    self.sensor = => self.other = io.body.sensor("ACCEL_SENSOR") // self.sensor =
 """
 
 SIGNAL = np.random.default_rng(4).exponential((0.2, 0.3, 0.5), (700, 3)) - (0.1, 0.4, 0.2)  # [rad/s], at each step

@@ -118,8 +118,7 @@ the first of them is kept: the newest is what counts, and call_latest keeps that
     self.body.calc_f => self.busy = False // self.body.calc_f
 
 # a message that comes while another is drawn
-what says that a call waits is cleared after the message is taken, so no call is posted for one that comes in between:
-clear it first, and under one lock; or leave all that to call_latest.
+what says that a call waits is cleared after the message is taken, so another may get lost: leave it to call_latest.
     self.node = config.node => self.node, self.waits = config.node, False
     $post => self.message = message // if self.waits: return // $post // self.waits = True
     positions, report = => message = self.message // positions, report =

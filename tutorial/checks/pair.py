@@ -68,10 +68,6 @@ the first or the newest that waits is taken, whatever its stamp: only the same s
     together = => stamp = found(self.waiting, stream, stamp, lambda a, b: True) // together =
     => stamp = next((k for k in [*self.waiting][::-1] if stream not in self.waiting[k]), stamp) // together =
 
-stamps that are almost the same are taken for the same: each nanosecond counts.
-    together = => stamp = stamp[0], stamp[1] - stamp[1] % MS // together =
-    => stamp = found(self.waiting, stream, stamp, lambda a, b: a[0] == b[0] and abs(a[1] - b[1]) < S / 20) // together =
-
 joints come first in a pair, and the pose second, whichever came first.
     together["joints"], together["pose"] => tuple(together.values()) => together["pose"], together["joints"]
 
@@ -107,7 +103,9 @@ Compare with: a message waits by its stamp, until the other stream's message of 
 Most likely what waits belongs to the class, or to an argument's default: make it in __init__.
 
 # nanosecond
-Most likely the stamps are rounded, as seconds in a float are, or cut: compare sec and nanosec as they are.
+stamps that are almost the same are taken for the same: each nanosecond counts.
+    together = => stamp = stamp[0], stamp[1] - stamp[1] % MS // together =
+    => stamp = found(self.waiting, stream, stamp, lambda a, b: a[0] == b[0] and abs(a[1] - b[1]) < S / 20) // together =
 
 # three
 Most likely too much is dropped, as when an older stamp comes: what came after a pair's first message still waits.

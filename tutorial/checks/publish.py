@@ -80,11 +80,9 @@ the message is filled once, in initialize, and sent again and again: fill it in 
     self.io.time_ns => self.began_ns
     io.body.joints => [type("", (), {f: getattr(j, f) for f in ("name", *UNITS)}) for j in io.body.joints]
 
+#
 the joints' names are typed, or how many there are: take all of them from the body, io.body.joints.
     io.body.joints => [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")] => io.body.joints[:2]
-
-#
-Most likely the joints' names are typed, or how many there are: take all of them from io.body.joints.
 
 # the names
 The names are left out, in another order, or added up: [joint.name for joint in self.joints].

@@ -119,23 +119,20 @@ the position is rounded, or converted to degrees: send it as it is, in rad.
 the message is filled as in JointStatePublisher: here it has names and positions only.
     .to_msg() => .to_msg() // message.velocity = [0.0] * len(news)
 
-the joints' names are typed, or how many there are: take them from io.body.joints.
-    self.io.body.joints => self.io.body.joints[:2] => map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))
-
 the steps are counted from the last message, so after a pause it looks at every step: io.step % steps_per_look == 0.
     self.io.step % self.steps_per_look == 0 => self.io.step >= self.due
     self.io = io => self.io, self.due = io, 0
     self.sent.update(news) => self.sent.update(news) // self.due = self.io.step + self.steps_per_look
 
 #
-Compare each joint's position with the one that was last sent for it, every 20 ms, and begin each message with new
-lists.
+Compare each joint's position with the one that was last sent for it, every 20 ms. Each message has new lists.
 
 # after a restart
 Most likely self.sent is kept from the run before: make it anew in initialize, at every start.
 
 # the joints of the tank
-Most likely the joints' names are typed: take them from io.body.joints.
+the joints' names are typed, or how many there are: take them from io.body.joints.
+    self.io.body.joints => self.io.body.joints[:2] => map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))
 """
 
 LOOK = 0.02  # [s]

@@ -81,8 +81,6 @@ WRONG = [
     (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "a timer or a thread of its own"),
     (changed(configure=shares_its_body), "Changed.body is shared by all objects of the class"),
     (changed(on_joint_state=waits), "Leave out what sleeps or waits"),
-    (changed(update=lambda message: None), "self is missing"),
-    (changed(on_joint_state=lambda message: None), "self is missing"),
     (changed(configure=calls_the_callback, on_joint_state=print), "give it without parentheses"),
     (changed(on_joint_state=lambda self, _: self.call_later(self.update)), "gets too few arguments"),
     (changed(on_joint_state=lambda self, m: self.call_later(self.on_joint_state, m)), "posts itself"),
