@@ -27,7 +27,7 @@ def test_each_mistake_is_diagnosed_as_itself(exercise, mistake, domain):
 
 SLIPS = {
     "`self.samples.clear()` is missing, or not reached.": "gyro",
-    "`dq` is missing: it is `dq_ref - dq`.": "aim",
+    "`dq` is missing, or always 0: it is `dq_ref - dq`.": "aim",
     "a sign is wrong: it is `q_ref - q`.": "aim",
     "the comparison is another: it is `stamp - newest > 100000000`.": "gaps",
     "`name in joint_names` is not asked: it is `name in joint_names and isfinite(position)`.": "by_name",

@@ -59,7 +59,8 @@ def unwritten(answer: Any, parts: Iterable[str]) -> bool:
         return is_empty(answer if hasattr(answer, "__code__") else type(answer).__call__)
     own = [name for name in vars(answer) if not name.startswith("__")]
     found = (inspect.getattr_static(answer, name) for name in (*parts, *own) if has(answer, name))
-    return all(is_empty(each) for each in found if inspect.isfunction(each))
+    functions = (getattr(each, "__func__", each) for each in found)
+    return all(is_empty(each) for each in functions if inspect.isfunction(each))
 
 
 def name_of(answer: Any) -> str:

@@ -143,7 +143,7 @@ def another(node: ast.AST) -> Slips:
         case ast.BinOp(left, op, right):
             nothing = ast.Constant(0 if isinstance(op, ast.Add | ast.Sub) else 1)
             for each in (left, right):
-                yield f"`{ast.unparse(each)}` is missing: it is `{code}`.", each, nothing
+                yield f"`{ast.unparse(each)}` is missing, or always {nothing.value}: it is `{code}`.", each, nothing
             for each in (left, right, node) if nothing.value == 0 else ():
                 yield f"a sign is wrong: it is `{code}`.", each, ast.UnaryOp(ast.USub(), each)
         case ast.Compare(left, [op], [right]) if isinstance(op, COMPARISONS):

@@ -68,7 +68,7 @@ Most likely it is counted, kept or shifted: message.header.stamp = Time(nanoseco
 Most likely what is kept belongs to the class: make it in initialize.
 
 # after a restart
-Most likely something of the run before is kept: initialize begins anew, at every start.
+Most likely something of the run before is kept, or step 0 is waited for: initialize begins anew, at every start.
 """
 IN_A_NAMESPACE = """
 # in the namespace /lab
@@ -173,7 +173,8 @@ class Publishing:
         late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
         if len(steps) > 3 and steps[0] <= exact + 1 and (late <= 1 or set(periods) == {round(exact)}):
             return f"{self.hz} times per simulated second"
-        return {f"{len(periods) / (sum(periods) * time_step or 1):.3g} times per simulated second": periods}
+        rate, first = len(periods) / (sum(periods) * time_step or 1), steps[0] * time_step
+        return {f"{rate:.3g} times per simulated second, from {first:.3g} s on": periods}
 
     def stamps(self, answer: type) -> Any:
         """Observe the stamps, with steps of 6 ms, beside the times of sending."""
@@ -181,11 +182,11 @@ class Publishing:
         return compared_stamps([(each.stamp_ns, each.step * 6_000_000) for each in sent])
 
     def restarted(self, answer: type, **options: Any) -> Any:
-        """Observe what is sent after a restart of the simulation."""
+        """Observe what is sent after a restart of the simulation, ten periods later."""
         rig = self.scene(answer, time_step=0.01, **options)
-        for _ in range(2):
+        for begin in (0, 1000 // self.hz):
             rig.sent.clear()
-            rig.start()
+            rig.start(begin)
             rig.advance(260 // self.hz)
             rig.stop()
         return self.held(rig)

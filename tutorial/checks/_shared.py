@@ -50,7 +50,9 @@ class SharedState:
 
 def outside(answer: Any) -> Iterator[tuple[str, Any]]:
     """Yield what outlives an answer's objects, or belongs to the notebook, each with its name."""
-    for kind in classes_of(answer):
+    used = (function.__globals__.get(name) for function in functions_of(answer) for name in _names(function.__code__))
+    own_kinds = (each for each in used if isinstance(each, type) and each.__module__ == answer.__module__)
+    for kind in dict.fromkeys([*classes_of(answer), *own_kinds]):
         kept = [*vars(kind).items()]  # at once: to pickle an object adds an attribute to its class
         own = ((name, each) for name, each in kept if name[:2] != "__" and not isinstance(each, FunctionType))
         yield from ((f"{kind.__name__}.{name}", each) for name, each in own)

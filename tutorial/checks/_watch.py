@@ -108,16 +108,20 @@ class Watch:
         self.running[ident] = (method, self._count)
         try:
             yield
-            if "sleep" in self.noted:
-                raise Failure(method, Misuse("it sleeps", slept(method)), self.noted.pop("sleep"))
+            self._check_slept(method)
         except Failure:
             raise
         except BaseException as error:
+            self._check_slept(method)  # what it was to wait for has not come
             raise self.failure(method, error) from error
         finally:
             del self.running[ident]
             if outer is not None:
                 self.running[ident] = outer
+
+    def _check_slept(self, method: str) -> None:
+        if "sleep" in self.noted:
+            raise Failure(method, Misuse("it sleeps", slept(method)), self.noted.pop("sleep"))
 
     def failure(self, method: str, error: BaseException) -> Failure:
         """Tell with an exception where in the learner's code it was raised."""

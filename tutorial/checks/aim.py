@@ -104,11 +104,15 @@ the torque is set for the old reference: move the reference first.
 the torque is added to the last one, +=: it is set anew at every call, =.
     self.joint.effort = => self.joint.effort +=
 
-nothing is set while the stick rests: the joint has to be held then, too.
+nothing is set while the stick rests, or at an end of the range: the joint has to be held then, too.
     lower, upper = => if not stick: return // lower, upper =
+    => lower, upper = self.joint.range // if not lower <= self.q_ref + 0.002 * stick <= upper: return // lower, upper =
 
 #
 Compare with torque = 200 * (q_ref - q) + 50 * (dq_ref - dq).
+
+# a tenth of the stick
+Most likely small sticks are ignored, or only the stick's sign counts: the reference moves by 0.002 * stick.
 
 # full stick, with steps of 5 ms
 Most likely the time step is written down as a number: use time_step.
@@ -135,11 +139,12 @@ def play(
     """Hold a joint of a body of this name, and yield the torque [N.m] after each call; NaN where none was set."""
     body = Rig(SimpleController, name=name).body
     joint, motor = body.joint("TURRET_P"), body.actuator("TURRET_P")
-    joint.position, joint.range, motor.ctrl = begin, limits, nan
+    joint.position, joint.range = begin, limits
     held = call(answer, joint, dt)
     for stick, speed, count in calls:
         body.data.qvel[:] = speed
         for _ in range(count):
+            motor.ctrl = nan
             joint.position = position = joint.position + joint.velocity * dt
             call(held.aim, stick)
             if joint.position != position:

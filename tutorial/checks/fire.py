@@ -74,6 +74,7 @@ True is put only when the button goes down, or it is turned on and off: it is Tr
 
 nothing is put while the button is not pressed, or if there are no buttons, so that the last one stays: put False then.
     self.fire.put => pressed and self.fire.put => len(message.buttons) > 0 and self.fire.put
+    => (pressed or not message.buttons) and self.fire.put
 
 #
 Compare with: whether there is a buttons[0], and it is 1.

@@ -82,7 +82,7 @@ one measurement alone is sent, the newest or the oldest: note one in every step,
     np.mean(self.samples, axis=0) => self.samples[-1] => self.samples[0]
 
 the sum is sent: divide it by how many measurements it has.
-    np.mean(self.samples, axis=0) => np.sum(self.samples, axis=0)
+    np.mean(self.samples, axis=0) => np.sum(self.samples, axis=0) => (np.sum(self.samples, axis=0) * self.io.time_step)
 
 the sum is divided by the number of steps between two messages: the first has fewer measurements, divide by how many.
     np.mean(self.samples, axis=0) => (np.sum(self.samples, axis=0) / self.steps_per_message)
@@ -115,7 +115,7 @@ the sign is turned round, or it is in degrees: send what the sensor says, in rad
     np.mean(self.samples, axis=0) => (-np.mean(self.samples, axis=0)) => np.degrees(np.mean(self.samples, axis=0))
 
 #
-Compare with the mean, component by component, of the measurements since the last message.
+Most likely some measurements are left out, or older ones still count: each message has the mean of all since the last.
 
 # the frame
 Most likely the body or the sensor is missing, or another: message.header.frame_id = f"{self.io.body.name}/GYRO".

@@ -264,6 +264,7 @@ the timer is not renewed as it should be: such a blow cancels it, and makes a ne
     self.land() => if self.timer: return self.land() => if self.timer: return self.timer.cancel()
 the place is noted anew by a blow that comes while the body is up: note it only when it stands, if self.timer is None.
     self.land() => if self.timer: self.timer.cancel()
+    self.move((x, y, z + 0.1)) => self.move((x, y, z + 0.1)) => self.timer or self.move((x, y, z + 0.1))
 it is lifted from where it is, not from where it stood: lift it only when it stands, if self.timer is None.
     self.land() => if self.timer: self.timer.cancel()
     self.place = self.body.position => if not self.timer: self.place = self.body.position

@@ -24,7 +24,7 @@ Notice that the callback never waits for the disk, and that no message is lost a
 from collections.abc import Sequence
 from functools import partial
 from queue import Empty, SimpleQueue
-from threading import Thread
+from threading import Thread, current_thread
 from types import SimpleNamespace as Namespace
 from typing import Any
 
@@ -70,6 +70,10 @@ the thread does not wait for the next message, or not long enough: get waits for
 the thread ends before it has written what waits in the queue: let only None end it, which comes behind all others.
     received := self.received.get() => not vars(self).get("ends") and (received := self.received.get())
     self.received.put(None) => self.ends = True // self.received.put(None)
+
+unconfigure writes, too, while the thread may still do: let the thread alone write, put None, and wait for its end.
+    self.received.put(None) => while not self.received.empty(): self.bag.write(self.connection, *self.received.get())\
+ // self.received.put(None)
 
 the time of writing is noted: write the one that stands in the entry, the time at which the message came.
     *received) => self.node.get_clock().now().nanoseconds, received[1])
@@ -177,8 +181,9 @@ class Surroundings:
 
     def write(self, connection: str, timestamp: int, data: bytes) -> None:
         """Write into the bag."""
-        right = self.is_open and connection == self.recorder.connection
-        self.written.append(f"{data!r} of {timestamp!r} ns" + ", too late or to another connection" * (not right))
+        odd = ", to another connection" * (connection != self.recorder.connection) + ", too late" * (not self.is_open)
+        beside = ", beside the thread" * (current_thread() is not self.thread and self.thread.is_alive())
+        self.written.append(f"{data!r} of {timestamp!r} ns{odd}{beside}")
         self.rest()
 
     def close(self) -> None:

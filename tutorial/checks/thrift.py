@@ -71,6 +71,9 @@ the first message is forgotten: nothing was sent yet, so self.sent is empty, and
 every joint is sent every time: name only those that have moved, and note down what was sent for them.
     if n not in self.sent or abs(q - self.sent[n]) > 0.001} => }
 
+a position of 0 is taken for none, as in `if not last`: ask whether the name is in self.sent.
+    n not in self.sent or => not self.sent.get(n) or
+
 the whole message is sent as soon as one joint moves: name only those that did.
     message = => news = positions // message =
 
@@ -82,8 +85,8 @@ a message is sent even if no joint has moved: then send none.
     if news: => if True:
 
 names and positions come from two different lists: take both from the joints that have moved.
-    list(news.values())) => list(positions.values())) => list(positions.values())[:len(news)])
-    => list(news.values())) // message.name = list(positions)
+    list(news.values())) => list(positions.values())[:len(news)]) => list(news.values())) // message.name = [*positions]
+    => list(news.values())) // message.name = [*positions][:len(news)]
 
 the name is changed: take it from the joint, joint.name, and put nothing before it.
     name=list(news) => name=[f"{self.io.body.name}/{n}" for n in news]
@@ -127,9 +130,6 @@ the steps are counted from the last message, so after a pause it looks at every 
 #
 Compare each joint's position with the one that was last sent for it, every 20 ms. Each message has new lists.
 
-# after a restart
-Most likely self.sent is kept from the run before: make it anew in initialize, at every start.
-
 # the joints of the tank
 the joints' names are typed, or how many there are: take them from io.body.joints.
     self.io.body.joints => self.io.body.joints[:2] => map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))
@@ -158,7 +158,7 @@ def moving(answer: type, moves: Sequence[Move] = (), **options: Any) -> Rig:
 def looks(rig: Rig, sent: list[Sent]) -> dict[str, list[str]]:
     """Observe at which look which joints are named; the first two looks count as one."""
     steps = round(LOOK / rig.io.time_step)
-    found = [f"{named(each.message)} at look {max(each.step // steps, 1)}" for each in sent]
+    found = [f"{named(each.message)} at look {max((each.step - rig.begun + 1) // steps, 1)}" for each in sent]
     return {", ".join(found[:6]): found}
 
 

@@ -62,13 +62,17 @@ no message gets too old: only a new message sets the time, self.since, and its a
     return seconds - self.since <= 0.5 => return True
     => age, self.since = seconds - self.since, seconds // return age <= 0.5
 
-a message is fresh only in the call in which it comes: keep the time, and let it get half a second old.
+a message is fresh only in the call in which it comes: keep the time, in seconds, and let it get half a second old.
     return => new = seconds == self.since // return new and
 
 not every new message sets the time: the first one does, and each later one, however late it comes.
     self.since = seconds => self.since = self.__dict__.get("since", seconds)
-    => self.since = seconds * ("since" in self.__dict__)
+    => self.since = seconds * ("since" in self.__dict__) => self.since = seconds if "since" in self.__dict__ else -1.0
     => self.since = seconds if seconds - self.__dict__.setdefault("since", 0.0) <= 0.5 else self.since
+
+the answer is made only when a message comes: work out in every call how old it is.
+    self.message = message => self.fits = self.message is None or seconds - self.since <= 0.5 // self.message = message
+    return seconds - self.since <= 0.5 => return self.fits
 
 a message without axes is left out: somebody has sent it, too.
     return => return bool(message.axes) and

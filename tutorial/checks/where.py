@@ -64,9 +64,9 @@ the rotation is left out: turned(stamped.transform.rotation, point).
 it is turned the wrong way round: x, y, z of the quaternion stay as they are.
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
 
-x is taken for w: in ROS the order is x, y, z, w, and only MuJoCo has w first.
-    [q.x, q.y, q.z] => [q.y, q.z, q.w]
-    q.w * point => q.x * point
+another number is taken for w: in ROS the order is x, y, z, w, and only MuJoCo has w first.
+    axis, point = => q = Quaternion(x=q.y, y=q.z, z=q.w, w=q.x) // axis, point =
+    => q = Quaternion(x=q.w, y=q.x, z=q.y, w=q.z) // axis, point =
 
 two numbers of the axis are exchanged: it is x, y, z.
     [q.x, q.y, q.z] => [q.y, q.x, q.z] => [q.x, q.z, q.y] => [q.z, q.y, q.x]
