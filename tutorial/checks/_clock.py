@@ -58,7 +58,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
     def create_task(self, coro: Coroutine[Any, Any, Any], **options: Any) -> asyncio.Task[Any]:  # type: ignore[override]
         """Make a task, and say at once what it raises, even where somebody keeps it."""
         task = super().create_task(coro, **options)
-        task.add_done_callback(self._done)
+        task.add_done_callback(lambda done: done.cancelled() or done.result())
         return task
 
     def close(self) -> None:
@@ -93,11 +93,6 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         """Refuse other threads, as asyncio does where it debugs; else a call of theirs may never run."""
         if threading.get_ident() != self._thread and not watch.interleaved:
             raise RuntimeError(OTHER_THREAD)
-
-    def _done(self, task: asyncio.Task[Any]) -> None:
-        error = None if task.cancelled() else task.exception()
-        if error is not None:
-            self.call_exception_handler({"message": "a task has failed", "exception": error})
 
 
 class _Selector(DefaultSelector):

@@ -72,8 +72,7 @@ Most likely something of the run before is kept, or step 0 is waited for: initia
 """
 IN_A_NAMESPACE = """
 # in the namespace /lab
-Most likely a slash in front leaves out the node's namespace. Compare with
-config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.
+Most likely a slash in front leaves out the node's namespace: the topic is f"{config.body.name}/$topic".
 """
 RATES = {ms: f"with steps of {ms} ms" for ms in (1, 2, 3, 6)}
 TOGETHER = "Most likely each joint has a message of its own, or publish is called twice: send one message with all."

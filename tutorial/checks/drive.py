@@ -172,7 +172,7 @@ STICKS = (
     *((0.25, 1.0), (0.25, 0.0), (0.5, -0.29), (-0.33, 0.0), (0.0, -0.31), (0.0, 0.4)),
 )
 MESSAGES = ((0.0, 1.0), (), (1.0,), (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4))
-WHOLE = (0.6, 0.5), (-0.4, -0.9)
+WHOLE = (0.6, 0.5), (-0.4, -0.9), (0.0, 0.0)
 KEPT = "Most likely messages are dropped by time, or count for a while only: the newest counts until there is another."
 
 
@@ -224,7 +224,7 @@ def two(answer: type) -> str:
 def halved(answer: type, in_callback: bool) -> str:
     """Observe whether half of a message is used, in whatever order the callback and `control` run."""
     rig, seen = played(answer, "start"), list[str]()
-    first, second = (partial(rig.hear, Joy(axes=axes)) for axes in WHOLE)
+    first, second, _ = (partial(rig.hear, Joy(axes=axes)) for axes in WHOLE)
 
     def control() -> None:
         rig.advance(1)

@@ -136,10 +136,10 @@ The encoding is left out, or another: one byte for a pixel is called "mono8", in
 Most likely step is left out, or that of colours: a row has message.step = message.width bytes.
 
 # pictures that come late, or not at all
-The time is that of delivery, or counted: hand on that of asking, self.camera.capture(self.publish, self.io.time_ns).
+The time is a later one, or counted: hand on that of asking, self.camera.capture(self.publish, self.io.time_ns).
 
 # the frame
-It is the optical frame, message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical".
+Most likely it is not the optical frame: header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical".
 
 # after stop
 Most likely the camera is not closed, or closed too late: in stop, self.camera.close().

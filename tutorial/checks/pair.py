@@ -103,7 +103,7 @@ Compare with: a message waits by its stamp, until the other stream's message of 
 Most likely what waits belongs to the class, or to an argument's default: make it in __init__.
 
 # nanosecond
-stamps that are almost the same are taken for the same: each nanosecond counts.
+the stamps are rounded, as floats are, or those that are almost the same are taken for the same: each nanosecond counts.
     together = => stamp = stamp[0], stamp[1] - stamp[1] % MS // together =
     => stamp = found(self.waiting, stream, stamp, lambda a, b: a[0] == b[0] and abs(a[1] - b[1]) < S / 20) // together =
 
