@@ -46,7 +46,8 @@ class Cases:
         crashes: parts of the texts of cases. It is the cause, too, that what they give, or None, cannot be computed
             with.
         beside: functions of the solution's module that a mistake may change, too.
-        clock: the cause to name of an answer that asks the computer's clock; "" where that may be right.
+        clock: the cause to name of an answer that asks the computer's clock, or the part of a case's text that has it in
+            the table; "" where that may be right.
         on_ros: tries a right answer with rclpy's own node, and says what comes of it.
         one_by_one: whether the first case that shows something else than is expected ends it.
     """
@@ -72,7 +73,7 @@ class Cases:
             if is_misuse or (self.one_by_one and not same(each, expected[label])):
                 break
         odd = [label for label in seen if not same(seen[label], expected[label])]
-        by_the_clock = self.clock * ("clock" in watch.noted)
+        by_the_clock = self.otherwise.get(self.clock, self.clock) * ("clock" in watch.noted)
         place = watch.noted["clock"] if by_the_clock else None
         watch.explaining = True
         failures = {label: each for label, each in seen.items() if isinstance(each, Failure)}

@@ -106,10 +106,10 @@ class Rig:
             raise Failure(place.function, Misuse("it makes a timer", APART), place)
         if not has(self._answer, "control") and (place := watch.noted.get("thread")):
             raise Failure(place.function, Misuse("it starts a thread of its own", APART), place)
-        check_has(self._answer, "control")
 
     def advance(self, steps: int) -> None:
         """Simulate some steps."""
+        check_has(self._answer, "control")
         for _ in range(steps):
             self.before()
             self.do("control")

@@ -47,7 +47,7 @@ Most likely what is kept belongs to the class: make it in configure, self.place 
 # on a body called Rover it listens to
 the topic is another: it is f"{config.body.name}/$topic".
     {self.body.name}/$topic" => {self.body.name}/${topic}s" => Tank/$topic"
-config.node.create_subscription($kind, ...) is missing, or not reached.
+config.node.create_subscription($kind, ...) is missing, or not in configure: nobody calls initialize of a viewer.
     self.node.create_subscription( => (
 the type of the messages is another: give $kind first.
     ($kind, => (object,

@@ -89,6 +89,9 @@ the two gains are exchanged, or the same: 200 for the angle, 50 for the speed.
 dq_ref is made of the stick, or of q: it is how far q_ref itself has moved, (q_ref - self.q_ref) / self.time_step.
     (q_ref - self.q_ref) / => 0.002 * stick / => (q_ref - self.joint.position) /
 
+dq_ref or dq is left out, or always 0, as when self.q_ref or self.q_prev is renewed first: compute both speeds before.
+    (dq_ref - dq) => (0.0 - dq) => (dq_ref - 0.0)
+
 the speeds are not divided by time_step, or are multiplied by it: divide both differences.
     / self.time_step => / 1.0 => * self.time_step
 

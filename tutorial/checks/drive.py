@@ -134,7 +134,7 @@ an axis is shifted, rescaled, squared or cubed, or only its sign counts: outside
 Compare with TRACK_L: 1.0 * left_y - 0.5 * left_x, TRACK_R: 1.0 * left_y + 0.5 * left_x, and nothing else.
 
 # the topic, in the namespace /lab
-Most likely topic or type are others, or configure lacks create_subscription(Joy, "joy", self.on_joy, 1).
+Most likely it is "/joy", another topic or another type, or configure lacks create_subscription(Joy, "joy", ...).
 
 # a message, before the next step
 Most likely the callback sets the tracks: only control may, on its thread.
@@ -173,7 +173,6 @@ STICKS = (
 )
 MESSAGES = ((0.0, 1.0), (), (1.0,), (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4))
 WHOLE = (0.6, 0.5), (-0.4, -0.9), (0.0, 0.0)
-KEPT = "Most likely messages are dropped by time, or count for a while only: the newest counts until there is another."
 
 
 def speeds(rig: Rig) -> str:
@@ -263,7 +262,7 @@ CASES = Cases(
     MISTAKES,
     str,
     crashes=["before the first message", " axes"],
-    clock=KEPT,
+    clock="300 steps without a message",
     on_ros=lambda answer: over_ros(answer, Joy(axes=DRIVES), stepped),
 )
 drive = Exercise("drive", __doc__, CASES)

@@ -72,6 +72,9 @@ True is put only when the button goes down, or it is turned on and off: it is Tr
     self.fire.put => pressed = pressed and not self.fire.get() // self.fire.put
     => pressed = pressed != self.fire.get() // self.fire.put
 
+True is never put: self.fire.put(pressed) is missing, or pressed is always False, as `is True` is for the number 1.
+    == 1 => is True
+
 nothing is put while the button is not pressed, or if there are no buttons, so that the last one stays: put False then.
     self.fire.put => pressed and self.fire.put => len(message.buttons) > 0 and self.fire.put
     => (pressed or not message.buttons) and self.fire.put

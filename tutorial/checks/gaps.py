@@ -81,6 +81,9 @@ both comparisons are others: exactly 0.1 s ahead, or exactly 1 s back, is nothin
 a gap of over 1 s does not count: however long, it is one.
     stamp - newest > 100_000_000 => 100_000_000 < stamp - newest <= 1_000_000_000
 
+a restart counts only if it begins at 0, or near it: a step back by more than 1 s is one, wherever it ends.
+    newest - stamp > 1_000_000_000 => stamp == 0 < newest => newest - stamp > 1_000_000_000 > stamp
+
 a restart is told as a gap: abs() takes a step back for one ahead.
     stamp - newest > => abs(stamp - newest) >
     ("gap", newest, stamp)) => ("gap", newest, stamp)) => ("gap", newest, stamp)) // stamp = max(newest, stamp)
@@ -112,6 +115,10 @@ the stamps are told in seconds, milliseconds or microseconds: they are asked for
     newest, stamp)) => newest / 1e9, stamp / 1e9)) => newest / 1e6, stamp / 1e6)) => newest//1_000, stamp//1_000))
     => newest//1_000_000, stamp//1_000_000))
 
+newest is moved on before it is told: append first, then newest = stamp.
+    ("gap", newest, stamp) => ("gap", stamp, stamp)
+    ("restart", newest, stamp) => ("restart", stamp, stamp)
+
 the two stamps are exchanged: the one before comes first, then the one after.
     newest, stamp)) => stamp, newest))
 
@@ -126,6 +133,9 @@ a stamp is missing, or the length is told: the three are what happened, the stam
 
 #
 Compare with: newest is the newest stamp since the last restart, each stamp is compared with it, in nanoseconds.
+
+# 20 ms apart
+Nothing has happened: before the first message there is no newest stamp, and 20 ms are no gap.
 
 # the bag
 Most likely the bag's times are compared: they say when a message was received, not made.

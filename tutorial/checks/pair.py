@@ -4,7 +4,7 @@ Write the class `Pairs`, which brings together two topics' messages of one momen
 `add(stream, message)` for each message as it comes; `stream` is `"joints"` or `"pose"`. It returns the two messages
 that have the same stamp, `joints, pose`, as soon as both are there, and otherwise `None`.
 
-- Either of them may come first, and one topic may be ahead of the other.
+- Either of them may come first, and one topic may be ahead of the other. Each topic comes in the order of its stamps.
 - When a pair is complete, everything that came before its first message is past: drop it, its partner would come too
   late. Everything that came after that message may still find its partner.
 - Up to 50 messages wait, of each topic or of both together, as you like. If there are more, drop the one that *came*
@@ -79,6 +79,9 @@ a pair is looked for only when messages of one stream come: either may be the se
 
 a pair drops all that waits: only what came before it is past.
     while stamp in self.waiting: => self.waiting.clear() // while False:
+
+what came before a pair is not dropped: it is past, also where its partner still comes.
+    while stamp in self.waiting: => self.waiting.pop(stamp) // while False:
 
 a pair goes on waiting after it was returned: take it out, pop.
     while stamp in self.waiting: => while next(iter(self.waiting)) != stamp:

@@ -90,7 +90,7 @@ Compare with: stop listening, put None, join, close. And write ends at None, bef
 #
 Compare with: stop listening, put None, join, close.
 """
-STUCK = "Most likely nothing puts None into the queue, somebody else takes it out, or write does not end at None."
+STUCK = "Most likely write does not end at None, or nothing puts it into the queue, or somebody else takes it out."
 BUSY = "That keeps the processor busy: self.received.get() waits for an entry by itself, and join for the thread's end."
 OFTEN = 100  # times that somebody asks whether the queue is empty
 

@@ -20,7 +20,6 @@ self.since is at most 0.5.
 Notice that a robot whose joystick breaks, or whose network fails, now stops by itself.
 """
 
-from collections.abc import Sequence
 from itertools import cycle
 from typing import Any
 
@@ -58,7 +57,7 @@ the stamp is compared: a message that somebody sends by hand has none. Compare t
 the stamp is taken for the time at which it came: a message by hand has none. Keep the seconds of the first call.
     seconds - self.since => seconds - message.header.stamp.sec
 
-no message gets too old: only a new message sets the time, self.since, and its age is seconds - self.since.
+no message gets too old: only another object sets the time, and no copy of it; its age is seconds - self.since.
     return seconds - self.since <= 0.5 => return True
     => age, self.since = seconds - self.since, seconds // return age <= 0.5
 
@@ -117,11 +116,6 @@ def fresh(timeout: Any, message: Joy, seconds: float) -> bool:
         return bool(returned)
 
 
-def say(seen: Sequence[bool]) -> str:
-    """Put what was returned into words."""
-    return ", ".join(map(str, seen))
-
-
 NEW = ", ".join(f"N {i / 4}" for i in range(40))
 TRIED = {
     "one message at 0, 0.25, 0.5 and 0.75 s": tried("A 0, A 0.25, A 0.5, A 0.75"),
@@ -132,4 +126,4 @@ TRIED = {
     "40 new messages, each when the one before is gone": lambda answer: [all(tried(NEW)(answer))],
     "two robots in turns": tried("A 0, B 0.25, A 0.75, B 0.75", objects=2),
 }
-timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, TRIED, MISTAKES, say))
+timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, TRIED, MISTAKES, str))

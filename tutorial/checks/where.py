@@ -68,6 +68,9 @@ another number is taken for w: in ROS the order is x, y, z, w, and only MuJoCo h
     axis, point = => q = Quaternion(x=q.y, y=q.z, z=q.w, w=q.x) // axis, point =
     => q = Quaternion(x=q.w, y=q.x, z=q.y, w=q.z) // axis, point =
 
+it is divided by the sine of half the angle, which is 0 if nothing is turned: ask for that first, or use turned.
+    axis, point = => q = Quaternion(w=nan) if abs(q.w) >= 1 else q // axis, point =
+
 two numbers of the axis are exchanged: it is x, y, z.
     [q.x, q.y, q.z] => [q.y, q.x, q.z] => [q.x, q.z, q.y] => [q.z, q.y, q.x]
 
@@ -122,7 +125,6 @@ Most likely an array of whole numbers is made, which takes no fractions: begin w
 # no transform
 Without transforms the point is returned as it is: take no first transform for granted, and give it back.
 """
-NONE_GIVEN = "Without transforms the point is returned as it is: take no first transform for granted, and give it back."
 XYZ = "Return x, y and z: a list, a tuple or an array of three numbers; a message is no list."
 
 Chain = Sequence[tuple[Any, Any, float]]  # of each the translation [m], and axis and angle of the rotation [deg]
@@ -173,8 +175,7 @@ def tried(chain: Chain, point: Any, kind: Any = tuple) -> Callable[[Any], list[f
         point: in the innermost frame [m].
         kind: what the point is given as.
     """
-    wanted = XYZ if chain else NONE_GIVEN
-    return lambda answer: ask(answer, list(messages(chain)), kind(point), read=three, wanted=wanted)
+    return lambda answer: ask(answer, list(messages(chain)), kind(point), read=three, wanted=XYZ)
 
 
 def three(returned: Any) -> list[float]:

@@ -111,7 +111,7 @@ METHODS = [
     ({"on_joy": lambda self, message: not any(message.axes) or self.joy.put(message)}, ["rest, so the tank drives on"]),
     ({"control": lambda self: setattr(self, "track_l", 1.0)}, "in place of self.track_l.ctrl"),
     ({"configure": subscribes_first}, "the subscription is created before what its callback uses"),
-    ({"configure": other_type}, ["topic or type are others", "is read before anything"]),
+    ({"configure": other_type}, ["another topic or another type", "is read before anything"]),
     ({"unconfigure": lambda self: self.subscription.destroy()}, "does not tell the node"),
     ({"unconfigure": lambda self: self.node.destroy_node()}, "unconfigure destroys only the subscription"),
 ]
