@@ -46,8 +46,8 @@ class Cases:
         crashes: parts of the texts of cases. It is the cause, too, that what they give, or None, cannot be computed
             with.
         beside: functions of the solution's module that a mistake may change, too.
-        clock: the cause to name of an answer that asks the computer's clock, or the part of a case's text that has it in
-            the table; "" where that may be right.
+        clock: the cause to name of an answer that asks the computer's clock, or the case's text that has it in the
+            table; "" where that may be right.
         on_ros: tries a right answer with rclpy's own node, and says what comes of it.
         one_by_one: whether the first case that shows something else than is expected ends it.
     """

@@ -141,10 +141,10 @@ def another(node: ast.AST) -> Slips:
     code = ast.unparse(node)
     match node:
         case ast.BinOp(left, op, right):
-            nothing = ast.Constant(0 if isinstance(op, ast.Add | ast.Sub) else 1)
+            unit = 0 if isinstance(op, ast.Add | ast.Sub) else 1  # leaves the other operand as it is
             for each in (left, right):
-                yield f"`{ast.unparse(each)}` is missing, or always {nothing.value}: it is `{code}`.", each, nothing
-            for each in (left, right, node) if nothing.value == 0 else ():
+                yield f"`{ast.unparse(each)}` is missing, or always {unit}: it is `{code}`.", each, ast.Constant(unit)
+            for each in (left, right, node) if unit == 0 else ():
                 yield f"a sign is wrong: it is `{code}`.", each, ast.UnaryOp(ast.USub(), each)
         case ast.Compare(left, [op], [right]) if isinstance(op, COMPARISONS):
             for kind in (each for each in COMPARISONS if not isinstance(op, each)):

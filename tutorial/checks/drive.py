@@ -113,10 +113,6 @@ the dead zone is missing, or that of one axis: both axes count as 0 within 0.3 o
     axes[:2]) => axes[:2]) // left_x, left_y = axes[:2]
     => axes[:2]) // left_x = axes[0] => axes[:2]) // left_y = axes[1]
 
-the dead zone is that of the speeds: it is each axis that counts as 0 within 0.3 of the middle.
-    axes[:2]) => axes[:2]) // left_x, left_y = axes[:2]
-    + 0.5 * left_x => + 0.5 * left_x // for t in (self.track_l, self.track_r): t.ctrl = t.ctrl * (abs(t.ctrl) > 0.3)
-
 the dead zone is another, as that of TankController, which is 0.2: here it is 0.3.
     > 0.3 => > 0.03 => > 0.15 => > 0.2 => > 0.28 => > 0.32 => > 0.35 => > 0.45 => > 0.5
 

@@ -94,9 +94,6 @@ return stands within the loop: it belongs after it.
 nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hide what goes wrong.
     return found => return []
 
-a late message is told: it says nothing.
-    newest = max( => found += [("late", newest, stamp)] if stamp < newest else [] // newest = max(
-
 after a restart newest becomes 0, or None: it is the stamp of the new message.
     ("restart", newest, stamp)) => ("restart", newest, stamp)) // stamp = 0
     => ("restart", newest, stamp)) // stamp = None
@@ -176,7 +173,7 @@ Most likely a bag without a message is not expected: return an empty list.
 Most likely the list is kept from call to call: make a new one in every call.
 """
 A_LIST = 'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), an empty one for nothing.'
-WORDS = 'The words are "gap" and "restart".'
+WORDS = 'The words are "gap" and "restart". A late message says nothing.'
 
 SINCE_1970 = 1_750_000_000  # [s]
 
@@ -216,7 +213,7 @@ def two(answer: Any) -> Found:
 
 def read(returned: Sequence[tuple[Any, ...]]) -> Found:
     """Return what was found in a form that can be compared."""
-    if not {what for what, *_ in returned} <= {"gap", "restart", "late"}:
+    if not {what for what, *_ in returned} <= {"gap", "restart"}:
         raise Misuse("it tells something else", WORDS)
     return [(what, *map(whole, stamps)) for what, *stamps in returned]
 

@@ -102,8 +102,8 @@ the picture is still in colour: take the mean over the last axis, pixels.mean(ax
 only one colour is sent: take the mean of all three, pixels.mean(axis=2).
     pixels.mean(axis=2) => pixels[:, :, 0] => pixels[:, :, 1] => pixels[:, :, 2]
 
-the sum is sent, or computed in bytes, which hold no more than 255: take the mean, pixels.mean(axis=2).
-    pixels.mean(axis=2) => (pixels.sum(axis=2, dtype=np.uint8) / 3) => pixels.sum(axis=2)
+the sum is sent, or computed in bytes, or of colours that were cut off before: take the mean, pixels.mean(axis=2).
+    pixels.mean(axis=2) => (pixels.sum(axis=2, dtype=np.uint8) / 3) => pixels.sum(axis=2) => (pixels//3).sum(axis=2)
 
 it is weighted, as by the eye, or it is the brightest or darkest, or halfway between: here the plain mean is asked for.
     pixels.mean(axis=2) => (pixels @ [0.299, 0.587, 0.114]) => np.rint(pixels @ [0.299, 0.587, 0.114])
@@ -116,8 +116,8 @@ the mean is taken over the rows, the columns or the whole picture: the colours a
 it is divided by 255: mono8 goes from 0 to 255, as the pixels do.
     pixels.mean(axis=2) => (pixels.mean(axis=2) / 255)
 
-these are the bytes of floats, several for a pixel: .astype(np.uint8) comes before .tobytes().
-    .astype(np.uint8) => .astype(np.float64) => .astype(np.float32)
+these are the bytes of floats, or of long integers, several for a pixel: .astype(np.uint8) comes before .tobytes().
+    .astype(np.uint8) => .astype(np.float64) => .astype(np.float32) => .round() => .astype(np.int64)
 
 it is upside down or mirrored, or rows and columns are exchanged: the topmost row comes first, and begins on the left.
     pixels.mean(axis=2) => pixels[::-1].mean(axis=2) => pixels[:, ::-1].mean(axis=2) => pixels[::-1, ::-1].mean(axis=2)
@@ -238,9 +238,9 @@ def word(data: list[int]) -> str:
 PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "steps_per_picture", "time_ns")
 
 
-def late(answer: type) -> Any:
-    """Observe the stamps of pictures that come after the next one was asked for, or not at all."""
-    rig = PUBLISHING.play(answer, 1.6, 7, (1,), delay=40, missed=2)
+def stamps(answer: type, **options: Any) -> Any:
+    """Observe the stamps, with steps of 7 ms, beside the times of asking."""
+    rig = PUBLISHING.play(answer, 1.6, 7, (1,), **options)
     if len(rig.orders) < 7:
         return f"{len(rig.orders)} of 8 are asked for"
     pairs = zip(PUBLISHING.messages(rig), rig.delivered)
@@ -264,7 +264,8 @@ TRIED = {
     "the encoding": PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.encoding)),
     "the row": PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
     "the frame": PUBLISHING.sent(0.3, lambda _, sent: frame(sent[-1].message.header.frame_id)),
-    "pictures that come late, or not at all": late,
+    "the stamp": stamps,
+    "pictures that come late, or not at all": lambda answer: stamps(answer, delay=40, missed=2),
     "after stop": left_open,
 }
 PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")

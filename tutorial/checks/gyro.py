@@ -84,6 +84,10 @@ one measurement alone is sent, the newest or the oldest: note one in every step,
 the sum is sent: divide it by how many measurements it has.
     np.mean(self.samples, axis=0) => np.sum(self.samples, axis=0) => (np.sum(self.samples, axis=0) * self.io.time_step)
 
+each value is averaged with the mean so far, or it is the median, or the mean of two: add up all, divide by how many.
+    np.mean(self.samples, axis=0) => [*accumulate(self.samples, lambda a, b: (a + b) / 2)][-1]
+    => np.median(self.samples, axis=0) => ((self.samples[0] + self.samples[-1]) / 2)
+
 the sum is divided by the number of steps between two messages: the first has fewer measurements, divide by how many.
     np.mean(self.samples, axis=0) => (np.sum(self.samples, axis=0) / self.steps_per_message)
 
@@ -179,7 +183,7 @@ def frame(_rig: Rig, sent: list[Sent]) -> str:
 
 PUBLISHING = Publishing(Imu, "gyro", 10, shaken, means)
 TRIED = {
-    "what is sent": PUBLISHING.sent(0.45),
+    "what is sent": PUBLISHING.sent(0.45, ms=2),
     "what is not measured": PUBLISHING.sent(0.25, look=marks),
     "the frame": PUBLISHING.sent(0.25, look=frame),
     "the frame, on the crane Lift": PUBLISHING.sent(0.25, look=frame, model="crane", name="Lift"),

@@ -66,12 +66,6 @@ class SlowPublisher(SimpleController):
 
 
 MISTAKES = """
-the body's name is put before the joint's: the topic says already whose joints they are.
-    [joint.name for => [f"{self.io.body.name}/{joint.name}" for
-
-the loop ends too early, or begins too late: every joint of io.body.joints is named.
-    self.joints = io.body.joints => self.joints = io.body.joints[:-1] => self.joints = io.body.joints[1:]
-
 they are converted to degrees: ROS 2 uses rad.
     [joint.position for => [degrees(joint.position) for
 
@@ -85,7 +79,7 @@ the joints' names are typed, or how many there are: take all of them from the bo
     io.body.joints => [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")] => io.body.joints[:2]
 
 # the names
-The names are left out, in another order, or added up: [joint.name for joint in self.joints].
+These are not the names of all joints, as they are and in their order: [joint.name for joint in self.joints].
 
 # position
 position is missing, mixed up or old: [joint.position for joint in self.joints].

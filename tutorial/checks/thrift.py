@@ -110,7 +110,8 @@ what was sent is not remembered, or self.sent = ... forgets the other joints: se
     self.sent.update(news) => self.sent = news | self.sent => self.sent = news
 
 the threshold is another, or any change counts: only more than 0.001 does, in rad (or m).
-    > 0.001 => > 0 => > 0.1 => > 0.01 => > 0.0001 => > radians(0.001) => > 0.001 * abs(self.sent[n])
+    > 0.001 => > 0 => > 0.1 => > 0.01 => > 0.0001 => > radians(0.001)
+    => > 0.001 * abs(self.sent[n]) => > 0.001 * max(1, abs(self.sent[n]))
 
 it is how far the joint has moved, or what was sent before: send where it is, joint.position, and note that down.
     list(news.values()) => [q - self.sent.get(n, 0) for n, q in news.items()]
@@ -186,7 +187,7 @@ def moved(*moves: Move, look: Any = None, **options: Any) -> Case:
 TRIED = {
     "with steps of 0.5 ms": PUBLISHING.rate(0.5),
     "nothing moves": moved(*[REST] * 4),
-    "SLEW moves, and rests again": moved(SLEW, REST, REST),
+    "SLEW moves far, then by little, and rests": moved((0.0, 2.0, 0.0), (0.0, 0.0015, 0.0), REST),
     "all creep, each by little": moved((0.001, 0.0006, 0.0006)),
     "LUFF moves, and trembles": moved(*[(0.0, 0.0, by) for by in (0.2998, 0.00001, 0.00005, 0.0002)]),
     "LUFF creeps": moved(*[(0.0, 0.0, 0.00035)] * 8),
