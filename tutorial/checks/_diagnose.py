@@ -53,6 +53,7 @@ _CAUSES = {
     "message: Time(nanoseconds=self.io.time_ns).to_msg() makes one.",
     r"RuntimeError: .*during iteration": "Most likely a loop changes what it goes through: let it go through a copy.",
     r"ZeroDivisionError": "Most likely what it divides by may be 0, as the sine of no angle, or a time that is 0.",
+    r"ValueError: .*values to unpack": "Most likely a certain number of them is expected: there may be fewer, or more.",
     r"IndexError": "Most likely there is an index beyond the end: ask for len first, or keep what came before.",
     r"KeyError|StopIteration": "Most likely something is taken for granted: ask first whether it is there.",
     r"TypeError: unhashable type: '(\w+)'": "Most likely a {0} is the key of a dict, which cannot be: take a tuple of "

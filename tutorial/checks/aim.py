@@ -7,7 +7,7 @@ Write the method `aim` of `HeldJoint`. Every step of the simulation calls it onc
   `joint.range`;
 - the torque is `200 * (q_ref - q) + 50 * (dq_ref - dq)`; set it as `joint.effort` [N.m]. `q` is `joint.position`,
   `q_ref` the reference after it has moved; `dq` and `dq_ref` are how fast the two have changed since the last call
-  [rad/s]. From one call to the next, `time_step` seconds pass.
+  [rad/s]; `joint.velocity` is as good as `dq`. From one call to the next, `time_step` seconds pass.
 
 Hint 1: Look at what has to outlive the call, and so belongs to self: there are two such numbers, and both begin at
 the joint's angle. And look at the ends of the range: joint.range has two.
@@ -104,6 +104,11 @@ self.q_prev is set to the reference: keep q, where the joint was, for the next c
 the torque is set for the old reference: move the reference first.
     (q_ref - q) => (self.q_ref - q)
 
+the torque is set before the reference moves, for the old one: move it first, and take its new angle and speed.
+    self.joint.effort = 200 * (q_ref - q) + 50 * (dq_ref - dq) =>\
+ old, self.old = vars(self).get("old", (self.q_ref, 0)), (q_ref, dq_ref) //\
+ self.joint.effort = 200 * (old[0] - q) + 50 * (old[1] - dq)
+
 the torque is added to the last one, +=: it is set anew at every call, =.
     self.joint.effort = => self.joint.effort +=
 
@@ -118,7 +123,8 @@ Compare with torque = 200 * (q_ref - q) + 50 * (dq_ref - dq).
 Most likely small sticks are ignored, or only the stick's sign counts: the reference moves by 0.002 * stick.
 
 # full stick, with steps of 5 ms
-Most likely the time step is written down as a number: use time_step.
+the time step is written down as a number: use time_step.
+    / self.time_step => / 0.001
 
 # a joint with another range
 Most likely the ends of the range are written down: they are in joint.range.

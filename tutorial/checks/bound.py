@@ -1,7 +1,7 @@
 """The exercise `bound`: read four axes from any message.
 
-Write the function `four_axes(message)`. It returns the first four axes of the `Joy` `message` as a list of four
-numbers from -1 to 1, whatever the message holds:
+Write the function `four_axes(message)`. It returns the first four axes of the `Joy` `message` as a list or an
+array of four numbers from -1 to 1, whatever the message holds:
 
 - An axis beyond -1 or 1 is limited to that end.
 - An axis that is not finite, NaN or an infinity, counts as 0, and so does a missing axis.
@@ -71,14 +71,8 @@ the sign is lost or turned round, or an axis below 0 counts as 0: a stick goes b
     return [ => axes = list(map(abs, axes)) // return [ => axes = [-each for each in axes] // return [
     => axes = [each if each != each else max(each, 0.0) for each in axes] // return [
 
-only one number is returned: return stands within the loop, and belongs behind it.
-    return [ => axes = axes[:1] // return [
-
-the four are in reverse order, or the two sticks are exchanged: keep the order of the message.
-    return [ => axes = axes[::-1] // return [ => axes = axes[2:] + axes[:2] // return [
-
 #
-Compare with: the first four axes as they are, each by itself, 0 if lacking or not finite, else limited to -1 and 1.
+Compare with: all of the first four axes, in order, each by itself, 0 if lacking or not finite, limited to -1 and 1.
 
 # six axes
 Most likely a certain number of axes is expected: there may be more, and the first four count.

@@ -175,7 +175,7 @@ TRIED = {
     "an empty message": heard((), ()),
     "2 names, 3 positions": heard(BODY[:2], (0.1, 0.2, 0.3)),
     "names that are almost right": heard(ALMOST, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)),
-    "a position with many digits": heard(BODY, (0.123456, -1.23456, 0.3)),
+    "a position with many digits": heard(BODY, (0.123456, -9.23456, 0.3)),
     "the crane's joints": heard(("LUFF", "HATCH", "SLEW"), (0.3, 0.9, 0.1), CRANE),
     "a body with one joint": heard(("TURRET_P", "HATCH"), (0.2, 0.3), ("HATCH",)),
 }

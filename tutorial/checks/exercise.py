@@ -64,9 +64,6 @@ class Exercise:
         self._parts = parts or own
         self._requires = [each for each in own if self._base is object or each in ("configure", "initialize")]
 
-    def __repr__(self) -> str:
-        return f"Exercise({self.name!r})"
-
     async def check(self, answer: Any = None) -> None:
         """Run an answer in a process of its own, and print what was right and what was not.
 

@@ -57,9 +57,6 @@ MISTAKES = """
 it looks at message.axes: the buttons are in message.buttons.
     message.buttons => message.axes
 
-it looks whether there are buttons, not whether buttons[0] is 1.
-    self.fire.put => pressed = len(message.buttons) > 0 // self.fire.put
-
 it looks at another button, or at all of them: only the first one counts, buttons[0].
     self.fire.put => pressed = any(message.buttons) // self.fire.put => pressed &= all(message.buttons) // self.fire.put
     => pressed = 1 in message.buttons[1:2] // self.fire.put => pressed = 1 in message.buttons[-1:] // self.fire.put
@@ -72,7 +69,7 @@ True is put only when the button goes down, or it is turned on and off: it is Tr
     self.fire.put => pressed = pressed and not self.fire.get() // self.fire.put
     => pressed = pressed != self.fire.get() // self.fire.put
 
-True is never put: self.fire.put(pressed) is missing, or pressed is always False, as `is True` is for the number 1.
+True is never put: self.fire.put(pressed) is missing, or self.joy is asked, which is empty, or `is True`: 1 is not.
     == 1 => is True
 
 nothing is put while the button is not pressed, or if there are no buttons, so that the last one stays: put False then.
@@ -80,7 +77,7 @@ nothing is put while the button is not pressed, or if there are no buttons, so t
     => (pressed or not message.buttons) and self.fire.put
 
 #
-Compare with: whether there is a buttons[0], and it is 1.
+Compare with: whether this message has a buttons[0], and that is 1, whatever else there is.
 
 # the topic
 Most likely configure lacks what Listener's does: super().configure(config) listens to "joy".

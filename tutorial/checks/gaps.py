@@ -158,6 +158,8 @@ seconds are computed as floating point numbers, which are rounded: count in whol
 # s back
 the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
     stamp > 1_000_000_000 => stamp > 100_000_000 => stamp > 500_000_000 => stamp > 10_000_000_000
+only whole seconds are compared, sec with sec: compare all nanoseconds, sec * 1_000_000_000 + nanosec.
+    newest - stamp > 1_000_000_000 => newest//10**9 - stamp//10**9 > 1
 
 # late
 Most likely each stamp is compared with the last one: compare it with the newest one so far.
@@ -243,6 +245,7 @@ TRIED = {
     "exactly 0.1 s apart": bag(0.8, 0.9, 1.0, 1.1),
     "exactly 1 s back": bag(2.0, 1.0, 2.02),
     "1 s and 1 ns back": bag(2.0, 0.999999999),
+    "1.8 s back": bag(3.9, 2.1, 2.12),
     "a gap after 0 s": bag(0.0, 0.5, 0.52),
     "started again, then a gap": bag(3.98, 0.0, 0.02, 0.42, 0.44),
     "started again twice": bag(3.98, 0.0, 2.0, 2.02, 0.5, 0.52),

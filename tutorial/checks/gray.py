@@ -86,9 +86,6 @@ MISTAKES = """
 publish is called at once: give it without parentheses, self.camera.capture(self.publish, self.io.time_ns).
     capture(self.publish, => capture(self.publish(),
 
-no time is handed on with publish: self.camera.capture(self.publish, self.io.time_ns).
-    capture(self.publish, self.io.time_ns) => capture(self.publish)
-
 a picture is asked for only when the one before has come, which may be late or never: ask for each at its time.
     self.camera.capture( => self.kept, self.steps_per_picture = self.steps_per_picture, 10**9 // self.camera.capture(
     message = Image() => self.steps_per_picture = self.kept // message = Image()
@@ -139,7 +136,7 @@ Most likely step is left out, or that of colours: a row has message.step = messa
 The time is a later one, or counted: hand on that of asking, self.camera.capture(self.publish, self.io.time_ns).
 
 # the frame
-Most likely it is not the optical frame: header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical".
+Most likely the body is typed, or it is no optical frame: it is f"{self.io.body.name}/{self.camera.name}_optical".
 
 # after stop
 Most likely the camera is not closed, or closed too late: in stop, self.camera.close().

@@ -106,7 +106,7 @@ messages are dropped by time or by count, and the last one with them: post every
     $post => if self.__dict__.setdefault("some", count()).__next__() < 20: $post
 each message is posted with call_later, which keeps every call: call_latest keeps the newest of a key.
     self.call_latest = config.call_latest => self.call_latest = lambda _, *call: config.call_later(*call)
-the key differs from message to message: take one that says what the call is about, the body's name.
+there are several keys, or one for each message: post one call that does all, under one key, the body's name.
     self.call_latest(self.body.name, => self.call_latest(message.header.stamp.nanosec,
 all messages that wait are drawn, one after the other: draw only the newest, which call_latest keeps.
     self.node = config.node => self.node, self.inbox = config.node, []

@@ -209,6 +209,7 @@ TRIED = {
     "a nanosecond apart, on today's date": tried((JOINTS, TODAY), (POSE, TODAY + 1), (JOINTS, TODAY + 1)),
     "the same digits": tried((JOINTS, S + 23), (POSE, 12 * S + 3), (JOINTS, 3 * S + 12), (JOINTS, 12 * S + 3)),
     "a partner that comes too late": tried(*in_turn(20), *joints(40), *in_turn(60), *poses(40), *in_turn(80)),
+    "poses that come too late": tried(*joints(20, 40, 60, 80), *poses(80, 20, 40, 60), *in_turn(100)),
     "joints that come too late": tried(*in_turn(20), *poses(40), *in_turn(60), *joints(40), *in_turn(80)),
     "a late pose, where poses are first": tried(*joints(40), *poses(60), *joints(60), *poses(40), *in_turn(80)),
     "late joints, where poses are first": tried(*poses(40, 60), *joints(60), *joints(40), *in_turn(80)),

@@ -66,9 +66,6 @@ class SlowPublisher(SimpleController):
 
 
 MISTAKES = """
-they are converted to degrees: ROS 2 uses rad.
-    [joint.position for => [degrees(joint.position) for
-
 the message is filled once, in initialize, and sent again and again: fill it in control, every time.
     self.io = io => self.io, self.began_ns = io, io.time_ns
     self.io.time_ns => self.began_ns
@@ -79,10 +76,10 @@ the joints' names are typed, or how many there are: take all of them from the bo
     io.body.joints => [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")] => io.body.joints[:2]
 
 # the names
-These are not the names of all joints, as they are and in their order: [joint.name for joint in self.joints].
+These are not all joints' names, once and in order: [joint.name for joint in self.joints], in a new message.
 
 # position
-position is missing, mixed up or old: [joint.position for joint in self.joints].
+position is missing, converted, mixed up or old: [joint.position for joint in self.joints].
 
 # velocity
 velocity is missing, mixed up or old: [joint.velocity for joint in self.joints].

@@ -61,6 +61,10 @@ the bag is closed while the thread may still write: wait for it before, self.wri
 None comes into the queue while messages may still come, and those after it are lost: stop listening first.
     self.node.destroy => self.received.put(None) // self.node.destroy
 
+get is called twice in a turn, and each call takes an entry out: take one, keep it, and write that.
+    received := self.received.get() => self.received.get()
+    *received) => *self.received.get())
+
 only one entry is written: take one after the other, in a loop.
     *received) => *received) // break
 

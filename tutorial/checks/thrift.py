@@ -86,7 +86,7 @@ a message is sent even if no joint has moved: then send none.
 
 names and positions come from two different lists: take both from the joints that have moved.
     list(news.values())) => list(positions.values())[:len(news)]) => list(news.values())) // message.name = [*positions]
-    => list(news.values())) // message.name = [*positions][:len(news)]
+    => list(news.values())) // message.name = [*positions][:len(news)] => list(positions.values()))
 
 the name is changed: take it from the joint, joint.name, and put nothing before it.
     name=list(news) => name=[f"{self.io.body.name}/{n}" for n in news]
@@ -94,7 +94,7 @@ the name is changed: take it from the joint, joint.name, and put nothing before 
 positions are compared with those of the last look or message: compare each with what was last sent for this joint.
     if news: => self.sent = positions // if news: => self.sent = positions if news else self.sent // if news:
 
-what was sent is renewed before it is compared, or is one and the same list or dict: compare, send, then keep a copy.
+what was sent is renewed before it is compared, or is the same object, or the velocity is compared: keep each number.
     n not in self.sent or abs(q - self.sent[n]) > 0.001 => n not in self.sent
 
 the changes of all joints are added up: compare each joint for itself with 0.001.

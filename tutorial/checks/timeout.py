@@ -57,7 +57,7 @@ the stamp is compared: a message that somebody sends by hand has none. Compare t
 the stamp is taken for the time at which it came: a message by hand has none. Keep the seconds of the first call.
     seconds - self.since => seconds - message.header.stamp.sec
 
-no message gets too old: only another object sets the time, and no copy of it; its age is seconds - self.since.
+no message gets too old: keep it, and no copy of it; only another sets the time, and its age is seconds - self.since.
     return seconds - self.since <= 0.5 => return True
     => age, self.since = seconds - self.since, seconds // return age <= 0.5
 
@@ -82,8 +82,21 @@ once a message was too old, none is fresh any more: the next one is.
 a message that was too old is forgotten, and taken for a new one in the next call: keep it.
     return => self.message = message if seconds - self.since <= 0.5 else None // return
 
+a time of 0 is taken for none, as in `if not self.since`: ask whether it `is None`.
+    message is not self.message => message is not self.message or not self.since
+
 #
-Compare with: if the message is another object than before, keep it and the seconds; then subtract.
+Most likely the age is another: in every call it is seconds - self.since, as it is, and at most 0.5.
+
+# first at 12 s
+Most likely the first message does not set the time, or the stamp does: keep the seconds of the call in which it is new.
+
+# another message
+# within half a second
+Most likely not every new message sets the time: each does, however soon or late it comes.
+
+# is held
+Most likely it is compared what messages hold, or all of the earlier ones: compare with the last one, by `is not`.
 """
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 

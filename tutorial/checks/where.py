@@ -61,7 +61,7 @@ it goes the wrong way, from the parent into the child: turn by the rotation, the
 the rotation is left out: turned(stamped.transform.rotation, point).
     turned(stamped.transform.rotation, point) => np.array(point)
 
-it is turned the wrong way round: x, y, z of the quaternion stay as they are.
+it is turned the wrong way round: x, y, z of the quaternion stay as they are, and no matrix is transposed.
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
 
 another number is taken for w: in ROS the order is x, y, z, w, and only MuJoCo has w first.
@@ -114,7 +114,7 @@ A turn about z is right, and one about another axis is not: compare with turned(
 A turn about x, y or z is right, one about all at once is not: compare with turned().
 
 # quaternions with all signs changed
-A rotation has two quaternions, q and -q: the sign of w alone says nothing.
+A rotation has two quaternions, q and -q: the sign of w counts, together with those of x, y, z.
 
 # transforms
 Most likely a certain number of transforms is expected, or a frame's name: loop through all of them.

@@ -62,7 +62,7 @@ def sleeps(message):
 RIGHT = [by_index, by_iterator, by_numpy]
 WRONG = [
     (unpacks, ["a certain number of axes is expected"]),
-    (indexes_and_reverses, ["in reverse order", "four axes are taken for granted"]),
+    (indexes_and_reverses, ["four axes, in order", "four axes are taken for granted"]),
     (rounds_nan, ["ask isfinite(axis) first"]),
     (counts_through_all, ["all of the axes are copied or gone through"]),
     (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["all of the axes are copied or gone through"]),

@@ -36,7 +36,7 @@ class OnAWorker(GrayPublisher):
 
     def initialize(self, io):
         super().initialize(io)
-        self.pictures, self.due_ns = queue.Queue(), 100_000_000
+        self.pictures, self.due_ns = queue.Queue(), io.time_ns + 100_000_000
         self.worker = threading.Thread(target=self.work)
         self.worker.start()
 

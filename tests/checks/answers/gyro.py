@@ -34,7 +34,7 @@ class AtATime(GyroPublisher):
 
     def initialize(self, io):
         super().initialize(io)
-        self.due, self.steps_per_message = 0.05, 1
+        self.due, self.steps_per_message = io.time + 0.05, 1
 
     def control(self):
         self.samples.append(self.sensor.value)
