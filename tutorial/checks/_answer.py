@@ -95,4 +95,5 @@ def _mend(answer: type, part: str) -> str:
     made = getattr(vars(answer).get("__init__"), "__code__", None)
     if made is not None and made.co_argcount > 1 and issubclass(answer, SimpleController):
         return f"Most likely __init__ does its work. {NO_ARGUMENTS}"
-    return f"Write the method {part}; it is part of the answer."
+    more = " What is simulated is io.body." * (part == "initialize")
+    return f"Write the method {part}; it is part of the answer.{more}"

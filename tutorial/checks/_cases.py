@@ -23,7 +23,7 @@ from tutorial.errors import TutorialError
 TOLERANCE = 1e-4
 LONGEST = 20.0  # [s] in which mistakes are tried, one and two at once; so that a busy machine comes to an end, too
 CRASHES = (LookupError, ValueError, ArithmeticError, TypeError, TutorialError, UnboundLocalError)
-CHANGED = "Most likely pop, sort, append, += or an assignment changes it: leave it as it is, make one of your own."
+CHANGED = "Most likely pop, sort, append, += or an assignment changes it: make one of your own; np.asarray makes none."
 UNLIKE = "Most likely something has the wrong type, such as a number or an array in place of a list or a message."
 CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
 
@@ -73,7 +73,7 @@ class Cases:
             if is_misuse or (self.one_by_one and not same(each, expected[label])):
                 break
         odd = [label for label in seen if not same(seen[label], expected[label])]
-        by_the_clock = self.otherwise.get(self.clock, self.clock) * ("clock" in watch.noted)
+        by_the_clock = (self.clock and self.otherwise.get(self.clock, self.clock)) * ("clock" in watch.noted)
         place = watch.noted["clock"] if by_the_clock else None
         watch.explaining = True
         failures = {label: each for label, each in seen.items() if isinstance(each, Failure)}

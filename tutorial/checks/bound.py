@@ -91,7 +91,7 @@ An infinity counts as 0, and not as 1 or -1: ask isfinite(axis) before anything 
 # 1.5 for
 # -3 for
 # 1e30 for
-Most likely an axis beyond -1 or 1 is not expected: limit it to that end with min and max.
+Most likely an axis beyond -1 or 1 counts as it is, or as 0: limit it to that end with min and max.
 
 # two messages
 Most likely the list is kept from call to call: make a new one in every call.

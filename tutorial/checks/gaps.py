@@ -94,9 +94,9 @@ return stands within the loop: it belongs after it.
 nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hide what goes wrong.
     return found => return []
 
-after a restart newest becomes 0, or None: it is the stamp of the new message.
+after a restart newest becomes 0 or None, or stays as it is: it is the stamp of the new message.
     ("restart", newest, stamp)) => ("restart", newest, stamp)) // stamp = 0
-    => ("restart", newest, stamp)) // stamp = None
+    => ("restart", newest, stamp)) // stamp = None => ("restart", newest, stamp)) // continue
 
 only the first or the last that is found is told: append each of them, and return after the loop.
     return found => return found[:1] => return found[-1:]

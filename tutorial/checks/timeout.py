@@ -57,7 +57,7 @@ the stamp is compared: a message that somebody sends by hand has none. Compare t
 the stamp is taken for the time at which it came: a message by hand has none. Keep the seconds of the first call.
     seconds - self.since => seconds - message.header.stamp.sec
 
-no message gets too old: keep it, and no copy of it; only another sets the time, and its age is seconds - self.since.
+no message gets too old: keep it, no copy; only another sets the time, and its age is seconds - self.since, no count.
     return seconds - self.since <= 0.5 => return True
     => age, self.since = seconds - self.since, seconds // return age <= 0.5
 

@@ -87,6 +87,7 @@ def posts_after_seconds(self, message):
 
 
 WRONG = [
+    (changed(land=lambda self: time.monotonic()), "the timer rings"),
     (changed(update=posts_after_seconds), "config.call_later takes no seconds"),
     (changed(update=never_awaited), "a plain function, def"),
     (changed(update=lambda self, _: asyncio.get_running_loop().call_later(0.5, self.land())), "parentheses call"),
