@@ -20,7 +20,7 @@ _RETURNS = {
     "control": "control is called once for every step and returns at once; the loop is the simulation's. To wait, "
     "count steps, io.step.",
     "aim": "aim is called once for every step and returns at once; simulated time goes on by itself.",
-    "unconfigure": "to wait for a thread's end, join it.",
+    "unconfigure": "to wait for a thread's end, join it; that its queue is empty is not its end.",
     "update": "{} runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
     "callback": "{} is a callback: it puts the message away, or posts a call, and returns; it never waits and never "
     "repeats.",

@@ -54,6 +54,7 @@ that is the wall clock's time: take the simulation's, self.io.time_ns.
 the unit is wrong, sec or nanosec is left out, or they are exchanged: Time(nanoseconds=$time).to_msg() sets both.
     =$time => =$time//1_000 => =$time//1_000_000 => =$time//10**9 => =$time//10**9 * 10**9 => =$time % 10**9
     => =$time % 10**9 * 10**9 + $time//10**9 => =$time//10**9 * 10**9 + $time
+    => =$time//10**9 * 10**9 + $time % 10**9//1_000 => =$time//10**9 * 10**9 + $time % 10**9//1_000_000
 
 # on the body Rover
 Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.

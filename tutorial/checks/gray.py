@@ -133,7 +133,7 @@ The encoding is left out, or another: one byte for a pixel is called "mono8", in
 Most likely step is left out, or that of colours: a row has message.step = message.width bytes.
 
 # pictures that come late, or not at all
-The time is a later one, or counted: hand on that of asking, self.camera.capture(self.publish, self.io.time_ns).
+The time kept is that of a later asking, or counted: hand each on, self.camera.capture(self.publish, self.io.time_ns).
 
 # the frame
 Most likely the body is typed, or it is no optical frame: it is f"{self.io.body.name}/{self.camera.name}_optical".

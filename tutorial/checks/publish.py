@@ -79,13 +79,13 @@ the joints' names are typed, or how many there are: take all of them from the bo
 These are not all joints' names, once and in order: [joint.name for joint in self.joints], in a new message.
 
 # position
-position is missing, converted, mixed up or old: [joint.position for joint in self.joints].
+position is missing, converted, mixed up or old: in control, every time, [joint.position for joint in self.joints].
 
 # velocity
-velocity is missing, mixed up or old: [joint.velocity for joint in self.joints].
+velocity is missing, mixed up or old: in control, every time, [joint.velocity for joint in self.joints].
 
 # effort
-effort is missing, mixed up or old: [joint.effort for joint in self.joints].
+effort is missing, mixed up or old: in control, every time, [joint.effort for joint in self.joints].
 """
 UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 

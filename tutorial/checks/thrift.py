@@ -131,6 +131,9 @@ the steps are counted from the last message, so after a pause it looks at every 
 #
 Compare each joint's position with the one that was last sent for it, every 20 ms. Each message has new lists.
 
+# after a restart
+Most likely self.sent is kept from the run before, or step 0 is waited for: make it anew in initialize.
+
 # the joints of the tank
 the joints' names are typed, or how many there are: take them from io.body.joints.
     self.io.body.joints => self.io.body.joints[:2] => map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))
