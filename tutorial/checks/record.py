@@ -222,7 +222,7 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Case:
     return case
 
 
-A, B, C = (5, b"A"), (7, b"B"), (7, b"C")  # the time [ns], and the payload
+A, B, C = (5, b"A"), (7, b"B"), (7, b"")  # the time [ns], and the payload, which may be empty
 TRIED = {
     "messages come one by one": tried(coming=[A, B, None]),
     "three messages wait": tried(A, B, C),
