@@ -57,7 +57,8 @@ async def _run(job: bytes, domain: int) -> tuple[list[bytes], bytearray, int | N
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     kept = {name: value for name, value in os.environ.items() if name != "ROS_STATIC_PEERS"}
     ros = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-    process = await _start({**kept, **ros, "PYTHONPATH": home, "PYTHONUTF8": "1"})
+    # Nothing is drawn there, so MuJoCo need not look for OpenGL, which takes long.
+    process = await _start({**kept, **ros, "PYTHONPATH": home, "PYTHONUTF8": "1", "MUJOCO_GL": "disable"})
     assert process.stdin is not None
     assert process.stdout is not None
     told, output = list[bytes](), bytearray()
