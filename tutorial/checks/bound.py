@@ -45,9 +45,6 @@ all axes are taken, or returned: the first four are enough, message.axes[:4].
     message.axes[:4] => message.axes
     0.0][:4] => 0.0][: max(4, len(message.axes))]
 
-other axes are taken, or fewer: the sticks are the first four, message.axes[:4].
-    message.axes[:4] => message.axes[-4:] => message.axes[1:5] => message.axes[:3]
-
 a message with fewer than four axes is dropped, and all four are 0: the axes that it has count.
     return [ => if len(message.axes) < 4: axes = [0.0] * 4 // return [
 

@@ -96,12 +96,6 @@ nothing is set at rest, so the last speed stays: set 0 then.
 it reads the right stick, or one axis of it: the left one is axes[0] and axes[1].
     axes[:2] => axes[2:] => axes[1:3] => [axes[2], axes[1]] => [axes[0], axes[3]]
 
-the two axes are exchanged: axes[0] is x, to the left, axes[1] is y, ahead.
-    left_x, left_y = => left_y, left_x =
-
-the sign of left_y is wrong: forward is positive, for the stick and the tracks.
-    1.0 * left_y => -1.0 * left_y
-
 left and right are exchanged: to the left, the left track slows down and the right one speeds up.
     0.5 * left_x => -0.5 * left_x
 

@@ -54,9 +54,6 @@ class FireButton(Listener):
 
 
 MISTAKES = """
-it looks at message.axes: the buttons are in message.buttons.
-    message.buttons => message.axes
-
 it looks at another button, or at all of them: only the first one counts, buttons[0].
     self.fire.put => pressed = any(message.buttons) // self.fire.put => pressed &= all(message.buttons) // self.fire.put
     => pressed = 1 in message.buttons[1:2] // self.fire.put => pressed = 1 in message.buttons[-1:] // self.fire.put
@@ -69,7 +66,7 @@ True is put only when the button goes down, or it is turned on and off: it is Tr
     self.fire.put => pressed = pressed and not self.fire.get() // self.fire.put
     => pressed = pressed != self.fire.get() // self.fire.put
 
-True is never put: self.fire.put(pressed) is missing, or self.joy is asked, which is empty, or `is True`: 1 is not.
+True is never put: self.fire.put(pressed) is missing, or it asks self.joy, which is empty, or `is True`: 1 is not.
     == 1 => is True
 
 nothing is put while the button is not pressed, or if there are no buttons, so that the last one stays: put False then.
@@ -77,7 +74,7 @@ nothing is put while the button is not pressed, or if there are no buttons, so t
     => (pressed or not message.buttons) and self.fire.put
 
 #
-Compare with: whether this message has a buttons[0], and that is 1, whatever else there is.
+Compare with: this message has buttons, whatever else there is, and its buttons[0] is 1.
 
 # the topic
 Most likely configure lacks what Listener's does: super().configure(config) listens to "joy".

@@ -83,9 +83,6 @@ class GrayPublisher(SimpleController):
 
 
 MISTAKES = """
-publish is called at once: give it without parentheses, self.camera.capture(self.publish, self.io.time_ns).
-    capture(self.publish, => capture(self.publish(),
-
 a picture is asked for only when the one before has come, which may be late or never: ask for each at its time.
     self.camera.capture( => self.kept, self.steps_per_picture = self.steps_per_picture, 10**9 // self.camera.capture(
     message = Image() => self.steps_per_picture = self.kept // message = Image()
@@ -133,7 +130,7 @@ The encoding is left out, or another: one byte for a pixel is called "mono8", in
 Most likely step is left out, or that of colours: a row has message.step = message.width bytes.
 
 # pictures that come late, or not at all
-The time kept is that of a later asking, or counted: hand each on, self.camera.capture(self.publish, self.io.time_ns).
+The time is that of a later request, or counted: hand it on, self.camera.capture(self.publish, self.io.time_ns).
 
 # the frame
 Most likely the body is typed, or it is no optical frame: it is f"{self.io.body.name}/{self.camera.name}_optical".

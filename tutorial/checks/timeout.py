@@ -57,7 +57,7 @@ the stamp is compared: a message that somebody sends by hand has none. Compare t
 the stamp is taken for the time at which it came: a message by hand has none. Keep the seconds of the first call.
     seconds - self.since => seconds - message.header.stamp.sec
 
-no message gets too old: keep it, no copy; only another sets the time, and its age is seconds - self.since, no count.
+no message gets too old: keep the message itself, set self.since when it is new, and compare seconds - self.since.
     return seconds - self.since <= 0.5 => return True
     => age, self.since = seconds - self.since, seconds // return age <= 0.5
 
@@ -86,7 +86,7 @@ a time of 0 is taken for none, as in `if not self.since`: ask whether it `is Non
     message is not self.message => message is not self.message or not self.since
 
 #
-Most likely the age is another: in every call it is seconds - self.since, as it is, and at most 0.5.
+Most likely the age is wrong: in every call it is seconds - self.since, not rounded, and at most 0.5.
 
 # first at 12 s
 Most likely the first message does not set the time, or the stamp does: keep the seconds of the call in which it is new.
@@ -96,7 +96,7 @@ Most likely the first message does not set the time, or the stamp does: keep the
 Most likely not every new message sets the time: each does, however soon or late it comes.
 
 # is held
-Most likely it is compared what messages hold, or all of the earlier ones: compare with the last one, by `is not`.
+Most likely the contents are compared, or all earlier messages: compare with the last message, by `is not`.
 """
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 

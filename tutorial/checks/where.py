@@ -71,16 +71,9 @@ another number is taken for w: in ROS the order is x, y, z, w, and only MuJoCo h
 it is divided by the sine of half the angle, which is 0 if nothing is turned: ask for that first, or use turned.
     axis, point = => q = Quaternion(w=nan) if abs(q.w) >= 1 else q // axis, point =
 
-two numbers of the axis are exchanged: it is x, y, z.
-    [q.x, q.y, q.z] => [q.y, q.x, q.z] => [q.x, q.z, q.y] => [q.z, q.y, q.x]
-
 only the turn about z counts: a frame may be tilted as well.
     axis, point = => q = Quaternion(z=q.z, w=q.w) // axis, point =
     => q = about(UP, atan2(q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2)) // axis, point =
-
-w is taken for the angle, or acos(w), half of it: the angle is 2 * acos(w).
-    axis, point = => q = about((q.x, q.y, q.z), q.w) // axis, point =
-    => q = about((q.x, q.y, q.z), acos(q.w)) // axis, point =
 
 the rotations are multiplied in the wrong order: the outer one times the inner one, outer * inner.
     for stamped in => given, moved = point, 0.0 // for stamped in
