@@ -23,24 +23,17 @@ class Answer(SimpleController):
     def control():
         pass
 
-    @property
-    def speed(self):
-        return 1.0
-
 
 SENTENCES = {
     "Most likely self is missing: def control(self):": lambda: Answer().control(),
     "Most likely parentheses are missing: Answer alone is the class": lambda: Answer.on_joy(message=1),
     "Most likely the callback is called at once: give it without parentheses": lambda: Answer().configure(0),
     "Most likely what stands before the dot is None": lambda: None.speed,
-    "Most likely parentheses are missing where an object is made": lambda: Answer.speed(),
     "Most likely self is missing in initialize: self.io = ...": lambda: Answer().io,
     "Most likely configure does not keep it: self.node = config.node.": lambda: Answer().node,
     "Most likely it is read before anything has set it: configure comes first": lambda: Answer().message,
     "Most likely it asks for the event loop": asyncio.get_running_loop,
-    "What stands before the dot is a tuple: take it apart first": lambda: (1,).header,
-    "Most likely there is an index beyond the end": lambda: [].pop(),
-    "Most likely a list is the key of a dict": lambda: {[]: 1},
+    "A list cannot be the key of a dict": lambda: {[]: 1},
     "Leave it out: the program has called rclpy.init, spins its node": lambda: rclpy.spin_once(None),
     "Did you mean 'join'?": lambda: "".jion,
 }
@@ -49,7 +42,7 @@ SENTENCES = {
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("sentence", SENTENCES)
 def test_pythons_sentence_is_understood(sentence):
-    with pytest.raises((AttributeError, TypeError, RuntimeError, LookupError)) as info:
+    with pytest.raises((AttributeError, TypeError, RuntimeError)) as info:
         SENTENCES[sentence]()
     assert likely_cause(info.value, Answer).startswith(sentence)
     del info

@@ -18,7 +18,6 @@ from tutorial.checks.by_name import by_name
 from tutorial.checks.catalogue import exercises
 from tutorial.checks.drive import GentleTank, drive
 from tutorial.checks.exercise import Exercise, listing
-from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.controller_files import controller_names
 from tutorial.paths import HOME, PACKAGE
 
@@ -96,31 +95,6 @@ def test_the_solution_as_printed_is_right_in_its_notebook_and_a_process_of_its_o
     said = capfd.readouterr().out
     assert "✗" not in said
     assert "\nAll right. Notice " in said
-
-
-def test_a_listing_keeps_comments_and_blank_lines():
-    assert listing(Noted) == NOTED
-
-
-class Noted(SimpleController):
-    """What a listing leaves out, and what it keeps."""
-
-    def configure(self, config: ControllerConfig) -> None:  # main thread
-        """Begin.
-
-        Nothing is sent yet.
-        """
-        self.sent: dict[str, float] = {}
-
-    def stop(self) -> None: ...
-
-
-NOTED = """\
-class Noted(SimpleController):
-    def configure(self, config):  # main thread
-        self.sent = {}
-
-    def stop(self): ..."""
 
 
 def unwritten(joint_names, message):

@@ -20,7 +20,7 @@ The modules that all exercises share, one at a time:
 - `_mistakes`: known mistakes, as edits of the solution.
 - `_cases`: what an answer is tried in, and which mistake explains what is observed; `_publishing`: what is tried of all
   controllers that publish at a rate.
-- `_rig`: what a simulated body's controller is tried on; `_viewer`: what a displayed body's is, and what is tried of
-  all such. `_clock`: its event loop. `_node`: its node, in memory, or rclpy's own for one last case.
+- `_rig`: what a simulated body's controller is tried on, and any controller's node; `_viewer`: what a displayed
+  body's is, and what is tried of all such. `_clock`: its event loop.
 - `_interleave`, `_shared`: two threads in every order, and what objects share that should not.
 """

@@ -8,8 +8,8 @@ from functools import partial
 from types import EllipsisType
 from typing import Any
 
-from tutorial.checks._diagnose import NO_ARGUMENTS, Misuse
-from tutorial.checks._watch import Failure
+from tutorial.checks._diagnose import NO_ARGUMENTS
+from tutorial.checks._watch import Failure, Misuse
 from tutorial.controller import SimpleController
 
 _EMPTY = {

@@ -13,11 +13,10 @@ from numbers import Real
 from typing import Any
 
 from tutorial.checks._answer import name_of
-from tutorial.checks._diagnose import Misuse
 from tutorial.checks._mistakes import Mistake, another, missing, read, slips, with_mistakes
 from tutorial.checks._shared import SharedState
 from tutorial.checks._verdict import Finding, right, wrong
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._watch import Failure, Misuse, watch
 from tutorial.errors import TutorialError
 
 TOLERANCE = 1e-4
@@ -64,61 +63,73 @@ class Cases:
 
     def judge(self, answer: Any) -> Iterator[Finding]:
         """Try an answer, say of each case what was observed, and name each mistake where it shows first."""
-        expected, shared, seen, took = self.expected, SharedState(answer), dict[str, Any](), dict[str, float]()
+        shared, seen, took = SharedState(answer), dict[str, Any](), dict[str, float]()
         for label, case in self.cases.items():
             began = time.monotonic()
             seen[label] = each = observed(case, answer)
             took[label] = time.monotonic() - began
             is_misuse = isinstance(each, Failure) and isinstance(each.error, Misuse)
-            if is_misuse or (self.one_by_one and not same(each, expected[label])):
+            if is_misuse or (self.one_by_one and self._odd(seen)):
                 break
-        odd = [label for label in seen if not same(seen[label], expected[label])]
+        odd = self._odd(seen)
         by_the_clock = (self.clock and self.otherwise.get(self.clock, self.clock)) * ("clock" in watch.noted)
         place = watch.noted["clock"] if by_the_clock else None
         watch.explaining = True
-        failures = {label: each for label, each in seen.items() if isinstance(each, Failure)}
-        misused = {label: each for label, each in failures.items() if isinstance(each.error, Misuse)}
-        apart = {tuple(each): each for each in ({}, misused, failures)}  # what speaks for itself need not be explained
-        for raised in apart.values():
-            told = [label for label in odd if label not in raised]
-            rest = {label: each for label, each in seen.items() if label not in raised}
-            found = self.explain(rest, took) if told and not by_the_clock else ()
-            if found:
-                break
-        causes = self._shown(found, told)
+        found, aside = ((), []) if by_the_clock else self._explained(seen, took)
+        causes = self._shown(found, [label for label in odd if label not in aside])
         is_shared = "." in shared.changed()
         for label in seen:
-            unknown = by_the_clock or self._otherwise(label)
+            unknown, is_failure = by_the_clock or self._otherwise(label), isinstance(seen[label], Failure)
             if label not in odd:
                 yield right(f"{label}: {self.say(seen[label])}")
-            elif label in raised:
-                if found and same(observed(self.cases[label], self.mistaken(*found)), seen[label]):
-                    continue
-                error = raised[label].error
+            elif label in aside and found and same(observed(self.cases[label], self.mistaken(*found)), seen[label]):
+                continue
+            elif label in aside and is_failure:
+                error = seen[label].error
                 crashed = isinstance(error, CRASHES) or "NoneType" in str(error)
                 is_known = crashed and unknown != self.otherwise[""] and any(part in label for part in self.crashes)
-                yield raised[label].finding(unknown if is_known else None, label)
+                yield seen[label].finding(unknown if is_known else None, label)
                 return
-            elif label in causes or (not found and label == odd[0]):
+            elif label in causes or label in aside or (not found and label == odd[0]):
                 cause = causes.get(label, unknown)
                 cause = cause if label in causes and not is_shared else shared.cause(cause)
-                if label in failures:
-                    yield failures[label].finding(cause, label)
+                if is_failure:
+                    yield seen[label].finding(cause, label)
                 else:
-                    text = f"{label}: {self.say(seen[label])}; expected: {self.say(expected[label])}"
+                    text = f"{label}: {self.say(seen[label])}; expected: {self.say(self.expected[label])}"
                     yield wrong(text, cause, place)
         if self.on_ros and not odd:
             yield right(f"with another program: {self.on_ros(answer)}")
 
-    def explain(self, seen: Mapping[str, Any], took: Mapping[str, float]) -> tuple[Mistake, ...]:
-        """Find the fewest mistakes that lead to exactly what was observed; none where nothing known does.
+    def _odd(self, seen: Mapping[str, Any]) -> list[str]:
+        return [label for label in seen if not same(seen[label], self.expected[label])]
+
+    def _explained(self, seen: Mapping[str, Any], took: Mapping[str, float]) -> tuple[Sequence[Mistake], Sequence[str]]:
+        """Find mistakes that explain what was observed, but for cases that speak for themselves; return these, too."""
+        failures = [label for label, each in seen.items() if isinstance(each, Failure)]
+        misused = [label for label in failures if isinstance(seen[label].error, Misuse)]
+        by_text: dict[str, list[str]] = {self.otherwise[""]: []}
+        for label in self._odd(seen):
+            by_text.setdefault(self._otherwise(label), []).append(label)
+        _, *said = by_text.values()
+        for aside in dict.fromkeys(map(tuple, ([], misused, failures, *said))):
+            rest = {label: each for label, each in seen.items() if label not in aside}
+            found = self.explain(rest, took, 1 if [*aside] in said else 2)
+            if found:
+                return found, aside
+        return (), failures
+
+    def explain(self, seen: Mapping[str, Any], took: Mapping[str, float], most: int = 2) -> tuple[Mistake, ...]:
+        """Find the fewest mistakes, one or two, that lead to exactly what was observed; none where nothing known does.
 
         Slips are left alone where one case alone is odd, or one raises. Of an answer that raises in the first case, or
         was tried in few of them, two mistakes at once would only be guessed. A case that took long is tried last, as
         ``took`` says [s], and what is odd rather first: most likely a mistake does something else there.
         """
         raises = [isinstance(each, Failure) for each in seen.values()]
-        odd = [label for label in seen if not same(seen[label], self.expected[label])]
+        odd = self._odd(seen)
+        if not odd:
+            return ()
         at, quickest = odd[-1], sorted(seen, key=lambda label: took[label] * (1 if label in odd else 2))
         known = [each for each in self.mistakes if each.fails in ("", at) or not self.one_by_one]
         has_slips = not any(raises) and len(odd) > 1
@@ -129,7 +140,7 @@ class Cases:
         tries = chain(
             ((each,) for each in known if each in leads),
             ((each,) for each in (slips(another, self.solution, self.beside) if has_slips else ())),
-            () if raises[0] or self.one_by_one or 2 * len(seen) < len(self.cases) else both,
+            () if most == 1 or raises[0] or self.one_by_one or 2 * len(seen) < len(self.cases) else both,
         )
         end = time.monotonic() + LONGEST
         for chosen in tries:

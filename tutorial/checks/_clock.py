@@ -7,8 +7,7 @@ from contextvars import Context
 from selectors import DefaultSelector
 from typing import Any
 
-from tutorial.checks._diagnose import Misuse
-from tutorial.checks._watch import watch
+from tutorial.checks._watch import Misuse, watch
 
 BEGAN = 1024.0  # [s] on the clock; with times of powers of two every sum is exact
 TURN = 2.0**-17  # [s] that a turn of the loop takes: time passes also for what asks for another turn for ever

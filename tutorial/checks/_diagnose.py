@@ -14,16 +14,13 @@ from tutorial.controller import SimpleController
 
 AT_ONCE = "Most likely the callback is called at once: give it without parentheses, self.{}."
 NO_ARGUMENTS = "__init__ is given nothing: config comes to configure(self, config), and io to initialize(self, io)."
+_STEPS = "{} is called once for every step and returns at once; the loop is the simulation's. To wait, count steps."
 _RETURNS = {
-    "configure": "configure only makes publishers and subscriptions, and returns; the program spins its node already.",
-    "initialize": "initialize only prepares the first step, and returns; what repeats belongs into control.",
-    "control": "control is called once for every step and returns at once; the loop is the simulation's. To wait, "
-    "count steps, io.step.",
-    "aim": "aim is called once for every step and returns at once; simulated time goes on by itself.",
+    "control": _STEPS,
+    "aim": _STEPS,
     "unconfigure": "to wait for a thread's end, join it; that its queue is empty is not its end.",
     "update": "{} runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
-    "callback": "{} is a callback: it puts the message away, or posts a call, and returns; it never waits and never "
-    "repeats.",
+    "callback": "{} is a callback: it puts the message away, or posts a call, and returns; it never waits or repeats.",
 }
 """Why a method returns at once, by its name."""
 _PROGRAMS = "Leave it out: the program has called rclpy.init, spins its node, config.node, and shuts rclpy down."
@@ -38,45 +35,17 @@ _LIFE = "configure comes first, then initialize, then control; a message may com
 _CLASS = "Most likely parentheses are missing: {0} alone is the class, {0}(...) makes an object of it."
 _GENERAL = "Mend this line first; what comes after it has not been looked at."
 _CAUSES = {
-    r"NameError": "Most likely its import or definition is missing: write it into the same cell as the class.",
-    r"SystemExit": "Most likely an exit() was left over; a controller only returns.",
-    r"WrongThreadError": "The displayed body belongs to the main thread: post the call instead, self.call_later(...).",
     r"RuntimeError: .*event loop": "Most likely it asks for the event loop, or calls it, on another thread than the "
     "main one: a callback posts, self.call_later(self.update, message), and what is posted may ask for the loop.",
     r"AttributeError: 'NoneType'": "Most likely what stands before the dot is None: nothing was kept there.",
-    r"AttributeError: 'tuple'": "What stands before the dot is a tuple: take it apart first.",
-    r"AttributeError: '(?:function|method)'": "Most likely parentheses are missing, those of a call.",
     r"AttributeError: type object '(\w+)'": _CLASS,
-    r".*'(?:property|member_descriptor)' object": "Most likely parentheses are missing where an object is made: a "
-    "class was used in its place.",
     r"AttributeError: .* has no attribute '(?:nano)?sec'": "Most likely the stamp is a number, or a Time that is no "
     "message: Time(nanoseconds=self.io.time_ns).to_msg() makes one.",
-    r"RuntimeError: .*during iteration": "Most likely a loop changes what it goes through: let it go through a copy.",
-    r"ZeroDivisionError": "Most likely what it divides by may be 0, as the sine of no angle, or a time that is 0.",
-    r"ValueError: .*values to unpack": "Most likely a certain number of them is expected: there may be fewer, or more.",
-    r"IndexError": "Most likely there is an index beyond the end: ask for len first, or keep what came before.",
-    r"KeyError|StopIteration": "Most likely something is taken for granted: ask first whether it is there.",
-    r"TypeError: unhashable type: '(\w+)'": "Most likely a {0} is the key of a dict, which cannot be: take a tuple of "
-    "its numbers, or what it is about, such as the body's name.",
+    r"TypeError: unhashable type: '(\w+)'": "A {0} cannot be the key of a dict: take a tuple of numbers, or a name.",
     r"TypeError: (?:\w+\.)*(\w+)\.\w+\(\) missing 1 required positional argument: 'self'": _CLASS,
     r"TypeError: \S*__init__\(\) missing": NO_ARGUMENTS,
     r"TypeError: (?:\S+\.)?(on_\w+)\(\) missing 1 required positional argument": AT_ONCE,
-    r"TypeError: (?:\S+\.)?(\w+)\(\) (?:takes|missing)": "Most likely {0} gets too few arguments, or too many: "
-    "compare its def line with where it is posted or called.",
 }
-
-
-class Misuse(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
-    """Something was called in a way that cannot work, and it is known why.
-
-    Args:
-        text: what was done.
-        cause: the most likely cause, as a sentence.
-    """
-
-    def __init__(self, text: str, cause: str) -> None:
-        super().__init__(text)
-        self.cause = cause
 
 
 def likely_cause(error: BaseException, answer: Any) -> str:
@@ -86,8 +55,6 @@ def likely_cause(error: BaseException, answer: Any) -> str:
         error: what was raised.
         answer: the learner's class or function.
     """
-    if isinstance(error, Misuse):
-        return error.cause
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
     called = {each.f_code.co_name for each in frames if str(each.f_globals.get("__name__")).startswith("rclpy")}
     causes = [_PROGRAMS] if called & _CALLED_ONCE else []

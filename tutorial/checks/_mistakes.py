@@ -9,7 +9,6 @@ import itertools
 import math
 import re
 import sys
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -19,7 +18,6 @@ from typing import Any
 
 A_MISTAKE = "<a mistake>"  # the file of a solution with mistakes
 NEW_LINE = " // "
-MODULES = {"asyncio": asyncio, "threading": threading}  # what an edit may use, beside math, itertools and its own
 COMPARISONS = (ast.Gt, ast.GtE, ast.Lt, ast.LtE, ast.Eq, ast.NotEq)
 Slips = Iterator[tuple[str, Any, ast.AST]]  # each the cause, the part of a source that is replaced, and by what
 FACTORS = (10, 0.1, 2, 0.5, 5)  # by which a number is another
@@ -105,7 +103,7 @@ def with_mistakes(solution: Any, chosen: Sequence[Mistake], beside: Sequence[Any
         source = source and mistake.made_in(source)
     if source is None:
         return None
-    names = {**MODULES, **vars(math), **vars(itertools), **vars(sys.modules[solution.__module__])}
+    names = {**vars(asyncio), **vars(math), **vars(itertools), **vars(sys.modules[solution.__module__])}
     with suppress(SyntaxError):  # one has left half of a statement for another to change
         exec(compile(source, A_MISTAKE, "exec"), names)
         return names[solution.__name__]

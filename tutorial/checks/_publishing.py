@@ -9,72 +9,36 @@ from typing import Any
 from rclpy.qos import qos_profile_sensor_data
 
 from tutorial.checks._cases import Case, Cases, same
-from tutorial.checks._diagnose import Misuse
-from tutorial.checks._node import ros_node, wait
-from tutorial.checks._rig import APART, Rig, Sent
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._rig import APART, Rig, Sent, ros_node, wait
+from tutorial.checks._watch import Failure, Misuse, watch
 
 NOTHING = "no message"
-FIRST = """
-the body's name is typed, or left out of the topic: it is f"{config.body.name}/$topic".
-    {config.body.name}/ => Tank/ => /Tank/ =>
-
-control publishes at every step, or the condition is turned round: do so only when io.step % $steps == 0.
-    self.io.step % self.$steps == 0 => True => self.io.step % self.$steps
-
-the rate, $hz in a second, is taken for the number of steps: that is round(1 / ($hz * io.time_step)).
-    round(1 / ($hz * io.time_step)) => $hz
-
-the number of steps is written down for 1 ms: compute it from io.time_step.
-    * io.time_step => * 0.001
-
-the number of steps is cut off, rounded up or not rounded: round(1 / ($hz * io.time_step)) is the nearest.
-    round(1 / => int(1 / => int(1// => round(0.4999 + 1 / => (1 /
-
-a certain step is waited for, and is over if the simulation begins later, as after stop: ask io.step % $steps == 0.
-    self.io = io => self.io, self.due = io, 0
-    self.io.step % self.$steps == 0 => self.io.step == self.due and [vars(self).update(due=self.due + self.$steps)]
-
-the time has to be a multiple of $ms ms, which few steps meet if they are of 3 ms: count steps, io.step % $steps.
-    self.io.step % self.$steps == 0 => self.io.time_ns % ($ms * 1_000_000) == 0 => self.io.time % ($ms / 1000) == 0
-
+SHARED = """
 it asks the displayed copy, config.body, on which nothing moves: what is simulated is io.body.
     self.node = config.node => self.node, self.shown = config.node, config.body
     self.io = io => self.io, io.body = io, self.shown
-"""
-
-LAST = """
-the stamp is left out, or set only once: message.header.stamp = Time(nanoseconds=$time).to_msg(), for every message.
-    header.stamp = Time(nanoseconds=$time) => header.stamp = Time()
-    => header.stamp = Time(nanoseconds=self.__dict__.setdefault("kept_ns", $time))
-
-that is the wall clock's time: take the simulation's, self.io.time_ns.
-    Time(nanoseconds=$time) => self.node.get_clock().now()
-
-the unit is wrong, sec or nanosec is left out, or they are exchanged: Time(nanoseconds=$time).to_msg() sets both.
-    =$time => =$time//1_000 => =$time//1_000_000 => =$time//10**9 => =$time//10**9 * 10**9 => =$time % 10**9
-    => =$time % 10**9 * 10**9 + $time//10**9 => =$time//10**9 * 10**9 + $time
-    => =$time//10**9 * 10**9 + $time % 10**9//1_000 => =$time//10**9 * 10**9 + $time % 10**9//1_000_000
 
 # on the body Rover
-Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), once, in configure.
+Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), in configure, no slash in front.
 
 # with steps of
-Most likely the period is another: one message comes when io.step % round(1 / ($hz * io.time_step)) == 0.
+Most likely the number of steps is written down for another step, cut off or not rounded, or counted in a time: publish
+when io.step % round(1 / ($hz * io.time_step)) == 0.
+
+# with steps of 1 ms
+Most likely the condition is another: one message comes when io.step % round(1 / ($hz * io.time_step)) == 0.
 
 # the stamp
-Most likely it is counted, kept or shifted: message.header.stamp = Time(nanoseconds=$time).to_msg(), always.
+Most likely it is another clock's, counted, kept, or in another unit: Time(nanoseconds=$time).to_msg() sets sec and
+nanosec, for each message.
 
 # two robots in turns
 Most likely what is kept belongs to the class: make it in initialize.
 
 # after a restart
 Most likely something of the run before is kept, or steps or times are counted from 0: after stop, time goes on.
-"""
-IN_A_NAMESPACE = """
-# in the namespace /lab
-Most likely a slash in front leaves out the node's namespace: the topic is f"{config.body.name}/$topic".
-"""
+
+#"""
 TOGETHER = "Most likely each joint has a message of its own, or publish is called twice: send one message with all."
 
 Look = Callable[[Any, list[Sent]], Any]
@@ -90,7 +54,6 @@ class Publishing:
         hz: how often they are to be sent in a simulated second.
         scene: makes a rig, given an answer and options of `Rig`.
         content: puts into words what messages hold, given the rig and what was sent.
-        steps: the solution's attribute that has the steps from message to message.
         time: what the solution stamps a message with [ns].
         namespaces: whether the topic has to be in the node's namespace.
     """
@@ -100,16 +63,15 @@ class Publishing:
     hz: int
     scene: Callable[..., Any]
     content: Look
-    steps: str = "steps_per_message"
     time: str = "self.io.time_ns"
     namespaces: bool = True
 
     def cases(self, solution: type, own: Mapping[str, Case], table: str) -> Cases:
         """Put together what is tried and known of all such exercises, and of this one."""
-        words = {**vars(self), "kind": self.kind.__name__, "ms": 1000 // self.hz}
+        words = {**vars(self), "kind": self.kind.__name__}
         tried = {
             "on the body Rover": self.topics("/"),
-            **({"in the namespace /lab": self.topics("/lab")} if self.namespaces else {}),
+            **({"on the body Rover, in the namespace /lab": self.topics("/lab")} if self.namespaces else {}),
             **{f"with steps of {ms} ms": self.rate(ms) for ms in (1, 2, 3, 6)},
             **own,
             "the stamp": self.stamps,
@@ -117,9 +79,7 @@ class Publishing:
             "after a restart": self.restarted,
             "after unconfigure": lambda answer: self.play(answer, 0.1).leave(),
         }
-        rows, mark, sections = table.partition("\n#")
-        known = FIRST + rows + LAST + IN_A_NAMESPACE * self.namespaces + mark + sections
-        return Cases(solution, {**tried, **own}, Template(known).substitute(words), say, on_ros=self.on_ros)
+        return Cases(solution, {**tried, **own}, Template(SHARED + table).substitute(words), say, on_ros=self.on_ros)
 
     def messages(self, rig: Rig) -> list[Sent]:
         """Return what was sent on the topic; on another where nothing was."""
@@ -152,7 +112,7 @@ class Publishing:
 
     def topics(self, namespace: str) -> Case:
         """Observe the topic on a node with a namespace."""
-        return lambda answer: self.scene(answer, namespace=namespace).on(self.kind, f"Rover/{self.topic}")
+        return lambda answer: self.scene(answer, namespace=namespace).node.on(self.kind, f"Rover/{self.topic}")
 
     def rate(self, ms: float) -> Case:
         """Observe how often a message is sent, with steps of so many milliseconds."""

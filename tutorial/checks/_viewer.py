@@ -14,14 +14,13 @@ import mujoco
 import numpy as np
 
 from tutorial.body import Body
-from tutorial.checks._answer import check_has, name_of
+from tutorial.checks._answer import name_of
 from tutorial.checks._cases import Case, Cases
 from tutorial.checks._clock import ClockedLoop
-from tutorial.checks._diagnose import Misuse, slept
+from tutorial.checks._diagnose import slept
 from tutorial.checks._mistakes import A_MISTAKE
-from tutorial.checks._node import MemoryNode, early, ros_node, send
-from tutorial.checks._rig import model_of
-from tutorial.checks._watch import Failure, watch
+from tutorial.checks._rig import MemoryNode, early, model_of, ros_node, send
+from tutorial.checks._watch import Failure, Misuse, watch
 from tutorial.controller import ControllerConfig
 from tutorial.handoff import CallQueue, ThreadGuard
 
@@ -37,36 +36,23 @@ BESIDE = "Most likely a timer or a thread of its own posts: the callback itself 
 COROUTINE = "It has to be a plain function, def: to wait, it makes a task of a coroutine, asyncio.create_task(...)."
 ENDLESS = "Most likely what is posted posts itself: post the method that shows the message, such as self.update."
 
-LISTENS = "on a body called Rover it listens to"
 AT_ONCE = "a message as soon as there is a subscription"
-THROTTLED = "Most likely messages are dropped by time or by count: post every one, whenever it comes."
 SHARED = """
 #
 Most likely what is kept belongs to the class: make it in configure, self.place = ...
 
-# on a body called Rover it listens to
-the topic is another: it is f"{config.body.name}/$topic".
-    {self.body.name}/$topic" => {self.body.name}/${topic}s" => Tank/$topic"
-config.node.create_subscription($kind, ...) is missing, or not in configure: nobody calls initialize of a viewer.
-    self.node.create_subscription( => (
-the type of the messages is another: give $kind first.
-    ($kind, => (object,
+# on the body Rover
+Write config.node.create_subscription($kind, f"{config.body.name}/$topic", ...) in configure; nobody calls initialize.
 
 # messages come
-$post is missing, or not reached: the callback posts nothing.
-    $post => pass
+Most likely the callback posts nothing, or drops messages by time or by count: $post, whenever one comes.
 
 # the news of it
-self.body.calc_forward_kinematics() is missing, or comes too early: the links stay behind what is moved after it.
-    self.body.calc_forward_kinematics() => pass
-    $move => $move => self.body.calc_forward_kinematics() // $move
-self.body.notify_change() is missing, or comes too early: first the move, then the kinematics, then the news of it.
-    self.body.notify_change( => bool(
-    $move => $move => self.body.notify_change() // $move
+calc_forward_kinematics() or notify_change() is missing, or comes too early: after each move first one, then the other.
 
 # one that waits when the controller leaves
 it goes to the event loop by itself: $post is asked for, and drops what still waits when the controller leaves its body.
-    self.node = config.node => self.node, self.loop = config.node, asyncio.get_running_loop()
+    self.node = config.node => self.node, self.loop = config.node, get_running_loop()
     $post => self.loop.call_soon_threadsafe(self.update, message)
 """
 
@@ -134,7 +120,7 @@ class Viewer:
         thread.start()
         thread.join(PATIENCE)
         if thread.is_alive():
-            name, _ = watch.running[thread.ident or 0]
+            name, _ = watch.running[thread.ident or 0][-1]
             raise Failure(name, Misuse("it waits", slept(name)), watch.noted.pop("sleep", None))
         self._tell()
 
@@ -156,7 +142,6 @@ class Viewer:
         Args:
             messages: come while the main thread is busy with that, just before.
         """
-        check_has(self._answer, "unconfigure")
         self.shown.clear()
 
         def leave() -> None:
@@ -167,15 +152,7 @@ class Viewer:
 
         self.loop.call_soon(leave)
         self.drain()
-        return "a timer goes on" if self.loop.timers else self.where()
-
-    def left(self) -> str:
-        """Say that the controller has left nothing behind at the node."""
-        return str(self.node.check_left())
-
-    def listens(self) -> str:
-        """Say what it listens to, and of what type the messages are."""
-        return ", ".join(f"{each.topic_name} ({each.kind.__name__})" for each in self.node.subscriptions) or "nothing"
+        return f"{'a timer goes on' if self.loop.timers else self.where()}, {self.node.check_left()}"
 
     def where(self) -> str:
         """Say where the joints are [rad or m]."""
@@ -288,7 +265,6 @@ def viewing(
     solution: type,
     topic: str,
     message: Any,
-    move: str,
     tried: Mapping[str, Sequence[Step]],
     table: str,
     post: str = "self.call_later(self.update, message)",
@@ -301,7 +277,6 @@ def viewing(
         solution: the right answer.
         topic: that it listens to, without the body's name.
         message: what it is sent by another program in the end, with rclpy's own node.
-        move: the solution's statement that moves the body.
         tried: by text, in the order in which they are tried, steps: functions of the viewer, of which each may return
             what is observed, in words.
         table: the mistakes, those that fail a case below a line with ``#`` and its text. To them come those that all
@@ -326,8 +301,9 @@ def viewing(
             made.drain()
             return made.where()
 
-    words = {"topic": topic, "kind": type(message).__name__, "move": move, "post": post}
-    cases = {text: case(steps) for text, steps in {LISTENS: [Viewer.listens], **tried}.items()}
+    words = {"topic": topic, "kind": type(message).__name__, "post": post}
+    tried = {"on the body Rover": [lambda viewer: viewer.node.on(type(message), f"Rover/{topic}")], **tried}
+    cases = {text: case(steps) for text, steps in tried.items()}
     cases[AT_ONCE] = early(lambda answer, node: Viewer(answer, node=node).close(), message)
     known = Template(SHARED + table).substitute(words)
-    return Cases(solution, cases, known, str, on_ros=on_ros, one_by_one=True, **{"clock": THROTTLED, **options})
+    return Cases(solution, cases, known, str, on_ros=on_ros, one_by_one=True, **{"clock": "messages come", **options})

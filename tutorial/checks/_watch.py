@@ -4,16 +4,18 @@ import queue
 import sys
 import threading
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import _base as futures
 from concurrent.futures import thread as pools
 from contextlib import ExitStack, contextmanager
-from functools import partial, wraps
+from functools import wraps
+from itertools import count
 from traceback import walk_stack, walk_tb
 from types import FrameType, FunctionType
 from typing import Any
 
-from tutorial.checks._diagnose import Misuse, likely_cause, slept
+from tutorial.checks._diagnose import likely_cause, slept
 from tutorial.checks._verdict import Finding, Place, wrong
 
 CLOCKS = ("time", "time_ns", "monotonic", "monotonic_ns", "perf_counter", "perf_counter_ns")
@@ -24,6 +26,19 @@ NOTED = (
 """What is noted: a module or class, the name of its function, and what `watch` calls it."""
 
 _BETWEEN = {module.__file__ for module in (threading, queue, futures, pools)}
+
+
+class Misuse(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
+    """Something was called in a way that cannot work, and it is known why.
+
+    Args:
+        text: what was done.
+        cause: the most likely cause, as a sentence.
+    """
+
+    def __init__(self, text: str, cause: str) -> None:
+        super().__init__(text)
+        self.cause = cause
 
 
 class Failure(Exception):  # noqa: N818 - not an error of this library, but of the learner's code
@@ -60,7 +75,7 @@ class Failure(Exception):  # noqa: N818 - not an error of this library, but of t
         first, *_ = [*str(self.error).strip().splitlines(), ""]
         text = f"{self.method} raised {type(self.error).__name__}: {first}".removesuffix(": ")
         if isinstance(self.error, Misuse):
-            text = f"{self.method}: {self.error}"
+            text, cause = f"{self.method}: {self.error}", cause or self.error.cause
         cause = likely_cause(self.error, watch.answer) if cause is None else cause
         return wrong(f"{when}: {text}" if when else text, cause, self.place)
 
@@ -71,7 +86,7 @@ class Watch:
     Attributes:
         answer: the learner's class or function.
         files: where the learner's code is.
-        running: by thread, the method and a number that is different for every call.
+        running: by thread, the methods that run, the innermost last, each with a number that every call has anew.
         noted: what the learner's code has done beside its work, and where: ``"sleep"``, ``"clock"``, ``"thread"``,
             ``"timer"``.
         clocks: by name, where the clocks of `time` stand still for the learner's code; None while they go.
@@ -83,12 +98,12 @@ class Watch:
     def __init__(self) -> None:
         self.answer: Any = None
         self.files: set[str] = set()
-        self.running: dict[int, tuple[str, int]] = {}
+        self.running = defaultdict[int, list[tuple[str, int]]](list)
         self.noted: dict[str, Place | None] = {}
         self.clocks: dict[str, float] | None = None
         self.ahead = 0.0
         self.interleaved = self.explaining = False
-        self._count = 0
+        self._numbers = count()
 
     def begin(self, answer: Any) -> None:
         """Watch an answer: nothing of it has been run yet."""
@@ -102,10 +117,8 @@ class Watch:
         Raises:
             Failure: it raised, whatever it was; or it has slept, which no method may.
         """
-        ident = threading.get_ident()
-        outer = self.running.get(ident)
-        self._count += 1
-        self.running[ident] = (method, self._count)
+        calls = self.running[threading.get_ident()]
+        calls.append((method, next(self._numbers)))
         try:
             yield
             self._check_slept(method)
@@ -115,9 +128,7 @@ class Watch:
             self._check_slept(method)  # what it was to wait for has not come
             raise self.failure(method, error) from error
         finally:
-            del self.running[ident]
-            if outer is not None:
-                self.running[ident] = outer
+            calls.pop()
 
     def _check_slept(self, method: str) -> None:
         if "sleep" in self.noted:
@@ -129,7 +140,7 @@ class Watch:
 
     def note(self, what: str, frame: FrameType) -> None:
         """Note what the learner's code does; a sleep only on a thread that runs one of the methods."""
-        if what != "sleep" or threading.get_ident() in self.running:
+        if what != "sleep" or self.running[threading.get_ident()]:
             self.noted.setdefault(what, self.place(walk_stack(frame)))
 
     @contextmanager
@@ -165,9 +176,6 @@ def classes_of(answer: Any) -> list[type]:
 
 def functions_of(answer: Any) -> list[FunctionType]:
     """Return the functions that an answer is made of, such as the methods of a class."""
-    if isinstance(answer, partial):
-        parts = answer.func, *answer.args, *answer.keywords.values()
-        return [function for part in parts for function in functions_of(part)]
     members = (member for each in classes_of(answer) for member in vars(each).values())
     found = (getattr(each, "__func__", each) for each in (answer, *members))
     return [each for each in found if isinstance(each, FunctionType)]

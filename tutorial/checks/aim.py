@@ -55,12 +55,9 @@ the reference or self.q_prev begins at 0: both begin where the joint stands, at 
     self.q_ref = self.q_prev = joint.position => self.q_ref, self.q_prev = 0.0, joint.position
     => self.q_ref, self.q_prev = joint.position, 0.0
 
-the reference is set to joint.position, in every call or when the stick rests: it moves on from self.q_ref.
-    lower, upper = => self.q_ref = self.joint.position // lower, upper =
-    => self.q_ref = self.q_ref if stick else self.joint.position // lower, upper =
-
-the reference begins anew at joint.position in every call: it moves on from self.q_ref.
+the reference begins anew at joint.position, in every call or when the stick rests: it moves on from self.q_ref.
     self.q_ref + 0.002 * stick => self.joint.position + 0.002 * stick
+    => (self.q_ref + 0.002 * stick if stick else self.joint.position)
 
 the rate is another, or converted from or to degrees: it is 0.002 rad per call.
     0.002 => 0.02 => 0.0002 => radians(0.002) => degrees(0.002)
@@ -104,11 +101,6 @@ self.q_prev is set to the reference: keep q, where the joint was, for the next c
 the torque is set for the old reference: move the reference first.
     (q_ref - q) => (self.q_ref - q)
 
-the torque is set before the reference moves, for the old one: move it first, and take its new angle and speed.
-    self.joint.effort = 200 * (q_ref - q) + 50 * (dq_ref - dq) =>\
- old, self.old = vars(self).get("old", (self.q_ref, 0)), (q_ref, dq_ref) //\
- self.joint.effort = 200 * (old[0] - q) + 50 * (old[1] - dq)
-
 the torque is added to the last one, +=: it is set anew at every call, =.
     self.joint.effort = => self.joint.effort +=
 
@@ -117,14 +109,13 @@ nothing is set while the stick rests, or at an end of the range: the joint has t
     => lower, upper = self.joint.range // if not lower <= self.q_ref + 0.002 * stick <= upper: return // lower, upper =
 
 #
-Compare with torque = 200 * (q_ref - q) + 50 * (dq_ref - dq).
+Compare with torque = 200 * (q_ref - q) + 50 * (dq_ref - dq), of the reference and the speeds after the move.
 
 # a tenth of the stick
 Most likely small sticks are ignored, or only the stick's sign counts: the reference moves by 0.002 * stick.
 
 # full stick, with steps of 5 ms
-the time step is written down as a number: use time_step.
-    / self.time_step => / 0.001
+Most likely the time step is written down as a number: use time_step.
 
 # a joint with another range
 Most likely the ends of the range are written down: they are in joint.range.

@@ -41,38 +41,11 @@ def four_axes(message: Joy) -> list[float]:
 
 
 MISTAKES = """
-all axes are taken, or returned: the first four are enough, message.axes[:4].
-    message.axes[:4] => message.axes
-    0.0][:4] => 0.0][: max(4, len(message.axes))]
-
-a message with fewer than four axes is dropped, and all four are 0: the axes that it has count.
-    return [ => if len(message.axes) < 4: axes = [0.0] * 4 // return [
-
-the zeros go in front, so the axes move: they go behind.
-    return [ => axes = [0.0] * (4 - len(message.axes)) + axes[: len(message.axes)] // return [
-
-one axis that is not finite, or beyond 1 or -1, makes all four 0: each axis counts for itself.
-    return [ => if not all(map(isfinite, axes)): axes = [0.0] * 4 // return [
-    => if not all(map(isfinite, message.axes)): axes = [0.0] * 4 // return [
-    => if any(1.0 < abs(each) < inf for each in axes): axes = [0.0] * 4 // return [
-
-axes that are not finite, or beyond 1 or -1, are left out, so others move up: put a number in their place.
-    return [ => axes = [*filter(isfinite, axes), 0.0, 0.0, 0.0, 0.0][:4] // return [
-    => axes = [*filter(isfinite, axes)] // return [
-    => axes = [*(each for each in axes if not 1.0 < abs(each) < inf), 0.0, 0.0, 0.0, 0.0][:4] // return [
-
-min and max are not where they belong: max(axis, -1.0) lifts what is below -1, min(axis, 1.0) lowers what is above 1.
-    min(max(axis, -1.0), 1.0) => max(axis, 1.0) => min(axis, -1.0) => 1.0 => -1.0
-
-the sign is lost or turned round, or an axis below 0 counts as 0: a stick goes both ways, to -1.
-    return [ => axes = list(map(abs, axes)) // return [ => axes = [-each for each in axes] // return [
-    => axes = [each if each != each else max(each, 0.0) for each in axes] // return [
-
 #
 Compare with: all of the first four axes, in order, each by itself, 0 if lacking or not finite, limited to -1 and 1.
 
 # six axes
-Most likely a certain number of axes is expected: there may be more, and the first four count.
+Most likely a certain number of axes is expected: there may be more, and the first four count, message.axes[:4].
 
 # three axes
 # one axis
@@ -80,7 +53,7 @@ Most likely a certain number of axes is expected: there may be more, and the fir
 Most likely four axes are taken for granted, or too few zeros stand behind: each that the message lacks counts as 0.
 
 # NaN for
-NaN counts as 0, and min and max let it through, or make 1 or -1 of it: ask isfinite(axis) first.
+Most likely it is left out, spoils the others, or min and max let it through: it counts as 0, and isfinite(axis) tells.
 
 # infinity
 An infinity counts as 0, and not as 1 or -1: ask isfinite(axis) before anything else; isnan does not tell.
@@ -88,7 +61,7 @@ An infinity counts as 0, and not as 1 or -1: ask isfinite(axis) before anything 
 # 1.5 for
 # -3 for
 # 1e30 for
-Most likely an axis beyond -1 or 1 counts as it is, or as 0: limit it to that end with min and max.
+Most likely an axis beyond -1 or 1 counts as it is, or as 0: limit that one to that end, min(max(axis, -1.0), 1.0).
 
 # two messages
 Most likely the list is kept from call to call: make a new one in every call.

@@ -44,47 +44,24 @@ def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, 
 
 
 MISTAKES = """
-the joints' names are typed: those of the body are in joint_names.
-    name in joint_names => name in ("TURRET_Y", "TURRET_P")
-
 unknown names or NaN are left out before zip, so positions move to other names: zip both as they come, leave out pairs.
     message.name, message.position => [n for n in message.name if n in joint_names], message.position
     => message.name, [*filter(isfinite, message.position)] => message.name, [q for q in message.position if q == q]
 
-the loop ends at an unknown name, or at NaN: leave out only that one and go on, continue.
-    zip(message.name, message.position) => zip(takewhile(joint_names.__contains__, message.name), message.position)
-    => zip(message.name, takewhile(isfinite, message.position))
-    => zip(message.name, takewhile(lambda q: q == q, message.position))
-    => takewhile(lambda pair: pair[0] in joint_names and isfinite(pair[1]), zip(message.name, message.position))
-
-the whole message is dropped for an unknown name, for NaN, or for a position too few or too many: leave out only that.
-    return { => if not set(message.name) <= set(joint_names): return dict() // return {
-    => if not all(map(isfinite, message.position)): return dict() // return {
-    => if len(message.position) < len(message.name): return dict() // return {
-    => if len(message.position) != len(message.name): return dict() // return {
-
-names and positions are exchanged in the dict: it goes from names to positions, {name: position}.
-    name: position => position: name
-
-return stands within the loop, which so ends with the first pair, or with the first joint: put it behind the loop.
-    zip(message.name, message.position) => [pair]
-    return { => for pair in zip(message.name, message.position): //     return {
-    => for pair in zip(message.name, message.position): //     if pair[0] in joint_names and isfinite(pair[1]): return {
-
-a joint that the message says nothing about gets 0, NaN or None: leave it out of the dict, then it stays where it is.
-    { => dict.fromkeys(joint_names, 0.0) | { => dict.fromkeys(joint_names, nan) | { => dict.fromkeys(joint_names) | {
-
 #
 Compare with: the i-th position belongs to the i-th name, if the body has that name and it is finite.
+
+# all joints, in order
+Return a dict from names to positions, {name: position}, with all pairs: return comes behind the loop.
 
 # another order
 Most likely the order of the body is expected in the message: go by the message's names, wherever each stands.
 
 # only HATCH
-Most likely every joint is expected in every message: go through the message's names.
+Most likely every joint is expected in every message: a joint without a name in it is left out, and not given a number.
 
 # an unknown name
-Most likely a name that the body does not have is not expected: ask if name in joint_names.
+Most likely a name that the body does not have spoils the message: ask if name in joint_names, and leave out that pair.
 
 # 3 names
 Most likely a name without a position is given one, or spoils the message: zip leaves out that name, the others count.
@@ -97,11 +74,10 @@ Most likely more positions than names are not expected: those without a name say
 Most likely an empty array is not expected: it says nothing about the pose, so return {}.
 
 # NaN for
-Most likely NaN is not left out as it should be: only that joint, and math.isfinite tells.
+Most likely NaN is not left out, or spoils the message: only that joint is left out, and math.isfinite tells.
 
 # infinity
-infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
-    isfinite(position) => position == position
+Most likely infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
 
 # twice
 Most likely the wrong one counts of a name that comes twice, or none: the last one that is a number does.
@@ -113,8 +89,10 @@ Most likely names are compared in part, or changed first: a joint's name is the 
 Most likely 0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions.
 
 # many digits
-positions are converted, rounded or lose their sign: they are rad on both sides, pass them on as they are.
-    name: position => name: degrees(position) => name: radians(position) => name: int(position) => name: abs(position)
+Most likely positions are converted, rounded or lose their sign: they are rad on both sides, pass them on as they are.
+
+# the crane
+Most likely the joints' names are typed: those of the body are in joint_names.
 
 # one joint
 Most likely only as many names are looked at as the body has joints: look at all of the message's.

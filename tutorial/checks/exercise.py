@@ -9,14 +9,13 @@ from typing import Any
 from tutorial.checks._answer import check_has, misfit, name_of, unwritten
 from tutorial.checks._cases import Case, Cases, ask, call, same
 from tutorial.checks._contain import contain
-from tutorial.checks._diagnose import AT_ONCE, Misuse
+from tutorial.checks._diagnose import AT_ONCE
 from tutorial.checks._interleave import interleave, traced
-from tutorial.checks._node import early, ros_node, send
 from tutorial.checks._publishing import Publishing, compared, compared_stamps
-from tutorial.checks._rig import Rig, Sent
+from tutorial.checks._rig import Rig, Sent, early, ros_node, send
 from tutorial.checks._verdict import Finding, Verdict, wrong
 from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side, viewing
-from tutorial.checks._watch import Failure, instrumented, watch
+from tutorial.checks._watch import Failure, Misuse, instrumented, watch
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.progress import remember

@@ -54,33 +54,27 @@ class FireButton(Listener):
 
 
 MISTAKES = """
-it looks at another button, or at all of them: only the first one counts, buttons[0].
-    self.fire.put => pressed = any(message.buttons) // self.fire.put => pressed &= all(message.buttons) // self.fire.put
-    => pressed = 1 in message.buttons[1:2] // self.fire.put => pressed = 1 in message.buttons[-1:] // self.fire.put
-
-True and False are exchanged.
-    == 1 => != 1
-    self.fire.put => self.fire.put => pressed = pressed or not message.buttons // self.fire.put
-
-True is put only when the button goes down, or it is turned on and off: it is True as long as the button is pressed.
-    self.fire.put => pressed = pressed and not self.fire.get() // self.fire.put
-    => pressed = pressed != self.fire.get() // self.fire.put
-
-True is never put: self.fire.put(pressed) is missing, or it asks self.joy, which is empty, or `is True`: 1 is not.
-    == 1 => is True
-
-nothing is put while the button is not pressed, or if there are no buttons, so that the last one stays: put False then.
-    self.fire.put => pressed and self.fire.put => len(message.buttons) > 0 and self.fire.put
-    => (pressed or not message.buttons) and self.fire.put
-
 #
 Compare with: this message has buttons, whatever else there is, and its buttons[0] is 1.
 
 # the topic
 Most likely configure lacks what Listener's does: super().configure(config) listens to "joy".
 
+# button 0 is pressed
+Most likely self.fire.put(True) is not reached, as where `is True` is asked: 1 is not. Or they are exchanged.
+
+# it is held
+Most likely True is put only when the button goes down: it is True as long as the button is pressed.
+
+# it is released
+Most likely nothing is put while the button is not pressed, so that the last one stays: put False then.
+
+# another button
+# both
+Most likely it looks at another button, or at all of them: only the first one counts, buttons[0].
+
 # without buttons
-Most likely buttons are taken for granted: ask for len(message.buttons) first.
+Most likely buttons are taken for granted, or nothing is put: ask for len(message.buttons) first, and put False.
 
 # one button
 Most likely more buttons are asked for: one is enough, len(message.buttons) > 0, and buttons[0] counts.
@@ -125,7 +119,7 @@ def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig],
 
 
 TRIED = {
-    "the topic": lambda answer: Rig(answer).on(Joy, "joy"),
+    "the topic": lambda answer: Rig(answer).node.on(Joy, "joy"),
     "button 0 is pressed": after((1, 0)),
     "it is held": after((1, 0), (1, 0)),
     "it is released": after((1, 0), (0, 0)),

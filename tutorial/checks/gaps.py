@@ -52,44 +52,8 @@ def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int
 
 
 MISTAKES = """
-all is counted in microseconds: count in whole nanoseconds, and tell those.
-    .nanoseconds => .nanoseconds//1_000
-    > 100_000_000 => > 100_000
-    > 1_000_000_000 => > 1_000_000
-
-each stamp is compared with the first one, or the last where something was found: newest has to move on.
-    ("gap", newest, stamp)) => ("gap", newest, stamp)) => ("gap", newest, stamp)) // continue
-    max(newest, stamp) => newest
-
 the messages are sorted first: then no restart is seen. Take them as they come.
     in messages: => in sorted(messages, key=lambda pair: stamps_of([pair])):
-
-newest begins with 0, so the first message counts as a gap: there is none before it.
-    newest = None => newest = 0
-
-a stamp of 0 is taken for none, as in `if newest`: ask whether it `is None`.
-    if newest is None => if not newest
-
-the numbers have no sign, as numpy's uint64: less than nothing is a huge number then. Make them int.
-    stamp - newest > => (stamp - newest) % 2**64 >
-    newest - stamp > => (newest - stamp) % 2**64 >
-
-both comparisons are others: exactly 0.1 s ahead, or exactly 1 s back, is nothing yet. Ask with >, not with >=.
-    stamp - newest > => stamp - newest >=
-    newest - stamp > => newest - stamp >=
-
-a gap of over 1 s does not count: however long, it is one.
-    stamp - newest > 100_000_000 => 100_000_000 < stamp - newest <= 1_000_000_000
-
-a restart counts only if it begins at 0, or near it: a step back by more than 1 s is one, wherever it ends.
-    newest - stamp > 1_000_000_000 => stamp == 0 < newest => newest - stamp > 1_000_000_000 > stamp
-
-a restart is told as a gap: abs() takes a step back for one ahead.
-    stamp - newest > => abs(stamp - newest) >
-    ("gap", newest, stamp)) => ("gap", newest, stamp)) => ("gap", newest, stamp)) // stamp = max(newest, stamp)
-
-return stands within the loop: it belongs after it.
-    return found => return [] if messages else None
 
 nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hide what goes wrong.
     return found => return []
@@ -101,72 +65,39 @@ after a restart newest becomes 0 or None, or stays as it is: it is the stamp of 
 only the first or the last that is found is told: append each of them, and return after the loop.
     return found => return found[:1] => return found[-1:]
 
-the order is another, such as gaps and restarts apart: keep the bag's order.
-    return found => return found[::-1] => return sorted(found, key=lambda each: each[0])
-    => return sorted(found, key=lambda each: each[0], reverse=True)
-
-the loop ends before the last message: zip, or enumerate, needs no - 1.
-    in messages: => in messages[:-1]:
-
-the stamps are told in seconds, milliseconds or microseconds: they are asked for in nanoseconds.
-    newest, stamp)) => newest / 1e9, stamp / 1e9)) => newest / 1e6, stamp / 1e6)) => newest//1_000, stamp//1_000))
-    => newest//1_000_000, stamp//1_000_000))
-
-newest is moved on before it is told: append first, then newest = stamp.
-    ("gap", newest, stamp) => ("gap", stamp, stamp)
-    ("restart", newest, stamp) => ("restart", stamp, stamp)
-
-the two stamps are exchanged: the one before comes first, then the one after.
-    newest, stamp)) => stamp, newest))
-
-the two stamps of a restart are exchanged: before is the newest one so far, and after is smaller.
-    "restart", newest, stamp => "restart", stamp, newest
-
-the bag's times are told: the stamps are asked for.
-    newest, stamp)) => *(messages[stamps_of(messages).index(each)][0] for each in [newest, stamp])))
-
-a stamp is missing, or the length is told: the three are what happened, the stamp before and the stamp after.
-    newest, stamp)) => newest,)) => newest, stamp - newest)) => newest, stamp, stamp - newest))
-
 #
-Compare with: newest is the newest stamp since the last restart, each stamp is compared with it, in nanoseconds.
+Compare with: newest is the newest stamp since the last restart, in nanoseconds. Each stamp is compared with it; what
+has happened is appended, in the bag's order, as ("gap", newest, stamp) or ("restart", newest, stamp); then it moves on.
 
 # 20 ms apart
-Nothing has happened: before the first message there is no newest stamp, and 20 ms are no gap.
+Nothing has happened: before the first message there is no newest stamp, and 20 ms are no gap; numbers have a sign.
+
+# a gap after 0 s
+0 is a stamp like any other: ask whether newest `is None`.
 
 # the bag
 Most likely the bag's times are compared: they say when a message was received, not made.
 
-# a full second, and no gap
-nanosec or sec is left out: a stamp is both together, and nanosec begins anew with every second.
-    Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.sec * 1_000_000_000
-    => message.header.stamp.nanosec
+# s without a message
+Compare with: of more than 100_000_000 ns, ("gap", newest, stamp) is appended before newest = stamp, all in nanoseconds.
 
-# 0.09 s
-the limit of a gap is another: it is 0.1 s, which is 100_000_000 ns.
-    newest > 100_000_000 => newest > 0 => newest > 10_000_000 => newest > 500_000_000 => newest > 1_000_000_000
+# full second
+nanosec or sec is left out: a stamp is both together, and nanosec begins anew with every second.
 
 # milliseconds
-# exactly 0.1 s
 # robot's
-seconds are computed as floating point numbers, which are rounded: count in whole nanoseconds.
-    Time.from_msg(message.header.stamp).nanoseconds => (at := message.header.stamp).sec + at.nanosec / 1e9
-    > 100_000_000 => > 0.1
-    > 1_000_000_000 => > 1
+Most likely seconds are computed as floating point numbers, which are rounded: count in whole nanoseconds.
+
+# exactly
+Exactly 0.1 s ahead, or exactly 1 s back, is nothing yet: ask with >, in whole nanoseconds, for floats are rounded.
 
 # , from 0
 # s back
-the limit of a restart is another: it is 1 s, which is 1_000_000_000 ns.
-    stamp > 1_000_000_000 => stamp > 100_000_000 => stamp > 500_000_000 => stamp > 10_000_000_000
-only whole seconds are compared, sec with sec: compare all nanoseconds, sec * 1_000_000_000 + nanosec.
-    newest - stamp > 1_000_000_000 => newest//10**9 - stamp//10**9 > 1
+# half a second late
+The limit of a restart is another, or seconds are compared with seconds: it is more than 1_000_000_000 ns back.
 
 # late
-Most likely each stamp is compared with the last one: compare it with the newest one so far.
-
-# half a second late
-any step back counts as a restart, or none at all: up to 1 s back, a message is late, and equal stamps say nothing.
-    newest - stamp > 1_000_000_000 => newest - stamp > 0 => newest - stamp > -1
+Most likely each stamp is compared with the last one, or any step back is a restart: compare it with the newest so far.
 
 # no message
 Most likely a bag without a message is not expected: return an empty list.

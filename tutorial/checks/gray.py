@@ -83,42 +83,27 @@ class GrayPublisher(SimpleController):
 
 
 MISTAKES = """
-a picture is asked for only when the one before has come, which may be late or never: ask for each at its time.
-    self.camera.capture( => self.kept, self.steps_per_picture = self.steps_per_picture, 10**9 // self.camera.capture(
-    message = Image() => self.steps_per_picture = self.kept // message = Image()
-
 message.data is given an array with rows: it takes one byte after the other, array('B', ....tobytes()).
     array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()) => pixels.mean(axis=2).astype(np.uint8)
 
-the picture is still in colour: take the mean over the last axis, pixels.mean(axis=2).
-    pixels.mean(axis=2).astype => pixels.astype
+it is one colour, the sum or another mean, or is cut off or computed in bytes before: take pixels.mean(axis=2).
+    pixels.mean(axis=2) => pixels[:, :, 0] => pixels[:, :, 1] => pixels[:, :, 2] => pixels.sum(axis=2)
+    => (pixels.sum(axis=2, dtype=np.uint8) / 3) => (pixels//3).sum(axis=2) => pixels.max(axis=2) => pixels.min(axis=2)
+    => (pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)
 
-only one colour is sent: take the mean of all three, pixels.mean(axis=2).
-    pixels.mean(axis=2) => pixels[:, :, 0] => pixels[:, :, 1] => pixels[:, :, 2]
-
-the sum is sent, or computed in bytes, or of colours that were cut off before: take the mean, pixels.mean(axis=2).
-    pixels.mean(axis=2) => (pixels.sum(axis=2, dtype=np.uint8) / 3) => pixels.sum(axis=2) => (pixels//3).sum(axis=2)
-
-it is weighted, as by the eye, or it is the brightest or darkest, or halfway between: here the plain mean is asked for.
+it is weighted, as by the eye: here the plain mean is asked for, pixels.mean(axis=2).
     pixels.mean(axis=2) => (pixels @ [0.299, 0.587, 0.114]) => np.rint(pixels @ [0.299, 0.587, 0.114])
-    => pixels.max(axis=2) => pixels.min(axis=2) => (pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)
-
-the mean is taken over the rows, the columns or the whole picture: the colours are the last axis, pixels.mean(axis=2).
-    pixels.shape => pixels.shape => (*pixels.mean(axis=2).shape, 0)[:3]
-    axis=2 => axis=0 => axis=1 => axis=None
 
 it is divided by 255: mono8 goes from 0 to 255, as the pixels do.
     pixels.mean(axis=2) => (pixels.mean(axis=2) / 255)
-
-these are the bytes of floats, or of long integers, several for a pixel: .astype(np.uint8) comes before .tobytes().
-    .astype(np.uint8) => .astype(np.float64) => .astype(np.float32) => .round() => .astype(np.int64)
 
 it is upside down or mirrored, or rows and columns are exchanged: the topmost row comes first, and begins on the left.
     pixels.mean(axis=2) => pixels[::-1].mean(axis=2) => pixels[:, ::-1].mean(axis=2) => pixels[::-1, ::-1].mean(axis=2)
     => pixels.mean(axis=2).T
 
 #
-Compare with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()), one byte for each pixel, row by row.
+Compare with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()): the last axis has the colours, and then each
+pixel is one byte, row by row.
 
 # the size
 Width and height are exchanged, left out or typed: message.height, message.width, _ = pixels.shape.
@@ -130,7 +115,7 @@ The encoding is left out, or another: one byte for a pixel is called "mono8", in
 Most likely step is left out, or that of colours: a row has message.step = message.width bytes.
 
 # pictures that come late, or not at all
-The time is that of a later request, or counted: hand it on, self.camera.capture(self.publish, self.io.time_ns).
+Ask for each at its time, and hand that time on: self.camera.capture(self.publish, self.io.time_ns).
 
 # the frame
 Most likely the body is typed, or it is no optical frame: it is f"{self.io.body.name}/{self.camera.name}_optical".
@@ -229,7 +214,7 @@ def word(data: list[int]) -> str:
     return f"{len(data)} bytes ({', '.join(map(str, data[:6]))}{', …' * (len(data) > 6)})"
 
 
-PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "steps_per_picture", "time_ns")
+PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "time_ns")
 
 
 def stamps(answer: type, **options: Any) -> Any:

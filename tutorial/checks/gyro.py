@@ -81,15 +81,13 @@ the sensor is read once, in initialize, and its value is a copy: ask for self.se
 one measurement alone is sent, the newest or the oldest: note one in every step, and take their mean.
     np.mean(self.samples, axis=0) => self.samples[-1] => self.samples[0]
 
-the sum is sent: divide it by how many measurements it has.
+the sum is sent, or it is divided by the steps between two messages: divide it by how many measurements it has.
     np.mean(self.samples, axis=0) => np.sum(self.samples, axis=0) => (np.sum(self.samples, axis=0) * self.io.time_step)
+    => (np.sum(self.samples, axis=0) / self.steps_per_message)
 
 each value is averaged with the mean so far, or it is the median, or the mean of two: add up all, divide by how many.
     np.mean(self.samples, axis=0) => [*accumulate(self.samples, lambda a, b: (a + b) / 2)][-1]
     => np.median(self.samples, axis=0) => ((self.samples[0] + self.samples[-1]) / 2)
-
-the sum is divided by the number of steps between two messages: the first has fewer measurements, divide by how many.
-    np.mean(self.samples, axis=0) => (np.sum(self.samples, axis=0) / self.steps_per_message)
 
 the mean is taken over all numbers at once, or over x, y and z: axis=0 takes it component by component.
     np.mean(self.samples, axis=0) => np.full(3, np.mean(self.samples)) => np.mean(self.samples, axis=1)
@@ -104,9 +102,6 @@ the step's own measurement comes too late: note it before the message is sent.
     self.samples.append(self.sensor.value) => self.samples += self.late // self.late = [self.sensor.value]
     if self.io.step % => if self.io.step % => if self.samples and self.io.step %
     np.mean(self.samples, => np.mean(self.samples, => np.mean(self.samples or [np.zeros(3)],
-
-that is the accelerometer: the gyroscope is io.body.sensor("GYRO").
-    "GYRO" => "ACCEL_SENSOR"
 
 x, y and z are exchanged, or only z is sent: the sensor's value has all three, in this order.
     velocity.x, velocity.y, velocity.z = => velocity.z, velocity.y, velocity.x = => velocity.y, velocity.x, velocity.z =
@@ -128,8 +123,7 @@ Most likely the body or the sensor is missing, or another: message.header.frame_
 These two are not measured: put -1.0 into orientation_covariance[0] and linear_acceleration_covariance[0], nowhere else.
 
 # on a robot with a gyroscope alone
-the accelerometer is asked for, too, which not every robot has: this message only has what the gyroscope measures.
-    self.sensor = => self.other = io.body.sensor("ACCEL_SENSOR") // self.sensor =
+Most likely the accelerometer is asked for, too, which not every robot has: what is sent is what the gyroscope measures.
 """
 
 SIGNAL = np.random.default_rng(4).exponential((0.2, 0.3, 0.5), (700, 3)) - (0.1, 0.4, 0.2)  # [rad/s], at each step

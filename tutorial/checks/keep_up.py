@@ -102,31 +102,16 @@ OWN: dict[str, Sequence[Step]] = {
 
 MORE = """
 # 50 messages while the main thread is busy, twice
-messages are dropped by time or by count, and the last one with them: post every one with call_latest.
-    $post => if self.__dict__.setdefault("some", count()).__next__() < 20: $post
-each message is posted with call_later, which keeps every call: call_latest keeps the newest of a key.
-    self.call_latest = config.call_latest => self.call_latest = lambda _, *call: config.call_later(*call)
-there are several keys, or one for each message: post one call that does all, under one key, the body's name.
-    self.call_latest(self.body.name, => self.call_latest(message.header.stamp.nanosec,
-all messages that wait are drawn, one after the other: draw only the newest, which call_latest keeps.
-    self.node = config.node => self.node, self.inbox = config.node, []
-    $post => self.inbox.append(message) // $post
-    self.body.calc_f => for _ in self.inbox: self.body.notify_change(report) // self.inbox.clear() // self.body.calc_f
 the first of them is kept: the newest is what counts, and call_latest keeps that.
     self.node = config.node => self.node, self.busy = config.node, False
     $post => if self.busy: return // self.busy = True // $post
     self.body.calc_f => self.busy = False // self.body.calc_f
+Most likely each is posted with call_later, which keeps every call, or under a key of its own, or more are drawn than
+the newest: call_latest keeps one call, the newest, of those with the same key, the body's name.
 
 # a message that comes while another is drawn
-what says that a call waits is cleared after the message is taken, so another may get lost: leave it to call_latest.
-    self.node = config.node => self.node, self.waits = config.node, False
-    $post => self.message = message // if self.waits: return // $post // self.waits = True
-    positions, report = => message = self.message // positions, report =
-    self.body.notify_change(report) => self.body.notify_change(report) // self.waits = False
-the callback keeps the message piece by piece, while the main thread reads it: hand it over as a whole, with the call.
-    self.node = config.node => self.node, self.kept = config.node, {}
-    $post => for n, q in match_joints(self.body.joint_names, message)[0].items(): self.kept[n] = q // $post
-    positions(positions) => positions(dict(self.kept))
+Most likely what says that a call waits is cleared after the message is taken, or the message is kept piece by piece:
+leave the first to call_latest, and hand the message over as a whole, with the call.
 """
 POST = "self.call_latest(self.body.name, self.update, message)"
 CASES = viewing_joints(CalmViewer, tried={**FIRST, **OWN, **LAST}, table=MISTAKES + MORE, post=POST)

@@ -25,7 +25,7 @@ in there, and return both.
 Notice that the order of arrival is enough to know what is past, also after a new start.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import cycle
 from typing import Any
 
@@ -60,22 +60,7 @@ the objects are compared, by `is` or id, and each message has a stamp of its own
     message.header.stamp.sec, message.header.stamp.nanosec => id(message.header.stamp)
 
 only the seconds are compared, or only nanosec: a stamp has both.
-    together = => stamp = stamp[WHICH] // together =
-    => stamp = found(self.waiting, stream, stamp, lambda a, b: a[WHICH] == b[WHICH]) // together =
-    WHICH => 0 => 1
-
-the first or the newest that waits is taken, whatever its stamp: only the same stamp will do.
-    together = => stamp = found(self.waiting, stream, stamp, lambda a, b: True) // together =
-    => stamp = next((k for k in [*self.waiting][::-1] if stream not in self.waiting[k]), stamp) // together =
-
-joints come first in a pair, and the pose second, whichever came first.
-    together["joints"], together["pose"] => tuple(together.values()) => together["pose"], together["joints"]
-
-two messages of one stream are taken for a pair: it has joints and a pose.
-    together[stream] = => together[other(stream) if stream in together else stream] =
-
-a pair is looked for only when messages of one stream come: either may be the second.
-    == 2: => == 2 and stream == "pose": => == 2 and stream == "joints":
+    together = => stamp = stamp[0] // together = => stamp = stamp[1] // together =
 
 a pair drops all that waits: only what came before it is past.
     while stamp in self.waiting: => self.waiting.clear() // while False:
@@ -83,35 +68,18 @@ a pair drops all that waits: only what came before it is past.
 what came before a pair is not dropped: it is past, also where its partner still comes.
     while stamp in self.waiting: => self.waiting.pop(stamp) // while False:
 
-a pair goes on waiting after it was returned: take it out, pop.
-    while stamp in self.waiting: => while next(iter(self.waiting)) != stamp:
-
-only one message of a stream is kept: more may wait, up to 50.
-    together = => for those in self.waiting.values(): those.pop(stream, None) // together =
-    while stamp in self.waiting: => while stamp in self.waiting: => while False:
-
-there is no limit to what waits: of more than 50, the one that came first gives way.
-    if len(self.waiting) > 50: => if False:
-
-an older stamp than the newest is refused: one topic may be ahead of the other, and a new start begins at 0.
-    self.waiting: dict => self.newest = {} // self.waiting: dict
-    together = => self.newest[OF] = max(stamp, self.newest.get(OF, stamp)) // together =
-    together = => if stamp < self.newest[OF]: return None // together =
-    OF => stream => None
-
 #
-Compare with: a message waits by its stamp, until the other stream's message of the same stamp is there.
+Compare with: a message waits by its stamp, until the other stream's message of the same stamp is there, whichever comes
+first; then both are taken out, and returned as joints, pose.
 
 # two objects
 Most likely what waits belongs to the class, or to an argument's default: make it in __init__.
 
 # nanosecond
-the stamps are rounded, as floats are, or those that are almost the same are taken for the same: each nanosecond counts.
-    together = => stamp = stamp[0], stamp[1] - stamp[1] % MS // together =
-    => stamp = found(self.waiting, stream, stamp, lambda a, b: a[0] == b[0] and abs(a[1] - b[1]) < S / 20) // together =
+The stamps are rounded, as floats are, or almost the same ones are taken for the same: each nanosecond counts.
 
 # three
-Most likely too much is dropped, as when an older stamp comes: what came after a pair's first message still waits.
+Most likely only one message of a stream is kept, or an older stamp is refused: what came after a pair still waits.
 
 # digits
 Most likely the stamps are not compared as they are: both numbers count, sec and nanosec.
@@ -125,7 +93,8 @@ Most likely it is asked which stamp is larger: after a new start they begin at 0
 # 50
 # 51
 # 60
-Most likely fewer than 50 may wait, or another one gives way: of more than 50, drop the one that came first.
+# 200
+Most likely fewer than 50 may wait, or more, or another one gives way: of more than 50, drop the one that came first.
 """
 NO_PAIR = "Return the two messages themselves, joints, pose, or None as long as one of them is missing."
 
@@ -133,16 +102,6 @@ JOINTS, POSE = "joints", "pose"
 Arrival = tuple[str, int]  # the stream, and the stamp [ns]
 MS, S = 10**6, 10**9  # [ns]
 TODAY = 1_750_000_000 * S
-
-
-def other(stream: str) -> str:
-    """Return the other stream."""
-    return JOINTS if stream == POSE else POSE
-
-
-def found(waiting: Mapping[Any, Any], stream: str, stamp: Any, same: Callable[[Any, Any], bool]) -> Any:
-    """Return the first stamp that waits in the other stream and counts as the same, as some mistakes look for it."""
-    return next((key for key, those in waiting.items() if stream not in those and same(key, stamp)), stamp)
 
 
 def joints(*stamps: int) -> list[Arrival]:

@@ -66,14 +66,13 @@ class SlowPublisher(SimpleController):
 
 
 MISTAKES = """
+the joints' names are typed, or how many there are: take all of them from the body, io.body.joints.
+    io.body.joints => [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")] => io.body.joints[:2]
+
 the message is filled once, in initialize, and sent again and again: fill it in control, every time.
     self.io = io => self.io, self.began_ns = io, io.time_ns
     self.io.time_ns => self.began_ns
     io.body.joints => [type("", (), {f: getattr(j, f) for f in ("name", *UNITS)}) for j in io.body.joints]
-
-#
-the joints' names are typed, or how many there are: take all of them from the body, io.body.joints.
-    io.body.joints => [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")] => io.body.joints[:2]
 
 # the names
 These are not all joints' names, once and in order: [joint.name for joint in self.joints], in a new message.

@@ -65,9 +65,6 @@ get is called twice in a turn, and each call takes an entry out: take one, keep 
     received := self.received.get() => self.received.get()
     *received) => *self.received.get())
 
-only one entry is written: take one after the other, in a loop.
-    *received) => *received) // break
-
 the thread does not wait for the next message, or not long enough: get waits for it, and None is the end.
     while received := self.received.get(): => while not self.received.empty() and (received := self.received.get()):
 
@@ -75,21 +72,14 @@ the thread ends before it has written what waits in the queue: let only None end
     received := self.received.get() => not vars(self).get("ends") and (received := self.received.get())
     self.received.put(None) => self.ends = True // self.received.put(None)
 
-unconfigure writes, too, while the thread may still do: let the thread alone write, put None, and wait for its end.
-    self.received.put(None) => while not self.received.empty(): self.bag.write(self.connection, *self.received.get())\
- // self.received.put(None)
-
-the time of writing is noted: write the one that stands in the entry, the time at which the message came.
-    *received) => self.node.get_clock().now().nanoseconds, received[1])
-
 the messages are kept until the end, and lost if the program dies: write each one as it comes.
     while received := self.received.get(): => for received in [*iter(self.received.get, None)]:
 
 # one by one
-Take one entry, end if it is None, else self.bag.write(self.connection, time_ns, payload).
+Take one entry after the other, end if it is None, else self.bag.write(self.connection, time_ns, payload), as it stands.
 
 # wait
-Compare with: stop listening, put None, join, close. And write ends at None, before it takes that apart.
+Compare with: stop listening, put None, join, close, and the thread alone writes, until None.
 
 #
 Compare with: stop listening, put None, join, close.

@@ -128,36 +128,21 @@ FIRST: dict[str, Sequence[Step]] = {
 }
 LAST: dict[str, Sequence[Step]] = {
     "two viewers at once, one of the crane": [side_by_side(its_own, Viewer.drain, Viewer.where)],
-    "after unconfigure": [Viewer.leaves, Viewer.left],
+    "after unconfigure": [Viewer.leaves],
 }
 
 MISTAKES = """
-# messages come
-messages are dropped by time or by count: post every one, whenever it comes.
-    $post => if message.position[0] < 0.05: $post
-
 # a message
-the positions are changed on the way, as to degrees: set them as match_joints returns them, in rad.
-    positions(positions) => positions({name: -q for name, q in positions.items()})\
- => positions({name: degrees(q) for name, q in positions.items()})\
- => positions({name: radians(q) for name, q in positions.items()})
-the positions are computed but not set: self.body.set_joint_positions(positions).
-    self.body.set_joint_positions(positions) => pass
+The positions are not set, or changed on the way, as to degrees: self.body.set_joint_positions(positions), in rad.
 
 # its joints in another order
 positions are matched by their place in the message: match them by name, wherever it is, with match_joints.
-    positions(positions) => positions(dict(zip(self.body.joint_names, message.position)))\
- => positions({n: positions[n] for n, m in zip(self.body.joint_names, message.name) if n == m})
+    positions(positions) => positions(dict(zip(self.body.joint_names, message.position)))
 
 # only TURRET_P, then only TURRET_Y
-a joint that the message does not name is set to 0, or looked up: leave it where it is.
-    positions(positions) => positions({name: positions.get(name, 0.0) for name in self.body.joint_names})\
- => positions({name: positions[name] for name in self.body.joint_names})
-a message that does not name all joints is dropped: show the joints that it names.
-    self.body.set => if len(message.name) == len(self.body.joint_names): self.body.set
-positions below 0, or 0.0 as in `if position`, are left out or changed: they are positions like any other.
-    positions(positions) => positions({name: abs(q) for name, q in positions.items()})\
- => positions({name: q for name, q in positions.items() if q})
+a joint that the message does not name is set to 0, the message is dropped, or so is a position of 0 or below: show the
+joints that it names, as they are, and leave the others where they are.
+    positions(positions) => positions({name: positions.get(name, 0.0) for name in self.body.joint_names})
 
 # the unknown name ANTENNA
 a name that the body does not have is looked up, or spoils the message: match_joints leaves such names out.
@@ -165,51 +150,34 @@ a name that the body does not have is looked up, or spoils the message: match_jo
 
 # NaN for one joint
 NaN is set as a position: leave out that joint, and it stays where it is. match_joints does.
-    positions, report = => report = dict(zip(message.name, message.position)) // positions, _ =
-    positions(positions) => positions({name: q for name, q in report.items() if name in self.body.joint_names})
+    positions(positions) => positions({n: q for n, q in zip(message.name, message.position) if n != "ANTENNA"})
 
 # two names, one position or none
 an index goes beyond the end: there may be fewer positions than names. match_joints knows that.
     positions, report = => _ = [message.position[i] for i in range(len(message.name))] // positions, report =
 
 # a late message, then a new start
-a message is dropped for its stamp: that may be an equal or an older one, as when the publisher is started again.
-    self.node = config.node => self.node, self.newest = config.node, 0
-    positions, report = => if message.header.stamp.sec < self.newest: return // positions, report =
-    self.body.set => self.newest = message.header.stamp.sec // self.body.set
+a message is dropped for its stamp: it may be equal or older, as when the publisher is started again.
+    positions, report = => if message.header.stamp.sec < 1: return // positions, report =
 
 # a message that comes while the body is drawn
-a lock is held while the body is drawn, so the callback waits for that: hold it only to take the message.
-    self.node = config.node => self.node, self.lock = config.node, threading.Lock()
-    $post => with self.lock: $post
-    self.body.notify_change(report) => with self.lock: self.body.notify_change(report)
+Most likely a lock is held while the body is drawn, so the callback waits for that: hold it only to take the message.
 
 # two viewers at once, one of the crane
-the body's name or its joints are typed: take them from config.body.
-    match_joints(self.body.joint_names, => match_joints(("TURRET_Y", "TURRET_P"),
+Most likely the body's name or its joints are typed: take them from config.body.
 """
 
 MORE = """
 # five messages that wait together
-a message is dropped while another one waits: call_later keeps all, in order, and each has to be shown.
-    self.node = config.node => self.node, self.busy = config.node, False
-    $post => if not self.busy: $post // self.busy = True
-    self.body.set => self.busy = False // self.body.set
-it is posted with call_latest, which replaces a call that waits: call_later keeps all, in order.
-    self.call_later = config.call_later => self.call_later = lambda *call: config.call_latest(0, *call)
 the posted call takes the message from self, where the next one has replaced it: give it along, $post.
     $post => self.message = message // $post
     positions, report = => message = self.message // positions, report =
-the newest of those that wait is taken first: the oldest comes first, and the newest stays shown.
-    self.node = config.node => self.node, self.inbox = config.node, []
-    $post => self.inbox.append(message) // $post
-    positions, report = => message = self.inbox.pop() // positions, report =
+Not all are shown, in the order in which they came: post each one, with call_later, which keeps every call.
 """
 viewing_joints = partial(
     viewing,
     topic="joint_state",
     message=joint_state("P Y", (0.2, 0.1)),
-    move="self.body.set_joint_positions(positions)",
     crashes=("order", "only TURRET_P", "ANTENNA", "NaN", "two names", "late"),
 )
 TRIED = {**FIRST, "five messages that wait together": [wait_together], **LAST}

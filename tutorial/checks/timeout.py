@@ -44,59 +44,28 @@ class CommandTimeout:
 
 
 MISTAKES = """
-what the messages hold is compared: a stick that is held sends the same again. Compare with `is not`.
-    message is not self.message => message != self.message
-
-id(message) is kept, and a later message may get the same one: keep the message itself, and compare with `is not`.
-    message is not self.message => id(message) != self.message
-    self.message = message => self.message = id(message)
-
-the stamp is compared: a message that somebody sends by hand has none. Compare the objects with `is not`.
-    message is not self.message => self.message is None or message.header.stamp != self.message.header.stamp
-
-the stamp is taken for the time at which it came: a message by hand has none. Keep the seconds of the first call.
-    seconds - self.since => seconds - message.header.stamp.sec
-
 no message gets too old: keep the message itself, set self.since when it is new, and compare seconds - self.since.
     return seconds - self.since <= 0.5 => return True
-    => age, self.since = seconds - self.since, seconds // return age <= 0.5
-
-a message is fresh only in the call in which it comes: keep the time, in seconds, and let it get half a second old.
-    return => new = seconds == self.since // return new and
-
-not every new message sets the time: the first one does, and each later one, however late it comes.
-    self.since = seconds => self.since = self.__dict__.get("since", seconds)
-    => self.since = seconds * ("since" in self.__dict__) => self.since = seconds if "since" in self.__dict__ else -1.0
-    => self.since = seconds if seconds - self.__dict__.setdefault("since", 0.0) <= 0.5 else self.since
-
-the answer is made only when a message comes: work out in every call how old it is.
-    self.message = message => self.fits = self.message is None or seconds - self.since <= 0.5 // self.message = message
-    return seconds - self.since <= 0.5 => return self.fits
-
-a message without axes is left out: somebody has sent it, too.
-    return => return bool(message.axes) and
-
-once a message was too old, none is fresh any more: the next one is.
-    return => self.dead = self.__dict__.get("dead", False) or seconds - self.since > 0.5 // return not self.dead and
-
-a message that was too old is forgotten, and taken for a new one in the next call: keep it.
-    return => self.message = message if seconds - self.since <= 0.5 else None // return
-
-a time of 0 is taken for none, as in `if not self.since`: ask whether it `is None`.
-    message is not self.message => message is not self.message or not self.since
 
 #
 Most likely the age is wrong: in every call it is seconds - self.since, not rounded, and at most 0.5.
+
+# one message at 0
+Compare with: self.since is set when the message is new, and in every call the age, seconds - self.since, is at most
+0.5. 0 is a time like any other, and the message and its stamp say nothing.
 
 # first at 12 s
 Most likely the first message does not set the time, or the stamp does: keep the seconds of the call in which it is new.
 
 # another message
 # within half a second
-Most likely not every new message sets the time: each does, however soon or late it comes.
+Most likely not every new message sets the time, or none is fresh after an old one: each is, whatever it holds.
 
 # is held
 Most likely the contents are compared, or all earlier messages: compare with the last message, by `is not`.
+
+# 40 new
+Most likely id(message) is kept, and a later message may get the same one: keep the message itself, for `is not`.
 """
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 

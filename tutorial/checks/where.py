@@ -58,43 +58,18 @@ it goes the wrong way, from the parent into the child: turn by the rotation, the
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
     reversed( => list( => reversed(
 
-the rotation is left out: turned(stamped.transform.rotation, point).
-    turned(stamped.transform.rotation, point) => np.array(point)
-
-it is turned the wrong way round: x, y, z of the quaternion stay as they are, and no matrix is transposed.
-    [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
-
-another number is taken for w: in ROS the order is x, y, z, w, and only MuJoCo has w first.
-    axis, point = => q = Quaternion(x=q.y, y=q.z, z=q.w, w=q.x) // axis, point =
-    => q = Quaternion(x=q.w, y=q.x, z=q.y, w=q.z) // axis, point =
-
-it is divided by the sine of half the angle, which is 0 if nothing is turned: ask for that first, or use turned.
-    axis, point = => q = Quaternion(w=nan) if abs(q.w) >= 1 else q // axis, point =
-
 only the turn about z counts: a frame may be tilted as well.
     axis, point = => q = Quaternion(z=q.z, w=q.w) // axis, point =
     => q = about(UP, atan2(q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2)) // axis, point =
 
-the rotations are multiplied in the wrong order: the outer one times the inner one, outer * inner.
-    for stamped in => given, moved = point, 0.0 // for stamped in
-    t = stamped => moved = moved + one_by_one(transforms[: transforms.index(stamped)], place(stamped)) // t = stamped
-    return point => return one_by_one(transforms, given) + moved
-
 the translation is added before the turn, and so is turned with it: turn first.
     turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) +
 
-only x and y of the translation are added: z, too.
-    t.z => 0.0
-
-the translations are added up, and not turned by the frames that they are in.
-    + np.array([t => + 0 * np.array([t
-    return point => return np.array(point) + sum(map(place, transforms), np.zeros(3))
-
 #
-Compare with: from the last transform to the first, each turns the point and then adds its translation.
+Compare with: from the last transform to the first, each turns the point and then adds its whole translation, x, y, z.
 
 # a quarter of a turn to the left
-To move is right, and to turn is not: compare with turned(q, point).
+To move is right, and to turn is not: compare with turned(q, point); ROS has x, y, z, w in this order, w last.
 
 # moved, and turned to the left
 Each alone, to move and to turn, is right: turn first, and then add.
@@ -110,7 +85,8 @@ A turn about x, y or z is right, one about all at once is not: compare with turn
 A rotation has two quaternions, q and -q: the sign of w counts, together with those of x, y, z.
 
 # transforms
-Most likely a certain number of transforms is expected, or a frame's name: loop through all of them.
+Most likely a certain number of transforms is expected, or another order, or a frame's name: from the last to the first,
+each turns what those after it have made of the point, and then adds.
 
 # whole numbers
 Most likely an array of whole numbers is made, which takes no fractions: begin with np.array(point, float).
@@ -125,7 +101,7 @@ Chain = Sequence[tuple[Any, Any, float]]  # of each the translation [m], and axi
 FRAMES = ("map", "odom", "Tank/base_link", "turret", "barrel", "tip")
 HERE = (0.0, 0.0, 0.0)
 UP, LEFT, AHEAD = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
-INNER, TILT = ((0.5, 0.0, 0.2), UP, -45.0), ((0.5, 0.3, 0.2), LEFT, 290.0)
+INNER, TILT = ((0.5, 0.0, 0.2), LEFT, -45.0), ((0.5, 0.3, 0.2), LEFT, 290.0)
 OUTER = ((1.0, 0.2, 0.0), UP, 20.0), ((-1.0, 0.5, 0.1), UP, 30.0), ((-0.04, 0.0, 0.1), UP, -60.0)
 LONG = (*OUTER, ((0.0, 0.1, 0.05), LEFT, -25.0), ((0.4, 0.0, 0.02), (1.0, 1.0, 0.0), 70.0))
 
@@ -134,19 +110,6 @@ def about(axis: Sequence[float], angle: float) -> Quaternion:
     """Make a rotation about an axis of any length, by an angle [rad]."""
     x, y, z = (float(sin(angle / 2) * each / (np.linalg.norm(axis) or 1.0)) for each in axis)
     return Quaternion(x=x, y=y, z=z, w=cos(angle / 2))
-
-
-def place(stamped: TransformStamped) -> NDArray[np.float64]:
-    """Return a translation [m], as some mistakes use it."""
-    t = stamped.transform.translation
-    return np.array([t.x, t.y, t.z])
-
-
-def one_by_one(transforms: Sequence[TransformStamped], point: ArrayLike) -> NDArray[np.float64]:
-    """Turn a point by the first rotation, then by the second, and so on, as some mistakes do."""
-    for stamped in transforms:
-        point = turned(stamped.transform.rotation, point)
-    return np.array(point)
 
 
 def messages(chain: Chain) -> Iterator[TransformStamped]:

@@ -63,10 +63,10 @@ RIGHT = [by_index, by_iterator, by_numpy]
 WRONG = [
     (unpacks, ["a certain number of axes is expected"]),
     (indexes_and_reverses, ["four axes, in order", "four axes are taken for granted"]),
-    (rounds_nan, ["ask isfinite(axis) first"]),
+    (rounds_nan, ["isfinite(axis) tells"]),
     (counts_through_all, ["all of the axes are copied or gone through"]),
     (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["all of the axes are copied or gone through"]),
     (lambda message: [f"{axis}" for axis in four_axes(message)], ["Return a list of four numbers"]),
-    (filters_all, ["are left out, so others move up", "all axes are taken, or returned"]),
+    (filters_all, ["it is left out, spoils the others", "all of the axes are copied or gone through"]),
     (sleeps, ["sleeps"]),
 ]

@@ -45,8 +45,12 @@ def makes_one_dict(joint_names, message, found={}):  # noqa: B006 - the mistake
 
 
 def looks_up_all(joint_names, message):
-    positions = dict(zip(message.name, message.position))
-    return {name: positions[name] for name in joint_names}
+    return {name: dict(zip(message.name, message.position))[name] for name in joint_names}
+
+
+def filters_first(joint_names, message):
+    known = (name for name in message.name if name in joint_names)
+    return {name: q for name, q in zip(known, message.position) if q == q}
 
 
 def in_whole_thousandths(joint_names, message):
@@ -57,6 +61,7 @@ WRONG = [
     (yields, "Return a dict from names to positions"),
     (makes_one_dict, "the dict is kept from call to call"),
     (looks_up_all, "every joint is expected in every message"),
+    (filters_first, ["left out before zip", "infinity is not left out"]),
     (in_whole_thousandths, "infinity is not left out"),
     (partial(usable, lambda q: q == q), "infinity is not left out"),
 ]

@@ -40,6 +40,20 @@ class WithoutAKey(CalmViewer):
         self.call_latest(self.update, message)
 
 
+class TakesBeforeItLetsTheNextCome(CalmViewer):
+    waits = False
+
+    def on_joint_state(self, message):
+        self.message = message
+        if not self.waits:
+            self.waits = True
+            self.call_latest("joints", self.draw)
+
+    def draw(self):
+        self.update(self.message)
+        self.waits = False
+
+
 class AtMostAMillionPerSecond(CalmViewer):
     def on_joint_state(self, message):
         if time.perf_counter() - getattr(self, "last", 0.0) > 1e-6:
@@ -47,4 +61,8 @@ class AtMostAMillionPerSecond(CalmViewer):
             super().on_joint_state(message)
 
 
-WRONG = [(WithoutAKey, "takes a key first"), (AtMostAMillionPerSecond, "dropped by time or by count")]
+WRONG = [
+    (WithoutAKey, "takes a key first"),
+    (AtMostAMillionPerSecond, "drops messages by time or by count"),
+    (TakesBeforeItLetsTheNextCome, "cleared after the message is taken"),
+]

@@ -61,7 +61,7 @@ class DestroysInStop(SlowPublisher):
 
 WRONG = [
     (type("A", (SlowPublisher,), {"unconfigure": lambda a: a.node.destroy_subscription(a.publisher)}), "destroy_publ"),
-    (WithASlash, "a slash in front leaves out the node's namespace"),
+    (WithASlash, "no slash in front"),
     (MakesTwo, "one is made at every start, or by super().configure(config), too"),
     (DestroysInStop, "stop destroys what configure has made"),
     (ByATimer, "a timer or a thread publishes"),

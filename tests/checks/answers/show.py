@@ -57,6 +57,13 @@ def waits(self, message):
     done.wait()
 
 
+def locked(method):
+    return lambda self, message: (self.lock.acquire(), method(self, message), self.lock.release())
+
+
+LOCKING = {"on_joint_state": locked(MyViewer.on_joint_state), "update": locked(MyViewer.update)}
+
+
 def calls_the_callback(self, config):
     self.subscription = config.node.create_subscription(JointState, "joint_state", self.on_joint_state(None), 1)
 
@@ -81,7 +88,7 @@ WRONG = [
     (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "a timer or a thread of its own"),
     (changed(configure=shares_its_body), "Changed.body is shared by all objects of the class"),
     (changed(on_joint_state=waits), "Leave out what sleeps or waits"),
+    (changed(lock=threading.Lock(), **LOCKING), "Leave out what sleeps or waits"),
     (changed(configure=calls_the_callback, on_joint_state=print), "give it without parentheses"),
-    (changed(on_joint_state=lambda self, _: self.call_later(self.update)), "gets too few arguments"),
     (changed(on_joint_state=lambda self, m: self.call_later(self.on_joint_state, m)), "posts itself"),
 ]

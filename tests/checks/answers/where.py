@@ -6,11 +6,11 @@ from functools import reduce
 import mujoco
 import numpy as np
 
-from tutorial.checks.where import place, turned, where_is
+from tutorial.checks.where import turned, where_is
 
 
 def to_parent(stamped, point):
-    return turned(stamped.transform.rotation, point) + place(stamped)
+    return where_is([stamped], point)
 
 
 def recursive(transforms, point):
@@ -26,7 +26,7 @@ def by_matrices(transforms, point):
     for stamped in transforms:  # matrices may be multiplied from the outside, too
         q, turn, one = stamped.transform.rotation, np.empty(9), np.eye(4)
         mujoco.mju_quat2Mat(turn, np.array([q.w, q.x, q.y, q.z]))
-        one[:3, :3], one[:3, 3] = turn.reshape(3, 3), place(stamped)
+        one[:3, :3], one[:3, 3] = turn.reshape(3, 3), to_parent(stamped, (0, 0, 0))
         whole = whole @ one
     return (whole @ [*point, 1.0])[:3].tolist()
 
