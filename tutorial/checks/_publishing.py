@@ -18,6 +18,9 @@ it asks the displayed copy, config.body, on which nothing moves: what is simulat
     self.node = config.node => self.node, self.shown = config.node, config.body
     self.io = io => self.io, io.body = io, self.shown
 
+control publishes at every step: it does so only if io.step % round(1 / ($hz * io.time_step)) == 0.
+    self.io.step % => 0 * self.io.step %
+
 # on the body Rover
 Compare with config.node.create_publisher($kind, f"{config.body.name}/$topic", 1), in configure, no slash in front.
 
@@ -29,8 +32,8 @@ when io.step % round(1 / ($hz * io.time_step)) == 0.
 Most likely the condition is another: one message comes when io.step % round(1 / ($hz * io.time_step)) == 0.
 
 # the stamp
-Most likely it is another clock's, counted, kept, or in another unit: Time(nanoseconds=$time).to_msg() sets sec and
-nanosec, for each message.
+Most likely it is left out, counted, another clock's, one of sec and nanosec, or both exchanged: both are set, for each
+message, by Time(nanoseconds=$time).to_msg().
 
 # two robots in turns
 Most likely what is kept belongs to the class: make it in initialize.

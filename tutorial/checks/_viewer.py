@@ -152,7 +152,11 @@ class Viewer:
 
         self.loop.call_soon(leave)
         self.drain()
-        return f"{'a timer goes on' if self.loop.timers else self.where()}, {self.node.check_left()}"
+        return "a timer goes on" if self.loop.timers else self.where()
+
+    def left(self) -> str:
+        """Say that the controller has left nothing behind at the node."""
+        return str(self.node.check_left())
 
     def where(self) -> str:
         """Say where the joints are [rad or m]."""

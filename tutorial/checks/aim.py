@@ -114,6 +114,9 @@ Compare with torque = 200 * (q_ref - q) + 50 * (dq_ref - dq), of the reference a
 # a tenth of the stick
 Most likely small sticks are ignored, or only the stick's sign counts: the reference moves by 0.002 * stick.
 
+# the end of the range
+Most likely the reference stops too early, or too late: joint.range has both ends, in rad, as joint.position is.
+
 # full stick, with steps of 5 ms
 Most likely the time step is written down as a number: use time_step.
 
@@ -125,16 +128,12 @@ POSITION = "Most likely the result is set as joint.position: a motor takes a tor
 NARROW = (-0.1700001, 0.7800001)  # [rad]; a whole number of moves away, and a trace more, from where the cases begin
 
 
+Range = tuple[float, float]  # [rad]
 Calls = tuple[float, float, int]  # the stick, the joint's speed [rad/s], and for how many calls
 
 
 def play(
-    answer: type,
-    *calls: Calls,
-    dt: float = 0.001,
-    begin: float = 0.1,
-    limits: tuple[float, float] = NARROW,
-    name: str = "Rover",
+    answer: type, *calls: Calls, dt: float = 0.001, begin: float = 0.1, limits: Range = NARROW, name: str = "Rover"
 ) -> Iterator[float]:
     """Hold a joint of a body of this name, and yield the torque [N.m] after each call; NaN where none was set."""
     body = Rig(SimpleController, name=name).body

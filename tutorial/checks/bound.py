@@ -61,7 +61,7 @@ An infinity counts as 0, and not as 1 or -1: ask isfinite(axis) before anything 
 # 1.5 for
 # -3 for
 # 1e30 for
-Most likely an axis beyond -1 or 1 counts as it is, or as 0: limit that one to that end, min(max(axis, -1.0), 1.0).
+Most likely an axis beyond -1 or 1 counts as it is, as 0, or all are scaled: limit one alone, min(max(axis, -1.0), 1.0).
 
 # two messages
 Most likely the list is kept from call to call: make a new one in every call.

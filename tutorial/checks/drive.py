@@ -73,7 +73,7 @@ MISTAKES = """
 control does not use self.joy.get(), or assigns self.track_l = ... in place of self.track_l.ctrl = ...
     self.joy.put(message) => pass
 
-nothing is set at rest, so the last speed stays: set 0 then.
+nothing is set at rest, or the message is dropped, so the last speed stays: set 0 then.
     self.track_l.ctrl = 1 => if not left_x and not left_y: return // self.track_l.ctrl = 1
 
 it reads the right stick, or one axis of it: the left one is axes[0] and axes[1].

@@ -54,6 +54,9 @@ class FireButton(Listener):
 
 
 MISTAKES = """
+it never puts True: a slice or a list is compared, `is True` is asked, or put is not reached: message.buttons[0] == 1.
+    == 1 => is True
+
 #
 Compare with: this message has buttons, whatever else there is, and its buttons[0] is 1.
 
@@ -61,7 +64,7 @@ Compare with: this message has buttons, whatever else there is, and its buttons[
 Most likely configure lacks what Listener's does: super().configure(config) listens to "joy".
 
 # button 0 is pressed
-Most likely self.fire.put(True) is not reached, as where `is True` is asked: 1 is not. Or they are exchanged.
+Most likely another button is read, or True and False are exchanged: the first button is message.buttons[0].
 
 # it is held
 Most likely True is put only when the button goes down: it is True as long as the button is pressed.
@@ -74,7 +77,7 @@ Most likely nothing is put while the button is not pressed, so that the last one
 Most likely it looks at another button, or at all of them: only the first one counts, buttons[0].
 
 # without buttons
-Most likely buttons are taken for granted, or nothing is put: ask for len(message.buttons) first, and put False.
+Most likely nothing is put, so the last one stays, or buttons are taken for granted: put False if len is 0.
 
 # one button
 Most likely more buttons are asked for: one is enough, len(message.buttons) > 0, and buttons[0] counts.

@@ -55,9 +55,6 @@ MISTAKES = """
 the messages are sorted first: then no restart is seen. Take them as they come.
     in messages: => in sorted(messages, key=lambda pair: stamps_of([pair])):
 
-nothing is ever told: compare nanoseconds with nanoseconds, and let no `try` hide what goes wrong.
-    return found => return []
-
 after a restart newest becomes 0 or None, or stays as it is: it is the stamp of the new message.
     ("restart", newest, stamp)) => ("restart", newest, stamp)) // stamp = 0
     => ("restart", newest, stamp)) // stamp = None => ("restart", newest, stamp)) // continue
@@ -70,7 +67,7 @@ Compare with: newest is the newest stamp since the last restart, in nanoseconds.
 has happened is appended, in the bag's order, as ("gap", newest, stamp) or ("restart", newest, stamp); then it moves on.
 
 # 20 ms apart
-Nothing has happened: before the first message there is no newest stamp, and 20 ms are no gap; numbers have a sign.
+Nothing has happened: before the first message there is no newest stamp, and 20 ms are no gap; np.uint64 has no sign.
 
 # a gap after 0 s
 0 is a stamp like any other: ask whether newest `is None`.
@@ -79,7 +76,7 @@ Nothing has happened: before the first message there is no newest stamp, and 20 
 Most likely the bag's times are compared: they say when a message was received, not made.
 
 # s without a message
-Compare with: of more than 100_000_000 ns, ("gap", newest, stamp) is appended before newest = stamp, all in nanoseconds.
+If it is more than 100_000_000 ns, append ("gap", newest, stamp), in this order, in nanoseconds, before newest = stamp.
 
 # full second
 nanosec or sec is left out: a stamp is both together, and nanosec begins anew with every second.

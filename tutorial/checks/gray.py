@@ -114,6 +114,9 @@ The encoding is left out, or another: one byte for a pixel is called "mono8", in
 # the row
 Most likely step is left out, or that of colours: a row has message.step = message.width bytes.
 
+# the stamp
+Hand on the time of asking, self.camera.capture(self.publish, self.io.time_ns): the stamp is all of it, sec and nanosec.
+
 # pictures that come late, or not at all
 Ask for each at its time, and hand that time on: self.camera.capture(self.publish, self.io.time_ns).
 

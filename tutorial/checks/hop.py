@@ -201,7 +201,7 @@ TRIED: dict[str, Sequence[Step]] = {
     "a harmless message while it is up": [blow, wait, harmless, *THEN],
     "blows between harmless messages, both threads being busy": [in_a_crowd, Hall.where, Hall.falls],
     "the tank and the crane Lift": [side_by_side(blow, Hall.where, land, Hall.where)],
-    "unconfigure, while it is up, leaves it": [blow, wait, Hall.leaves],
+    "unconfigure, while it is up, leaves it": [blow, wait, Hall.leaves, Hall.left],
     "the news of it then": [blow, wait, Hall.leaves, Hall.news],
     "unconfigure, when no blow has come, leaves it": [move_it, Hall.leaves],
     "unconfigure, when it has landed and been moved elsewhere, leaves it": [blow, land, move_it, Hall.leaves],
@@ -216,8 +216,8 @@ z counts, too: gravity is in it, and a hard landing. Only x and y are horizontal
 The condition is another: hypot(a.x, a.y) > 20, where a is message.linear_acceleration, and 20 itself is no blow.
 
 # a blow puts the body
-It is put elsewhere, or a copy is changed: note self.body.position when the blow comes, and then set self.body.position
-to its x, y and z + 0.1.
+It is put elsewhere, as to 0.1 m in the world, or a copy is changed: note self.body.position when the blow comes, and
+then set self.body.position to its x, y and z + 0.1.
 
 # the body is
 Most likely the timer is not asyncio.get_running_loop().call_later(0.5, self.land), or what it calls takes the body for

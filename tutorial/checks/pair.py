@@ -94,7 +94,7 @@ Most likely it is asked which stamp is larger: after a new start they begin at 0
 # 51
 # 60
 # 200
-Most likely fewer than 50 may wait, or more, or another one gives way: of more than 50, drop the one that came first.
+Most likely fewer than 50 may wait, or more, or another gives way, or all: of more than 50, drop what came first.
 """
 NO_PAIR = "Return the two messages themselves, joints, pose, or None as long as one of them is missing."
 

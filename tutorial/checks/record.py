@@ -65,7 +65,7 @@ get is called twice in a turn, and each call takes an entry out: take one, keep 
     received := self.received.get() => self.received.get()
     *received) => *self.received.get())
 
-the thread does not wait for the next message, or not long enough: get waits for it, and None is the end.
+the thread ends where the queue is empty, as with `while not empty()` or get(timeout=...): get() waits for the next.
     while received := self.received.get(): => while not self.received.empty() and (received := self.received.get()):
 
 the thread ends before it has written what waits in the queue: let only None end it, which comes behind all others.

@@ -113,12 +113,7 @@ FIRST: dict[str, Sequence[Step]] = {
     "a message": [state("Y P", (0.1, 0.2)), Viewer.where],
     "its joints in another order": [state("P Y", (0.2, 0.1)), Viewer.where],
     "the news of it": [state("Y P", (0.1, 0.2)), Viewer.news] * 2,
-    "only TURRET_P, then only TURRET_Y": [
-        state("Y P", (0.2, 0.3)),
-        state("P", [-0.1]),
-        state("Y", [0.0]),
-        Viewer.where,
-    ],
+    "only TURRET_P, then TURRET_Y": [state("Y P", (0.2, 0.3)), state("P", [-0.1]), state("Y", [0.0]), Viewer.where],
     "the unknown name ANTENNA": [state("ANTENNA", [1.0]), state("ANTENNA Y", (1.0, 0.2)), Viewer.where],
     "NaN for one joint": [state("Y P", (nan, 0.07)), state("Y P", (0.06, nan)), Viewer.where],
     "two names, one position or none": [state("P Y", [0.11]), state("Y P", []), Viewer.where],
@@ -128,7 +123,7 @@ FIRST: dict[str, Sequence[Step]] = {
 }
 LAST: dict[str, Sequence[Step]] = {
     "two viewers at once, one of the crane": [side_by_side(its_own, Viewer.drain, Viewer.where)],
-    "after unconfigure": [Viewer.leaves],
+    "after unconfigure": [Viewer.leaves, Viewer.left],
 }
 
 MISTAKES = """
@@ -139,9 +134,9 @@ The positions are not set, or changed on the way, as to degrees: self.body.set_j
 positions are matched by their place in the message: match them by name, wherever it is, with match_joints.
     positions(positions) => positions(dict(zip(self.body.joint_names, message.position)))
 
-# only TURRET_P, then only TURRET_Y
-a joint that the message does not name is set to 0, the message is dropped, or so is a position of 0 or below: show the
-joints that it names, as they are, and leave the others where they are.
+# only TURRET_P, then TURRET_Y
+a joint that the message does not name is set to 0 or looked up, the message is dropped, or a position of 0 or below is
+left out: show the joints that it names, as they are, and leave the others where they are.
     positions(positions) => positions({name: positions.get(name, 0.0) for name in self.body.joint_names})
 
 # the unknown name ANTENNA

@@ -68,7 +68,7 @@ MISTAKES = """
 the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news.
     : dict[str, float] = {} => = {j.name: j.position for j in io.body.joints} => = dict.fromkeys(io.body.joint_names, 0)
 
-every joint is sent every time: name only those that have moved, and note down what was sent for them.
+every joint is sent every time, and not only at first: name those that have moved, and note what was sent for them.
     if n not in self.sent or abs(q - self.sent[n]) > 0.001} => }
 
 a position of 0 is taken for none, as in `if not last`: ask whether the name is in self.sent.
@@ -87,7 +87,7 @@ a message is sent even if no joint has moved: then send none.
 positions are compared with those of the last look or message: compare each with what was last sent for this joint.
     if news: => self.sent = positions // if news: => self.sent = positions if news else self.sent // if news:
 
-what was sent is renewed before it is compared, or is the same object, or the velocity is compared: keep each number.
+what was sent is renewed before it is compared, or is the same object, or the velocity is compared: compare first.
     n not in self.sent or abs(q - self.sent[n]) > 0.001 => n not in self.sent
 
 the changes of all joints are added up: compare each joint for itself with 0.001.

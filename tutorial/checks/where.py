@@ -58,6 +58,9 @@ it goes the wrong way, from the parent into the child: turn by the rotation, the
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
     reversed( => list( => reversed(
 
+it is turned the wrong way round: x, y, z of the quaternion stay as they are, and a matrix stands before the point.
+    [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
+
 only the turn about z counts: a frame may be tilted as well.
     axis, point = => q = Quaternion(z=q.z, w=q.w) // axis, point =
     => q = about(UP, atan2(q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2)) // axis, point =
@@ -67,6 +70,9 @@ the translation is added before the turn, and so is turned with it: turn first.
 
 #
 Compare with: from the last transform to the first, each turns the point and then adds its whole translation, x, y, z.
+
+# only moved
+What is not turned has w = 1 and x, y, z = 0; ROS has w last. To the point the whole translation is added.
 
 # a quarter of a turn to the left
 To move is right, and to turn is not: compare with turned(q, point); ROS has x, y, z, w in this order, w last.
@@ -85,8 +91,8 @@ A turn about x, y or z is right, one about all at once is not: compare with turn
 A rotation has two quaternions, q and -q: the sign of w counts, together with those of x, y, z.
 
 # transforms
-Most likely a certain number of transforms is expected, or another order, or a frame's name: from the last to the first,
-each turns what those after it have made of the point, and then adds.
+Most likely a certain number of transforms is expected, or a frame's name, or rotations are multiplied in the wrong
+order, not outer * inner: from the last to the first, each turns what those after it have made of the point, then adds.
 
 # whole numbers
 Most likely an array of whole numbers is made, which takes no fractions: begin with np.array(point, float).
@@ -94,7 +100,7 @@ Most likely an array of whole numbers is made, which takes no fractions: begin w
 # no transform
 Without transforms the point is returned as it is: take no first transform for granted, and give it back.
 """
-XYZ = "Return x, y and z: a list, a tuple or an array of three numbers; a message is no list."
+XYZ = "Return x, y and z of the one point: a list, a tuple or an array of three numbers; a message is no list."
 
 Chain = Sequence[tuple[Any, Any, float]]  # of each the translation [m], and axis and angle of the rotation [deg]
 

@@ -70,7 +70,7 @@ WRONG = [
     (lambda transforms, point: to_parent(*transforms, point), "a certain number of transforms is expected"),
     (lambda all_, point: where_is(all_[:-1], to_parent(all_[-1], point)), "take no first transform for granted"),
     (lambda all_, point: where_is(all_, point) if all_ else None, "Most likely return is missing"),
-    (lambda transforms, point: where_is(transforms, point)[:2], "Return x, y and z: a list"),
+    (lambda transforms, point: where_is(transforms, point)[:2], "Return x, y and z of the one point: a list"),
     (overwrites, "make one of your own"),
     (whole, "an array of whole numbers is made"),
     (until_odom, "or a frame's name"),
