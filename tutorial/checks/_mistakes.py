@@ -156,7 +156,7 @@ def another(node: ast.AST) -> Slips:
     for number in ast.iter_child_nodes(node):
         if isinstance(number, ast.Constant) and type(number.value) in (int, float):
             for factor in map(ast.Constant, FACTORS):
-                yield f"the number is another: it is `{code}`.", number, ast.BinOp(number, ast.Mult(), factor)
+                yield f"the number is another, or none: it is `{code}`.", number, ast.BinOp(number, ast.Mult(), factor)
 
 
 def _changed_lines(source: str, part: Any, other: ast.AST) -> tuple[str, str]:

@@ -61,7 +61,7 @@ Most likely the order of the body is expected in the message: go by the message'
 Most likely every joint is expected in every message: a joint without a name in it is left out, and not given a number.
 
 # an unknown name
-Most likely a name that the body does not have spoils the message: ask if name in joint_names, and leave out that pair.
+Most likely an unknown name is kept, or spoils the others: leave out a pair whose name is not in joint_names, and go on.
 
 # 3 names
 Most likely a name without a position is given one, or spoils the message: zip leaves out that name, the others count.

@@ -76,6 +76,9 @@ control does not use self.joy.get(), or assigns self.track_l = ... in place of s
 nothing is set at rest, or the message is dropped, so the last speed stays: set 0 then.
     self.track_l.ctrl = 1 => if not left_x and not left_y: return // self.track_l.ctrl = 1
 
+left and right are exchanged: to the left, the left track slows down and the right one speeds up.
+    0.5 * left_x => -0.5 * left_x
+
 it reads the right stick, or one axis of it: the left one is axes[0] and axes[1].
     axes[:2] => axes[2:] => axes[1:3] => [axes[2], axes[1]] => [axes[0], axes[3]]
 

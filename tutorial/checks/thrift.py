@@ -106,8 +106,8 @@ the threshold is another, or any change counts: only more than 0.001 does, in ra
     > 0.001 => > 0 => > 0.1 => > 0.01 => > 0.0001 => > radians(0.001)
 
 #
-Compare each joint's position with the one that was last sent for it, at every look, whether something was sent at the
-last one or not. Each message has new lists: the names of these joints, unchanged, and their positions, nothing else.
+Compare each joint's position with the one that was last sent for it, when io.step % steps_per_look == 0, not counted
+from the last message. Each has new lists: the names of these joints, unchanged, and their positions, nothing else.
 
 # each position
 Send where each joint is, joint.position, neither rounded nor converted, and not how far it has moved.
