@@ -81,7 +81,7 @@ Take one entry after the other, end if it is None, else self.bag.write(self.conn
 #
 Compare with: stop listening, put None, join, close. The thread alone writes, until it takes None.
 """
-STUCK = "Most likely write does not end at None, or nothing puts it into the queue, or somebody else takes it out."
+STUCK = "Most likely write does not end at None, or None is put after join, or never, or somebody else takes it out."
 BUSY = "That keeps the processor busy: self.received.get() waits for an entry by itself, and join for the thread's end."
 OFTEN = 100  # times that somebody asks whether the queue is empty
 

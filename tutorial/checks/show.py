@@ -173,7 +173,7 @@ viewing_joints = partial(
     viewing,
     topic="joint_state",
     message=joint_state("P Y", (0.2, 0.1)),
-    crashes=("order", "only TURRET_P", "ANTENNA", "NaN", "two names", "late"),
+    crashes=("order", "only TURRET_P", "ANTENNA", "NaN", "two names", "late", "two viewers"),
 )
 TRIED = {**FIRST, "five messages that wait together": [wait_together], **LAST}
 show = Exercise("show", __doc__, viewing_joints(MyViewer, tried=TRIED, table=MISTAKES + MORE))

@@ -69,5 +69,5 @@ WRONG = [
     (Exchanged, ["self.bag.write(self.connection, time_ns, payload)"]),
     (Hurries, ["the bag is closed"]),
     (Polls, ["get() waits for an entry"]),
-    (WritesItself, ["nothing puts it into the queue"]),
+    (WritesItself, ["None is put after join, or never"]),
 ]
