@@ -28,7 +28,7 @@ SENTENCES = {
     "Most likely self is missing: def control(self):": lambda: Answer().control(),
     "Most likely parentheses are missing: Answer alone is the class": lambda: Answer.on_joy(message=1),
     "Most likely the callback is called at once: give it without parentheses": lambda: Answer().configure(0),
-    "Most likely what stands before the dot is None": lambda: None.speed,
+    "A tuple is in its place: take it apart": lambda: (1,).header,
     "Most likely self is missing in initialize: self.io = ...": lambda: Answer().io,
     "Most likely configure does not keep it: self.node = config.node.": lambda: Answer().node,
     "Most likely it is read before anything has set it: configure comes first": lambda: Answer().message,

@@ -22,7 +22,7 @@ from tutorial.errors import TutorialError
 TOLERANCE = 1e-4
 LONGEST = 20.0  # [s] in which mistakes are tried, one and two at once; so that a busy machine comes to an end, too
 CRASHES = (LookupError, ValueError, ArithmeticError, TypeError, TutorialError, UnboundLocalError)
-CHANGED = "Most likely sort, reverse, pop, append, += or = changes it: make one of your own; np.asarray makes none."
+CHANGED = "Most likely sort, reverse, pop, del, append, += or = did it: make one of your own; np.asarray makes none."
 UNLIKE = "Most likely something has the wrong type, such as a number or an array in place of a list or a message."
 CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
 

@@ -37,7 +37,7 @@ _GENERAL = "Mend this line first; what comes after it has not been looked at."
 _CAUSES = {
     r"RuntimeError: .*event loop": "Most likely it asks for the event loop, or calls it, on another thread than the "
     "main one: a callback posts, self.call_later(self.update, message), and what is posted may ask for the loop.",
-    r"AttributeError: 'NoneType'": "Most likely what stands before the dot is None: nothing was kept there.",
+    r"AttributeError: 'tuple'": "A tuple is in its place: take it apart, as in positions, report = match_joints(...).",
     r"AttributeError: type object '(\w+)'": _CLASS,
     r"AttributeError: .* has no attribute '(?:nano)?sec'": "Most likely the stamp is a number, or a Time that is no "
     "message: Time(nanoseconds=self.io.time_ns).to_msg() makes one.",

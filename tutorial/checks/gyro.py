@@ -110,8 +110,8 @@ x, y and z are exchanged, or only z is sent: the sensor's value has all three, i
 the frame is that of the chassis: on the crane the sensor is at the tip of the jib, so take the sensor's own, "/GYRO".
     {self.sensor.name}" => base_link"
 
-the sign is turned round, or it is in degrees: send what the sensor says, in rad/s.
-    np.mean(self.samples, axis=0) => (-np.mean(self.samples, axis=0)) => np.degrees(np.mean(self.samples, axis=0))
+the sign is turned round, or it is converted from or to degrees: send what the sensor says, which is in rad/s.
+    np.mean( => -np.mean( => 180 / np.pi * np.mean( => np.pi / 180 * np.mean(
 
 #
 Most likely some measurements are left out, or older ones still count: each message has the mean of all since the last.

@@ -58,7 +58,7 @@ it goes the wrong way, from the parent into the child: turn by the rotation, the
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
     reversed( => list( => reversed(
 
-it is turned the wrong way round: x, y, z of the quaternion stay as they are, and a matrix stands before the point.
+it is turned the wrong way round: x, y, z of the quaternion stay, no matrix is transposed, or behind the point.
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
 
 only the turn about z counts: a frame may be tilted as well.
