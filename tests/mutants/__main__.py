@@ -56,7 +56,7 @@ def show_all(outcomes: dict[str, Outcome]) -> int:
         counts = (len(outcome), len(rejected), len(outcome) - len(rejected) - len(survived), len(survived))
         rows.append((name, *map(str, counts), f"{score:.1%}"))
         bad += [f"{name}: is listed as equivalent, and rejected: {change}" for change in rejected & listed]
-        bad += [f"{name}: survived, as {1 - REQUIRED:.0%} may: {change}" for change in survived]
+        bad += [f"{name}: survived; no more than {1 - REQUIRED:.0%} may: {change}" for change in survived]
         failed = failed or bool(rejected & listed) or score < REQUIRED
     show(("exercise", "mutants", "rejected", "equivalent", "survived", "score"), rows)
     for line in bad:
