@@ -55,9 +55,8 @@ MISTAKES = """
 the messages are sorted first: then no restart is seen. Take them as they come.
     in messages: => in sorted(messages, key=lambda pair: stamps_of([pair])):
 
-after a restart newest becomes 0 or None, or stays as it is: it is the stamp of the new message.
-    ("restart", newest, stamp)) => ("restart", newest, stamp)) // stamp = 0
-    => ("restart", newest, stamp)) // stamp = None => ("restart", newest, stamp)) // continue
+after a restart newest becomes 0, or stays as it is: it is the stamp of the new message.
+    "restart", newest, stamp)) => "restart", newest, stamp)) // stamp = 0 => "restart", newest, stamp)) // continue
 
 nothing is told: compare the stamps with the newest so far, in nanoseconds, and let no `try` hide what goes wrong.
     return found => return []
@@ -73,7 +72,8 @@ Nothing has happened: before the first message there is no newest stamp, and 20 
 0 is a stamp like any other: ask whether newest `is None`.
 
 # the bag
-Most likely the bag's times are compared: they say when a message was received, not made.
+the bag's times are compared: they say when a message was received, not made.
+    Time.from_msg(message.header.stamp).nanoseconds => _
 
 # s without a message
 If it is more than 100_000_000 ns, append ("gap", newest, stamp), in this order, in nanoseconds, before newest = stamp.
