@@ -2,6 +2,7 @@
 
 import inspect
 from dataclasses import replace
+from importlib import import_module
 from itertools import permutations
 
 import pytest
@@ -23,7 +24,20 @@ def test_each_mistake_is_diagnosed_as_itself(exercise, mistake, domain):
     verdict = exercise.judge(twin)
     assert not verdict.right, f"this is no mistake: {mistake}"
     assert verdict.causes == (f"Most likely {mistake.cause}",), str(verdict)
-    assert not exercise.cases.one_by_one or verdict.findings[-1].text.startswith(mistake.fails), str(verdict)
+
+
+VIEWERS = {each: cases for each, cases in TABLES.items() if cases.one_by_one}
+
+
+def test_each_requirement_of_a_viewer_refuses_something(domain):
+    refusing = set()
+    for exercise, cases in VIEWERS.items():
+        made = [*cases.mistakes, *slips(missing, cases.solution)]
+        wrong = [answer for answer, _ in import_module(f"answers.{exercise.name}").WRONG]
+        for twin in [*filter(None, map(cases.mistaken, made)), *wrong]:
+            *_, last = exercise.judge(twin).findings
+            refusing |= {each for each in cases.cases if not last.right and last.text.startswith(f"{each}: ")}
+    assert {each for cases in VIEWERS.values() for each in cases.cases} == refusing
 
 
 SLIPS = {

@@ -348,9 +348,8 @@ class Rig:
 
     def _publish(self, publisher: Endpoint, message: Any) -> None:
         stamp = message.header.stamp if hasattr(message, "header") else Time()
-        stamp_ns = (
-            stamp.sec + stamp.nanosec // 10**9
-        ) * 10**9 + stamp.nanosec  # seconds in nanosec count twice: it shows
+        # Whole seconds in nanosec count twice, so that they show.
+        stamp_ns = (stamp.sec + stamp.nanosec // 10**9) * 10**9 + stamp.nanosec
         is_here = threading.current_thread() is self._thread
         step = self.io.step if is_here else round(stamp_ns / 1e9 / self.io.time_step)
         self.sent.append(Sent(publisher.topic_name, step, stamp_ns, deepcopy(message)))

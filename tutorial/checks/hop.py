@@ -242,7 +242,8 @@ a harmless message is not left alone while the body is up: ask first whether it 
     a = message. => if self.timer: self.timer.cancel() // a = message.
 
 # blows between harmless messages, both threads being busy
-A blow is lost among others: keep ten in the subscription, 10, post each with call_later, and give the message along.
+a blow is lost among others: keep ten in the subscription, 10, post each with call_later, and give the message along.
+    self.on_imu, 10) => self.on_imu, 1)
 
 # unconfigure, while it is up, leaves it
 unconfigure has to do what the timer would: cancel that, put the body back where it stood, and tell who draws.

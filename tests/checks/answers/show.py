@@ -51,12 +51,6 @@ def changed(**methods):
     return type("Changed", (MyViewer,), methods)
 
 
-def waits(self, message):
-    done = threading.Event()
-    self.call_later(lambda: (self.update(message), done.set()))
-    done.wait()
-
-
 def locked(method):
     return lambda self, message: (self.lock.acquire(), method(self, message), self.lock.release())
 
@@ -87,7 +81,6 @@ WRONG = [
     (changed(on_joint_state=lambda self, m: self.call_later(self.update(m))), "the parentheses call it at once"),
     (changed(on_joint_state=lambda self, m: threading.Thread(target=print).start()), "a timer or a thread of its own"),
     (changed(configure=shares_its_body), "Changed.body is shared by all objects of the class"),
-    (changed(on_joint_state=waits), "Leave out what sleeps or waits"),
     (changed(lock=threading.Lock(), **LOCKING), "Leave out what sleeps or waits"),
     (changed(configure=calls_the_callback, on_joint_state=print), "give it without parentheses"),
     (changed(on_joint_state=lambda self, m: self.call_later(self.on_joint_state, m)), "posts itself"),
