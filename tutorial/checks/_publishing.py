@@ -32,8 +32,8 @@ when io.step % round(1 / ($hz * io.time_step)) == 0.
 Most likely the condition is another: one message comes when io.step % round(1 / ($hz * io.time_step)) == 0.
 
 # the stamp
-Most likely it is left out, counted, another clock's, one of sec and nanosec, or both exchanged: both are set, for each
-message, by Time(nanoseconds=$time).to_msg().
+Most likely it is left out, counted, or another clock's, or sec and nanosec are exchanged, or one is missing: set both,
+for each message, with Time(nanoseconds=$time).to_msg().
 
 # two robots in turns
 Most likely what is kept belongs to the class: make it in initialize.

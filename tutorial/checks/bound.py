@@ -50,7 +50,7 @@ Most likely a certain number of axes is expected: there may be more, and the fir
 # three axes
 # one axis
 # no axes
-Most likely a short message is dropped, four axes are taken for granted, or zeros lack: only what it lacks counts as 0.
+Most likely a short message is dropped, or four axes are taken for granted: what it lacks counts as 0, the rest stays.
 
 # NaN for
 Most likely it is left out, spoils the others, or min and max let it through: it counts as 0, and isfinite(axis) tells.

@@ -51,8 +51,8 @@ no message gets too old: keep the message itself, set self.since when it is new,
 Most likely the age is wrong: in every call it is seconds - self.since, not rounded, and at most 0.5.
 
 # one message at 0
-Compare with: self.since is set when the message is new, as the first one is, and only then; in every call it is asked
-whether seconds - self.since is at most 0.5. 0 is a time like any other, and the message and its stamp say nothing.
+Compare with: self.since is set when the message is new, as the first one is, and only then; in every call compare
+seconds - self.since with 0.5. 0 is a time like any other, and the message and its stamp say nothing.
 
 # first at 12 s
 Most likely the first message does not set the time, or the stamp does: keep the seconds of the call in which it is new.

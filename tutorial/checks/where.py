@@ -58,7 +58,7 @@ it goes the wrong way, from the parent into the child: turn by the rotation, the
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
     reversed( => list( => reversed(
 
-it is turned the wrong way round: x, y, z of the quaternion stay, no matrix is transposed, or behind the point.
+it is turned the wrong way round: x, y, z of the quaternion keep their signs, and a matrix, not transposed, comes first.
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
 
 only the turn about z counts: a frame may be tilted as well.
@@ -72,7 +72,7 @@ the translation is added before the turn, and so is turned with it: turn first.
 Compare with: from the last transform to the first, each turns the point and then adds its whole translation, x, y, z.
 
 # only moved
-What is not turned has w = 1 and x, y, z = 0; ROS has w last. To the point the whole translation is added.
+What is not turned has w = 1 and x, y, z = 0; ROS has w last. Add the whole translation to the point.
 
 # a quarter of a turn to the left
 To move is right, and to turn is not: compare with turned(q, point); ROS has x, y, z, w in this order, w last.
