@@ -3,8 +3,8 @@
 Importing this package promises an ``rclpy``: the real one where ROS 2 is installed, else that of ``pocket_ros2``.
 """
 
-from tutorial.ros.backend import promise, ros_backend
+from tutorial.ros.backend import promise, ros_backend, use_real_ros
 
-__all__ = ["ros_backend"]
+__all__ = ["ros_backend", "use_real_ros"]
 
 promise()

@@ -15,33 +15,39 @@ OTHERS = "all machines of this network"
 
 
 @pytest.mark.parametrize(
-    ("probe", "is_real", "answer", "environment", "level", "said", "mend"),
+    ("probe", "kind", "answer", "environment", "level", "said", "mend"),
     [
-        ("mujoco", False, LIBCRYPTO, {}, "problem", "libcrypto", "pip install --force-reinstall mujoco"),
-        ("mujoco", False, VULKAN, {}, "problem", "cannot be imported: MUJOCO_GL is odd", "unset MUJOCO_GL"),
-        ("mujoco", False, ["4.0", ["no EGL", "libegl1"]], {}, "note", "all else works: no EGL", "libegl1"),
-        ("mujoco", False, ["4.0", None], {}, "ok", "4.0, which renders", ""),
-        ("backend", False, RCLPY, {}, "ok", "the pocket ROS 2, on Cyclone DDS, because this Python finds no", ""),
-        ("backend", False, RCLPY, JAZZY | {"TUTORIAL_ROS": "pocket"}, "ok", "because TUTORIAL_ROS=pocket", ""),
-        ("backend", False, LIBCRYPTO, {}, "problem", "libcrypto", "cyclonedds"),
-        ("backend", False, RCLPY, JAZZY, "note", "ROS 2 jazzy is set up", "--system-site-packages"),
-        ("backend", True, RCLPY, JAZZY, "ok", "ROS 2 jazzy, because this Python finds it: rclpy 7.1.3, /opt", ""),
-        ("backend", True, RCLPY, {"ROS_DISTRO": "humble"}, "note", "made for jazzy", ". /opt/ros/jazzy/setup.bash"),
-        ("backend", True, ZENOH, JAZZY, "note", "does not speak DDS", "export RMW_IMPLEMENTATION="),
-        ("backend", True, LIBCRYPTO, JAZZY, "problem", "broken: ImportError: libcrypto", "TUTORIAL_ROS=pocket"),
-        ("discovery", False, 0, {}, "ok", "LOCALHOST: nodes on this machine only", ""),
-        ("discovery", True, 0, {}, "note", f"SUBNET: nodes on {OTHERS}", "=LOCALHOST"),
-        ("discovery", False, 0, {RANGE: "LOCAL"}, "problem", "Did you mean 'LOCALHOST'?", f"unset {RANGE}"),
-        ("discovery", False, 0, {"CYCLONEDDS_URI": "x"}, "note", "; CYCLONEDDS_URI is 'x'", "unset CYCLONEDDS_URI"),
-        ("domain", False, [], {"ROS_DOMAIN_ID": ""}, "ok", "in domain 0: nobody else", ""),
-        ("domain", False, ["/t", "/j", "/t"], {}, "note", "/j, 2 x /t. Nodes of one name", "__node:=viewer"),
-        ("domain", False, LIBCRYPTO, {}, "problem", "a node cannot be made in domain 0: ImportError", "ROS 2"),
+        ("mujoco", "pocket", LIBCRYPTO, {}, "problem", "libcrypto", "pip install --force-reinstall mujoco"),
+        ("mujoco", "pocket", VULKAN, {}, "problem", "cannot be imported: MUJOCO_GL is odd", "unset MUJOCO_GL"),
+        ("mujoco", "pocket", ["4.0", ["no EGL", "libegl1"]], {}, "note", "all else works: no EGL", "libegl1"),
+        ("mujoco", "pocket", ["4.0", None], {}, "ok", "4.0, which renders", ""),
+        ("backend", "pocket", RCLPY, {}, "ok", "the pocket ROS 2, on Cyclone DDS, because this Python finds no", ""),
+        ("backend", "pocket", RCLPY, JAZZY | {"TUTORIAL_ROS": "pocket"}, "ok", "because TUTORIAL_ROS=pocket", ""),
+        ("backend", "pocket", LIBCRYPTO, {}, "problem", "libcrypto", "cyclonedds"),
+        ("backend", "pocket", RCLPY, JAZZY, "note", "ROS 2 jazzy is set up", "--system-site-packages"),
+        ("backend", "sourced", RCLPY, JAZZY, "ok", "ROS 2 jazzy, because this Python finds it: rclpy 7.1.3, /opt", ""),
+        ("backend", "sourced", RCLPY, {"ROS_DISTRO": "humble"}, "note", "made for jazzy", f". {__file__}"),
+        ("backend", "folder", RCLPY, {}, "ok", "the real ROS 2 of tank ros install", ""),
+        ("backend", "folder", LIBCRYPTO, {}, "problem", "broken: ImportError: libcrypto", "tank ros remove, then"),
+        ("backend", "pixi", RCLPY, JAZZY, "ok", "ROS 2 jazzy of RoboStack, because this Python finds it", ""),
+        ("backend", "pixi", LIBCRYPTO, JAZZY, "problem", "broken: ImportError: libcrypto", "pixi run doctor"),
+        ("backend", "sourced", ZENOH, JAZZY, "note", "does not speak DDS", "export RMW_IMPLEMENTATION="),
+        ("backend", "sourced", LIBCRYPTO, JAZZY, "problem", "broken: ImportError: libcrypto", "TUTORIAL_ROS=pocket"),
+        ("discovery", "pocket", 0, {}, "ok", "LOCALHOST: nodes on this machine only", ""),
+        ("discovery", "sourced", 0, {}, "note", f"SUBNET: nodes on {OTHERS}", "=LOCALHOST"),
+        ("discovery", "pocket", 0, {RANGE: "LOCAL"}, "problem", "Did you mean 'LOCALHOST'?", f"unset {RANGE}"),
+        ("discovery", "pocket", 0, {"CYCLONEDDS_URI": "x"}, "note", "; CYCLONEDDS_URI is 'x'", "unset CYCLONEDDS_URI"),
+        ("domain", "pocket", [], {"ROS_DOMAIN_ID": ""}, "ok", "in domain 0: nobody else", ""),
+        ("domain", "pocket", ["/t", "/j", "/t"], {}, "note", "/j, 2 x /t. Nodes of one name", "__node:=viewer"),
+        ("domain", "pocket", LIBCRYPTO, {}, "problem", "a node cannot be made in domain 0: ImportError", "ROS 2"),
     ],
 )
-def test_what_there_is_is_found(monkeypatch, probe, is_real, answer, environment, level, said, mend):
+def test_what_there_is_is_found(monkeypatch, probe, kind, answer, environment, level, said, mend):
     monkeypatch.setattr(doctor.os, "environ", environment)
     monkeypatch.setattr(doctor, "ask", Mock(side_effect=[answer]))  # in a process of its own
-    monkeypatch.setattr(doctor, "ros_backend", lambda: "rclpy" if is_real else "pocket")
+    monkeypatch.setattr(doctor, "ros_backend", lambda: "pocket" if kind == "pocket" else "rclpy")
+    monkeypatch.setattr(doctor, "_kind", lambda: kind)
+    monkeypatch.setattr(doctor, "SETUP", __file__)
     found = getattr(doctor, probe)()
     assert found.level == level
     assert said in found.text

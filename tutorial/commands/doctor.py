@@ -18,17 +18,26 @@ from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from importlib import metadata
+from pathlib import Path
 from typing import Any, Literal, NamedTuple
+
+from pocket_ros2 import real_rclpy
 
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.printing import say
-from tutorial.ros.backend import ros_backend
+from tutorial.ros.backend import VARIABLE, ros_backend
+from tutorial.ros.wheels import folder
 
 WIDTH = 100  # columns, of which the first 20 are for subject and level
 PATIENCE = 45  # [s] that an answer may take: a loaded machine is slow to import
 FIRST_LOOK = 4.0  # [s] before the graph may count as known: nodes on Fast DDS show up after 1 to 4 s
 
 PIP = "python -m pip install"
+SETUP = "/opt/ros/jazzy/setup.bash"
+
+Kind = Literal["pocket", "folder", "pixi", "sourced"]
+"""Which ROS 2 is in use: pocket, the real one of PyPI's wheels or of RoboStack, or one that a shell has sourced."""
+
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 RANGES = {
     "LOCALHOST": "nodes on this machine only",
@@ -130,35 +139,63 @@ def packages() -> Diagnosis:
 
 
 def backend() -> Diagnosis:
-    """Say which ROS 2 is in use, and why."""
-    wanted, distro = os.environ.get("TUTORIAL_ROS"), os.environ.get("ROS_DISTRO")
+    """Report which ROS 2 is in use, and why."""
+    wanted, distro = os.environ.get(VARIABLE), os.environ.get("ROS_DISTRO")
     try:
-        is_real = ros_backend() == "rclpy"
+        kind = _kind()
     except TutorialError as error:
-        return Diagnosis("problem", str(error), "unset TUTORIAL_ROS")
-    name = f"ROS 2 {distro or '(ROS_DISTRO is not set)'}" if is_real else "the pocket ROS 2, on Cyclone DDS"
-    finds = "it" if is_real else "no rclpy"
-    text = f"{name}, because {f'TUTORIAL_ROS={wanted}' if wanted else f'this Python finds {finds}'}"
+        return Diagnosis("problem", str(error), f"unset {VARIABLE}" if wanted else f"export {VARIABLE}=pocket")
+    name = {
+        "pocket": "the pocket ROS 2, on Cyclone DDS",
+        "folder": "the real ROS 2 of tank ros install",
+        "pixi": f"ROS 2 {distro or 'jazzy'} of RoboStack",
+        "sourced": f"ROS 2 {distro or '(ROS_DISTRO is not set)'}",
+    }[kind]
+    finds = "no rclpy" if kind == "pocket" else "it"
+    text = f"{name}, because {f'{VARIABLE}={wanted}' if wanted else f'this Python finds {finds}'}"
     try:
         version, file, rmw = ask(_rclpy)
     except TutorialError as error:
-        mend = f"{PIP} cyclonedds; where there is no cyclonedds, a real ROS 2"
-        if is_real:
-            mend = ". /opt/ros/jazzy/setup.bash, with Python 3.12; the pocket ROS 2: export TUTORIAL_ROS=pocket"
-        return Diagnosis("problem", f"{text}; but it is broken: {error}", mend)
-    mend = ""
-    if is_real:
+        return Diagnosis("problem", f"{text}; but it is broken: {error}", _repair(kind))
+    if kind != "pocket":
         text += f": rclpy {version}, {file}, on {rmw}"
-    elif distro and not wanted:
+    if rmw == "rmw_zenoh_cpp":
+        text += ", which does not speak DDS: nodes on DDS do not hear it"
+        return Diagnosis("note", text, "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp")
+    if kind == "sourced" and distro != "jazzy":
+        source = f". {SETUP}" if Path(SETUP).exists() else f"export {VARIABLE}=pocket"
+        return Diagnosis("note", f"{text}. The tutorial is made for jazzy", source)
+    if kind == "pocket" and distro and not wanted:
         text += f", although ROS 2 {distro} is set up in this shell"
         mend = "with the Python that ROS 2 is made for: python3.12 -m venv --system-site-packages ~/tank-ros"
-    if rmw == "rmw_zenoh_cpp":
-        text += ", which does not speak DDS: it hears none of the others"
-        mend = "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
-    elif is_real and distro != "jazzy":
-        text += ". The tutorial is made for jazzy"
-        mend = ". /opt/ros/jazzy/setup.bash"
-    return Diagnosis("note" if mend else "ok", text, mend)
+        return Diagnosis("note", text, mend)
+    return Diagnosis("ok", text)
+
+
+def _kind() -> Kind:
+    """Return which of the four kinds of ROS 2 is in use.
+
+    Raises:
+        TutorialError: the one that was asked for cannot be used.
+    """
+    if ros_backend() == "pocket":
+        return "pocket"
+    rclpy = real_rclpy()
+    if rclpy is not None and folder.has(rclpy):
+        return "folder"
+    return "pixi" if (Path(sys.prefix) / "conda-meta").is_dir() else "sourced"
+
+
+def _repair(kind: Kind) -> str:
+    """Say how to repair a ROS 2 that cannot be imported."""
+    if kind == "pocket":
+        return f"{PIP} cyclonedds" if folder.is_supported() or sys.platform == "darwin" else folder.how_to_get_it()
+    if kind == "folder":
+        return "tank ros remove, then tank ros install"
+    if kind == "pixi":
+        return "rm -r .pixi, then pixi run doctor"
+    pocket = f"the pocket ROS 2: export {VARIABLE}=pocket"
+    return f". {SETUP}, with Python 3.12; {pocket}" if Path(SETUP).exists() else pocket
 
 
 def discovery() -> Diagnosis:

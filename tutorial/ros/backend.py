@@ -1,40 +1,86 @@
-"""Which ROS 2 is in use: the real one if there is one, else the pocket ROS 2."""
+"""Which ROS 2 is in use: a real one if this Python finds one or is asked for one, else the pocket ROS 2."""
 
 import os
+import re
 import sys
 from functools import cache
 from importlib.abc import MetaPathFinder
+from importlib.machinery import EXTENSION_SUFFIXES
+from pathlib import Path
 from typing import Literal
 
 from tutorial.errors import TutorialError, did_you_mean
+from tutorial.ros.wheels import folder
 
 Backend = Literal["rclpy", "pocket"]
+
+VARIABLE = "TUTORIAL_ROS"
 
 
 @cache
 def ros_backend() -> Backend:
-    """Say which ROS 2 this process uses: ``"rclpy"``, a real one, or ``"pocket"``, that of this package.
+    """Return which ROS 2 this process uses: ``"rclpy"``, a real one, or ``"pocket"``, that of this package.
 
-    It is decided once, and ``import rclpy`` and the messages work accordingly. The environment variable
-    ``TUTORIAL_ROS`` decides by hand. Otherwise a real rclpy wins.
+    It is decided once, and ``import rclpy`` and the messages work accordingly. A real ROS 2 that is sourced wins. Where
+    there is none, ``TUTORIAL_ROS=rclpy`` asks for the one in the folder that ``tank ros install`` fills, and without
+    the variable the pocket ROS 2 is used. ``TUTORIAL_ROS=pocket`` asks for the pocket ROS 2 in any case.
 
     Raises:
-        TutorialError: ``TUTORIAL_ROS`` names neither.
+        TutorialError: ``TUTORIAL_ROS`` has another value, or the ROS 2 that was asked for cannot be used.
     """
-    wanted = os.environ.get("TUTORIAL_ROS", "")
+    wanted = os.environ.get(VARIABLE, "")
     if wanted not in ("", "rclpy", "pocket"):
-        raise TutorialError(f"TUTORIAL_ROS is {wanted!r}.{did_you_mean(wanted, ('rclpy', 'pocket'))}")
-    if wanted == "rclpy":
-        return "rclpy"
+        raise TutorialError(f"{VARIABLE} is {wanted!r}.{did_you_mean(wanted, ('rclpy', 'pocket'))}")
     import pocket_ros2  # noqa: PLC0415  (which makes an rclpy importable)
 
-    return "pocket" if pocket_ros2.install(first=wanted == "pocket") else "rclpy"
+    if wanted == "pocket":
+        pocket_ros2.install(first=True)
+        return "pocket"
+    sourced = pocket_ros2.real_rclpy()
+    if sourced is not None:
+        _check_version(sourced)
+    elif wanted == "":
+        return "pocket"
+    if sourced is None or folder.has(sourced):
+        folder.check()
+    if wanted == "rclpy" and not pocket_ros2.uninstall():
+        raise TutorialError(
+            "the pocket ROS 2 is in use already. Choose the real one before anything of ROS 2 is imported: "
+            "in a notebook, restart the kernel, and run the cell with use_real_ros() first."
+        )
+    if sourced is None:
+        folder.activate()
+    return "rclpy"
+
+
+def use_real_ros() -> None:
+    """Use a real ROS 2 in this process and in those that it starts: a sourced one, else that of ``tank ros install``.
+
+    Call it before anything of ROS 2 is imported, in a notebook in its first cell::
+
+        from tutorial import use_real_ros
+
+        use_real_ros()
+
+    Raises:
+        TutorialError: it comes too late, or there is no real ROS 2; the text says what to do.
+    """
+    before = os.environ.get(VARIABLE)
+    os.environ[VARIABLE] = "rclpy"
+    ros_backend.cache_clear()
+    try:
+        ros_backend()
+    except TutorialError:
+        os.environ.pop(VARIABLE)
+        if before is not None:
+            os.environ[VARIABLE] = before
+        raise
 
 
 def promise() -> None:
-    """Make ``import rclpy`` work, or say what is wrong.
+    """Make ``import rclpy`` work, or have it say what is wrong.
 
-    A wrong ``TUTORIAL_ROS`` is no error of ``import tutorial``: without rclpy, ``tank doctor`` can still say so.
+    ``import tutorial`` itself does not fail: without rclpy, ``tank doctor`` can still find out why there is none.
     """
     try:
         ros_backend()
@@ -51,3 +97,20 @@ class _Refusal(MetaPathFinder):
     def find_spec(self, fullname: str, _path: object = None, _target: object = None) -> None:
         if fullname == "rclpy" or fullname.endswith(("_msgs", "_interfaces")):
             raise TutorialError(self._reason)
+
+
+def _check_version(rclpy: Path) -> None:
+    """Refuse a real rclpy, given by its folder, that was compiled for another Python.
+
+    Raises:
+        TutorialError: it was.
+    """
+    if any((rclpy / f"_rclpy_pybind11{suffix}").exists() for suffix in EXTENSION_SUFFIXES):
+        return
+    version = re.search(r"python(3\.\d+)", str(rclpy))
+    theirs = f"Python {version[1]}" if version else "another Python"
+    ours = f"Python {sys.version_info.major}.{sys.version_info.minor}"
+    raise TutorialError(
+        f"the ROS 2 in {rclpy} is for {theirs}, and this is {ours}. "
+        f"Start a terminal in which it is not sourced, or type export {VARIABLE}=pocket."
+    )

