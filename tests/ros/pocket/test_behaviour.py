@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from behaviours import EXPRESSIONS, RECORD, behaviours, outcome, outcomes, prelude, snippets
+from behaviours import EXPRESSIONS, NEWER, RECORD, behaviours, outcome, outcomes, prelude, snippets
 
 import pocket_ros2
 
@@ -18,13 +18,22 @@ ROWS += [
     for (code, printed), snippet in zip(group["expressions"].items(), snippets(group), strict=True)
 ]
 
-pytestmark = [] if pocket_ros2.install() else pytest.mark.process
-"""Where a real ROS 2 is in use, the snippets run in processes of their own."""
+IN_NEWER = json.loads(NEWER.read_text(encoding="utf-8"))["expressions"]
+
+pytestmark = [] if pocket_ros2.install() else [pytest.mark.process, pytest.mark.timeout(600)]
+"""Where a real ROS 2 is in use, the snippets run in processes of their own, and the first test waits for all of them."""
 
 
-def expected(row: dict[str, Any]) -> dict[str, Any]:
-    """What a row has of the outcome; the order of log lines is left out."""
-    return {"printed": row["printed"], "raises": row.get("raises"), "logged": sorted(row.get("logged", ()))}
+def expected(row: dict[str, Any], printed: str | None = None) -> dict[str, Any]:
+    """What a row has of the outcome, or would have with another print; the order of log lines is left out."""
+    logged = sorted(row.get("logged", ()))
+    return {"printed": printed or row["printed"], "raises": row.get("raises"), "logged": logged}
+
+
+def accepted(row: dict[str, Any]) -> list[dict[str, Any]]:
+    """The outcomes that real ROS 2s have shown: most rows have one, some another in a later patch release."""
+    newer = IN_NEWER.get(row.get("shows"))
+    return [expected(row)] if newer is None else [expected(row), expected(row, f"{newer}\n")]
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +48,7 @@ def seen(backend):
         rows = [row for row in ROWS if row["prelude"] == given]
         for row, result in zip(rows, outcomes(given, [row["code"] for row in rows]), strict=True):
             for _ in range(5):
-                if result != expected(row):
+                if result not in accepted(row):
                     (result,) = outcomes(given, [row["code"]])  # noqa: PLW2901
             results[given, row["code"]] = result
     return results
@@ -62,5 +71,9 @@ def _quick_collections():
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # some end a thread's spin
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row['about']}-{row.get('shows', row.get('id'))}")
 def test_same_as_rclpy(row, domain, backend, seen):
-    own = backend == "pocket"
-    assert (outcome(row["prelude"], row["code"]) if own else seen[row["prelude"], row["code"]]) == expected(row)
+    if backend == "pocket":
+        assert outcome(row["prelude"], row["code"]) == expected(row)
+    elif len(accepted(row)) > 1:
+        assert seen[row["prelude"], row["code"]] in accepted(row)
+    else:
+        assert seen[row["prelude"], row["code"]] == expected(row)

@@ -28,6 +28,9 @@ RECORD = FOLDER.parent / "data/more_rclpy_behaviour.json"
 EXPRESSIONS = FOLDER.parent / "data/rclpy_expressions.json"
 """Expressions, and what a real rclpy made of them, in groups that begin with the same lines."""
 
+NEWER = FOLDER.parent / "data/rclpy_newer.json"
+"""Expressions of which the message generator of a later patch release of Jazzy makes something else."""
+
 TIME = re.compile(r"\[\d+\.\d+\]")
 LOG_LINE = re.compile(r"\[[A-Z]+\] \[\d")
 PLACE = re.compile(r"( \(unknown location\)| \(\S+\.py\)|(, at \S+\.c:\d+)+)$")
@@ -115,7 +118,7 @@ def outcomes(prelude: str, snippets: Sequence[str]) -> list[dict[str, Any]]:
             capture_output=True,
             text=True,
             check=True,
-            timeout=100,
+            timeout=500,
         )
     found: list[dict[str, Any]] = json.loads(done.stdout)
     return found

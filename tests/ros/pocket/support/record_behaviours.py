@@ -1,16 +1,18 @@
 """Record what a real rclpy does with the snippets of the folder behaviours, each in a fresh process.
 
-Run it where a real ROS 2 is in use, then look at what git shows.
+Run it where a real ROS 2 is in use, then look at what git shows. With ``--newer`` the record stays, and only what a
+later patch release does differently is written down, beside it.
 """
 
 import json
 import os
 import platform
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from behaviours import EXPRESSIONS, RECORD, behaviours, outcomes, prelude, snippets
+from behaviours import EXPRESSIONS, NEWER, RECORD, behaviours, outcomes, prelude, snippets
 
 import pocket_ros2
 
@@ -24,15 +26,18 @@ def record(about: str, shows: str, code: str) -> dict[str, Any]:
 def main() -> None:
     if pocket_ros2.install():
         raise SystemExit("The pocket ROS 2 is in use: what is recorded here is what a real one does.")
+    where = f"{os.environ.get('RMW_IMPLEMENTATION', 'default rmw')}, Python {platform.python_version()}"
     groups = json.loads(EXPRESSIONS.read_text(encoding="utf-8"))["groups"]
     with ThreadPoolExecutor(os.cpu_count()) as workers:
-        rows = list(workers.map(lambda given: record(*given), behaviours()))
         printed = list(workers.map(lambda group: outcomes(prelude(), snippets(group)), groups))
+        if "--newer" in sys.argv:
+            _write_differences(groups, printed, where)
+            return
+        rows = list(workers.map(lambda given: record(*given), behaviours()))
     for group, those in zip(groups, printed, strict=True):
         group["expressions"] = {
             code: done["printed"].removesuffix("\n") for code, done in zip(group["expressions"], those, strict=True)
         }
-    where = f"{os.environ.get('RMW_IMPLEMENTATION', 'default rmw')}, Python {platform.python_version()}"
     note = (
         "Recorded by support/record_behaviours.py: each snippet, after the prelude, in a fresh process on a real "
         f"ROS 2 Jazzy ({where}). "
@@ -46,6 +51,19 @@ def main() -> None:
     )
     _write(EXPRESSIONS, {"note": note, "groups": groups})
     print(f"{len(rows)} behaviours in {RECORD}, {sum(map(len, printed))} expressions in {EXPRESSIONS}")
+
+
+def _write_differences(groups: list[dict[str, Any]], printed: list[list[dict[str, Any]]], where: str) -> None:
+    different = {}
+    for group, those in zip(groups, printed, strict=True):
+        for (code, before), snippet, done in zip(group["expressions"].items(), snippets(group), those, strict=True):
+            if done["printed"] != f"{before}\n":
+                (alone,) = outcomes(prelude(), [snippet])  # it may have met what an earlier one has left
+                if alone["printed"] != f"{before}\n":
+                    different[code] = alone["printed"].removesuffix("\n")
+    note = f"What a later patch release of Jazzy makes of some expressions ({where}); by record_behaviours.py --newer."
+    _write(NEWER, {"note": note, "expressions": different})
+    print(f"{len(different)} differences in {NEWER}")
 
 
 def _write(file: Path, what: dict[str, Any]) -> None:
