@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from pocket_ros2 import real_rclpy
-
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.printing import say
 from tutorial.ros.backend import VARIABLE, ros_backend

@@ -3,10 +3,11 @@
 # ruff: noqa: PLC0415 - help must be fast
 
 import os
+import signal
 
 import click
 
-from tutorial.commands.terminal import status_line
+from tutorial.commands.terminal import INTERRUPTED, status_line
 from tutorial.errors import TutorialError
 from tutorial.printing import say
 
@@ -27,15 +28,21 @@ def ros() -> None:
 
 
 @ros.command(short_help="Install it, or bring it up to date.")
-def install() -> None:
+def install() -> int:
     """Install the real ROS 2 into a folder of its own; what is complete stays as it is."""
     from tutorial.ros.wheels.folder import prefix
-    from tutorial.ros.wheels.install import install, size
+    from tutorial.ros.wheels.install import AGAIN, install, size
 
-    with status_line() as report:
-        install(report)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with status_line() as report:
+            install(report)
+    except KeyboardInterrupt:
+        say(f"Interrupted. {AGAIN}\n", err=True)
+        return INTERRUPTED
     say(f"The real ROS 2 is in {prefix()} ({size(prefix()) / 1e6:.0f} MB).\n\n{ABOUT}")
     say("\nUse it with export TUTORIAL_ROS=rclpy, or in a notebook with use_real_ros().\n")
+    return 0
 
 
 @ros.command(short_help="Remove it.")
@@ -50,7 +57,6 @@ def remove() -> None:
 def info() -> None:
     """Show what the real ROS 2 is, where it came from, and whether it is installed and in use."""
     import pocket_ros2
-
     from tutorial.ros.wheels import folder
     from tutorial.ros.wheels.install import size
 

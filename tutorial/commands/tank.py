@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from tqdm.contrib import DummyTqdmFile
 
+from tutorial import ros_backend
 from tutorial.commands.asking import clear_ros_errors, named_node
 from tutorial.commands.bag import bag
 from tutorial.commands.chaos import chaos
@@ -89,6 +90,7 @@ def run(
     from tutorial.paths import find_project
     from tutorial.project import Project
 
+    ros_backend()  # or the error would name the first controller that imports rclpy
     loaded = Project.load(find_project(project))
     if robot is not None:
         loaded = loaded.with_robot(robot)
@@ -273,6 +275,7 @@ def _launch(step: str, duration: float | None, headless: bool, report: Path | No
     from tutorial.commands.launcher import Launcher, load_launch_file
     from tutorial.paths import find_launch_file
 
+    ros_backend()  # or each of the processes would say that there is none
     environment: dict[str, str] = {}
     if duration is not None:
         environment |= {"TANK_DURATION": str(duration), "TANK_LINGER": str(LINGER + duration)}

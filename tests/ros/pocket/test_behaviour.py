@@ -21,7 +21,7 @@ ROWS += [
 IN_NEWER = json.loads(NEWER.read_text(encoding="utf-8"))["expressions"]
 
 pytestmark = [] if pocket_ros2.install() else [pytest.mark.process, pytest.mark.timeout(600)]
-"""Where a real ROS 2 is in use, the snippets run in processes of their own, and the first test waits for all of them."""
+"""Where a real ROS 2 is in use, the snippets run in processes of their own, and the first test waits for all."""
 
 
 def expected(row: dict[str, Any], printed: str | None = None) -> dict[str, Any]:

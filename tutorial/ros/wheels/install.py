@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from fcntl import LOCK_EX, LOCK_NB, flock
 from importlib.util import find_spec
 from pathlib import Path
-from threading import Thread
+from threading import Event, Thread
 
 from tutorial.errors import TutorialError
 from tutorial.parent_watch import start_watched
@@ -114,16 +114,21 @@ def run(command: Sequence[str], still_running: Callable[[], object] = lambda: No
         Its exit status, and what it has printed.
     """
     output: list[str] = []
+    ended = Event()  # not Thread.join, which may take an interrupted thread for ended before Python 3.13
     with start_watched(command, os.environ) as process:
-        reader = Thread(target=output.extend, args=(process.stdout,), daemon=True)
-        reader.start()
+
+        def read() -> None:
+            output.extend(process.stdout or ())
+            ended.set()
+
+        Thread(target=read, daemon=True).start()
         try:
-            while reader.is_alive():
-                reader.join(LOOK_EVERY)
+            while not ended.wait(LOOK_EVERY):
                 still_running()
         except BaseException:
-            process.stdin.close()  # type: ignore[union-attr]  # which asks the command to stop
-            reader.join()
+            if process.stdin is not None:
+                process.stdin.close()  # which asks the command to stop
+            ended.wait()
             raise
     return process.returncode, "".join(output)
 
@@ -134,7 +139,7 @@ def size(place: Path) -> int:
     for folder_name, _, names in os.walk(place):
         for name in names:
             try:
-                status = os.lstat(os.path.join(folder_name, name))  # noqa: PTH116, PTH118 - called often, for 10,000 files
+                status = os.lstat(os.path.join(folder_name, name))  # noqa: PTH118 - often, and for 10,000 files
             except FileNotFoundError:  # another process is at work here
                 continue
             files[status.st_ino] = status.st_size
@@ -191,7 +196,7 @@ def _try_out(prefix: Path, report: Report) -> None:
         TutorialError: it does not work on this machine.
     """
     report("trying it out")
-    code = "import sys; sys.path.insert(0, sys.argv[1]); import rclpy; from sensor_msgs.msg import JointState; JointState()"
+    code = "import sys; sys.path.insert(0, sys.argv[1]); import rclpy; from sensor_msgs.msg import Imu; Imu()"
     status, output = run([sys.executable, "-c", code, str(folder.site_packages(prefix))])
     if status:
         raise TutorialError(f"the wheels do not work on this machine: {_last_line(output)}. See book/real_ros2.md.")

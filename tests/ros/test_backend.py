@@ -1,0 +1,102 @@
+"""Which ROS 2 a process takes, and what it says where it cannot take the one that was asked for."""
+
+import os
+import subprocess
+import sys
+from importlib.machinery import EXTENSION_SUFFIXES
+
+import pytest
+
+from tutorial.errors import TutorialError
+from tutorial.ros.backend import _check_version
+
+OURS = f"{sys.version_info.major}.{sys.version_info.minor}"
+START = """
+import os, shutil
+from pathlib import Path
+from tutorial import use_real_ros
+from tutorial.ros.wheels import folder
+made = Path({made!r})
+folder.prefix = lambda: made
+"""
+"""The first lines of a program that has a folder of its own."""
+
+
+@pytest.fixture
+def rclpy(tmp_path):
+    """The folder of an rclpy for Python 3.10, of which only the Python files can be used here."""
+    package = tmp_path / "lib/python3.10/site-packages/rclpy"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("from rclpy import _rclpy_pybind11")
+    (package / "_rclpy_pybind11.cpython-310-x86_64-linux-gnu.so").touch()
+    return package
+
+
+def test_another_pythons_rclpy_is_refused(rclpy):
+    with pytest.raises(TutorialError, match=rf"is for Python 3\.10, and this is Python {OURS}\. .*TUTORIAL_ROS=pocket"):
+        _check_version(rclpy)
+
+
+def test_this_pythons_rclpy_is_accepted(rclpy):
+    (rclpy / f"_rclpy_pybind11{EXTENSION_SUFFIXES[0]}").touch()
+    _check_version(rclpy)
+
+
+def run(code, **variables):
+    """Run a program in a process of its own, and return its last line, of what it printed or raised."""
+    environment = {name: value for name, value in os.environ.items() if name != "TUTORIAL_ROS"} | variables
+    ended = subprocess.run([sys.executable, "-c", code], env=environment, check=False, capture_output=True, text=True)
+    return (ended.stdout + ended.stderr).splitlines()[-1]
+
+
+@pytest.mark.process
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import tutorial, rclpy",
+        "import tutorial; from sensor_msgs.msg import JointState",
+        "import tutorial.notebook",
+        "from tutorial.__main__ import main; main(['topic', 'list'])",
+        "from tutorial.__main__ import main; main(['run', 'step2', '--headless', '--duration', '1'])",
+        "from tutorial.__main__ import main; main(['demo', '--headless', '--duration', '1'])",
+        "from tutorial.__main__ import main; main(['joy', '--duration', '1'])",
+    ],
+)
+def test_every_way_in_says_it_in_one_sentence(rclpy, code):
+    said = run(code, PYTHONPATH=str(rclpy.parent))
+    assert "is for Python 3.10" in said
+    assert "step2.yaml" not in said
+
+
+@pytest.mark.process
+@pytest.mark.pocket
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("use_real_ros(); import rclpy; print(rclpy.__file__)", "made/lib/"),
+        ("use_real_ros(); print(os.environ['TUTORIAL_ROS'], os.environ[folder.RANGE])", "rclpy LOCALHOST"),
+        ("import rclpy; use_real_ros()", "the pocket ROS 2 is in use already"),
+        ("from std_msgs.msg import String; use_real_ros()", "restart the kernel"),
+        ("(made / 'runtime.txt').write_text('older'); use_real_ros()", "out of date. Type tank ros install."),
+        ("shutil.rmtree(made); use_real_ros()", "not installed. Type tank ros install."),
+        ("os.environ['RMW_IMPLEMENTATION'] = 'rmw_x'; use_real_ros()", "has only 'rmw_fastrtps_cpp'"),
+    ],
+)
+def test_use_real_ros(tmp_path, code, said):
+    from tutorial.ros.wheels import folder
+
+    made = tmp_path / "made"
+    package = folder.site_packages(made) / "rclpy"
+    package.mkdir(parents=True)
+    (package / "__init__.py").touch()
+    (made / "runtime.txt").write_bytes(folder.WHEELS.read_bytes())
+    assert said in run(f"{START.format(made=str(made))}{code}")
+
+
+@pytest.mark.process
+@pytest.mark.pocket
+def test_after_a_refusal_the_pocket_ros_2_goes_on(tmp_path):
+    refused = (
+        "try: use_real_ros()\nexcept Exception: import rclpy; print(os.environ.get('TUTORIAL_ROS'), rclpy.__file__)"
+    )
+    assert run(START.format(made=str(tmp_path)) + refused).startswith("None ")

@@ -1,0 +1,60 @@
+"""The folder of the real ROS 2: where it is, and when it may be used."""
+
+import re
+
+import pytest
+
+from tutorial.errors import TutorialError
+from tutorial.ros.wheels import folder
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """An empty folder in the place of the real one."""
+    monkeypatch.setattr(folder, "prefix", lambda: tmp_path)
+    monkeypatch.delenv("RMW_IMPLEMENTATION", raising=False)
+    return tmp_path
+
+
+def test_in_a_checkout_it_is_beside_the_environment():
+    assert folder.prefix() == folder.PACKAGE.parent / ".ros2" / folder.TAG
+
+
+def test_without_a_checkout_it_is_in_the_users_data(tmp_path, monkeypatch):
+    monkeypatch.setattr(folder, "PACKAGE", tmp_path / "tutorial")
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    assert folder.prefix() == tmp_path / "tank-tutorial/ros2" / folder.TAG
+
+
+@pytest.mark.parametrize("content", [None, b"of last year"])
+def test_it_is_not_used_before_it_is_complete(place, monkeypatch, content):
+    monkeypatch.setattr(folder.platform, "system", lambda: "Linux")
+    monkeypatch.setattr(folder.platform, "machine", lambda: "x86_64")
+    if content is not None:
+        (place / folder.WHEELS.name).write_bytes(content)
+    with pytest.raises(TutorialError, match=r"is out of date\. Type tank ros install\."):
+        folder.check()
+
+
+def test_only_its_own_rmw_is_accepted(place, monkeypatch):
+    (place / folder.WHEELS.name).write_bytes(folder.WHEELS.read_bytes())
+    for harmless in ("", folder.RMW):
+        monkeypatch.setenv("RMW_IMPLEMENTATION", harmless)
+        folder.check()
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
+    with pytest.raises(TutorialError, match=r"has only 'rmw_fastrtps_cpp'\. Type unset RMW_IMPLEMENTATION"):
+        folder.check()
+
+
+@pytest.mark.parametrize(
+    ("system", "machine", "said"),
+    [
+        ("Linux", "x86_64", "Type tank ros install."),
+        ("Linux", "aarch64", "no ROS 2 for Linux on aarch64: pixi run lab .*apt.*--platform linux/amd64"),
+        ("Darwin", "arm64", r"no ROS 2 for Darwin on arm64: pixi run lab installs one from RoboStack\. See"),
+    ],
+)
+def test_each_machine_has_a_way(monkeypatch, system, machine, said):
+    monkeypatch.setattr(folder.platform, "system", lambda: system)
+    monkeypatch.setattr(folder.platform, "machine", lambda: machine)
+    assert re.search(said, folder.how_to_get_it())

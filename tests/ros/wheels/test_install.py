@@ -1,0 +1,151 @@
+"""Filling the folder: what goes wrong is one sentence, the next call works, and the environment stays as it is."""
+
+import hashlib
+import os
+import signal
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import pytest
+from programs import TANK, until
+
+from tutorial.errors import TutorialError
+from tutorial.ros.wheels import folder, install
+
+ONE = "ros-std-srvs==5.3.6"
+"""A small wheel of the list."""
+
+pytestmark = [pytest.mark.ros2, pytest.mark.timeout(300)]
+if not folder.is_supported():
+    pytest.skip(folder.how_to_get_it(), allow_module_level=True)
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A folder of the test's own; the installation of a child process goes there, too."""
+    (tmp_path / "tutorial").mkdir()
+    monkeypatch.setattr(folder, "PACKAGE", tmp_path / "tutorial")
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    return folder.prefix()
+
+
+@pytest.fixture
+def wheels(tmp_path, monkeypatch):
+    """A list of one wheel."""
+    lines = folder.WHEELS.read_text().split(f"{ONE} \\\n")[1].split("\nros-")[0]
+    monkeypatch.setattr(folder, "WHEELS", tmp_path / "runtime.txt")
+    folder.WHEELS.write_text(f"{ONE} \\\n{lines}\n")
+    return folder.WHEELS
+
+
+@pytest.fixture
+def closed(monkeypatch):
+    """No registry answers."""
+    for name in ("PIP_INDEX_URL", "UV_DEFAULT_INDEX"):
+        monkeypatch.setenv(name, "http://127.0.0.1:9/simple")
+    monkeypatch.setenv("PIP_RETRIES", "0")
+    monkeypatch.setenv("UV_HTTP_RETRIES", "0")
+
+
+def fill(place):
+    install.fill(place / "new", folder.WHEELS, place, lambda _: None)
+
+
+def test_a_wheel_with_another_hash_is_refused(place, wheels):
+    wheels.write_text(f"{ONE} --hash=sha256:{'0' * 64}\n")
+    with pytest.raises(TutorialError, match="its hash differs"):
+        fill(place)
+    assert not place.exists()
+
+
+def test_without_a_network_it_says_so_and_the_next_call_works(place, wheels, closed, monkeypatch):
+    with pytest.raises(TutorialError, match=r"could not be downloaded: .* Type tank ros install again"):
+        fill(place)
+    monkeypatch.undo()
+    fill(place)
+    assert (folder.site_packages(place / "new") / "std_srvs").is_dir()
+
+
+def test_a_full_disk_is_named_and_nothing_is_left(place, monkeypatch):
+    monkeypatch.setattr(install, "run", lambda *_: (1, "error: x.so: No space left on device (os error 28)\n"))
+    with pytest.raises(TutorialError, match="is full: 450 MB are needed"):
+        fill(place)
+    assert not place.exists()
+
+
+def test_a_disk_without_room_is_named_before(place, monkeypatch):
+    monkeypatch.setattr(install, "NEEDED", 1e18)
+    with pytest.raises(TutorialError, match="is nearly full"):
+        install.install(lambda _: None)
+
+
+def test_a_folder_that_cannot_be_written_is_named(place):
+    place.parent.parent.mkdir()
+    place.parent.write_text("a file in its way")
+    with pytest.raises(TutorialError, match="must be writable"):
+        install.install(lambda _: None)
+
+
+def test_two_do_not_get_into_each_others_way(place):
+    with install._alone(place), pytest.raises(TutorialError, match="another tank ros is at work"):
+        install.install(lambda _: None)
+
+
+def fingerprint():
+    """What is in this Python's environment, and what a new interpreter of it knows."""
+    state = hashlib.sha256()
+    for path in sorted(Path(sysconfig.get_path("purelib")).rglob("*")):
+        status = path.lstat()
+        if path.suffix != ".pyc" and not path.is_dir():
+            state.update(f"{path} {status.st_size} {status.st_mtime_ns}\n".encode())
+    code = "import os, sys; print(sys.path, sorted(os.environ), sorted(sys.modules))"
+    return state.hexdigest(), subprocess.run([sys.executable, "-c", code], check=True, capture_output=True).stdout
+
+
+def test_ctrl_c_leaves_nothing_half_and_the_environment_stays_as_it_is(place):
+    before = fingerprint()
+    code = (
+        "import sys; from pathlib import Path; from tutorial.ros.wheels import folder; "
+        "folder.PACKAGE = Path(sys.argv[1]); from tutorial.__main__ import main; main(sys.argv[2:])"
+    )
+    command = [sys.executable, "-c", code, str(folder.PACKAGE), "ros", "install"]
+    interrupted = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    until(lambda: install.size(place.with_name(f"{place.name}.part")) > 5e6, "some wheels")
+    interrupted.send_signal(signal.SIGINT)
+    said, _ = interrupted.communicate(timeout=60)
+    assert (interrupted.returncode, said) == (130, f"Interrupted. {install.AGAIN}\n")
+    assert not place.exists()
+    subprocess.run(command, check=True, capture_output=True)
+    assert folder.is_complete(place)
+    assert [path.name for path in place.parent.iterdir() if path.name != ".lock"] == [place.name]
+    assert install.remove() > 100e6
+    assert fingerprint() == before
+
+
+MAPS = """
+import os, sys, rclpy
+from sensor_msgs.msg import JointState
+rclpy.init()
+node = rclpy.create_node("mapped")
+node.create_publisher(JointState, "joints", 1)
+print(rclpy.__file__)
+print(*sorted({line.split()[-1] for line in open("/proc/self/maps") if ".so" in line}), sep="\\n")
+"""
+
+
+def test_no_library_of_another_ros_gets_in(tmp_path, monkeypatch, domain):
+    if not folder.is_complete(folder.prefix()):
+        pytest.skip("the folder is not filled: make ros")
+    for library in (folder.prefix() / "lib").glob("librcl*.so"):
+        (tmp_path / library.name).write_bytes(b"of another ROS")
+    monkeypatch.setenv("LD_LIBRARY_PATH", str(tmp_path))
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
+    monkeypatch.setenv("TUTORIAL_ROS", "rclpy")
+    for command in ([TANK, "ros", "run", sys.executable, "-c", MAPS], [sys.executable, "-c", f"import tutorial{MAPS}"]):
+        said = subprocess.run(command, check=True, capture_output=True, text=True, env=os.environ).stdout.splitlines()
+        assert said[0].startswith(str(folder.prefix()))
+        ros = [path for path in said if "/librc" in path or "/librmw" in path]
+        assert ros
+        assert all(path.startswith(str(folder.prefix())) for path in ros)
