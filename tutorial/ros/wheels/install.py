@@ -100,7 +100,7 @@ def fill(prefix: Path, wheels: Path, scratch: Path, report: Report) -> None:
             "a downloaded wheel is not the file that the tutorial was tested with (its hash differs), so nothing was "
             f"installed: a proxy or a mirror may have changed it. Try another network. {reason}"
         )
-    raise TutorialError(f"the wheels could not be downloaded: {reason}. {AGAIN}")
+    raise TutorialError(f"the wheels could not be downloaded ({reason}). Check the connection. {AGAIN}")
 
 
 def run(command: Sequence[str], still_running: Callable[[], object] = lambda: None) -> tuple[int, str]:
@@ -204,4 +204,5 @@ def _try_out(prefix: Path, report: Report) -> None:
 
 def _last_line(output: str) -> str:
     """Return the last line of what a command has printed, where most say why they have failed."""
-    return (output.strip().splitlines() or ["no reason was given"])[-1].strip().rstrip(".")
+    last = (output.strip().splitlines() or ["no reason was given"])[-1]
+    return re.sub(r"^\s*(error|cause): ", "", last, flags=re.IGNORECASE).rstrip(".")
