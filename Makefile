@@ -114,17 +114,17 @@ install: .venv/install
 
 .venv/install: pyproject.toml $(POCKET)/pyproject.toml constraints.txt
 	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 is needed, on Debian and Ubuntu with its package python3-venv, and none was found. Install one, or say which: make PYTHON=/path/to/python3.12"; exit 1; }
-	@echo "Installing into .venv: about 700 MB, which takes some minutes the first time."
+	@echo "Installing about 700 MB into .venv. With a fast connection, that takes less than a minute."
 	@$(PYTHON) -m venv --clear .venv
-	@$(PIP) install --progress-bar off -q -c constraints.txt -e ".[gamepad,test,book]" -e $(POCKET)
+	@sh .ci/install gamepad,test,book
 	@touch $@
 
 .venv/lint: .venv/install
-	$(PIP) install --progress-bar off -q -c constraints.txt -e ".[lint]" -e $(POCKET)
+	@sh .ci/install lint
 	@touch $@
 
 .venv/hub: .venv/install
-	@$(PIP) install --progress-bar off -q -c constraints.txt -e ".[hub]" -e $(POCKET)
+	@sh .ci/install hub
 	@npm install --prefix .venv --no-package-lock --silent $(PROXY)
 	@touch $@
 
