@@ -1,4 +1,5 @@
-# Everything that the README and CONTRIBUTING tell you to type. It needs make and Python 3.11, 3.12 or 3.13, nothing else.
+# The commands of the README and CONTRIBUTING. They need make and Python 3.11, 3.12 or 3.13. With only another Python,
+# `make` gets 3.13 from uv; `make PYTHON=/path/to/python3.12` chooses one.
 #
 #   make demo [DURATION=20]   step 3 as a whole: joystick, simulation and viewer
 #   make test                 what needs no further process, browser or build, and the notebooks: some minutes
@@ -10,7 +11,7 @@
 #   make lab                  JupyterLab on the first notebook
 #   make hub                  a JupyterHub with the course, to try; it needs npm, too
 #   make hub-load [USERS=30]  so many users in it: memory and processor time of each
-#   make install              .venv with everything that these need; quick when nothing has changed
+#   make install              install what these commands need into .venv, unless it is up to date
 #   make steps                the tables of steps, in the README, CONTRIBUTING and the book, after a change to their list
 #   make screenshots          the README's picture, which moves; it takes some minutes
 #   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency, memory and a bag; then floods that mean harm
@@ -19,8 +20,7 @@
 #   make book                 the pages of book/ and the notebooks, as a site in book/_build/html
 #   make bench | lint | clean
 
-PYTHON ?= $(shell for p in python3.13 python3.12 python3.11 python3 python; do \
-	$$p -c 'import ensurepip, sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null && echo $$p && break; done)
+PYTHON ?=
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 POCKET := tutorial/ros/pocket
@@ -113,9 +113,9 @@ lint: .venv/lint
 install: .venv/install
 
 .venv/install: pyproject.toml $(POCKET)/pyproject.toml constraints.txt
-	@test -n "$(PYTHON)" || { echo "Python 3.11, 3.12 or 3.13 is needed, on Debian and Ubuntu with its package python3-venv, and none was found. Install one, or say which: make PYTHON=/path/to/python3.12"; exit 1; }
-	@echo "Installing about 700 MB into .venv. With a fast connection, that takes less than a minute."
-	@$(PYTHON) -m venv --clear .venv
+	@python=$$(sh .ci/find_python "$(PYTHON)") && \
+	echo "Installing about 700 MB into .venv. With a fast connection, that takes less than a minute." && \
+	"$$python" -m venv --clear .venv
 	@sh .ci/install gamepad,test,book
 	@touch $@
 
