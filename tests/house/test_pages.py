@@ -19,7 +19,7 @@ from tutorial.paths import HOME, find_drive, find_launch_file, find_model, find_
 NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
 PAGES = [HOME / "README.md", HOME / "CONTRIBUTING.md", *sorted((HOME / "book").glob("*.md"))]
 POCKET = HOME / "tutorial/ros/pocket/README.md"
-FOREIGN = r"\.|bash|cd|colcon|curl|docker|export|helm|pixi|python3?|ros2|rviz2|source|sudo|\.venv/bin/.*"
+FOREIGN = r"\.|bash|cd|colcon|curl|docker|export|helm|pixi|python3?|ros2|rviz2|source|sudo|uv|\.venv/bin/.*"
 """Programs that are not the tutorial's: of their commands only the files that they name are looked for."""
 FINDERS = {"project": find_project, "step": find_launch_file, "drive": find_drive, "model": find_model}
 
