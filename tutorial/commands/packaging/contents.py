@@ -2,8 +2,7 @@
 
 import re
 import subprocess
-from importlib.util import decode_source, find_spec
-from keyword import iskeyword
+from importlib.util import decode_source
 from pathlib import Path
 from string import Template
 from xml.sax.saxutils import escape
@@ -12,10 +11,9 @@ from tutorial.controller_files import controller_names, load_controllers
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.paths import HOME, PACKAGE, find_home
 from tutorial.project import Project
+from tutorial.ros.package_names import check_package_name
 
 TEMPLATES = Path(__file__).parent / "template"
-VALID = re.compile(r"[a-z](_?[a-z0-9])+")
-"""What ROS 2 takes for a package's name: REP 144."""
 EMAIL = re.compile(r"[\w%+-]+(\.[\w%+-]+)*@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)*\.[A-Za-z]{2,}", re.ASCII)
 """What catkin_pkg, with which colcon reads a package.xml, takes for an address."""
 IMPORTED = re.compile(r"^\s*(?:from|import)\s+(\w+)", re.MULTILINE)
@@ -39,7 +37,7 @@ def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple
     Raises:
         TutorialError: a package cannot be called so, the controller is not there, or no step has one of its name.
     """
-    _check_name(name)
+    check_package_name(name)
     if controller is None:
         kind, words, code = "listener", _EXAMPLE, (find_home(PACKAGE) / "notebooks" / "listener.py").read_bytes()
     else:
@@ -81,27 +79,6 @@ def find_maintainer() -> tuple[str, str]:
     """Ask git for the user's name and address; `NOBODY` if package.xml cannot hold what it says."""
     name, email = _ask_git("user.name"), _ask_git("user.email")
     return (name, email) if name.isprintable() and name and EMAIL.fullmatch(email) else NOBODY
-
-
-def _check_name(name: str) -> None:
-    """Check that a package can have a name: it follows REP 144, and no Python module has it yet.
-
-    Raises:
-        TutorialError: it cannot; the text says a name that is near.
-    """
-    if not VALID.fullmatch(name):
-        rule = "Use lowercase letters, digits and single _, a letter first, and two characters at least."
-        raise TutorialError(f"{name!r} cannot be a package's name.{_nearest(name)} {rule}")
-    if iskeyword(name) or find_spec(name) is not None:
-        mend = f"Take another name, such as {f'my_{name}'!r}."
-        raise TutorialError(f"Python has a module, or a keyword, {name!r} already: one would hide the other. {mend}")
-
-
-def _nearest(name: str) -> str:
-    """Make a valid name of another one, and ask whether it was meant; empty where little of it would be left."""
-    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)  # between the words of CamelCase
-    near = re.sub(r"[^a-z0-9]+", "_", words.lower()).strip("_0123456789")
-    return f" Did you mean {near!r}?" if VALID.fullmatch(near) else ""
 
 
 _EXAMPLE = {
