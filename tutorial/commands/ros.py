@@ -4,6 +4,8 @@
 
 import os
 import signal
+from collections.abc import Callable
+from pathlib import Path
 
 import click
 
@@ -31,17 +33,34 @@ def ros() -> None:
 def install() -> int:
     """Install the real ROS 2 into a folder of its own; what is complete stays as it is."""
     from tutorial.ros.wheels.folder import prefix
-    from tutorial.ros.wheels.install import AGAIN, install, size
+    from tutorial.ros.wheels.install import install, size
+    from tutorial.ros.wheels.interfaces import install_tf2_msgs
 
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        with status_line() as report:
-            install(report)
-    except KeyboardInterrupt:
-        say(f"Interrupted. {AGAIN}\n", err=True)
+    def work(report: Callable[[str], object]) -> None:
+        install(report)
+        install_tf2_msgs(prefix(), report)
+
+    if not _finish(work):
         return INTERRUPTED
     say(f"The real ROS 2 is in {prefix()} ({size(prefix()) / 1e6:.0f} MB).\n\n{ABOUT}")
     say("\nUse it with export TUTORIAL_ROS=rclpy, or in a notebook with use_real_ros().\n")
+    return 0
+
+
+@ros.command(short_help="Build messages, services and actions of your own for it.")
+@click.argument("package", type=click.Path(file_okay=False, path_type=Path))
+def build(package: Path) -> int:
+    """Build the interface package in the folder PACKAGE, and install it beside the messages of the real ROS 2.
+
+    tank package --interfaces makes such a package. To build it, a C++ compiler is needed.
+    """
+    from tutorial.ros.wheels import folder
+    from tutorial.ros.wheels.interfaces import build_interfaces
+
+    folder.check()
+    if not _finish(lambda report: build_interfaces(package, folder.prefix(), report)):
+        return INTERRUPTED
+    say(f"{package.resolve().name} is built. Programs with TUTORIAL_ROS=rclpy can import it.\n")
     return 0
 
 
@@ -85,3 +104,17 @@ def run(ros_args: list[str], /, command: tuple[str, ...]) -> None:
         os.execvpe(command[0], [*command, *ros_args], with_own_commands(os.environ) | variables)
     except OSError as error:
         raise TutorialError(f"{command[0]!r} cannot be run: {error.strerror}.") from None
+
+
+def _finish(work: Callable[[Callable[[str], object]], object]) -> bool:
+    """Do some work, which reports its progress; return whether it was finished, and not interrupted by Ctrl-C."""
+    from tutorial.ros.wheels.install import AGAIN
+
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with status_line() as report:
+            work(report)
+    except KeyboardInterrupt:
+        say(f"Interrupted. {AGAIN}\n", err=True)
+        return False
+    return True

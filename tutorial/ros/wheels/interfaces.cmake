@@ -1,0 +1,27 @@
+# What is added to every interface package that is built for the ROS 2 of PyPI's wheels: included after its project().
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE MinSizeRel)
+endif()
+
+# Nothing of a ROS 2 that is installed elsewhere: only CMAKE_PREFIX_PATH counts.
+set(CMAKE_FIND_USE_SYSTEM_ENVIRONMENT_PATH OFF)
+set(CMAKE_FIND_USE_PACKAGE_REGISTRY OFF)
+
+# Libraries are found beside each other, and from the Python package, without LD_LIBRARY_PATH and before it.
+set(CMAKE_INSTALL_RPATH "$ORIGIN" "$ORIGIN/../../..")
+string(APPEND CMAKE_SHARED_LINKER_FLAGS " -Wl,--disable-new-dtags")
+string(APPEND CMAKE_MODULE_LINKER_FLAGS " -Wl,--disable-new-dtags")
+
+# The wheels' targets name include folders of the machine that built the wheels, and CMake refuses folders that don't exist.
+function(forget_foreign_folders)
+  get_property(targets DIRECTORY PROPERTY IMPORTED_TARGETS)
+  foreach(target IN LISTS targets)
+    get_target_property(folders ${target} INTERFACE_INCLUDE_DIRECTORIES)
+    if(folders)
+      list(FILTER folders EXCLUDE REGEX "^/opt/python")
+      set_target_properties(${target} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${folders}")
+    endif()
+  endforeach()
+endfunction()
+cmake_language(DEFER CALL forget_foreign_folders)
