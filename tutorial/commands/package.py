@@ -27,14 +27,24 @@ from tutorial.printing import say
     default=Path(),
     help="Make the package's folder in this one; else in the current directory.",
 )
-def package(name: str, own: str | None, destination: Path) -> None:
+@click.option("--interfaces", is_flag=True, help="Make one with a message, a service and an action instead.")
+def package(name: str, own: str | None, destination: Path, interfaces: bool) -> None:
     """Make a ROS 2 package NAME, which colcon builds, and ros2 run and ros2 launch start.
 
     Without a controller it is made of an example, a node that needs nothing of the tutorial.
     """
-    from tutorial.commands.packaging.contents import make_package
+    from tutorial.commands.packaging.contents import make_interfaces, make_package
 
     folder = destination / name
+    if interfaces and own is not None:
+        raise click.UsageError("A package has interfaces or a controller: give --interfaces or --controller, not both.")
+    if interfaces:
+        _write(folder, make_interfaces(name))
+        say("".join(f"{printable(str(path))}\n" for path in sorted(folder.rglob("*")) if path.is_file()))
+        say("\nList each new file in CMakeLists.txt, too. Build the package for the ROS 2 of tank ros install:\n\n")
+        say(f"    tank ros build {printable(str(folder))}\n\n")
+        say(f"or with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
+        return
     files, executable = make_package(name, None if own is None else part_class(own))
     _write(folder, files)
     say("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))

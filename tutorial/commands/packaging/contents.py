@@ -75,6 +75,30 @@ def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple
     return files, words["module"]
 
 
+def make_interfaces(name: str) -> dict[str, bytes]:
+    """Make a package with a message, a service and an action as examples.
+
+    Args:
+        name: the package's.
+
+    Returns:
+        What each file holds, by its path within the package.
+
+    Raises:
+        TutorialError: a package cannot be called so.
+    """
+    check_package_name(name)
+    maintainer, email = find_maintainer()
+    words = {"package": name, "maintainer": escape(maintainer), "email": email}
+    folder = TEMPLATES / "interfaces"
+    return {
+        path.relative_to(folder).as_posix().removesuffix(".in"): Template(path.read_text(encoding="utf-8"))
+        .substitute(words)
+        .encode()
+        for path in folder.rglob("*.in")
+    }
+
+
 def find_maintainer() -> tuple[str, str]:
     """Ask git for the user's name and address; `NOBODY` if package.xml cannot hold what it says."""
     name, email = _ask_git("user.name"), _ask_git("user.email")
