@@ -52,6 +52,22 @@ def test_a_package_of_the_example(here):
     assert set(said.splitlines()) >= {"my_listener/package.xml", "    ros2 run my_listener listener"}
 
 
+def test_a_package_of_interfaces(here):
+    said = make("my_msgs", "--interfaces")
+    folder = here / "my_msgs"
+    assert files(folder) == {
+        "CMakeLists.txt", "package.xml", "msg/Target.msg", "srv/FindTarget.srv", "action/AimAt.action"
+    }  # fmt: skip
+    assert ElementTree.parse(folder / "package.xml").findtext("maintainer") == ANN[0]
+    assert "rosidl_generate_interfaces(${PROJECT_NAME}" in (folder / "CMakeLists.txt").read_text()
+    assert set(said.splitlines()) >= {"my_msgs/msg/Target.msg", "    tank ros build my_msgs"}
+
+
+def test_interfaces_and_a_controller_are_two_packages(here):
+    assert "not both" in make("my_msgs", "--interfaces", "--controller", "mine.py")
+    assert not (here / "my_msgs").exists()
+
+
 def test_a_package_of_a_controller_is_around_the_first_step_that_has_it(here):
     said = make("my_tank", "--controller", "mine.py:JointStatePublisher", "--destination-directory", "src")
     folder = here / "src" / "my_tank"
