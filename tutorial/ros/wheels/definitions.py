@@ -51,7 +51,7 @@ def _check_types(message: MessageSpecification, package: str, prefix: Path, sour
         home = source if other == package else prefix / "share" / other
         if not (home / f"msg/{kind.type}.msg").exists():
             raise LookupError(f"there is no message {other}/{kind.type}")
-        if other not in (source / "CMakeLists.txt").read_text(encoding="utf-8"):
+        if other != package and other not in (source / "CMakeLists.txt").read_text(encoding="utf-8"):
             raise LookupError(f"CMakeLists.txt needs find_package({other} REQUIRED), and {other} after DEPENDENCIES")
 
 

@@ -14,7 +14,7 @@ from textwrap import shorten
 from xml.etree import ElementTree
 
 from tutorial.errors import TutorialError
-from tutorial.ros.package_names import check_package_name
+from tutorial.ros.package_names import VALID, check_package_name
 from tutorial.ros.wheels import folder
 from tutorial.ros.wheels.install import Report, alone, fill, last_line, run
 
@@ -117,7 +117,8 @@ def _check_free(name: str, prefix: Path) -> None:
     site = folder.site_packages(prefix)
     if name == TF2_MSGS.name or any(site.glob(f"ros_{name}-*.dist-info")):
         raise TutorialError(f"ROS 2 has a package {name!r} already. Call yours {f'my_{name}'!r}, for instance.")
-    if not (site / name).exists():
+    was_built_before = VALID.fullmatch(name) and (site / name).exists()
+    if not was_built_before:
         check_package_name(name)
 
 

@@ -1,0 +1,230 @@
+"""Messages, services and actions of one's own: what is built can be used, and what cannot be built is explained."""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+from programs import marked, until
+
+from tutorial.commands.package import _write
+from tutorial.commands.packaging import contents
+from tutorial.commands.packaging.contents import make_interfaces
+from tutorial.errors import TutorialError
+from tutorial.paths import HOME
+from tutorial.ros.wheels import folder, interfaces
+from tutorial.ros.wheels.interfaces import build_interfaces
+
+PAGE = (HOME / "book/own_interfaces.md").read_text(encoding="utf-8")
+JAZZY = {
+    "action/LookupTransform": "RIHS01_0b8adf6bc0b5958879e3265b41a457e03558fe523890a81252c70eba97a82c5d",
+    "msg/TF2Error": "RIHS01_db2485e7d6a0ec75bf087e058ee45df682acc3a621ca7780503d10aac141809a",
+    "msg/TFMessage": "RIHS01_e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",
+    "srv/FrameGraph": "RIHS01_0d1fbc6222c018ba5f33822904a2fdd4063705289956d3fdde07cd8c50fe8067",
+}
+"""The hashes of tf2_msgs in ROS 2 Jazzy."""
+
+builds = [pytest.mark.ros2, pytest.mark.timeout(600)]
+
+
+def listings(language):
+    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def prefix():
+    """A copy of the folder with the real ROS 2: the learner's own is not built into."""
+    problem = interfaces.missing_compiler() if folder.is_complete(folder.prefix()) else folder.how_to_get_it()
+    if problem:
+        (pytest.fail if os.environ.get("CI") == "true" and folder.is_supported() else pytest.skip)(problem)
+    with tempfile.TemporaryDirectory(dir=folder.prefix().parent) as place:
+        copy = Path(place) / "ros 2"  # a space, as some home folders have
+        shutil.copytree(folder.prefix(), copy, symlinks=True, copy_function=os.link)
+        yield copy
+
+
+def package(place, name):
+    _write(place / name, make_interfaces(name))
+    return place / name
+
+
+@pytest.fixture
+def mine(tmp_path, monkeypatch):
+    """A package that nobody maintains."""
+    monkeypatch.setattr(contents, "_ask_git", lambda _: "")
+    return package(tmp_path, "mine_msgs")
+
+
+@pytest.fixture(scope="module")
+def built(prefix, tmp_path_factory):
+    """The folder, with the page's package in it."""
+    assert build_interfaces(package(tmp_path_factory.mktemp("page"), "my_msgs"), prefix, lambda _: None) == "my_msgs"
+    return prefix
+
+
+def test_the_page_shows_the_examples(mine):
+    files = ("msg/Target.msg", "srv/FindTarget.srv", "action/AimAt.action")
+    assert listings("text") == [(mine / file).read_text() for file in files]
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("std_msgs", "ROS 2 has a package 'std_msgs' already. Call yours 'my_std_msgs'"),
+        ("tf2_msgs", "ROS 2 has a package 'tf2_msgs' already"),
+        ("numpy", "Python has a module, or a keyword, 'numpy' already"),
+        ("MyMsgs", "Did you mean 'my_msgs'?"),
+        ("", "cannot be a package's name"),
+    ],
+)
+def test_a_name_that_would_hide_another_package_is_refused(mine, tmp_path, name, said):
+    (folder.site_packages(tmp_path) / "ros_std_msgs-5.3.6.dist-info").mkdir(parents=True)
+    described = mine / "package.xml"
+    described.write_text(described.read_text().replace("mine_msgs", name))
+    with pytest.raises(TutorialError, match=re.escape(said)):
+        build_interfaces(mine, tmp_path, lambda _: None)
+
+
+@pytest.mark.parametrize("spoil", ["rm package.xml", "rm CMakeLists.txt", "broken xml", "other CMakeLists"])
+def test_what_is_no_interface_package_is_refused(mine, tmp_path, spoil):
+    if spoil.startswith("rm "):
+        (mine / spoil[3:]).unlink()
+    else:
+        (mine / ("package.xml" if "xml" in spoil else "CMakeLists.txt")).write_text("project(mine)")
+    with pytest.raises(
+        TutorialError, match=r"is not the folder of an interface package: .*--interfaces my_msgs makes one"
+    ):
+        build_interfaces(mine, tmp_path, lambda _: None)
+
+
+@pytest.mark.parametrize(
+    ("missing", "said"), [("compiler", "apt install g[+][+], or on Fedora"), ("headers", "apt install python3.*-dev")]
+)
+def test_what_is_missing_to_compile_is_named(mine, tmp_path, monkeypatch, missing, said):
+    if missing == "compiler":
+        monkeypatch.setattr(interfaces.shutil, "which", lambda _: None)
+    else:
+        monkeypatch.setattr(interfaces.shutil, "which", lambda name: name)
+        monkeypatch.setattr(interfaces.sysconfig, "get_path", lambda _: "/nowhere")
+    with pytest.raises(TutorialError, match=said):
+        build_interfaces(mine, tmp_path, lambda _: None)
+    assert not (tmp_path / "build").exists()
+
+
+class TestBuilds:
+    pytestmark = builds
+
+    @pytest.mark.parametrize(
+        ("file", "content", "said"),
+        [
+            (
+                "msg/Target.msg",
+                "float64 size\nfloat46 x",
+                "Target.msg, line 2 (float46 x): InvalidResourceName: 'float46'",
+            ),
+            ("msg/Target.msg", "float64 a\nfloat64 a", "Target.msg, line 2 (float64 a): ValueError"),
+            ("msg/Target.msg", "\nuint8 A=300", "Target.msg, line 2 (uint8 A=300): InvalidValue"),
+            ("msg/Target.msg", "float64 Size", "Target.msg, line 1 (float64 Size): NameError"),
+            ("msg/Target.msg", "float64", "Target.msg, line 1 (float64): InvalidFieldDefinition"),
+            ("msg/Target.msg", "foo_msgs/Bar x", "there is no message foo_msgs/Bar"),
+            ("msg/Target.msg", "Bar x", "there is no message mine_msgs/Bar"),
+            ("msg/Target.msg", "sensor_msgs/Imu x", "CMakeLists.txt needs find_package(sensor_msgs REQUIRED)"),
+            ("srv/FindTarget.srv", "string name\n---\nbol found", "FindTarget.srv, line 3 (bol found)"),
+            (
+                "srv/FindTarget.srv",
+                "string name",
+                "FindTarget.srv has 1 part(s), divided by ---, and a .srv file needs 2",
+            ),
+            ("action/AimAt.action", "string name\n---", "AimAt.action has 2 part(s)"),
+        ],
+    )
+    def test_a_mistake_in_a_definition_has_its_line(self, prefix, mine, file, content, said):
+        (mine / file).write_text(content)
+        mistake = interfaces._explain("", mine, "mine_msgs", prefix, interfaces._environment(prefix, prefix / "build"))
+        assert said in mistake
+
+    @pytest.mark.parametrize(
+        ("file", "old", "new", "said"),
+        [
+            ("msg/Target.msg", "string", "strin", "mine_msgs could not be built: msg/Target.msg, line 2 (strin name)"),
+            ("CMakeLists.txt", "(geometry_msgs", "(geometri_msgs", "there is no package 'geometri_msgs'"),
+            ("CMakeLists.txt", "project(mine_msgs)", "project(other)", "'mine_msgs' .* does not match"),
+            ("CMakeLists.txt", "msg/Target", "msg/Targt", "the passed file 'msg/Targt.msg' doesn't exist"),
+        ],
+    )
+    def test_a_failed_build_leaves_nothing(self, prefix, mine, file, old, new, said):
+        (mine / file).write_text((mine / file).read_text().replace(old, new))
+        before = {path for path in prefix.rglob("*") if prefix / "build" not in path.parents}
+        with pytest.raises(TutorialError) as refused:
+            build_interfaces(mine, prefix, lambda _: None)
+        assert re.search(re.sub(r"([()])", r"\\\1", said), str(refused.value))
+        assert {path for path in prefix.rglob("*") if prefix / "build" not in path.parents} == before
+        assert not (prefix / "build/scratch").exists()
+
+    def test_an_interrupted_build_leaves_nothing(self, prefix, mine, monkeypatch):
+        code = (
+            "import sys; from pathlib import Path; from tutorial.ros.wheels.interfaces import build_interfaces as build"
+        )
+        words = [sys.executable, "-c", f"{code}; build(*map(Path, sys.argv[1:]), lambda _: None)", mine, prefix]
+        monkeypatch.setenv("TANK_TEST_MARK", str(mine))
+        with subprocess.Popen(words, stderr=subprocess.PIPE) as process:
+            until(lambda: (prefix / "build/scratch/build/.ninja_log").exists(), "the compiler")
+            process.send_signal(signal.SIGINT)
+            process.communicate()
+        monkeypatch.delenv("TANK_TEST_MARK")
+        assert process.returncode == -signal.SIGINT
+        assert not marked(str(mine))
+        assert not (prefix / "build/scratch").exists()
+        assert not list(prefix.rglob("*mine_msgs*"))
+
+    def test_a_package_uses_another_one(self, built, mine):
+        for kind in ("srv", "action"):
+            shutil.rmtree(mine / kind)
+        (mine / "msg/Target.msg").write_text("my_msgs/Target[] targets")
+        makes = (mine / "CMakeLists.txt").read_text().replace("geometry_msgs", "my_msgs")
+        (mine / "CMakeLists.txt").write_text(re.sub(r' *"(srv|action)/.*\n', "", makes))
+        build_interfaces(mine, built, lambda _: None)
+        code = "import mine_msgs.msg, my_msgs.msg; print(mine_msgs.msg.Target(targets=[my_msgs.msg.Target(name='a')]))"
+        words = [sys.executable, "-c", code]
+        variables = os.environ | {"PYTHONPATH": str(folder.site_packages(built))}
+        assert "name='a'" in subprocess.run(words, env=variables, check=True, capture_output=True, text=True).stdout
+
+    def test_the_pages_programs(self, built, tmp_path, domain):
+        server, client = listings("python")
+        (tmp_path / "server.py").write_text(server)
+        (tmp_path / "client.py").write_text(client)
+        variables = os.environ | {
+            "PYTHONPATH": str(folder.site_packages(built)),
+            "PYTHONUNBUFFERED": "1",
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            "TUTORIAL_ROS": "rclpy",
+        }
+        variables.pop("RMW_IMPLEMENTATION", None)
+        options = {
+            "cwd": tmp_path,
+            "env": variables,
+            "stdout": subprocess.PIPE,
+            "stderr": subprocess.STDOUT,
+            "text": True,
+        }
+        with subprocess.Popen([sys.executable, "server.py"], **options) as running:
+            try:
+                client = subprocess.run([sys.executable, "client.py"], timeout=120, check=False, **options)
+            finally:
+                running.send_signal(signal.SIGINT)
+                said, _ = running.communicate(timeout=60)
+        (shown,) = (text for text in listings("console") if "client.py" in text)
+        assert client.stdout == shown.partition("\n")[2], said
+        assert (said, running.returncode) == ("", 0)
+
+    def test_tf2_msgs_is_jazzys(self, prefix):
+        for name, jazzys in JAZZY.items():
+            described = json.loads((prefix / f"share/tf2_msgs/{name}.json").read_text())
+            hashes = {each["type_name"]: each["hash_string"] for each in described["type_hashes"]}
+            assert hashes[f"tf2_msgs/{name}"] == jazzys
