@@ -58,9 +58,10 @@ def build(package: Path) -> int:
     from tutorial.ros.wheels.interfaces import build_interfaces
 
     folder.check()
-    if not _finish(lambda report: build_interfaces(package, folder.prefix(), report)):
+    names: list[str] = []
+    if not _finish(lambda report: names.append(build_interfaces(package, folder.prefix(), report))):
         return INTERRUPTED
-    say(f"{package.resolve().name} is built. Programs with TUTORIAL_ROS=rclpy can import it.\n")
+    say(f"{names[0]} is built. Programs with TUTORIAL_ROS=rclpy can import it.\n")
     return 0
 
 
