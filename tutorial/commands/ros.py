@@ -32,18 +32,22 @@ def ros() -> None:
 @ros.command(short_help="Install it, or bring it up to date.")
 def install() -> int:
     """Install the real ROS 2 into a folder of its own; what is complete stays as it is."""
-    from tutorial.ros.wheels.folder import prefix
+    from tutorial.ros.wheels import folder
     from tutorial.ros.wheels.install import install, size
     from tutorial.ros.wheels.interfaces import install_tf2_msgs
 
+    place = folder.prefix()
+
     def work(report: Callable[[str], object]) -> None:
         install(report)
-        install_tf2_msgs(prefix(), report)
+        install_tf2_msgs(place, report)
 
     if not _finish(work):
         return INTERRUPTED
-    say(f"The real ROS 2 is in {prefix()} ({size(prefix()) / 1e6:.0f} MB).\n\n{ABOUT}")
+    say(f"The real ROS 2 is in {place} ({size(place) / 1e6:.0f} MB).\n\n{ABOUT}")
     say("\nUse it with export TUTORIAL_ROS=rclpy, or in a notebook with use_real_ros().\n")
+    if not (folder.site_packages(place) / "tf2_msgs").exists():
+        say(f"\nFor step 7, {folder.NO_TF2_MSGS}\n")
     return 0
 
 

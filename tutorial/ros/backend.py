@@ -50,6 +50,7 @@ def ros_backend() -> Backend:
         )
     if sourced is None:
         folder.activate()
+        sys.meta_path.append(_Refusal(folder.NO_TF2_MSGS, "tf2_msgs"))  # the last: only what nobody finds gets there
     return "rclpy"
 
 
@@ -85,17 +86,22 @@ def promise() -> None:
     try:
         ros_backend()
     except TutorialError as error:
-        sys.meta_path.insert(0, _Refusal(str(error)))
+        sys.meta_path.insert(0, _Refusal(str(error), "rclpy", "_msgs", "_interfaces"))
 
 
 class _Refusal(MetaPathFinder):
-    """Stands where rclpy would be found, and says why there is none."""
+    """Raises an error where some packages would be found or missed.
 
-    def __init__(self, reason: str) -> None:
-        self._reason = reason
+    Args:
+        reason: the error's text.
+        endings: with one of which the packages' names end.
+    """
+
+    def __init__(self, reason: str, *endings: str) -> None:
+        self._reason, self._endings = reason, endings
 
     def find_spec(self, fullname: str, _path: object = None, _target: object = None) -> None:
-        if fullname == "rclpy" or fullname.endswith(("_msgs", "_interfaces")):
+        if fullname.endswith(self._endings):
             raise TutorialError(self._reason)
 
 

@@ -20,6 +20,11 @@ RMW = "rmw_fastrtps_cpp"
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
+NO_TF2_MSGS = (
+    "the real ROS 2 of tank ros install has no tf2_msgs yet, because it is built with a C++ compiler. Install one "
+    "(Debian and Ubuntu: sudo apt install g++ python3-dev), then type tank ros install again."
+)
+
 TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
 """This Python, as wheels name it: a folder serves one version of Python."""
 
