@@ -4,11 +4,13 @@ import os
 import re
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from functools import partial
 from unittest.mock import Mock
 
 import pytest
+from builtin_interfaces.msg import Time
 from click.testing import CliRunner
 from programs import PATIENCE, TANK, until
 from rclpy.utilities import get_rmw_implementation_identifier
@@ -184,6 +186,10 @@ JOYS = "sensor_msgs/msg/Joy"
     [
         (JOYS, "{header: {stmp: 1}}", "'Header' object has no attribute 'stmp'"),
         (JOYS, "{axes: [a]}", "must be real number, not str"),
+        (JOYS, "{header: now}", "Value 'now' is expected to be a dictionary but is a str"),
+        (JOYS, "{header: {stamp: auto}}", "Value 'auto' is expected to be a dictionary but is a str"),
+        ("nav_msgs/Path", "{poses: [auto]}", "Value 'auto' is expected to be a dictionary but is a str"),
+        (JOYS, "{header: {stamp: [now]}}", "Value '['now']' is expected to be a dictionary"),
         (JOYS, "{header: atuo}", "Value 'atuo' is expected to be a dictionary but is a str"),
         ("std_msgs/msg/Float64", "{data: null}", "Value 'None' is expected to be a dictionary but is a NoneType"),
         ("sensor_msgs/msg/Imu", "{orientation_covariance: [1.0]}", "The 'orientation_covariance' "),
@@ -204,7 +210,39 @@ def test_what_does_not_fit(type_name, text, problem):
     ],
 )
 def test_what_fits(type_name, text, shown):
-    assert shown in repr(populated(type_name, text))
+    assert shown in repr(populated(type_name, text).message)
+
+
+def stamps(message):
+    """The seconds of all the stamps in a message, in order."""
+    return [int(found) for found in re.findall(r"Time\(sec=(\d+)", repr(message))]
+
+
+@pytest.mark.parametrize(
+    ("type_name", "text", "seconds"),
+    [
+        ("sensor_msgs/Joy", "{header: auto, axes: [1]}", [7]),
+        (JOYS, "{header: {stamp: now, frame_id: a}}", [7]),
+        (JOYS, "{header: {stamp: {sec: 3}}}", [3]),
+        ("nav_msgs/Path", "{header: auto, poses: [{header: auto}, {}, {header: {stamp: now}}]}", [7, 7, 0, 7]),
+        ("tf2_msgs/msg/TFMessage", "{transforms: [{header: auto, child_frame_id: auto}]}", [7]),
+        ("rosgraph_msgs/Clock", "{clock: now}", [7]),
+        ("builtin_interfaces/Time", "{sec: 3}", [3]),
+    ],
+)
+def test_stamps(type_name, text, seconds):
+    filled = populated(type_name, text)
+    filled.stamp(Time(sec=7))
+    assert stamps(filled.message) == seconds
+    filled.stamp(Time(sec=8))
+    assert stamps(filled.message) == [8 if second == 7 else second for second in seconds]
+
+
+def test_each_publication_is_stamped(tank):
+    run = tank("topic pub -r 50 /mine sensor_msgs/Joy", "{header: auto}", once="publishing #3: ")
+    times = [int(sec) * 10**9 + int(nsec) for sec, nsec in re.findall(r"sec=(\d+), nanosec=(\d+)", run.stdout)]
+    assert times == sorted(set(times))
+    assert 0 <= time.time_ns() - times[0] < PATIENCE * 1e9
 
 
 def test_what_is_no_yaml():

@@ -79,7 +79,11 @@ async def hz(node: MeteredNode, topic_name: str) -> None:
 @click.option("-1", "--once", is_flag=True, help="Wait for a subscription, publish once, and end.")
 @asks
 async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str, rate: float, once: bool) -> None:
-    """Publish a message. VALUES are its fields in YAML: '{axes: [0.0, 0.5]}'."""
+    """Publish a message. VALUES are its fields in YAML: '{header: auto, axes: [0.0, 0.5]}'.
+
+    As with ros2, a header that is 'auto' and a stamp that is 'now' hold the time of publication, and the type may be
+    given in short: sensor_msgs/Joy.
+    """
     from tutorial.ros.topics.populate import populated
     from tutorial.ros.topics.publishing import topic_pub
 

@@ -77,15 +77,15 @@ def message_class(type_name: str) -> Any:
     """Return the class of a message type.
 
     Args:
-        type_name: such as ``"sensor_msgs/msg/Joy"``.
+        type_name: such as ``"sensor_msgs/msg/Joy"``, or in short ``"sensor_msgs/Joy"``, as ROS 2 takes both.
 
     Raises:
         TutorialError: there is none.
     """
     found = None
     try:
-        package, kind, name = type_name.split("/")
-        if kind == "msg" and _has_messages(package):
+        package, *kind, name = type_name.split("/")
+        if kind in ([], ["msg"]) and _has_messages(package):
             found = getattr(import_module(f"{package}.msg"), name)
     except (ValueError, TypeError, ImportError, AttributeError):
         pass

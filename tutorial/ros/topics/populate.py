@@ -2,22 +2,49 @@
 
 import re
 from array import array
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
+from builtin_interfaces.msg import Time
 from rclpy.serialization import serialize_message
+from std_msgs.msg import Header
 
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.names import is_message, message_class
 
+Stamper = Callable[[Time], None]
+"""Sets one field of a message to a time."""
 
-def populated(type_name: str, text: str) -> Any:
+
+class Populated(NamedTuple):
+    """A message that a user has written.
+
+    Attributes:
+        message: the message.
+        stampers: one for each field that is to hold the time of publication.
+    """
+
+    message: Any
+    stampers: Sequence[Stamper] = ()
+
+    def stamp(self, now: Time) -> None:
+        """Set the fields that hold the time of publication."""
+        for set_field in self.stampers:
+            set_field(now)
+
+
+def populated(type_name: str, text: str) -> Populated:
     """Make a message and fill it.
 
+    As for ``ros2 topic pub``, a header may be given as ``auto``, and a stamp as ``now``: either holds the time of
+    publication.
+
     Args:
-        type_name: its type, such as ``"sensor_msgs/msg/Joy"``.
-        text: the fields' values as YAML: ``"{axes: [0.0, 0.5]}"``.
+        type_name: its type, such as ``"sensor_msgs/msg/Joy"``, or in short ``"sensor_msgs/Joy"``.
+        text: the fields' values as YAML: ``"{header: auto, axes: [0.0, 0.5]}"``.
 
     Raises:
         TutorialError: there is no such type, the text is no YAML, or not what the message's fields take; in the words
@@ -33,16 +60,17 @@ def populated(type_name: str, text: str) -> Any:
         raise TutorialError(f"The passed value needs to be in YAML string or a dictionary\n{error}") from error
     if not isinstance(values, dict):
         raise TutorialError("The passed value needs to be a dictionary in YAML format")
+    stampers: list[Stamper] = []
     try:
-        message = _filled(kind, values)
+        message = _filled(kind, values, stampers)
         serialize_message(message)
     except (ArithmeticError, AssertionError, AttributeError, RuntimeError, TypeError, ValueError) as error:
         raise TutorialError(f"Failed to populate field: {error}") from error
-    return message
+    return Populated(message, stampers)
 
 
-def _filled(kind: Any, values: Any) -> Any:
-    """Make a message, which checks what is assigned, of a dictionary."""
+def _filled(kind: Any, values: Any, stampers: list[Stamper]) -> Any:
+    """Make a message, which checks what is assigned, of a dictionary; append to ``stampers`` what sets its stamps."""
     if not isinstance(values, dict):
         raise _no_dictionary(values)
     message = kind(check_fields=True)
@@ -50,21 +78,27 @@ def _filled(kind: Any, values: Any) -> Any:
     for name, value in values.items():
         if name not in kinds:
             raise AttributeError(f"'{kind.__name__}' object has no attribute '{name}'")
-        setattr(message, name, _converted(getattr(message, name), kinds[name], value))
+        old = getattr(message, name)
+        if isinstance(old, Header) and value == "auto":
+            stampers.append(partial(setattr, old, "stamp"))
+        elif isinstance(old, Time) and value == "now":
+            stampers.append(partial(setattr, message, name))
+        else:
+            setattr(message, name, _converted(old, kinds[name], value, stampers))
     return message
 
 
-def _converted(old: Any, field_type: str, value: Any) -> Any:
-    """Turn a value into what a field's old value is."""
+def _converted(old: Any, field_type: str, value: Any, stampers: list[Stamper]) -> Any:
+    """Convert a value to the type of a field's old value; append to ``stampers`` what sets the stamps in it."""
     if found := re.fullmatch(r"(?:sequence<)?(\w+)/(\w+)(?:(?:, \d+)?>|\[\d+\])", field_type):  # of messages
         element = message_class(f"{found[1]}/msg/{found[2]}")
-        return [_filled(element, item) for item in value]
+        return [_filled(element, item, stampers) for item in value]
     if isinstance(old, array):
         return array(old.typecode, value)
     if isinstance(old, np.ndarray):
         return np.array(value, dtype=old.dtype)
     if is_message(old):
-        return _filled(type(old), value)
+        return _filled(type(old), value, stampers)
     try:
         return value if type(value) is type(old) else type(old)(value)
     except TypeError:

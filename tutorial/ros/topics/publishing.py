@@ -7,13 +7,13 @@ import asyncio
 import time
 from collections.abc import AsyncGenerator
 from itertools import count
-from typing import Any
 
 from rclpy.duration import Duration
 from rclpy.node import Node
 
 from tutorial.errors import TutorialError
 from tutorial.ros.topics.names import full_topic
+from tutorial.ros.topics.populate import Populated
 
 DEPTH = 10  # of the queue, as of rclpy's default profile
 LOOK_EVERY = 0.1  # [s] for subscriptions
@@ -23,14 +23,14 @@ ACKNOWLEDGED_IN = 1.0  # [s] at most
 
 
 async def topic_pub(
-    node: Node, topic: str, message: Any, rate: float = 1.0, once: bool = False
+    node: Node, topic: str, populated: Populated, rate: float = 1.0, once: bool = False
 ) -> AsyncGenerator[str, None]:
     """Publish a message, as ``ros2 topic pub``. Each text comes before the message that it announces is published.
 
     Args:
         node: that publishes.
         topic: its name.
-        message: what to publish.
+        populated: what to publish; its stamps are set to the node's time before each publication.
         rate: how often [Hz].
         once: wait for a subscription, and publish to it once; else it goes on for ever.
 
@@ -40,6 +40,7 @@ async def topic_pub(
     Raises:
         TutorialError: the topic's name breaks the rules for names; the text is that of ROS 2.
     """
+    message = populated.message
     try:
         publisher = node.create_publisher(type(message), full_topic(node, topic), DEPTH)
     except RuntimeError as error:
@@ -54,6 +55,7 @@ async def topic_pub(
         yield "publisher: beginning loop\n"
         due = time.monotonic()
         for number in count(1):
+            populated.stamp(node.get_clock().now().to_msg())
             yield f"publishing #{number}: {message!r}\n\n"
             publisher.publish(message)
             if once:
