@@ -17,6 +17,7 @@ from lz4 import frame as lz4
 from mcap.reader import make_reader
 from mcap.records import Chunk
 from mcap.stream_reader import StreamReader
+from mcap.writer import Writer
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import serialize_message
@@ -237,8 +238,7 @@ def test_whatever_is_in_a_file_the_worst_is_a_clear_error(tmp_path, storage):
     ("data", "said"),
     [
         (b"", "it is empty"),
-        (b"PK\x03\x04 a zip", "it begins with '50 4b 03 04 20 61 20 7a', not as an MCAP file does"),
-        (MAGIC + record(1, text(b"ros1\x1b[2J") + text(b"")), r"it is of 'ros1\x1b[2J', not of 'ros2'"),
+        (b"\x00\x01 anything", "it begins with '00 01 20 61 6e 79 74 68', not as an MCAP file does"),
         (HEADER + record(5, size=2**62), "the most that is read"),
         (HEADER + record(0x7E, size=2**62), "in the middle of a record"),
         (HEADER + chunk(2**62, b""), "the most that is read"),
@@ -267,7 +267,7 @@ def test_of_too_many_topics_and_of_a_long_text_the_beginning_is_known(monkeypatc
     topics = (record(4, struct.pack("<HH", i, 0) + name + text(b"cdr") + bytes(4)) for i in range(5))
     (tmp_path / "x.mcap").write_bytes(HEADER + b"".join(topics))
     reader = mcap.McapReader(tmp_path / "x.mcap", print)
-    assert [list(some) for some in reader.batches(0)] == [[]] * 6
+    assert [list(some) for some in reader.batches(0)] == [[]] * 5
     assert {i: len(channel.topic) for i, channel in reader.channels.items()} == dict.fromkeys(range(3), LONGEST_TEXT)
 
 
@@ -373,13 +373,122 @@ def test_a_compressed_bag_is_refused_with_the_mend(tmp_path):
 
 @pytest.mark.parametrize(
     ("path", "said"),
-    [("nowhere", "there is no bag"), (".", "there is no .mcap or .db3 file in it"), ("x.txt", "is no bag: its files")],
+    [
+        ("nowhere", "there is no bag"),
+        ("empty", r"it has no \.mcap or \.db3 file\.$"),
+        ("old", r"it has no \.mcap or \.db3 file\. 'old/x\.bag': it is a bag of ROS 1"),
+        ("x", "'x' is not a bag: it is neither"),
+    ],
 )
 def test_what_is_no_bag_is_a_clear_error(tmp_path, monkeypatch, path, said):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "x.txt").write_text("x")
+    (tmp_path / "x").write_bytes(b"\0\1\2")
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / "x.bag").write_bytes(b"#ROSBAG V2.0\n")
     with pytest.raises(TutorialError, match=said):
         Bag(path)
+
+
+LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 10\n"
+FOREIGN = [
+    ("x.mcap", LFS, "git lfs pull"),
+    ("x.db3", LFS, "git lfs pull"),
+    ("old 1.bag", b"#ROSBAG V2.0\n\x45\0", "rosbags-convert --src 'old 1.bag' --dst 'old 1'"),
+    ("older.bag", b"#ROSRECORD V1.1\n", "it is a bag of ROS 1"),
+    ("x.mcap.zstd", zstd.compress(b"x"), "zstd -d x.mcap.zstd -o x.mcap"),
+    ("x.db3", zstd.compress(b"x"), "zstd -d x.db3 -o x"),
+    ("x.mcap.lz4", lz4.compress(b"x"), "it is compressed by lz4"),
+    ("x.mcap.gz", b"\x1f\x8b\x08", "it is compressed by gzip"),
+    ("x.zip", b"PK\x03\x04", "it is a zip archive"),
+    ("x.tar", b"x.mcap".ljust(257, b"\0") + b"ustar", "it is a tar archive"),
+    ("x.mcap", b"", "it is empty"),
+    ("x.db3", b"<!DOCTYPE html>\n<html>", "it is a web page"),
+    ("x.mcap", "tür\n".encode() * 500, "it is a text file"),
+    ("metadata.yaml", b"rosbag2_bagfile_information:\n", "Give the folder"),
+]
+
+
+@pytest.mark.parametrize(("name", "data", "said"), FOREIGN, ids=[f"{name} {said}" for name, _, said in FOREIGN])
+def test_a_foreign_file_is_named(tmp_path, name, data, said):
+    (tmp_path / name).write_bytes(data)
+    assert said in read(tmp_path / name)[1]
+
+
+def test_a_folder_of_pointers_is_named(tmp_path):
+    write(tmp_path / "bag")
+    (tmp_path / "bag" / "bag_0.mcap").write_bytes(LFS)
+    assert "can be read: bag_0.mcap: it is a Git LFS pointer" in read(tmp_path / "bag")[1]
+
+
+@pytest.mark.parametrize("name", ["x", "x.db3", "x.mcap"])
+def test_the_content_decides(tmp_path, storage, name):
+    written = write(tmp_path / "bag", storage)
+    path = (tmp_path / "bag" / f"bag_0{SUFFIXES[storage]}").rename(tmp_path / name)
+    assert (Bag(path).storage, read(path)) == (storage, (written, ""))
+
+
+@pytest.mark.parametrize("profile", ["", "x", "ros2"])
+def test_the_profile_does_not_matter(tmp_path, profile):
+    with (tmp_path / "x.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile)
+        schema = writer.register_schema(STRING, "ros2msg", b"string data")
+        writer.add_message(writer.register_channel("/said", "cdr", schema), START, payload(0), START)
+        writer.finish()
+    bag = Bag(tmp_path / "x.mcap")
+    assert ([message.data for *_, message in bag.messages()], bag.damage) == (["number 0"], "")
+
+
+def test_other_encodings_are_refused(tmp_path):
+    bag = make(tmp_path / "bag", b"{'data': 1}", channels=[Channel("/said", STRING, encoding="json")])
+    with pytest.raises(TutorialError, match="the messages on /said are 'json', and not 'cdr'"):
+        list(bag.messages())
+
+
+def test_a_short_type_name(tmp_path):
+    bag = make(tmp_path / "bag", payload(0), channels=[Channel("/said", "std_msgs/String")])
+    assert bag.topics == [BagTopic("/said", "std_msgs/String", 1)]
+    assert [message.data for *_, message in bag.messages()] == ["number 0"]
+
+
+def test_the_slash_does_not_matter(tmp_path):
+    bag = make(tmp_path / "bag", payload(0), channels=[Channel("said", STRING), Channel("/x", STRING)])
+    assert [[name for name, *_ in bag.messages([topic])] for topic in ("said", "/said")] == [["said"], ["said"]]
+    assert bag.channel("x").topic == "/x"
+
+
+OLD = ["id, name, type", "id, name, type, serialization_format", "type, id, name, extra, offered_qos_profiles"]
+
+
+def old(path, columns, how=""):
+    """An SQLite file of an older ros2 bag."""
+    values = {"id": "1", "name": "'/said'", "type": f"'{STRING}'", "serialization_format": "'cdr'"}
+    words = ", ".join(values.get(name, "''") for name in columns.split(", "))
+    with closing(sqlite3.connect(path)) as database:
+        database.executescript(
+            f"{how}; CREATE TABLE topics({columns}); INSERT INTO topics VALUES ({words});"
+            "CREATE TABLE messages(id, topic_id, timestamp, data);"
+        )
+        database.execute("INSERT INTO messages VALUES (1, 1, ?, ?)", (START, payload(0)))
+        database.commit()
+
+
+@pytest.mark.parametrize("columns", OLD)
+def test_columns_that_old_bags_lack(tmp_path, columns):
+    old(tmp_path / "x.db3", columns)
+    bag = Bag(tmp_path / "x.db3")
+    assert ([message.data for *_, message in bag.messages()], bag.damage) == (["number 0"], "")
+    assert (bag.channel("/said").encoding, bag.channel("/said").qos) == ("cdr", "")
+
+
+def test_a_read_only_folder(tmp_path):
+    """SQLite cannot make its -wal file there, no more than where a folder has this name."""
+    old(tmp_path / "x.db3", OLD[1], "PRAGMA journal_mode=WAL")
+    (tmp_path / "x.db3-wal").mkdir()
+    assert read(tmp_path / "x.db3") == ([("/said", START, payload(0))], "")
+    (tmp_path / "x.db3-journal").write_bytes(b"x")
+    assert "its last transaction is incomplete" in read(tmp_path / "x.db3")[1]
 
 
 def test_quality_of_service_survives_a_bag():

@@ -111,6 +111,28 @@ def test_what_cannot_be_played_is_said(nodes, tmp_path, caplog):
     ]
 
 
+@pytest.mark.parametrize(
+    ("topic", "asked", "clock", "on"),
+    [
+        ("a", None, 0, ["/a"]),
+        ("a", ["/a"], 0, ["/a"]),
+        ("~/a", None, 0, ["/player/a"]),
+        ("clock", None, 0, ["/clock"]),
+        ("clock", None, 50, []),
+    ],
+)
+def test_relative_topics(nodes, tmp_path, topic, asked, clock, on):
+    writer = BagWriter(tmp_path / "bag")
+    for name in (topic, "/b"):
+        writer.add_channel(Channel(name, "std_msgs/String"))
+        writer.write(name, START, START, serialize_message(String()))
+    writer.close()
+    there = Mock(wraps=nodes[0])
+    Player(there, Bag(tmp_path / "bag"), topics=asked, clock=clock).run(threading.Event())
+    made = [call.args[1] for call in there.create_publisher.call_args_list if call.args[0] is String]
+    assert [nodes[0].resolve_topic_name(name) for name in made if name != "/b"] == on
+
+
 def test_only_some_topics_from_the_middle(nodes, heard, tmp_path):
     Player(nodes[0], make(tmp_path / "bag"), rate=100.0, topics=["/b"], start_offset=0.2).run(threading.Event())
     until(lambda: len(heard) == 5, "the messages")

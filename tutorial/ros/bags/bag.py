@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
-from rclpy.serialization import deserialize_message
 
 from tutorial.errors import TutorialError, did_you_mean, printable
 from tutorial.paths import is_file, is_folder
+from tutorial.ros.bags.file_kind import foreign, suffix_of
 from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.sqlite import SqliteReader
 from tutorial.ros.bags.storage import Channel, Damaged, RawMessage, Span, read_yaml
@@ -49,7 +49,7 @@ class Bag:
     """A bag, of ``tank bag record`` or of ``ros2 bag record``; one that was cut off is read as far as it goes.
 
     Args:
-        path: the bag's folder, or one of its files, ``.mcap`` or ``.db3``.
+        path: the bag's folder, or one of its files, MCAP or SQLite.
 
     Attributes:
         path: the same.
@@ -67,11 +67,13 @@ class Bag:
         self.path = Path(path)
         self._faults: dict[str, None] = {}  # in order
         self.files, told = self._find()
-        self.storage = "mcap" if self.files[0].suffix == ".mcap" else "sqlite3"
+        self.storage = "mcap" if suffix_of(self.files[0]) == ".mcap" else "sqlite3"
         self.distro = printable(told.ros_distro[:60])
         self.channels: dict[str, Channel] = {}
         self._counts: Counter[str] = Counter()
         self._readers = [reader for file in self.files if (reader := self._opened(file)) is not None]
+        if not self._readers:
+            raise TutorialError(f"nothing in the bag {_named(self.path)} can be read: {'; '.join(self._faults)}.")
         span = Span()
         for topic, time, _ in self._in_order():
             self._counts[topic] += 1
@@ -81,11 +83,6 @@ class Bag:
         self.start, self.end = span.start, span.end
         if told.message_count not in (None, span.count):
             self._say(f"metadata.yaml tells of {told.message_count:,} messages, and {span.count:,} are there")
-        if not self._readers:
-            raise TutorialError(
-                f"nothing in the bag {_named(self.path)} can be read: {'; '.join(self._faults)}. 'ros2 bag reindex' or "
-                "'mcap recover' may get more out of it."
-            )
 
     @property
     def topics(self) -> list[BagTopic]:
@@ -114,13 +111,17 @@ class Bag:
     def channel(self, topic: str) -> Channel:
         """Return what is known of a topic.
 
+        Args:
+            topic: its name. A program that writes bags itself may have left out the slash, which makes no difference.
+
         Raises:
             TutorialError: there is no such topic.
         """
-        if topic not in self.channels:
-            known = [escape_name(name) for name in self.channels]
-            raise TutorialError(f"there is no topic '{escape_name(topic)}' in this bag.{did_you_mean(topic, known)}")
-        return self.channels[topic]
+        for name in (topic, f"/{topic}", topic.removeprefix("/")):
+            if name in self.channels:
+                return self.channels[name]
+        known = [escape_name(name) for name in self.channels]
+        raise TutorialError(f"there is no topic '{escape_name(topic)}' in this bag.{did_you_mean(topic, known)}")
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[tuple[str, int, Any]]:
         """Yield the messages in the order in which they were received: (topic, time [ns], message).
@@ -129,10 +130,12 @@ class Bag:
             topics: only those; None for all.
 
         Raises:
-            TutorialError: there is no such topic, or its messages are of a type that is not known here.
+            TutorialError: there is no such topic, or its messages are of a type that is not known here, or not in CDR.
         """
+        from rclpy.serialization import deserialize_message  # noqa: PLC0415 - `tank bag info` works without rclpy
+
         channels = [self.channel(name) for name in (self.channels if topics is None else topics)]
-        kinds = {each.topic: message_class(each.type_name) for each in channels if self._counts[each.topic]}
+        kinds = {each.topic: _class_of(each) for each in channels if self._counts[each.topic]}
         for name, time, payload in self.raw_messages(kinds):
             try:
                 message = deserialize_message(payload, kinds[name])
@@ -174,7 +177,9 @@ class Bag:
         """Look into a file; None where nothing can be read."""
         name = escape_name(file.name)
         try:
-            return READERS[file.suffix](file, lambda fault: self._say(f"{name}: {fault}"))
+            if what := foreign(file):
+                raise Damaged(what)
+            return READERS[suffix_of(file)](file, lambda fault: self._say(f"{name}: {fault}"))
         except Damaged as damaged:
             self._say(f"{name}: {damaged}")
         except OSError as error:
@@ -187,8 +192,8 @@ class Bag:
     def _find(self) -> tuple[list[Path], _Information]:
         """Find the bag's files, and hold them against what its metadata say."""
         if is_file(self.path):
-            if self.path.suffix not in READERS:
-                raise TutorialError(f"{_named(self.path)} is no bag: its files end in {' or '.join(READERS)}.")
+            if what := foreign(self.path):
+                raise TutorialError(f"{_named(self.path)} is not a bag: {what}.")
             return [self.path], _Information()
         if not is_folder(self.path):
             raise TutorialError(f"there is no bag {_named(self.path)}. A bag is a folder, or an .mcap or .db3 file.")
@@ -198,9 +203,11 @@ class Bag:
                 f"the bag {_named(self.path)} is compressed by {printable(told.compression_mode.lower()[:20])}, which "
                 "is not read here. On a real ROS 2, 'ros2 bag convert' makes one of it that is not."
             )
-        files = sorted((path for path in self.path.iterdir() if path.suffix in READERS and is_file(path)), key=_number)
+        every = sorted(filter(is_file, self.path.iterdir()), key=_number)
+        files = [path for path in every if path.suffix in READERS]
         if not files:
-            raise TutorialError(f"the folder {_named(self.path)} is no bag: there is no .mcap or .db3 file in it.")
+            seen = next((f" {_named(path)}: {what}." for path in every if (what := foreign(path))), "")
+            raise TutorialError(f"the folder {_named(self.path)} is not a bag: it has no .mcap or .db3 file.{seen}")
         return [file for file in files if file.suffix == files[0].suffix], told
 
     def _read_metadata(self) -> _Information:
@@ -217,6 +224,19 @@ class Bag:
         except Exception:  # noqa: BLE001 - what a stranger has written may be anything
             self._say("metadata.yaml: it is no YAML")
         return _Information()
+
+
+def _class_of(channel: Channel) -> Any:
+    """Return the class of a topic's messages.
+
+    Raises:
+        TutorialError: the type is not known here, or the messages are not in CDR.
+    """
+    found = message_class(channel.type_name)
+    if channel.encoding != "cdr":
+        encoding, topic = escape_name(channel.encoding), escape_name(channel.topic)
+        raise TutorialError(f"the messages on {topic} are '{encoding}', and not 'cdr'")
+    return found
 
 
 def _number(path: Path) -> tuple[int, str]:

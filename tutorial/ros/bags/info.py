@@ -21,7 +21,7 @@ def bag_info(bag: Bag) -> str:
         "Files": f"\n{INDENT}".join(printable(file.name) for file in bag.files),
         "Bag size": _size(bag.size),
         "Storage id": bag.storage,
-        "ROS Distro": bag.distro,
+        "ROS Distro": bag.distro or "unknown",
         "Duration": f"{_seconds(bag.end - bag.start)}s",
         "Start": _moment(bag.start),
         "End": _moment(bag.end),
@@ -33,11 +33,11 @@ def bag_info(bag: Bag) -> str:
 
 
 def _size(count: float) -> str:
-    """Write a number of bytes with one decimal."""
+    """Write a size in the largest unit that fits; bytes have no decimal."""
     power = 0
     while count >= 1024 and power < len(UNITS) - 1:
         count, power = count / 1024, power + 1
-    return f"{count:.1f} {UNITS[power]}"
+    return f"{count:.{min(power, 1)}f} {UNITS[power]}"
 
 
 def _seconds(nanoseconds: int) -> str:

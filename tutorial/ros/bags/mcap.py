@@ -29,7 +29,6 @@ LARGEST_RECORD = LARGEST_MESSAGE + 64  # with what stands before the messages [b
 HEAD = struct.Struct("<BQ")  # of a record: its kind and its length
 
 KINDS: dict[int, Any] = {
-    Opcode.HEADER: records.Header,
     Opcode.FOOTER: records.Footer,
     Opcode.SCHEMA: records.Schema,
     Opcode.CHANNEL: records.Channel,
@@ -94,7 +93,7 @@ class McapWriter:
 
 
 class McapReader:
-    """Reads an MCAP file of ROS 2, as far as it goes; it is open only while messages are read.
+    """Reads an MCAP file, as far as it goes; it is open only while messages are read.
 
     Args:
         path: the file.
@@ -142,13 +141,10 @@ class McapReader:
             self._say(str(error))
 
     def _check_begin(self, file: IO[bytes]) -> None:
-        """Refuse what is no such file."""
+        """Refuse a file of another kind. The header's profile does not matter, as some programs leave it out."""
         begin = file.read(len(MCAP0_MAGIC))
         if begin != MCAP0_MAGIC:
-            raise Damaged(f"it begins with {begin.hex(' ')!r}, not as an MCAP file does" if begin else "it is empty")
-        header = next(self._records(file, len(begin), self._end), None)
-        if isinstance(header, records.Header) and header.profile != "ros2":
-            raise Damaged(f"it is of '{printable(header.profile[:60])}', not of 'ros2'")
+            raise Damaged(f"it begins with {begin.hex(' ')!r}, not as an MCAP file does")
 
     def _unpacked(self, chunk: records.Chunk) -> Iterator[records.McapRecord]:
         """Yield the records of a chunk, up to where it is cut off; none where it cannot be unpacked."""

@@ -20,7 +20,7 @@ from tutorial.errors import TutorialError
 from tutorial.ros.bags.bag import Bag
 from tutorial.ros.bags.qos import offered
 from tutorial.ros.topics.graph import wait_for_graph
-from tutorial.ros.topics.names import escape_name, is_valid_topic, message_class
+from tutorial.ros.topics.names import escape_name, full_topic, is_valid_topic, message_class
 
 CLOCK = "/clock"
 CLOCK_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)  # as rclcpp's ClockQoS
@@ -143,8 +143,8 @@ class Player:
     def _met(self) -> bool:
         """Whether the subscriptions that are on the topics would receive what is published."""
         return all(
-            publisher.get_subscription_count() >= self._node.count_subscribers(topic)
-            for topic, publisher in self._publishers.items()
+            publisher.get_subscription_count() >= self._node.count_subscribers(publisher.topic_name)
+            for publisher in self._publishers.values()
         )
 
     def _close(self, stop: threading.Event) -> None:
@@ -161,16 +161,28 @@ class Player:
         """Return class and quality of service of each topic that can be played, and say which cannot."""
         wanted = self._bag.channels if topics is None else topics
         playable = {}
-        for topic in sorted(wanted):
-            channel = self._bag.channel(topic)
-            if topic == CLOCK and self._clock:
-                continue
+        for channel in map(self._bag.channel, sorted(wanted)):
+            topic = channel.topic
             try:
-                if not is_valid_topic(topic):
-                    raise TutorialError("the name breaks the rules of ROS 2")
+                if self._full_name(topic) == self._full_name(CLOCK) and self._clock:
+                    continue
                 if channel.encoding != "cdr":
                     raise TutorialError(f"its messages are {escape_name(channel.encoding)!r}, and not 'cdr'")
                 playable[topic] = message_class(channel.type_name), offered(channel.qos)
             except TutorialError as error:
                 _log.warning("topic %s is not played: %s", escape_name(topic), error)
         return playable
+
+    def _full_name(self, topic: str) -> str:
+        """Return the full name of one of the bag's topics; as in ros2 bag, a relative one is in the node's namespace.
+
+        Raises:
+            TutorialError: the name breaks the rules for names.
+        """
+        try:
+            name = full_topic(self._node, topic)
+        except TutorialError:
+            name = ""
+        if not is_valid_topic(name):
+            raise TutorialError("the name breaks the rules of ROS 2")
+        return name

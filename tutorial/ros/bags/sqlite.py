@@ -12,9 +12,15 @@ from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 from tutorial.errors import printable
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, RawMessage
 
-TOPICS = "SELECT id, name, type, serialization_format, offered_qos_profiles FROM topics"
+COLUMNS = {"id": "id", "name": "name", "type": "type", "serialization_format": "'cdr'", "offered_qos_profiles": "''"}
+"""The columns that are read of each topic, and what replaces one that an older ros2 bag has not written."""
 TABLES = Sqlite3Writer.SQLITE_SCHEMA.replace("'rosbags'", "'jazzy'")
 MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # not by the index
+UNFINISHED = {
+    "-journal": "its last transaction is incomplete",
+    "-wal": "its -wal file cannot be read here. Copy both files to a folder that you can write to",
+}
+"""The suffixes of what SQLite keeps beside a file, and what to report if SQLite cannot use it."""
 BATCH = 100  # messages, of which one may be that much out of order
 UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised of a spoilt file; the second is about SQLite's own words
 
@@ -85,16 +91,23 @@ class SqliteReader:
         self._how = "mode=ro"
         try:
             try:
-                rows = list(self._rows(TOPICS))
-            except UNREADABLE:  # what a killed recording has left half done may stand beside the file
+                rows = self._topics()
+            except UNREADABLE:  # the folder is read-only, or a killed recording has left something beside the file
                 self._how = "immutable=1"
-                rows = list(self._rows(TOPICS))
-                say("its last transaction is incomplete")
+                for suffix, missing in UNFINISHED.items():
+                    if _has_content(Path(f"{path}{suffix}")):
+                        say(missing)
+                rows = self._topics()
             if path.stat().st_size % next(self._rows("PRAGMA page_size"))[0]:  # SQLite reads zeros there
                 say("its last page is incomplete, so messages there may be wrong")
         except UNREADABLE as error:
             raise Damaged(f"SQLite says: {printable(str(error))}") from error
         self.channels = {number: Channel(*map(str, words)) for number, *words in rows}
+
+    def _topics(self) -> list[tuple[Any, ...]]:
+        there = {name for _, name, *_ in self._rows("PRAGMA table_info(topics)")}
+        columns = (name if name in there else default for name, default in COLUMNS.items())
+        return list(self._rows(f"SELECT {', '.join(columns)} FROM topics"))
 
     def batches(self, since: float) -> Iterator[Iterable[RawMessage]]:
         """Yield the messages from a time on [ns], some at a time."""
@@ -121,3 +134,7 @@ class SqliteReader:
             # a query reads tables alone: a view, whose name comes last, may never end
             database.set_authorizer(lambda *names: sqlite3.SQLITE_DENY if names[-1] else sqlite3.SQLITE_OK)
             yield from database.execute(query, values)
+
+
+def _has_content(path: Path) -> bool:
+    return path.is_file() and path.stat().st_size > 0
