@@ -19,6 +19,7 @@ from std_msgs.msg import String
 
 from tutorial.commands.topic import topic
 from tutorial.errors import TutorialError
+from tutorial.ros.bags.writer import BagWriter
 from tutorial.ros.domains import reserved_domain
 from tutorial.ros.node_thread import MeteredNode, NodeThread
 from tutorial.ros.topics.populate import populated
@@ -176,6 +177,14 @@ def test_ros_arguments_name_the_node_and_remap_its_topics(tank):
 def test_help_comes_without_rclpy():
     code = "import sys, tutorial.commands.tank; sys.exit(bool({'rclpy', 'numpy', 'mujoco'} & {*sys.modules}))"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("words", [["progress"], ["bag", "info", "x"]])
+def test_no_rclpy_is_needed(words, tmp_path):
+    BagWriter(tmp_path / "x").close()
+    code = f"import sys; sys.modules['rclpy'] = None; from tutorial.commands.tank import main; main({words})"
+    subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
 
 
 JOYS = "sensor_msgs/msg/Joy"

@@ -1,12 +1,19 @@
 """The exercises that there are."""
 
+from __future__ import annotations
+
+import ast
 import importlib
 import pkgutil
 from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tutorial import checks
-from tutorial.checks.exercise import Exercise
 from tutorial.paths import HOME
+
+if TYPE_CHECKING:
+    from tutorial.checks.exercise import Exercise
 
 
 @cache
@@ -16,18 +23,28 @@ def exercises() -> dict[str, tuple[Exercise, ...]]:
     A notebook and a module here have the same name, but for the number; the module lists their exercises in the
     notebook's order, in ``__all__``. What has no notebook here comes last.
     """
-    notebooks = {path.stem.partition("_")[2]: path.stem for path in (HOME / "notebooks").glob("[0-9]*_*.ipynb")}
-    titles = {each.name: notebooks.get(each.name, each.name) for each in pkgutil.iter_modules(checks.__path__)}
-    found: dict[str, tuple[Exercise, ...]] = {}
-    for name in sorted((name for name in titles if name[0] != "_"), key=titles.__getitem__):
-        module = importlib.import_module(f"{checks.__name__}.{name}")
-        listed = [vars(module)[each] for each in getattr(module, "__all__", ())]
-        if own := tuple(each for each in listed if isinstance(each, Exercise)):
-            found[titles[name]] = own
-    return found
+    return {
+        title: tuple(getattr(importlib.import_module(f"{checks.__name__}.{name}"), name) for name in names)
+        for title, names in exercise_names().items()
+    }
 
 
 def exercise_names(step: int | None = None) -> dict[str, list[str]]:
-    """Return the names of a step's exercises, or of all, by the notebook that they are in."""
+    """Return the names of a step's exercises, or of all, by the notebook that they are in.
+
+    Each exercise has a module of its own name. Nothing is imported here, so this works without rclpy.
+    """
+    notebooks = {path.stem.partition("_")[2]: path.stem for path in (HOME / "notebooks").glob("[0-9]*_*.ipynb")}
+    modules = [each.name for each in pkgutil.iter_modules(checks.__path__) if each.name[0] != "_"]
+    listed = {notebooks.get(name, name): _listed(name) for name in modules}
+    found = {title: [name for name in listed[title] if name in modules] for title in sorted(listed)}
     prefix = "" if step is None else f"{step}_"
-    return {title: [each.name for each in own] for title, own in exercises().items() if title.startswith(prefix)}
+    return {title: names for title, names in found.items() if names and title.startswith(prefix)}
+
+
+def _listed(module: str) -> list[str]:
+    """Return what a module's source assigns to ``__all__``."""
+    tree = ast.parse((Path(checks.__path__[0]) / f"{module}.py").read_text(encoding="utf-8"))
+    assigned = (each for each in tree.body if isinstance(each, ast.Assign))
+    values = [each.value for each in assigned if ast.unparse(each.targets[0]) == "__all__"]
+    return list(ast.literal_eval(values[0])) if values else []

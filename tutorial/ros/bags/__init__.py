@@ -1,8 +1,23 @@
 """Bags: what went over topics, kept in files that ``ros2 bag`` reads and writes, too. Nothing here prints."""
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from tutorial.ros.bags.bag import Bag, BagTopic
 from tutorial.ros.bags.info import bag_info
-from tutorial.ros.bags.player import Player
-from tutorial.ros.bags.recorder import Recorder
+
+if TYPE_CHECKING:
+    from tutorial.ros.bags.player import Player
+    from tutorial.ros.bags.recorder import Recorder
 
 __all__ = ["Bag", "BagTopic", "Player", "Recorder", "bag_info"]
+
+WITH_RCLPY = {"Player": "player", "Recorder": "recorder"}
+"""In which modules the classes are that need rclpy. To read a bag takes none."""
+
+
+def __getattr__(name: str) -> Any:
+    """Import a class that needs rclpy when it is used first."""
+    if name not in WITH_RCLPY:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{WITH_RCLPY[name]}"), name)

@@ -4,17 +4,19 @@ ROS 2 checks the names that its own programs use. A program that is DDS alone ma
 type whatever it likes.
 """
 
+# ruff: noqa: PLC0415 - `tank bag info` works without rclpy
+
+from __future__ import annotations
+
 import sys
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Any
-
-from rclpy.exceptions import NameValidationException
-from rclpy.expand_topic_name import expand_topic_name
-from rclpy.node import Node
-from rclpy.validate_full_topic_name import validate_full_topic_name
+from typing import TYPE_CHECKING, Any
 
 from tutorial.errors import TutorialError, printable
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
 
 LONGEST_NAME = 255
 """Characters of a name in ROS 2."""
@@ -40,6 +42,9 @@ def escape_name(name: str) -> str:
 
 def is_valid_topic(name: str) -> bool:
     """Whether a topic's full name keeps the rules of ROS 2, which answers no question about any other."""
+    from rclpy.exceptions import NameValidationException
+    from rclpy.validate_full_topic_name import validate_full_topic_name
+
     try:
         return bool(validate_full_topic_name(name))
     except (NameValidationException, ValueError, TypeError):  # the last two: half a character
@@ -56,6 +61,9 @@ def full_topic(node: Node, topic: str) -> str:
     Raises:
         TutorialError: it breaks the rules for names; the text is that of ROS 2.
     """
+    from rclpy.exceptions import NameValidationException
+    from rclpy.expand_topic_name import expand_topic_name
+
     try:
         expand_topic_name(topic, node.get_name(), node.get_namespace())
         return str(node.resolve_topic_name(topic))
