@@ -55,6 +55,13 @@ def test_what_there_is_is_found(monkeypatch, probe, kind, answer, environment, l
     assert bool(found.mend) == (level != "ok")
 
 
+def test_a_loopback_that_is_down_is_named(monkeypatch):
+    monkeypatch.setattr(doctor, "loopback_is_up", lambda: False)
+    found = doctor.discovery()
+    assert (found.level, found.mend) == ("problem", doctor.TURN_ON)
+    assert "the loopback interface (127.0.0.1) is down" in found.text
+
+
 def test_it_stands_in_columns_no_word_is_broken_and_when_a_probe_fails_the_others_go_on(monkeypatch, capsys):
     found = doctor.Diagnosis("problem", f"{'word ' * 30}{'/long' * 30}", "export ROS_DOMAIN_ID=42")
     probes = {"ROS 2": lambda: found, "broken": lambda: 1 / 0, "Python": doctor.PROBES["Python"]}

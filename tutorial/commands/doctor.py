@@ -25,6 +25,7 @@ from pocket_ros2 import real_rclpy
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.printing import say
 from tutorial.ros.backend import VARIABLE, ros_backend
+from tutorial.ros.loopback import TURN_ON, loopback_is_up
 from tutorial.ros.wheels import folder
 
 WIDTH = 100  # columns, of which the first 20 are for subject and level
@@ -202,6 +203,10 @@ def discovery() -> Diagnosis:
     reach = os.environ.get(RANGE) or ("SUBNET" if ros_backend() == "rclpy" else "LOCALHOST")
     if reach not in RANGES:
         return Diagnosis("problem", f"{RANGE} is {reach!r}.{did_you_mean(reach, RANGES)}", f"unset {RANGE}")
+    if not loopback_is_up():
+        return Diagnosis(
+            "problem", "the loopback interface (127.0.0.1) is down: programs cannot find each other", TURN_ON
+        )
     text = f"{reach}: {RANGES[reach]}"
     mends = [] if reach == "LOCALHOST" else [f"for this machine only: export {RANGE}=LOCALHOST"]
     for name in filter(os.environ.get, BY_HAND):

@@ -22,6 +22,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from tutorial.errors import where
+from tutorial.ros.loopback import require_loopback
 from tutorial.trace import HandoffTrace
 
 LATENCIES_KEPT = 10_000
@@ -180,6 +181,9 @@ class SpinThread(Generic[AnyNode]):
         patience: how long a callback may take to return when its node is closed [s]; None for as long as it likes.
         full_name: the node's.
         alive: all of this process, whatever their node's class, that are not closed.
+
+    Raises:
+        TutorialError: the loopback interface is down.
     """
 
     alive: ClassVar[set[SpinThread[Any]]] = set()
@@ -187,6 +191,7 @@ class SpinThread(Generic[AnyNode]):
     patience: float | None = 3.0
 
     def __init__(self, node_class: Callable[..., AnyNode], name: str, args: Sequence[str] | None = None) -> None:
+        require_loopback()
         self._context = Context()
         rclpy.init(args=list(args or ()), context=self._context)
         try:

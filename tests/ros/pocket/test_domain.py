@@ -1,9 +1,12 @@
 """How far a program is heard, whom it looks for, and how many there may be."""
 
+import errno
 import socket
 from contextlib import ExitStack
+from unittest.mock import Mock
 
 import pytest
+from cyclonedds.core import DDSException
 
 _domain = pytest.importorskip("rclpy._domain", reason="a real ROS 2 is in use: this is about the pocket one")
 
@@ -58,6 +61,16 @@ def test_a_peer_that_is_not_found_is_named(peer, domain, monkeypatch):
     said = f"failed to initialize rcl: ROS_STATIC_PEERS names {peer!r}, which is not found"
     assert str(raised.value).startswith(said)
     assert "separated by semicolons" in str(raised.value)
+
+
+def test_a_loopback_that_is_down_is_named(domain, monkeypatch):
+    def connect(self, address):
+        raise OSError(errno.ENETUNREACH, "Network is unreachable")
+
+    monkeypatch.setattr(_domain, "Domain", Mock(side_effect=DDSException(-1)))
+    monkeypatch.setattr(socket.socket, "connect", connect)
+    with pytest.raises(RuntimeError, match=r"the loopback interface .* is down\. Turn it on: sudo ip link set lo up"):
+        _domain.join(domain)
 
 
 def test_too_many_processes_is_said(domain, monkeypatch):

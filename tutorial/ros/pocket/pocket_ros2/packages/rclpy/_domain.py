@@ -3,6 +3,7 @@
 By default nobody outside this machine hears it, so that a room full of students don't drive each other's tanks.
 """
 
+import errno
 import os
 import socket
 import threading
@@ -21,6 +22,9 @@ MAX_DOMAIN_ID = 232
 FATAL_AND_ERROR = 3
 """What Cyclone DDS may print. Whoever sends it rubbish causes a warning for each packet, and there is nothing against
 that in its configuration; those about the configuration itself come before."""
+
+LOOPBACK = ("127.0.0.1", 9)
+UNREACHABLE = (errno.ENETUNREACH, errno.ENETDOWN, errno.EADDRNOTAVAIL)
 
 _domains: dict[int, Domain] = {}
 _users: Counter[int] = Counter()
@@ -98,8 +102,8 @@ def join(domain_id: int) -> DomainParticipant:
     """Take part in a domain. Several participants of a process share its configuration and its ports.
 
     Raises:
-        RCLError: too many processes on this machine take part already, Cyclone DDS cannot start, or this process was
-            forked from one that took part.
+        RCLError: too many processes on this machine take part already, the loopback interface is down, Cyclone DDS
+            cannot start, or this process was forked from one that took part.
     """
     if _forked:
         raise RCLError(
@@ -114,13 +118,28 @@ def join(domain_id: int) -> DomainParticipant:
             participant = DomainParticipant(domain_id, Qos(Policy.Userdata(b"enclave=/;")))
         except DDSException as error:
             _close_if_unused(domain_id)
-            raise RCLError(
-                f"failed to create a participant in domain {domain_id}: {error} Most often too many ROS 2 programs "
-                f"are running on this machine ({MAX_PARTICIPANTS} is the limit here). Stop some, or give ROS_DOMAIN_ID "
-                "another number."
-            ) from error
+            raise RCLError(f"failed to create a participant in domain {domain_id}: {_cause(error)}") from error
         _users[domain_id] += 1
         return participant
+
+
+def _cause(error: DDSException) -> str:
+    """Name the most likely cause of an error: Cyclone DDS itself only gives a number."""
+    if not _loopback_is_up():
+        return "the loopback interface (127.0.0.1) is down. Turn it on: sudo ip link set lo up"
+    return (
+        f"{error} Most often too many ROS 2 programs are running on this machine ({MAX_PARTICIPANTS} is the limit "
+        "here). Stop some, or give ROS_DOMAIN_ID another number."
+    )
+
+
+def _loopback_is_up() -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(LOOPBACK)  # over UDP, this sends nothing
+        except OSError as error:
+            return error.errno not in UNREACHABLE
+    return True
 
 
 def leave(participant: DomainParticipant, domain_id: int) -> None:
