@@ -102,6 +102,12 @@ def test_the_overview_has_every_exercise_once_under_its_notebook(folder):
     assert (page.count("<tr>"), page.count("✓")) == (len(names), 1)
 
 
+def test_an_overview_of_nothing(folder):
+    overview = Overview(exercise_names(step=0))
+    assert repr(overview) == "0 of 0 exercises are solved."
+    assert "0 of 0 exercises are solved." in overview._repr_html_()
+
+
 def test_tank_progress_shows_the_folder_one_is_in_or_names(folder):
     (folder / "notebooks").mkdir()
     (folder / "notebooks" / FILE).write_text('{"solved": {"aim": "2026-01-02"}}')

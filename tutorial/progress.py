@@ -81,7 +81,7 @@ class Overview:
         self._last_lines = [f"{count} of {len(names)} {exercises_are} solved.", *filter(None, [problem])]
 
     def __repr__(self) -> str:
-        widths = [max(len(row[i]) for row in self._rows) for i in (0, 1)]
+        widths = [max((len(row[i]) for row in self._rows), default=0) for i in (0, 1)]
         lines = [f"{notebook:{widths[0]}}  {name:{widths[1]}}  {state}" for notebook, name, state in self._rows]
         return "\n".join([*lines, *self._last_lines])
 

@@ -47,6 +47,7 @@ async def test_a_project_is_opened_by_name_run_drawn_between_the_cells_and_close
     await until(lambda: shown, "a frame")
     close_all()
     assert {thread.name for thread in threading.enumerate()} <= before
+    assert repr(program) == "Program('simulation', closed)"
 
 
 async def test_the_next_start_forgets_what_failed_before():

@@ -51,6 +51,7 @@ class Program:
     """
 
     def __init__(self, project: Project, node: str = "tank") -> None:
+        self._name = node
         self._scene = scene = Scene()
         self.trace = HandoffTrace()
         self.host = Host(project, ["--ros-args", "-r", f"__node:={node}"], View(scene), self.trace)
@@ -61,7 +62,8 @@ class Program:
         self._next = asyncio.get_running_loop().call_later(FRAME, self._draw)
 
     def __repr__(self) -> str:
-        return f"Program({self.host.node.get_name()!r}, bodies={list(self.host.bodies)})"
+        state = f"bodies={list(self.host.bodies)}" if self._open else "closed"
+        return f"Program({self._name!r}, {state})"
 
     @property
     def simulation(self) -> Simulation:
