@@ -317,10 +317,11 @@ def test_a_type_that_is_not_known_matters_only_where_there_are_messages(tmp_path
 
 
 def test_what_is_no_message_is_left_out_and_said(tmp_path):
-    bag = make(tmp_path / "bag", b"", b"\0\1\0\0\xff\xff\xff\xff", payload(0))
+    bag = make(tmp_path / "bag", b"", b"\0\1\0\0\xff\xff\xff\xff", zstd.compress(payload(0)), payload(0))
     assert [message.data for *_, message in bag.messages()] == ["number 0"]
     assert "a message on /said is empty" in bag.damage
     assert "a message on /said cannot be decoded" in bag.damage
+    assert "a message on /said is compressed by zstd" in bag.damage
 
 
 def test_messages_come_in_the_order_of_time(tmp_path, storage):

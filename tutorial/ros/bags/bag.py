@@ -23,6 +23,7 @@ READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db
 LARGEST_METADATA = 2**20  # bytes: a thousand topics have less
 MOST_FAULTS = 5  # of a bag, that are told
 CDR_HEAD = 4  # bytes that every payload begins with
+ZSTD_HEAD = b"\x28\xb5\x2f\xfd"  # of a payload that ros2 bag has compressed
 
 
 class BagTopic(NamedTuple):
@@ -158,10 +159,12 @@ class Bag:
         since = self.start + round(start_offset * 1e9)
         for name, time, payload in self._in_order(since):
             if name in wanted and time >= since:
-                if len(payload) >= CDR_HEAD:
-                    yield name, time, payload
-                else:
+                if len(payload) < CDR_HEAD:
                     self._say(f"a message on {escape_name(name)} is empty")
+                elif payload.startswith(ZSTD_HEAD):
+                    self._say(f"a message on {escape_name(name)} is compressed by zstd, which is not read here")
+                else:
+                    yield name, time, payload
 
     def _in_order(self, since: float = -inf) -> Iterator[RawMessage]:
         """Yield the messages in the order of time. One that was written late, by no more than a batch, is put there."""
