@@ -48,7 +48,8 @@ def test_a_service_and_a_parameter_work_in_both_directions(domain):
     with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as robot:
         try:
             assert robot.stdout.readline() == "ready\n"
-            until(lambda: "successful" in ros2("param", "set", "/robot", "gain", "100.0"), "the parameter", 2 * PATIENCE)
+            set_gain = ("param", "set", "/robot", "gain", "100.0")
+            until(lambda: "successful" in ros2(*set_gain), "the parameter", 2 * PATIENCE)
             assert "message='gain 100'" in ros2("service", "call", "/reset", "std_srvs/srv/Trigger")
         finally:
             robot.kill()
