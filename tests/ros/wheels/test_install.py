@@ -61,7 +61,7 @@ def test_a_wheel_with_another_hash_is_refused(place, wheels):
 
 
 def test_without_a_network_it_says_so_and_the_next_call_works(place, wheels, closed, monkeypatch):
-    with pytest.raises(TutorialError, match=r"could not be downloaded \(.*\)\. Check the connection\. Type tank ros"):
+    with pytest.raises(TutorialError, match=r"could not be downloaded \(.*\)\. Check the connection\. Try again"):
         fill(place)
     monkeypatch.undo()
     fill(place)
