@@ -54,5 +54,4 @@ def _is_ours(file: Path) -> bool:
     return file.name.startswith("libtf2_msgs__") or "tf2_msgs" in file.parts
 
 
-
 main(*sys.argv[1:])

@@ -89,7 +89,7 @@ def test_a_folder_that_cannot_be_written_is_named(place):
 
 
 def test_two_do_not_get_into_each_others_way(place):
-    with install._alone(place), pytest.raises(TutorialError, match="another tank ros is at work"):
+    with install.alone(place), pytest.raises(TutorialError, match="another tank ros is at work"):
         install.install(lambda _: None)
 
 
