@@ -46,8 +46,9 @@ def load_launch_file(path: Path) -> list[ExecuteProcess]:
         try:
             description = runpy.run_path(str(path)).get("generate_launch_description", lambda: None)()
         except ImportError as error:
+            reason = str(error).removesuffix(".")
             mend = f"Run it with a real ROS 2: ros2 launch {path}"
-            raise TutorialError(f"{path} uses more than the tutorial's launch has: {error}. {mend}") from error
+            raise TutorialError(f"{path} uses more than the tutorial's launch has: {reason}. {mend}") from error
         except (Exception, SystemExit) as error:
             raise TutorialError(f"{path} failed: {tell(error, str(path))}") from error
     if not isinstance(description, launch.LaunchDescription) or not description.entities:

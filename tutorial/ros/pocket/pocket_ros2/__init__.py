@@ -30,9 +30,11 @@ def install(*, first: bool = False) -> bool:
         return False
     if first or str(PATH) not in sys.path:
         sys.path.insert(0 if first else len(sys.path), str(PATH))
-    from _rosidl import finder  # noqa: PLC0415  (importable only now)
+    import _absent  # noqa: PLC0415  (importable only now, as the next one)
+    from _rosidl import finder  # noqa: PLC0415
 
     finder.install()
+    _absent.install()
     return True
 
 

@@ -17,9 +17,6 @@ from typing import Any
 PACKAGE_SUFFIXES = ("_msgs", "_interfaces", "_common")
 """How ROS names packages of messages. It spares every other failing import in the process a look into the store."""
 
-ONLY_IN_REAL_ROS = ("example_interfaces", "std_srvs")
-"""What the tutorials of ROS 2 import as well: mostly services and actions, and not in the store."""
-
 
 def install() -> None:
     """Add the finder to the import system, once, before the others: our rclpy can send no other messages than these."""
@@ -34,15 +31,10 @@ class InterfaceFinder(MetaPathFinder, Loader):
         """Answer for names that are message packages or inside them, and for nothing else.
 
         Raises:
-            NeedsRealROSError: the name is that of services or actions.
             ImportError: there is no such message, but one of nearly the same name.
         """
         package, *rest = fullname.split(".")
         names = _message_names(package) if package.endswith(PACKAGE_SUFFIXES) else {}
-        if package in ONLY_IN_REAL_ROS or (names and rest in (["srv"], ["action"])):
-            from rclpy.exceptions import NeedsRealROSError  # noqa: PLC0415  (whoever only looks needs no rclpy)
-
-            raise NeedsRealROSError(fullname)
         if not names or rest[:1] not in ([], ["msg"]) or len(rest) > 2:
             return None
         if len(rest) == 2 and rest[1] not in names:

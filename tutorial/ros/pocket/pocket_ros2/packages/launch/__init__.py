@@ -6,9 +6,12 @@ tutorial's launcher with this one.
 
 from collections.abc import Iterable
 
+from _absent import TABLE, absent_names
 from launch.actions import ExecuteProcess
 
 __all__ = ["LaunchDescription"]
+
+__getattr__ = absent_names(__name__, TABLE["names"][__name__])
 
 
 class LaunchDescription:

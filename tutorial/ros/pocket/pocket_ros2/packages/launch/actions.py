@@ -3,7 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from _absent import TABLE, absent_names
+
 __all__ = ["ExecuteProcess"]
+
+__getattr__ = absent_names(__name__, TABLE["names"][__name__])
 
 
 @dataclass(kw_only=True, eq=False)

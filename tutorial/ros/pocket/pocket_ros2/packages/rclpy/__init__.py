@@ -8,9 +8,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+import _absent as _absent_packages
 from _rosidl import finder
 
 finder.install()
+_absent_packages.install()
 
 try:
     import cyclonedds as _cyclonedds  # noqa: F401

@@ -3,15 +3,12 @@
 import inspect
 import json
 import sys
-from collections.abc import Callable
-from importlib.abc import Loader, MetaPathFinder
-from importlib.machinery import ModuleSpec
 from pathlib import Path
 from pkgutil import resolve_name
 from types import ModuleType
 from typing import Any
 
-from rclpy.exceptions import AbsentAttributeError, NeedsRealROSError
+from _absent import AbsentAttributeError, AbsentModules, NeedsRealROSError, absent_names
 
 TABLE = json.loads(Path(__file__).with_name("absent.json").read_text(encoding="utf-8"))
 """By kind the names that rclpy's has and ours has not: modules, attributes of modules and classes, options."""
@@ -19,11 +16,11 @@ TABLE = json.loads(Path(__file__).with_name("absent.json").read_text(encoding="u
 
 def install() -> None:
     """Have all that the table names refused from now on."""
-    sys.meta_path.append(AbsentModules())
+    sys.meta_path.append(AbsentModules([f"rclpy.{name}" for name in TABLE["modules"]]))
     for owner, names in TABLE["attributes"].items():
         place = resolve_name(owner)
         if isinstance(place, ModuleType):
-            place.__getattr__ = absent(owner, names)  # type: ignore[method-assign]
+            place.__getattr__ = absent_names(owner, names)  # type: ignore[method-assign]
         else:
             for name in names:
                 setattr(place, name, AbsentAttribute(f"{owner}.{name}"))
@@ -40,17 +37,6 @@ class AbsentAttribute:
 
     def __get__(self, instance: object, owner: type) -> Any:
         raise AbsentAttributeError(self._name)
-
-
-def absent(module: str, names: list[str]) -> Callable[[str], Any]:
-    """Return a ``__getattr__`` for a module that refuses these names, which rclpy's has and ours has not."""
-
-    def refusing(name: str) -> Any:
-        if name in names:
-            raise NeedsRealROSError(f"{module}.{name}")
-        raise AttributeError(f"module {module!r} has no attribute {name!r}")
-
-    return refusing
 
 
 def refuse(function: str, options: dict[str, Any]) -> None:
@@ -75,16 +61,3 @@ def refuse_coroutine(callback: Any) -> None:
     """
     if inspect.iscoroutinefunction(callback):
         raise NeedsRealROSError("callbacks that are coroutines")
-
-
-class AbsentModules(MetaPathFinder, Loader):
-    """Finds the modules of rclpy that are not here, and refuses to load them."""
-
-    def find_spec(self, fullname: str, path: object, target: object = None) -> ModuleSpec | None:  # noqa: ARG002
-        """Answer for these modules, and for nothing else."""
-        package, _, name = fullname.partition(".")
-        return ModuleSpec(fullname, self) if package == "rclpy" and name in TABLE["modules"] else None
-
-    def exec_module(self, module: ModuleType) -> None:
-        """Raise NeedsRealROSError."""
-        raise NeedsRealROSError(module.__name__)

@@ -2,6 +2,8 @@
 
 from typing import Any, ClassVar
 
+from _absent import AbsentAttributeError as AbsentAttributeError  # noqa: PLC0414  (programs find it here)
+from _absent import NeedsRealROSError as NeedsRealROSError  # noqa: PLC0414
 from rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle  # noqa: PLC0414  (programs find it here)
 
 
@@ -122,22 +124,3 @@ class ParameterImmutableException(ParameterException):
 
     def __init__(self, parameter_name: str) -> None:
         super().__init__("Attempted to modify read-only parameter", parameter_name)
-
-
-class _NotHere(Exception):  # noqa: N818
-    def __init__(self, what: str) -> None:
-        super().__init__(
-            f"The pocket ROS 2 has no {what}. A real ROS 2 Jazzy has: see "
-            "https://docs.ros.org/en/jazzy/Installation.html, source its setup.bash and start again."
-        )
-
-
-class NeedsRealROSError(_NotHere, ImportError):
-    """Something was asked for that the pocket ROS 2 does not have.
-
-    An ImportError, because most of it is met at an import line.
-    """
-
-
-class AbsentAttributeError(_NotHere, AttributeError):
-    """The same, asked of an object, of which ``hasattr`` says that it has no such thing."""

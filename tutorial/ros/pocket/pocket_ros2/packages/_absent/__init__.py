@@ -1,0 +1,99 @@
+"""Refuse imports of what only a real ROS 2 has, with a sentence that says so."""
+
+import json
+import sys
+from collections.abc import Callable, Collection
+from importlib.abc import MetaPathFinder
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+TABLE = json.loads(Path(__file__).with_name("packages.json").read_text(encoding="utf-8"))
+"""Packages of ROS 2 Jazzy that are missing here, and missing modules and names of packages that are partly here."""
+
+INTERFACE_SUFFIXES = ("_msgs", "_interfaces")
+"""Endings of the names of message packages, including people's own."""
+
+
+class _NotHere(Exception):  # noqa: N818  (a mixin)
+    def __init__(self, what: str, hint: str = "") -> None:
+        super().__init__(
+            f"The pocket ROS 2 has no {what}. A real ROS 2 Jazzy has: see "
+            f"https://docs.ros.org/en/jazzy/Installation.html, source its setup.bash and start again.{hint}"
+        )
+
+
+class NeedsRealROSError(_NotHere, ModuleNotFoundError):
+    """A program asked for something that the pocket ROS 2 does not have.
+
+    Most programs meet it at an import, where they catch ModuleNotFoundError.
+    """
+
+    __module__ = "rclpy.exceptions"  # where programs find it
+
+
+class AbsentAttributeError(_NotHere, AttributeError):
+    """A program asked for such an attribute of an object; ``hasattr`` returns False."""
+
+    __module__ = "rclpy.exceptions"
+
+
+class AbsentModules(MetaPathFinder):
+    """Refuses imports of modules that a real ROS 2 has, unless another finder finds them.
+
+    It belongs at the end of ``sys.meta_path``, so that it never hides a module that can be imported.
+
+    Args:
+        names: full names of the modules.
+        interfaces: also refuse packages named like message packages, and their ``srv`` and ``action`` modules.
+    """
+
+    def __init__(self, names: Collection[str], *, interfaces: bool = False) -> None:
+        self._names = frozenset(names)
+        self._interfaces = interfaces
+
+    def find_spec(self, fullname: str, path: Any, target: Any = None) -> None:
+        """Raise an error if a program imports one of the modules; otherwise find nothing.
+
+        Raises:
+            NeedsRealROSError: only a real ROS 2 has the module.
+        """
+        if not _is_import(sys._getframe(1)) or not self._has(fullname) or self._found_behind(fullname, path, target):
+            return
+        is_known = fullname in self._names or "." in fullname
+        hint = "" if is_known else f" If {fullname} is your own package, build it there and source its setup.bash, too."
+        error = NeedsRealROSError(fullname, hint)
+        error.name = fullname
+        raise error
+
+    def _has(self, name: str) -> bool:
+        package, _, kind = name.partition(".")
+        is_interfaces = package.endswith(INTERFACE_SUFFIXES) and kind in ("", "srv", "action")
+        return name in self._names or (self._interfaces and is_interfaces)
+
+    def _found_behind(self, fullname: str, path: Any, target: Any) -> bool:
+        """Whether a finder that was added later knows the module."""
+        later = sys.meta_path[sys.meta_path.index(self) + 1 :]
+        return any(finder.find_spec(fullname, path, target) for finder in later)
+
+
+def install() -> None:
+    """Start refusing packages that only a real ROS 2 has; may be called again."""
+    if not any(isinstance(finder, AbsentModules) for finder in sys.meta_path):
+        sys.meta_path.append(AbsentModules([*TABLE["packages"], *TABLE["modules"]], interfaces=True))
+
+
+def absent_names(module: str, names: Collection[str]) -> Callable[[str], Any]:
+    """Return a module's ``__getattr__``, which refuses names that only the module of a real ROS 2 has."""
+
+    def refuse(name: str) -> Any:
+        if name in names:
+            raise NeedsRealROSError(f"{module}.{name}")
+        raise AttributeError(f"module {module!r} has no attribute {name!r}")
+
+    return refuse
+
+
+def _is_import(caller: FrameType) -> bool:
+    """Return whether the caller is an import. `importlib.util.find_spec` calls finders, too, and should get None."""
+    return caller.f_back is not None and caller.f_back.f_code.co_name == "_find_and_load_unlocked"
