@@ -27,7 +27,7 @@ MISSING = [
     "sensor_msgs_py.point_cloud2",
     "std_srvs.srv",
     "tf2_geometry_msgs",
-    "tf2_ros",
+    "tf2_ros.buffer",
     "turtlesim.msg",
 ]
 
