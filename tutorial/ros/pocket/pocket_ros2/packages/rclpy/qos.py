@@ -82,6 +82,31 @@ class LivelinessPolicy(QoSPolicyEnum):
     BEST_AVAILABLE = 5
 
 
+class _OldName:
+    """A deprecated name of a policy, which still works and warns."""
+
+    def __init__(self, old: str, new: str) -> None:
+        self._old, self._new = old, new
+
+    def __get__(self, instance: object, policy: type[QoSPolicyEnum]) -> QoSPolicyEnum:
+        kind = policy.__name__
+        warnings.warn(f"{kind}.{self._old} is deprecated. Use {kind}.{self._new} instead.", stacklevel=2)
+        return policy[self._new]
+
+
+def _add_old_names() -> None:
+    """Add deprecated names such as ``HistoryPolicy.RMW_QOS_POLICY_HISTORY_KEEP_LAST``."""
+    for policy in (HistoryPolicy, ReliabilityPolicy, DurabilityPolicy, LivelinessPolicy):
+        for new in policy.__members__.keys() - {"BEST_AVAILABLE"}:  # it never had another name
+            kind = policy.__name__.removesuffix("Policy").upper()
+            if policy is LivelinessPolicy and new == "UNKNOWN":
+                kind = "DURABILITY"  # as in rclpy
+            old = f"RMW_QOS_POLICY_{kind}_{new}"
+            setattr(policy, old, _OldName(old, new))
+
+
+_add_old_names()
+
 QoSHistoryPolicy = HistoryPolicy
 QoSReliabilityPolicy = ReliabilityPolicy
 QoSDurabilityPolicy = DurabilityPolicy
