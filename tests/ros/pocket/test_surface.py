@@ -18,7 +18,7 @@ from std_msgs.msg import String
     [
         "node.create_timer(1, print, callback_group=object())",
         "node.create_publisher(None, 'x', 1, event_callbacks=object())",
-        "rclpy.create_node('x', context=node.context, allow_undeclared_parameters=True)",
+        "rclpy.create_node('x', context=node.context, enable_logger_service=True)",
         "rclpy.Context().init(args=['--ros-args', '--params-file', 'x'])",
     ],
 )

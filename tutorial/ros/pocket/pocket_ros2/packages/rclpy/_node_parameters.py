@@ -1,88 +1,152 @@
-"""What a node keeps of parameters. They are not served to other nodes: that needs services."""
+"""A node's own parameters. Other nodes cannot reach them: that needs services."""
 
-import math
-import warnings
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import (
+    ListParametersResult,
+    ParameterDescriptor,
+    ParameterEvent,
+    ParameterValue,
+    SetParametersResult,
+)
+from rcl_interfaces.msg import Parameter as ParameterMessage
 from rclpy import exceptions
 from rclpy._arguments import Arguments
-from rclpy.parameter import Parameter
+from rclpy._parameter_rules import TOLERANCE, is_listed, read_declaration, refusal
+from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter
 
-DEPRECATED = """when declaring parameter named '{name}', declaring a parameter only providing its name is deprecated. \
-You have to either:
-\t- Pass a name and a default value different to "PARAMETER NOT SET" (and optionally a descriptor).
-\t- Pass a name and a parameter type.
-\t- Pass a name and a descriptor with `dynamic_typing=True"""
+PreSetCallback = Callable[[list[Parameter]], list[Parameter]]
+OnSetCallback = Callable[[list[Parameter]], SetParametersResult]
+PostSetCallback = Callable[[list[Parameter]], None]
+
+TYPE_SERVICE = "start_type_description_service"
+"""A parameter that every node of rclpy has. It has no effect here, because there are no services."""
+
+EMPTIED = (
+    "parameter list cannot be empty, this might be due to pre_set_parameters_callback modifying the original "
+    "parameters list."
+)
 
 
 class NodeParameters:
-    """The part of a node that deals with parameters."""
+    """The part of a node that deals with parameters.
 
-    PARAM_REL_TOL = 1e-6
+    Each change is published on ``/parameter_events``. Callbacks run in reverse order: the one added last runs first.
+    """
+
+    PARAM_REL_TOL = TOLERANCE
 
     _use_sim_time: Callable[[bool], None]
     """Has the node's clock go by simulated time from now on, or by the system's."""
+    _publish_parameter_event: Callable[[ParameterEvent], None]
 
-    def _init_parameters(self, name: str, arguments: list[Arguments], given: Iterable[Parameter]) -> None:
+    def _init_parameters(
+        self, name: str, arguments: list[Arguments], given: Iterable[Parameter], allow_undeclared: bool
+    ) -> None:
         self._parameters: dict[str, Parameter] = {}
         self._descriptors: dict[str, ParameterDescriptor] = {}
         self._overrides: dict[str, Any] = {}
+        self._allow_undeclared = allow_undeclared
+        self._pre_set: list[PreSetCallback] = []
+        self._on_set: list[OnSetCallback] = []
+        self._post_set: list[PostSetCallback] = []
         for source in reversed(arguments):
             self._overrides.update(source.overrides(name))
         self._overrides.update((parameter.name, parameter.value) for parameter in given)
-        self.declare_parameter("use_sim_time", False)
+
+    def _declare_first(self, from_overrides: bool) -> None:
+        """Declare the parameters that every node has.
+
+        Args:
+            from_overrides: first declare those in ``parameter_overrides`` and on the command line.
+        """
+        if from_overrides:
+            given = [(name, value, ParameterDescriptor()) for name, value in self._overrides.items()]
+            self.declare_parameters("", given, ignore_override=True)
+        if not self.has_parameter("use_sim_time"):
+            self.declare_parameter("use_sim_time", False)
+        if not self.has_parameter(TYPE_SERVICE):
+            description = "If enabled, start the ~/get_type_description service."
+            self.declare_parameter(TYPE_SERVICE, True, ParameterDescriptor(description=description, read_only=True))
 
     def declare_parameter(
         self, name: str, value: Any = None, descriptor: ParameterDescriptor | None = None, ignore_override: bool = False
     ) -> Parameter:
-        """Make a parameter; a value on the command line wins over the one given here.
+        """Declare a parameter; a value on the command line wins over the one given here.
 
         Args:
             name: of the parameter.
             value: its value, or only its type.
             descriptor: what values it may have, and whether it can be changed.
-            ignore_override: don't handle_signals the command line.
+            ignore_override: ignore the command line.
 
         Raises:
             ParameterAlreadyDeclaredException: there is one of this name.
             InvalidParameterTypeException: the command line's value is of another type.
-            InvalidParameterValueException: the descriptor does not allow the value.
+            InvalidParameterValueException: the descriptor or a callback does not allow the value.
         """
-        descriptor = _typed(name, value, descriptor)
-        if isinstance(value, Parameter.Type):
-            value = None
-        if not ignore_override:
-            value = self._overrides.get(name, value)
-        parameter = Parameter(name, value=value)
-        if name in self._parameters:
-            raise exceptions.ParameterAlreadyDeclaredException([name])
-        reason = self._refusal(parameter, descriptor)
-        if reason.startswith("Wrong parameter type"):
-            raise exceptions.InvalidParameterTypeException(parameter, Parameter.Type(descriptor.type).name)
-        if reason:
-            raise exceptions.InvalidParameterValueException(name, value, reason)
-        self._parameters[name], self._descriptors[name] = parameter, descriptor
-        return parameter
+        only_name = value is None and descriptor is None
+        given = (name,) if only_name else (name, value, ParameterDescriptor() if descriptor is None else descriptor)
+        return self._declare("", [given], ignore_override)[0]
+
+    def declare_parameters(
+        self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
+    ) -> list[Parameter]:
+        """Declare several parameters.
+
+        Args:
+            namespace: put before each name, with a dot, unless empty.
+            parameters: one tuple for each: its name, its value or type, and its descriptor. The last two are optional.
+            ignore_override: ignore the command line.
+
+        Raises:
+            TypeError: a tuple is too long or empty, or an element has the wrong type.
+            ParameterAlreadyDeclaredException: some are declared already, so none is declared now.
+            InvalidParameterTypeException: the command line's value is of another type.
+            InvalidParameterValueException: a descriptor or a callback rejects a value; parameters before it stay.
+        """
+        return self._declare(namespace, parameters, ignore_override)
+
+    def undeclare_parameter(self, name: str) -> None:
+        """Forget a parameter.
+
+        Raises:
+            ParameterNotDeclaredException: it has not been declared.
+            ParameterImmutableException: it is read-only.
+        """
+        if name not in self._parameters:
+            raise exceptions.ParameterNotDeclaredException(name)
+        if self._descriptors[name].read_only:
+            raise exceptions.ParameterImmutableException(name)
+        self._forget(name)
 
     def has_parameter(self, name: str) -> bool:
         """Whether the parameter has been declared."""
         return name in self._parameters
 
     def get_parameter(self, name: str) -> Parameter:
-        """Return a parameter.
+        """Return a parameter. If it is unknown and the node allows undeclared ones, it has no value.
 
         Raises:
             ParameterNotDeclaredException: it has not been declared.
             ParameterUninitializedException: it has been declared by its type, and has no value.
         """
         if name not in self._parameters:
-            raise exceptions.ParameterNotDeclaredException(name)
+            self._require_undeclared_allowed(name)
+            return Parameter(name, Parameter.Type.NOT_SET)
         parameter = self._parameters[name]
         if parameter.type_ == Parameter.Type.NOT_SET and not self._descriptors[name].dynamic_typing:
             raise exceptions.ParameterUninitializedException(name)
         return parameter
+
+    def get_parameters(self, names: Sequence[str]) -> list[Parameter]:
+        """Return several parameters; see :meth:`get_parameter`.
+
+        Raises:
+            TypeError: a name is not a string.
+        """
+        return [self.get_parameter(name) for name in _strings(names)]
 
     def get_parameter_or(self, name: str, alternative_value: Parameter | None = None) -> Parameter:
         """Return a parameter, or something else if it has not been declared or has no value."""
@@ -91,88 +155,238 @@ class NodeParameters:
             return Parameter(name, Parameter.Type.NOT_SET) if alternative_value is None else alternative_value
         return parameter
 
+    def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
+        """Return the parameters below a prefix, keyed by the rest of their names. An empty prefix returns all."""
+        start = prefix + PARAMETER_SEPARATOR_STRING if prefix else ""
+        return {
+            name.removeprefix(start): parameter
+            for name, parameter in self._parameters.items()
+            if name.startswith(start)
+        }
+
+    def get_parameter_type(self, name: str) -> Any:
+        """Return the number of a parameter's type; see ``Parameter.Type``.
+
+        Raises:
+            ParameterNotDeclaredException: it has not been declared.
+        """
+        if name in self._parameters:
+            return self._parameters[name].type_.value
+        self._require_undeclared_allowed(name)
+        return Parameter.Type.NOT_SET  # as in rclpy, here not its number
+
+    def get_parameter_types(self, names: Sequence[str]) -> list[Any]:
+        """Return the types of several parameters; see :meth:`get_parameter_type`.
+
+        Raises:
+            TypeError: a name is not a string.
+        """
+        return [self.get_parameter_type(name) for name in _strings(names)]
+
+    def describe_parameter(self, name: str) -> ParameterDescriptor:
+        """Return a parameter's descriptor.
+
+        Raises:
+            ParameterNotDeclaredException: it has not been declared.
+        """
+        if name not in self._descriptors:
+            self._require_undeclared_allowed(name)
+            return ParameterDescriptor()
+        return self._descriptors[name]
+
+    def describe_parameters(self, names: Sequence[str]) -> list[ParameterDescriptor]:
+        """Return the descriptors of several parameters; see :meth:`describe_parameter`."""
+        return [self.describe_parameter(name) for name in names]
+
+    def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
+        """Return the names of parameters, and the prefixes of these names.
+
+        Args:
+            prefixes: list only these names and those below them; an empty list means all.
+            depth: how many levels of names to list; 0 means all.
+
+        Raises:
+            TypeError: an argument is of the wrong type.
+            ValueError: the depth is negative.
+        """
+        if not isinstance(prefixes, list):
+            raise TypeError("The prefixes argument must be a list")
+        if not all(isinstance(prefix, str) for prefix in prefixes):
+            raise TypeError("All prefixes must be instances of type str")
+        if not isinstance(depth, int):
+            raise TypeError("The depth must be instance of type int")
+        if depth < 0:
+            raise ValueError("The depth must be greater than or equal to zero")
+        names = [name for name in self._parameters if is_listed(name, prefixes, depth)]
+        parents = (name.rpartition(PARAMETER_SEPARATOR_STRING)[0] for name in names)
+        return ListParametersResult(names=names, prefixes=list(dict.fromkeys(filter(None, parents))))
+
+    def set_descriptor(
+        self, name: str, descriptor: ParameterDescriptor, alternative_value: ParameterValue | None = None
+    ) -> ParameterValue:
+        """Replace a parameter's descriptor, and return the parameter's value.
+
+        Args:
+            name: of the parameter.
+            descriptor: the new descriptor; its name is ignored.
+            alternative_value: value to set if the new descriptor rejects the current one.
+
+        Raises:
+            ParameterNotDeclaredException: it has not been declared.
+            ParameterImmutableException: it is read-only.
+            InvalidParameterValueException: the descriptor rejects both values.
+        """
+        parameter = self.get_parameter(name)
+        if name not in self._parameters:
+            return parameter.get_parameter_value()
+        if self._descriptors[name].read_only:
+            raise exceptions.ParameterImmutableException(name)
+        if refusal(parameter, descriptor, is_declared=True):
+            if alternative_value is not None:
+                parameter = Parameter.from_parameter_msg(ParameterMessage(name=name, value=alternative_value))
+            if reason := refusal(parameter, descriptor, is_declared=True):
+                raise exceptions.InvalidParameterValueException(name, parameter.value, reason)
+        self._parameters[name], self._descriptors[name] = parameter, descriptor
+        return parameter.get_parameter_value()
+
     def set_parameters(self, parameter_list: Sequence[Parameter]) -> list[SetParametersResult]:
-        """Change parameters, and return for each whether it was, and if not, why.
+        """Set parameters one after the other, and return for each whether it was set, and if not, why.
+
+        Raises:
+            ParameterNotDeclaredException: one has not been declared; parameters before it stay set.
+        """
+        return [self._set_all([parameter]) for parameter in parameter_list]
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """Set all parameters, or leave all unchanged if one is rejected; return whether they were set, and if not, why.
+
+        Setting a dynamically typed parameter to the type ``NOT_SET`` undeclares it.
 
         Raises:
             ParameterNotDeclaredException: one has not been declared.
         """
-        return [self._set(parameter) for parameter in parameter_list]
+        return self._set_all(parameter_list)
 
-    def _set(self, parameter: Parameter) -> SetParametersResult:
-        if not isinstance(parameter, Parameter):
+    def add_pre_set_parameters_callback(self, callback: PreSetCallback) -> None:
+        """Add a callback that replaces the list of parameters about to be set with the list that it returns."""
+        self._pre_set.insert(0, callback)
+
+    def add_on_set_parameters_callback(self, callback: OnSetCallback) -> None:
+        """Add a callback that can reject parameters about to be set or declared."""
+        self._on_set.insert(0, callback)
+
+    def add_post_set_parameters_callback(self, callback: PostSetCallback) -> None:
+        """Add a callback that receives parameters after they have been set or declared."""
+        self._post_set.insert(0, callback)
+
+    def remove_pre_set_parameters_callback(self, callback: PreSetCallback) -> None:
+        """Remove a callback, or raise ValueError if it has not been added."""
+        self._pre_set.remove(callback)
+
+    def remove_on_set_parameters_callback(self, callback: OnSetCallback) -> None:
+        """Remove a callback, or raise ValueError if it has not been added."""
+        self._on_set.remove(callback)
+
+    def remove_post_set_parameters_callback(self, callback: PostSetCallback) -> None:
+        """Remove a callback, or raise ValueError if it has not been added."""
+        self._post_set.remove(callback)
+
+    def _declare(self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool) -> list[Parameter]:
+        declared: dict[str, ParameterDescriptor] = {}
+        parameter_list = []
+        for index, given in enumerate(parameters):
+            name, default, descriptor = read_declaration(namespace, given, index, stacklevel=3)
+            value = default if ignore_override else self._overrides.get(name, default)
+            parameter_list.append(Parameter(name, value=value))
+            declared[name] = descriptor
+        if known := [parameter.name for parameter in parameter_list if parameter.name in self._parameters]:
+            raise exceptions.ParameterAlreadyDeclaredException(known)
+        for parameter in parameter_list:
+            name, descriptor = parameter.name, declared[parameter.name]
+            reason = refusal(parameter, descriptor, self.has_parameter(name))
+            if reason.startswith("Wrong parameter type"):
+                raise exceptions.InvalidParameterTypeException(parameter, Parameter.Type(descriptor.type).name)
+            result = SetParametersResult(reason=reason) if reason else self._set([parameter], declared)
+            if not result.successful:
+                raise exceptions.InvalidParameterValueException(name, parameter.value, result.reason)
+        return [self._parameters[parameter.name] for parameter in parameter_list]
+
+    def _set_all(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """Run the pre-set callbacks, check the parameters, and set them all if each is allowed."""
+        if self._pre_set:
+            parameter_list = [parameter for callback in self._pre_set for parameter in callback(parameter_list)]
+            if not parameter_list:
+                return SetParametersResult(successful=False, reason=EMPTIED)
+        if not all(isinstance(parameter, Parameter) for parameter in parameter_list):
             raise TypeError(f"parameter must be instance of type '{Parameter!r}'")
-        name = parameter.name
-        if name not in self._parameters:
-            raise exceptions.ParameterNotDeclaredException([name])
-        if self._descriptors[name].read_only:
-            reason = f"Trying to set a read-only parameter: {name}."
-        else:
-            reason = self._refusal(parameter, self._descriptors[name])
-        if not reason:
-            self._parameters[name] = parameter
-            if parameter.type_ == Parameter.Type.NOT_SET:
-                del self._parameters[name], self._descriptors[name]
-            if name == "use_sim_time":
+        undeclared = [parameter.name for parameter in parameter_list if parameter.name not in self._parameters]
+        if undeclared:
+            self._require_undeclared_allowed(undeclared)
+        for parameter in parameter_list:
+            if reason := self._refusal(parameter):
+                return SetParametersResult(successful=False, reason=reason)
+        return self._set(parameter_list)
+
+    def _refusal(self, parameter: Parameter) -> str:
+        """Return why a declared parameter cannot be set to a value, or "" if it can."""
+        descriptor = self._descriptors.get(parameter.name)
+        if descriptor is None:
+            return ""
+        if descriptor.read_only:
+            return f"Trying to set a read-only parameter: {parameter.name}."
+        return refusal(parameter, descriptor, is_declared=True)
+
+    def _set(
+        self, parameter_list: list[Parameter], declared: dict[str, ParameterDescriptor] | None = None
+    ) -> SetParametersResult:
+        """Set parameters that their descriptors allow, unless a callback rejects them.
+
+        Args:
+            parameter_list: which ones.
+            declared: the descriptors, if this declares the parameters; None if it only sets them.
+        """
+        for check in tuple(self._on_set):
+            result = check(parameter_list)
+            if not result.successful:
+                return result
+        event = ParameterEvent()
+        for parameter in parameter_list:
+            self._changes(event, parameter, declared is not None).append(parameter.to_parameter_msg())
+            if parameter.type_ == Parameter.Type.NOT_SET and declared is None:
+                self._forget(parameter.name)
+                continue
+            self._parameters[parameter.name] = parameter
+            if declared is not None:
+                self._descriptors[parameter.name] = declared[parameter.name]
+            else:
+                self._descriptors.setdefault(parameter.name, ParameterDescriptor(dynamic_typing=True))
+            if parameter.name == "use_sim_time" and isinstance(parameter.value, bool):
                 self._use_sim_time(parameter.value)
-        return SetParametersResult(successful=not reason, reason=reason)
+        self._publish_parameter_event(event)
+        for callback in tuple(self._post_set):
+            callback(parameter_list)
+        return SetParametersResult(successful=True)
 
-    def _refusal(self, parameter: Parameter, descriptor: ParameterDescriptor) -> str:
-        """Return why a parameter may not have this value, "" if it may."""
-        descriptor.name = parameter.name
-        if descriptor.dynamic_typing:
-            descriptor.type = parameter.type_.value
-        elif parameter.type_ == Parameter.Type.NOT_SET:
-            return "Static parameter cannot be undeclared" if self.has_parameter(parameter.name) else ""
-        elif parameter.type_.value != descriptor.type:
-            expected = Parameter.Type(descriptor.type)
-            return f"Wrong parameter type, expected '{expected}' got '{parameter.type_}'"
-        if parameter.type_ == Parameter.Type.INTEGER and descriptor.integer_range:
-            return _outside(parameter, descriptor.integer_range[0], 0.0, ".", "a valid step")
-        if parameter.type_ == Parameter.Type.DOUBLE and descriptor.floating_point_range:
-            limits = descriptor.floating_point_range[0]
-            return _outside(parameter, limits, self.PARAM_REL_TOL, "", "close enough to a valid step")
-        return ""
+    def _changes(self, event: ParameterEvent, parameter: Parameter, is_declared_now: bool) -> list[ParameterMessage]:
+        """Return the list of an event that a parameter belongs in. Call this before setting the parameter."""
+        if parameter.type_ == Parameter.Type.NOT_SET and not is_declared_now:
+            changes = event.deleted_parameters
+        elif self.get_parameter_or(parameter.name).type_ == Parameter.Type.NOT_SET:
+            changes = event.new_parameters
+        else:
+            changes = event.changed_parameters
+        return changes  # type: ignore[no-any-return]
 
+    def _forget(self, name: str) -> None:
+        self._parameters.pop(name, None)
+        self._descriptors.pop(name, None)
 
-def _typed(name: str, value: Any, descriptor: ParameterDescriptor | None) -> ParameterDescriptor:
-    """Return a parameter's descriptor, with the type that its value has."""
-    if not isinstance(name, str):
-        raise TypeError(f"First element {name} at index 0 in parameters list is not a str.")
-    if not name:
-        raise exceptions.InvalidParameterException(name)
-    if descriptor is None:
-        descriptor = ParameterDescriptor(dynamic_typing=value is None)
-        if value is None:
-            warnings.warn(DEPRECATED.format(name=name), stacklevel=3)
-    if not isinstance(descriptor, ParameterDescriptor):
-        raise TypeError(f"Third element {descriptor} at index 0 in parameters list is not a ParameterDescriptor.")
-    if isinstance(value, Parameter.Type):
-        if value == Parameter.Type.NOT_SET:
-            raise ValueError(f"Cannot declare parameter {{{name}}} as statically typed of type NOT_SET")
-        if descriptor.dynamic_typing:
-            raise ValueError(
-                f"When declaring parameter {{{name}}} passing a descriptor with`dynamic_typing=True` is not allowed "
-                "when the parameter type is provided"
-            )
-        descriptor.type = value.value
-    elif not descriptor.dynamic_typing:
-        type_ = Parameter.Type.from_parameter_value(value)
-        if type_ == Parameter.Type.NOT_SET:
-            raise ValueError("Cannot declare a statically typed parameter with default value of type PARAMETER_NOT_SET")
-        descriptor.type = type_.value
-    return descriptor
+    def _require_undeclared_allowed(self, name: str | list[str]) -> None:
+        if not self._allow_undeclared:
+            raise exceptions.ParameterNotDeclaredException(name)
 
 
-def _outside(parameter: Parameter, limits: Any, tolerance: float, stop: str, step: str) -> str:
-    """Return why a number is not in a range, with rclpy's words for integers and for others, "" if it is."""
-    low, high = sorted((limits.from_value, limits.to_value))
-    name, value = parameter.name, parameter.value
-    if any(math.isclose(value, limit, rel_tol=tolerance) for limit in (low, high)):
-        return ""
-    if not low < value < high:
-        return f"Parameter {name} out of range{stop} Min: {low}, Max: {high}, value: {value}"
-    nearest = low + round((value - low) / limits.step) * limits.step if limits.step else value
-    if math.isclose(nearest, value, rel_tol=tolerance):
-        return ""
-    return f"The parameter value for {name} is not {step}. Min: {low}, max: {high}, value: {value}, step: {limits.step}"
+def _strings(names: Sequence[str]) -> Sequence[str]:
+    if not all(isinstance(name, str) for name in names):
+        raise TypeError("All names must be instances of type str")
+    return names

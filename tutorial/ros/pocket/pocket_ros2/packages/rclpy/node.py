@@ -58,6 +58,9 @@ class Node(NodeGraph, NodeParameters):
         enable_rosout: publish what it logs on ``/rosout``.
         start_parameter_services: without effect, for there are no services here.
         parameter_overrides: values that win over those of :meth:`declare_parameter`.
+        allow_undeclared_parameters: allow setting and reading parameters that have not been declared.
+        automatically_declare_parameters_from_overrides: declare the parameters in ``parameter_overrides`` and on the
+            command line.
         **options: others of rclpy's, which are not in the pocket ROS 2.
 
     Raises:
@@ -78,6 +81,8 @@ class Node(NodeGraph, NodeParameters):
         enable_rosout: bool = True,
         start_parameter_services: bool = True,  # noqa: ARG002
         parameter_overrides: Sequence[Parameter] | None = None,
+        allow_undeclared_parameters: bool = False,
+        automatically_declare_parameters_from_overrides: bool = False,
         **options: Any,
     ) -> None:
         _absent.refuse("Node.__init__", options)
@@ -86,7 +91,7 @@ class Node(NodeGraph, NodeParameters):
             raise NotInitializedException("cannot create node")
         arguments = [Arguments.parse(cli_args or ()), *([self._context.arguments] if use_global_arguments else [])]
         self._init_names(node_name, namespace or "/", arguments)
-        self._init_parameters(self._name, arguments, parameter_overrides or ())
+        self._init_parameters(self._name, arguments, parameter_overrides or (), allow_undeclared_parameters)
         self._clock = ROSClock()
         self._logger = get_logger(self._full_name()[1:].replace("/", "."))
         self._executor: weakref.ref[SingleThreadedExecutor] | None = None
@@ -101,8 +106,14 @@ class Node(NodeGraph, NodeParameters):
             with self._creating("publisher"):
                 self._rosout = Publisher(self, Log, "/rosout", ROSOUT_QOS)
             listeners[self._logger.name] = self
-        self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
-        self._use_sim_time(self.get_parameter("use_sim_time").value)
+        self._parameter_events = self.create_publisher(
+            ParameterEvent, "/parameter_events", qos_profile_parameter_events
+        )
+        try:
+            self._declare_first(automatically_declare_parameters_from_overrides)
+        except BaseException:
+            self.destroy_node()
+            raise
 
     def get_logger(self) -> RcutilsLogger:
         """Return its logger."""
@@ -326,6 +337,11 @@ class Node(NodeGraph, NodeParameters):
             readers = [entity.guid for entity in there if isinstance(entity, Subscription)]
             self._graph.set_endpoints(self._entry, writers, readers)
         self.wake_executor()
+
+    def _publish_parameter_event(self, event: ParameterEvent) -> None:
+        event.node = self.get_fully_qualified_name()
+        event.stamp = self._clock.now().to_msg()
+        self._parameter_events.publish(event)
 
     def _use_sim_time(self, enabled: bool) -> None:
         """Have its clock go by ``/clock`` from now on, or by the system's time."""
