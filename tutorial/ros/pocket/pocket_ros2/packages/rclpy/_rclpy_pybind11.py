@@ -25,8 +25,8 @@ class NodeNameNonExistentError(RCLError):
 class InvalidHandle(RuntimeError):  # noqa: N818  (rclpy's name)
     """A publisher, subscription, timer or node was used after it had been destroyed."""
 
-    def __init__(self) -> None:
-        super().__init__("cannot use Destroyable because destruction was requested")
+    def __init__(self, text: str = "cannot use Destroyable because destruction was requested") -> None:
+        super().__init__(text)
 
 
 class UnknownROSArgsError(RuntimeError):

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from typing import TYPE_CHECKING, Any, Self, cast
 
 from rclpy import _rclpy_pybind11
 from rclpy.clock_type import ClockType
+from rclpy.constants import S_TO_NS
+from rclpy.duration import Duration
+from rclpy.exceptions import NotInitializedException
 from rclpy.time import Time
+from rclpy.utilities import get_default_context
 
 if TYPE_CHECKING:
+    from rclpy.context import Context
     from rclpy.timer import Timer
+
+
+LONGEST_WAIT = 0.1
+"""Longest single wait [s]; then a sleeper checks whether the context was shut down, for instance by a signal."""
 
 
 class Clock:
@@ -25,6 +35,8 @@ class Clock:
 
     _clock_type: ClockType
     _timers: set[Timer]  # those that go by it
+    _jumped: threading.Condition  # notified when the simulated time changes
+    _switches = 0  # how often it switched between the system's time and simulated time
     _is_simulated = False
     _simulated_ns = 0  # what it tells while it is simulated
 
@@ -33,7 +45,7 @@ class Clock:
         if not isinstance(clock_type, (ClockType, _rclpy_pybind11.ClockType)):
             raise TypeError("Clock type must be a ClockType enum")
         self: Any = object.__new__(ROSClock if clock_type == ClockType.ROS_TIME else cls)
-        self._clock_type, self._timers = clock_type, set()
+        self._clock_type, self._timers, self._jumped = clock_type, set(), threading.Condition()
         return cast(Self, self)
 
     @property
@@ -45,6 +57,38 @@ class Clock:
         """Return the time now; while it is simulated, 0 before the first message on ``/clock``."""
         system_ns = time.monotonic_ns() if self._clock_type == ClockType.STEADY_TIME else time.time_ns()
         return Time(nanoseconds=self._simulated_ns if self._is_simulated else system_ns, clock_type=self._clock_type)
+
+    def sleep_until(self, until: Time, context: Context | None = None) -> bool:
+        """Sleep until a time. In simulated time, sleep until ``/clock`` reaches it.
+
+        Args:
+            until: when to wake up.
+            context: its shutdown ends the sleep; None takes the default one.
+
+        Returns:
+            Whether the time was reached. It was not if the context was shut down, or if the clock switched between
+            the system's time and simulated time.
+
+        Raises:
+            NotInitializedException: the context is not running.
+            ValueError: the time belongs to another type of clock.
+        """
+        context = context or get_default_context()
+        if not context.ok():
+            raise NotInitializedException
+        if until.clock_type.value != self._clock_type.value:
+            raise ValueError("until's clock type does not match this clock's type")
+        switches = self._switches
+        with self._jumped:
+            while (left := until.nanoseconds - self.now().nanoseconds) > 0:
+                self._jumped.wait(LONGEST_WAIT if self._is_simulated else min(left / S_TO_NS, LONGEST_WAIT))
+                if not context.ok() or self._switches != switches:
+                    return False
+        return True
+
+    def sleep_for(self, rel_time: Duration, context: Context | None = None) -> bool:
+        """Sleep for a duration; see :meth:`sleep_until`."""
+        return self.sleep_until(self.now() + rel_time, context)
 
     def _timer_ns(self) -> int:
         """Return the time that timers go by [ns]: whoever sets the system's clock does not change their rhythm."""
@@ -79,6 +123,9 @@ class ROSClock(Clock):
     def _jump(self, is_simulated: bool, simulated_ns: int) -> None:
         """Tell another time from now on, and have the timers go by it."""
         before, switched = self._timer_ns(), is_simulated != self._is_simulated
-        self._is_simulated, self._simulated_ns = is_simulated, simulated_ns
+        with self._jumped:
+            self._is_simulated, self._simulated_ns = is_simulated, simulated_ns
+            self._switches += switched
+            self._jumped.notify_all()
         for timer in tuple(self._timers):
             timer.clock_has_jumped(before, switched)

@@ -28,7 +28,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_parameter_events, qos_profile_services_default  # noqa: F401
 from rclpy.subscription import Subscription
 from rclpy.time import Time
-from rclpy.timer import Timer
+from rclpy.timer import Rate, Timer
 from rclpy.utilities import get_default_context
 from rosgraph_msgs.msg import Clock as ClockMessage
 
@@ -240,6 +240,20 @@ class Node(NodeGraph, NodeParameters):
         _absent.refuse_coroutine(callback)
         return self._add(Timer(self, callback, period_ns, clock or self._clock, autostart))
 
+    def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
+        """Make a rate, for a loop that runs on another thread than the executor.
+
+        Args:
+            frequency: how often the loop runs [Hz].
+            clock: which clock; None takes the node's.
+
+        Raises:
+            ValueError: the frequency is not positive.
+        """
+        if frequency <= 0:
+            raise ValueError("frequency must be > 0")
+        return Rate(self.create_timer(1.0 / frequency, lambda: None, clock=clock), context=self._context)
+
     def destroy_publisher(self, publisher: Publisher) -> bool:
         """Destroy a publisher of this node; False if it has none such any more."""
         return publisher in self.publishers and self._remove(publisher)
@@ -251,6 +265,12 @@ class Node(NodeGraph, NodeParameters):
     def destroy_timer(self, timer: Timer) -> bool:
         """Destroy a timer of this node; False if it has none such any more."""
         return timer in self.timers and self._remove(timer)
+
+    def destroy_rate(self, rate: Rate) -> bool:
+        """Destroy a rate of this node, and wake its sleepers; return False if the node does not have it."""
+        destroyed = self.destroy_timer(rate._timer)
+        rate.destroy()
+        return destroyed
 
     def destroy_node(self) -> None:
         """Destroy the node with all that belongs to it; may be called again."""

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rclpy._rclpy_pybind11 import Destroyable, RCLError
-from rclpy.clock import Clock
+from rclpy.clock import LONGEST_WAIT, Clock
 from rclpy.constants import S_TO_NS
 from rclpy.context import NOT_VALID
+from rclpy.exceptions import InvalidHandle, ROSInterruptException
 
 if TYPE_CHECKING:
+    from rclpy.context import Context
     from rclpy.node import Node
 
 
@@ -127,3 +130,59 @@ class Timer(Destroyable):
         """Return the time [ns], if the timer still exists."""
         self._require_handle()
         return self.clock._timer_ns()
+
+
+class Rate:
+    """Sleeps at a fixed rate; made by ``Node.create_rate``.
+
+    The node has to spin on another thread. In a callback of the executor that spins it, :meth:`sleep` never returns.
+
+    Args:
+        timer: wakes the sleepers.
+        context: its shutdown wakes them, too.
+    """
+
+    def __init__(self, timer: Timer, *, context: Context) -> None:
+        self._timer = timer
+        self._context = context
+        self._is_destroyed = False
+        self._wake_up = threading.Event()
+        self._lock = threading.Lock()
+        self._sleepers = 0
+        timer.callback = self._wake_up.set
+
+    def sleep(self) -> None:
+        """Sleep until the timer fires. Return at once if it has fired since the last sleep.
+
+        Raises:
+            ROSInterruptException: the context has been shut down.
+            RuntimeError: the rate has been destroyed.
+            InvalidHandle: its timer has been destroyed.
+        """
+        self._require_alive()
+        with self._lock:
+            self._sleepers += 1
+        try:
+            while not self._wake_up.wait(LONGEST_WAIT) and self._context.ok():
+                pass
+        finally:
+            with self._lock:
+                self._sleepers -= 1
+                if not self._sleepers:
+                    self._wake_up.clear()
+        if not self._context.ok():
+            raise ROSInterruptException
+
+    def destroy(self) -> None:
+        """Wake the sleepers, and refuse to sleep again."""
+        self._is_destroyed = True
+        self._wake_up.set()
+
+    def _require_alive(self) -> None:
+        if not self._context.ok():
+            raise ROSInterruptException
+        if self._is_destroyed:
+            raise RuntimeError("Rate cannot sleep because it has been destroyed")
+        if self._timer._destroyed:
+            self.destroy()
+            raise InvalidHandle("Rate cannot sleep because the timer has been destroyed")
