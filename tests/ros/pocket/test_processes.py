@@ -206,3 +206,20 @@ def test_an_interrupt_is_no_crash_and_stays_one(start, rounds, seconds, turns, w
     process = start(INTERRUPTED.format(rounds=rounds, seconds=seconds, turns=turns, work=work))
     output, errors = process.communicate(timeout=60)
     assert (output, process.returncode) == ("whole\n", 0), errors
+
+
+def test_log_configuration(start):
+    """In a process of its own, for a real ROS 2 configures its logs once in a process, and fails only then."""
+    process = start("""
+from rclpy.context import Context
+context = Context()
+try:
+    context.init(["--ros-args", "--log-config-file", "there is none"])
+except RuntimeError as error:
+    print(error)
+print(context.ok())
+context.shutdown()
+""")
+    said, ok = process.communicate(timeout=60)[0].splitlines()
+    assert said.startswith("failed to initialize logging: spdlog logging backend doesn't currently support external")
+    assert ok == "True"

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
-from rclpy._names import expand_topic_name
+from rclpy._names import NAMESPACE, expand_topic_name, problem
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
 from rclpy.exceptions import NeedsRealROSError
 from rclpy.logging import LoggingSeverity, get_logger
 
 REMAP, PARAMETER, LOG_LEVEL, PARAMETER_FILE = "remap rule", "parameter override rule", "log level", "parameter file"
+LOG_CONFIGURATION, ENCLAVE, LOG_FILE = "log configuration", "enclave path", "string prefix"
 TABLE = json.loads(Path(__file__).with_name("arguments.json").read_text(encoding="utf-8"))
 """The flags that take a value, each with what that is; those that take none; and the words for yes and no."""
 FLAGS: dict[str, str] = TABLE["flags"]
@@ -37,11 +38,17 @@ class Arguments:
         remappings: in the order in which they were given; the first that fits applies.
         parameters: in the order in which they were given; the last that fits applies.
         log_levels: severities by logger name; "" is the default of all.
+        disabled_logs: outputs that get no log lines, such as ``"rosout"`` and ``"stdout"``.
+        log_configuration: path of a file that configures logging, which Jazzy cannot read; "" if not given.
+        enclave: the security enclave's name.
     """
 
     remappings: list[Rule] = field(default_factory=list)
     parameters: list[Rule] = field(default_factory=list)
     log_levels: dict[str, LoggingSeverity] = field(default_factory=dict)
+    disabled_logs: set[str] = field(default_factory=set)
+    log_configuration: str = ""
+    enclave: str = "/"
 
     @classmethod
     def parse(cls, args: Sequence[str]) -> Self:
@@ -56,7 +63,9 @@ class Arguments:
         for flag in ros_args:
             if flag in FLAGS:
                 arguments._add(flag, next(ros_args, None))
-            elif flag not in TABLE["switches"]:
+            elif flag in TABLE["switches"]:
+                arguments._switch_logs(flag)
+            else:
                 unknown.append(flag)
         if unknown:
             raise UnknownROSArgsError(str(unknown))
@@ -85,10 +94,29 @@ class Arguments:
         """Return names and values of the parameters that are given for a node."""
         return ((rule.name, rule.value) for rule in self.parameters if rule.node in ("", node))
 
+    def check_enclave(self) -> None:
+        """Check the enclave's name. It has no further effect here.
+
+        Raises:
+            RCLError: the name breaks the rules.
+        """
+        if self.enclave != "/" and (found := problem(NAMESPACE, self.enclave)):
+            text, index = found
+            text = f"Enclave name is not valid: '{text.replace('namespace', 'context name')}'. Invalid index: {index}"
+            raise RCLError(f"failed to initialize rcl: {text}")
+
+    def _switch_logs(self, flag: str) -> None:
+        """Apply a flag such as ``--disable-rosout-logs``."""
+        change, _, output = flag.removeprefix("--").removesuffix("-logs").partition("-")
+        if change == "disable":
+            self.disabled_logs.add(output)
+        else:
+            self.disabled_logs.discard(output)
+
     def _add(self, flag: str, text: str | None) -> None:
         kind = FLAGS[flag]
         if text is None:
-            raise _unreadable(f"trailing {flag} flag. No {kind} found.")
+            raise _unreadable(_nothing_after(flag, kind))
         failure = f"{kind}: '{flag} {text}'. Error:"
         if kind in (REMAP, PARAMETER):
             self._add_rule(kind, text, failure)
@@ -97,6 +125,10 @@ class Arguments:
             if level.upper() not in LoggingSeverity.__members__:
                 raise _unreadable(f"{failure} Argument does not use a valid severity level")
             self.log_levels[logger] = LoggingSeverity[level.upper()]
+        elif kind == LOG_CONFIGURATION:
+            self.log_configuration = text
+        elif kind == ENCLAVE:
+            self.enclave = text
         elif kind == PARAMETER_FILE:
             raise NeedsRealROSError(flag)
 
@@ -163,6 +195,16 @@ def _scalar(text: str, style: str | None) -> Any:
         return float(re.sub(r"\.(?=(inf|nan)\Z)", "", text, flags=re.IGNORECASE).replace("_", "no number"))
     except ValueError:
         return text
+
+
+def _nothing_after(flag: str, kind: str) -> str:
+    """Return rcl's error message for a flag without a value."""
+    if kind == LOG_LEVEL:
+        return f"trailing log level flag: '{flag}'. No log level provided."
+    if kind in (REMAP, PARAMETER):
+        return f"trailing {flag} flag. No {kind} found."
+    wanted = kind if kind in (ENCLAVE, LOG_FILE) else "file path"
+    return f"trailing {flag} flag. No {wanted} provided."
 
 
 def _unreadable(text: str) -> RCLError:

@@ -5,7 +5,12 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from rclpy.exceptions import InvalidNamespaceException, InvalidNodeNameException, InvalidTopicNameException
+from rclpy.exceptions import (
+    InvalidNamespaceException,
+    InvalidNodeNameException,
+    InvalidServiceNameException,
+    InvalidTopicNameException,
+)
 
 Rules = list[list[list[str]]]
 """Patterns that a name must not match, each with what to say then; group 1 is at the place. They are in groups: of the
@@ -41,15 +46,23 @@ def validate_namespace(namespace: str) -> bool:
     return namespace == "/" or _valid(NAMESPACE, namespace, InvalidNamespaceException)
 
 
-def validate_topic_name(name: str) -> bool:
-    """Return True if a topic's name is valid, whether relative, absolute or private, else raise
-    InvalidTopicNameException."""
-    return _valid(TOPIC_NAME, name, InvalidTopicNameException)
+def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
+    """Return True if a topic's name is valid, whether relative, absolute or private.
+
+    Args:
+        name: the topic's name.
+        is_service: whether this is the name of a service. The rules are the same.
+
+    Raises:
+        InvalidTopicNameException: the name breaks the rules.
+        InvalidServiceNameException: it does, and is the name of a service.
+    """
+    return _valid(TOPIC_NAME, name, InvalidServiceNameException if is_service else InvalidTopicNameException)
 
 
-def validate_full_topic_name(name: str) -> bool:
-    """Return True if a topic's full name is valid, else raise InvalidTopicNameException."""
-    return _valid(FULL_TOPIC_NAME, name, InvalidTopicNameException)
+def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
+    """Return True if a topic's full name is valid; arguments and errors as for :func:`validate_topic_name`."""
+    return _valid(FULL_TOPIC_NAME, name, InvalidServiceNameException if is_service else InvalidTopicNameException)
 
 
 def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> str:
@@ -58,14 +71,16 @@ def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> s
     Args:
         topic_name: relative to the namespace (``"joy"``), absolute (``"/joy"``) or private to the node (``"~/joy"``).
         node_name: of the node that uses it.
-        node_namespace: of that node.
+        node_namespace: of that node; absolute, such as ``"/"`` or ``"/Tank"``.
 
     Raises:
-        ValueError: a name breaks the rules.
+        ValueError: a name or the namespace breaks the rules.
     """
-    for kind, name, rules in (("topic", topic_name, TOPIC_NAME), ("node", node_name, NODE_NAME)):
+    for kind, name, rules in (("topic name", topic_name, TOPIC_NAME), ("node name", node_name, NODE_NAME)):
         if found := problem(rules, name):
-            raise ValueError(f"{kind} name '{name}' is invalid: {found[0]}")
+            raise ValueError(f"{kind} '{name}' is invalid: {found[0]}")
+    if node_namespace != "/" and (found := problem(NAMESPACE, node_namespace)):
+        raise ValueError(f"node namespace '{node_namespace}' is invalid: {found[0]}")
     inside = node_namespace.rstrip("/")
     values = {"{node}": node_name, "{ns}": node_namespace, "{namespace}": node_namespace}
     full_name = f"{inside}/{node_name}{topic_name[1:]}" if topic_name.startswith("~") else topic_name

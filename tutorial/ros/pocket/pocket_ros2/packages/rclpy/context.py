@@ -15,7 +15,7 @@ from rclpy import _domain
 from rclpy._arguments import Arguments
 from rclpy._graph import Graph
 from rclpy._rclpy_pybind11 import RCLError
-from rclpy.logging import set_logger_level
+from rclpy.logging import muting, set_logger_level
 
 if TYPE_CHECKING:
     from rclpy.executors import SingleThreadedExecutor
@@ -53,7 +53,7 @@ class Context:
 
         Args:
             args: the command line; None takes ``sys.argv``.
-            initialize_logging: apply the command line's log levels.
+            initialize_logging: configure logging from the command line.
             domain_id: None takes ``ROS_DOMAIN_ID``, or 0.
 
         Raises:
@@ -66,13 +66,23 @@ class Context:
             if self._was_initialized:
                 raise RuntimeError("Context.init() must only be called once")
             self.arguments = Arguments.parse(sys.argv if args is None else args)
+            self.arguments.check_enclave()
             self._domain_id = _domain.default_domain_id() if domain_id is None else domain_id
             if self._domain_id > _domain.MAX_DOMAIN_ID:
                 raise RCLError(f"failed to initialize rcl: domain {domain_id} is above {_domain.MAX_DOMAIN_ID}")
-            if initialize_logging:
-                for logger, level in self.arguments.log_levels.items():
-                    set_logger_level(logger, level)
             self._ok = self._was_initialized = True
+            if initialize_logging:
+                self._initialize_logging()
+
+    def _initialize_logging(self) -> None:
+        """Configure logging from the command line. If that fails, the context stays initialized, as in rclpy."""
+        if self.arguments.log_configuration:
+            reason = "spdlog logging backend doesn't currently support external configuration"
+            raise RCLError(f"failed to initialize logging: {reason}")
+        for logger, level in self.arguments.log_levels.items():
+            set_logger_level(logger, level)
+        if "stdout" in self.arguments.disabled_logs:
+            muting.add(self)
 
     def ok(self) -> bool:
         """Whether it has been started and not shut down."""
@@ -99,6 +109,7 @@ class Context:
             return
         was_ok = self._ok
         self.stop()
+        muting.discard(self)
         for reference in self._executors:
             if executor := reference():
                 executor.wait_until_stopped(PATIENCE)

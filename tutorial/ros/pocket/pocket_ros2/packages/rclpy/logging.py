@@ -34,6 +34,9 @@ class Listener(Protocol):
 listeners: weakref.WeakValueDictionary[str, Listener] = weakref.WeakValueDictionary()
 """By the name of the logger."""
 
+muting: weakref.WeakSet[object] = weakref.WeakSet()
+"""Running contexts that were given ``--disable-stdout-logs``. While there is one, nothing is logged to stderr."""
+
 FILTERS = {
     "throttle": ("throttle_duration_sec", "throttle_time_source_type"),
     "skip_first": ("skip_first",),
@@ -200,7 +203,7 @@ def _caller(frame: FrameType | None) -> tuple[str, str, int, int]:
 def _write(severity: LoggingSeverity, name: str, text: str) -> None:
     seconds, nanoseconds = divmod(time.time_ns(), 1_000_000_000)
     stream = sys.stderr
-    if stream is not None:  # pythonw has none
+    if stream is not None and not muting:  # pythonw has no stderr
         with _lock:
             stream.write(f"[{severity.name}] [{seconds}.{nanoseconds:09d}] [{name}]: {text}\n")
             stream.flush()

@@ -102,7 +102,7 @@ class Node(NodeGraph, NodeParameters):
         self._entry = self._graph.add_node(self._namespace, self._name)
         self._leave_graph = weakref.finalize(self, self._graph.remove_node, self._entry)
         self._leave_graph.atexit = False
-        if enable_rosout:
+        if enable_rosout and "rosout" not in self._context.arguments.disabled_logs:
             with self._creating("publisher"):
                 self._rosout = Publisher(self, Log, "/rosout", ROSOUT_QOS)
             listeners[self._logger.name] = self
