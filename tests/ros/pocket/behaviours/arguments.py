@@ -20,3 +20,27 @@ rclpy.init(args=["--ros-args", "--log-level", "loud"])
 rclpy.init(args=["--ros-args", "--log-level", "arguments_capitals:=DEBUG"])
 logger = logging.get_logger("arguments_capitals")
 print(logger.get_effective_level().name, logger.debug("shown"))
+
+# %% no value after other flags
+for flag in ("-e", "--log-config-file", "--log-file-name", "--log-level"):
+    attempt(Context().init, ["--ros-args", flag])
+
+# %% a file that configures the logs, where nothing is configured
+c = Context()
+c.init(["--ros-args", "--log-config-file", "x"], initialize_logging=False)
+print(c.ok(), Node("t", context=c, cli_args=["--ros-args", "--log-config-file", "x"]).get_name())
+
+# %% no logs on stdout
+n = start("--disable-stdout-logs")
+print(n.get_logger().info("hidden"))
+rclpy.create_node("u").get_logger().warning("hidden, too")
+rclpy.shutdown()
+n.get_logger().info("shown after the shutdown")
+start().get_logger().info("shown in the next start")
+
+# %% logs on stdout, after all
+start("--disable-stdout-logs", "--enable-stdout-logs").get_logger().info("shown")
+
+# %% no logs of a node alone
+n = rclpy.create_node("t", cli_args=["--ros-args", "--disable-stdout-logs"]) if rclpy.init(args=[]) is None else None
+n.get_logger().info("shown")
