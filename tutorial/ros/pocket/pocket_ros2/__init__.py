@@ -48,7 +48,8 @@ def uninstall() -> bool:
     if "_rosidl.message" in sys.modules or (rclpy is not None and Path(rclpy).is_relative_to(PATH)):
         return False
     sys.path[:] = [entry for entry in sys.path if entry != str(PATH)]
-    sys.meta_path[:] = [finder for finder in sys.meta_path if type(finder).__module__ != "_rosidl.finder"]
+    ours = ("_absent", "_rosidl.finder")
+    sys.meta_path[:] = [finder for finder in sys.meta_path if type(finder).__module__ not in ours]
     return True
 
 
