@@ -118,5 +118,5 @@ def _check_version(rclpy: Path) -> None:
     ours = f"Python {sys.version_info.major}.{sys.version_info.minor}"
     raise TutorialError(
         f"the ROS 2 in {rclpy} is for {theirs}, and this is {ours}. "
-        f"Start a terminal in which it is not sourced, or type export {VARIABLE}=pocket."
+        f"Open a terminal in which it is not sourced, or type export {VARIABLE}=pocket."
     )
