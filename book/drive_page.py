@@ -16,6 +16,7 @@ from typing import Any
 import mujoco
 
 from pocket_ros2 import PATH as POCKET
+from tutorial.actuators import effort_command
 from tutorial.body import Body
 from tutorial.paths import HOME, find_project
 from tutorial.project import Project
@@ -135,7 +136,7 @@ def _program(name: str, project: Project, controller: str, file: str) -> tuple[d
         view.look_at_bodies(placements[0].name)
     (tank,) = (each for each in project.bodies if each.placement.name == "Tank")
     body = Body("Tank", model, mujoco.MjData(model))
-    motors = {joint.name: joint._ctrl_adr for joint in body.joints if joint._ctrl_adr is not None}
+    motors = {joint.name: effort_command(model, model.joint(f"Tank/{joint.name}").id).adr for joint in body.joints}
     actuators = [model.actuator(i).name.removeprefix("Tank/") for i in range(model.nu)]
     setup = {
         "node": "tank" if project.time_step else "viewer",

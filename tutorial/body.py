@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import mujoco
 import numpy as np
 
+from tutorial.actuators import Command, effort_command, target_command
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import ThreadGuard
 from tutorial.world import Placement, compose
@@ -35,7 +36,10 @@ class Joint:
         qpos_adr: where its position is in MuJoCo's ``qpos``.
     """
 
-    __slots__ = ("_ctrl", "_ctrl_adr", "_dof_adr", "_effort", "_guard", "_qpos", "_qvel", "name", "qpos_adr", "range")
+    __slots__ = (
+        *("_ctrl", "_dof_adr", "_effort", "_effort_command", "_guard", "_id", "_model", "_qpos", "_qvel"),
+        *("_target_command", "name", "qpos_adr", "range"),
+    )
 
     def __init__(
         self, name: str, model: mujoco.MjModel, data: mujoco.MjData, joint_id: int, guard: ThreadGuard | None
@@ -50,9 +54,10 @@ class Joint:
         self._qvel: NDArray[np.float64] = data.qvel
         self._effort: NDArray[np.float64] = data.qfrc_actuator
         self._ctrl: NDArray[np.float64] = data.ctrl
-        moves_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
-        motors = np.flatnonzero(moves_joint & (model.actuator_trnid[:, 0] == joint_id))
-        self._ctrl_adr = int(motors[0]) if len(motors) else None
+        self._model = model
+        self._id = joint_id
+        self._effort_command: Command | None = None  # looked up when it is first used
+        self._target_command: Command | None = None
 
     @property
     def position(self) -> float:
@@ -72,18 +77,36 @@ class Joint:
 
     @property
     def effort(self) -> float:
-        """Torque or force [N.m or N] that the motor applied in the last step. Setting it commands the motor's next one.
+        """Torque or force [N.m or N] on the joint in the last step. Setting it commands the motor's next one.
 
         Raises:
-            TutorialError: set on a joint that has no motor.
+            TutorialError: set on a joint that has no motor, or has a servo; the text names the actuator and its kind.
         """
         return self._effort.item(self._dof_adr)
 
     @effort.setter
     def effort(self, value: float) -> None:
-        if self._ctrl_adr is None:
-            raise TutorialError(f"the joint {self.name!r} has no motor. Give it an actuator in the model.")
-        self._ctrl[self._ctrl_adr] = value
+        command = self._effort_command = self._effort_command or effort_command(self._model, self._id)
+        self._ctrl[command.adr] = command.scale * value
+
+    @property
+    def target(self) -> float:
+        """Position [rad or m] that the joint's position servo holds. Setting it commands the servo.
+
+        Raises:
+            TutorialError: the joint has no position servo, or several; the text names the actuator and its kind.
+        """
+        command = self._find_target_command()
+        return (self._ctrl.item(command.adr) - command.offset) / command.scale
+
+    @target.setter
+    def target(self, value: float) -> None:
+        command = self._find_target_command()
+        self._ctrl[command.adr] = command.offset + command.scale * value
+
+    def _find_target_command(self) -> Command:
+        self._target_command = self._target_command or target_command(self._model, self._id)
+        return self._target_command
 
 
 class Actuator:
@@ -229,7 +252,8 @@ class Body:
 
     def actuator(self, name: str) -> Actuator:
         """Find an actuator by name; raises what `joint` does."""
-        return Actuator(name, self.data, self.find_id("actuator", self.model.actuator, self.model.nu, name))
+        number = self.find_id("actuator", self.model.actuator, self.model.nactuator, name)
+        return Actuator(name, self.data, int(self.model.actuator_ctrladr[number]))
 
     def sensor(self, name: str) -> Sensor:
         """Find a sensor by name; raises what `joint` does."""

@@ -5,6 +5,7 @@ from xml.etree.ElementTree import Element, SubElement
 import mujoco
 import numpy as np
 
+from tutorial.actuators import actuators_of, is_motor
 from tutorial.description.poses import numbers
 
 UNLIMITED = 1e9
@@ -36,8 +37,7 @@ def _effort(model: mujoco.MjModel, joint: int) -> float:
     """The largest torque or force [N.m or N] on a joint: its own limit, or what its actuators can do together."""
     if model.jnt_actfrclimited[joint]:
         return float(np.abs(model.jnt_actfrcrange[joint]).max())
-    moves_joint = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_JOINT)
-    actuators = np.flatnonzero(moves_joint & (model.actuator_trnid[:, 0] == joint)).tolist()
+    actuators = actuators_of(model, joint)
     together = sum(_strength(model, actuator) for actuator in actuators)
     return min(together, UNLIMITED) if actuators else UNLIMITED
 
@@ -46,11 +46,8 @@ def _strength(model: mujoco.MjModel, actuator: int) -> float:
     gear = abs(float(model.actuator_gear[actuator, 0]))
     if model.actuator_forcelimited[actuator]:
         return gear * float(np.abs(model.actuator_forcerange[actuator]).max())
-    is_motor = (
-        model.actuator_gaintype[actuator] == mujoco.mjtGain.mjGAIN_FIXED
-        and model.actuator_biastype[actuator] == mujoco.mjtBias.mjBIAS_NONE
-    )
-    if is_motor and model.actuator_ctrllimited[actuator]:
-        largest = float(np.abs(model.actuator_ctrlrange[actuator]).max())
+    adr = model.actuator_ctrladr[actuator]
+    if is_motor(model, actuator) and model.actuator_ctrllimited[adr]:
+        largest = float(np.abs(model.actuator_ctrlrange[adr]).max())
         return gear * abs(float(model.actuator_gainprm[actuator, 0])) * largest
     return UNLIMITED

@@ -1,0 +1,156 @@
+"""What the actuators of a joint take as their control signal: a torque, or a target that a servo follows."""
+
+from typing import NamedTuple
+
+import mujoco
+
+from tutorial.errors import TutorialError
+
+ON_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+
+Dyn, Gain, Bias = mujoco.mjtDyn, mujoco.mjtGain, mujoco.mjtBias
+
+FOLLOWS_CONTROL = (Dyn.mjDYN_NONE, Dyn.mjDYN_FILTER, Dyn.mjDYN_FILTEREXACT)
+"""The dynamics after which the actuator's input is the control signal, at once or after a while."""
+
+KINDS = {
+    Gain.mjGAIN_MUSCLE: "a muscle",
+    Gain.mjGAIN_DCMOTOR: "a DC motor",
+    Gain.mjGAIN_PID: "a PID controller",
+    Gain.mjGAIN_USER: "an actuator of the user's own",
+}
+
+CONTROL = "the control signal, body.actuator(name).ctrl"
+
+
+class Command(NamedTuple):
+    """How a command to a joint becomes a control signal: ``ctrl = offset + scale * command``.
+
+    Attributes:
+        adr: where the control signal is in MuJoCo's ``ctrl``.
+        scale, offset: as in the formula.
+    """
+
+    adr: int
+    scale: float
+    offset: float = 0.0
+
+
+def actuators_of(model: mujoco.MjModel, joint: int) -> list[int]:
+    """Return MuJoCo's numbers of the actuators that act on a joint itself, not through a tendon or a site."""
+    kinds, joints = model.actuator_trntype.tolist(), model.actuator_trnid[:, 0].tolist()
+    return [i for i, kind in enumerate(kinds) if kind in ON_JOINT and joints[i] == joint]
+
+
+def is_motor(model: mujoco.MjModel, actuator: int) -> bool:
+    """Say whether an actuator's force is its control signal times a constant."""
+    direct = Dyn(model.actuator_dyntype[actuator]) == Dyn.mjDYN_NONE
+    return bool(direct and _gain(model, actuator) and _bias(model, actuator) == [0.0, 0.0, 0.0])
+
+
+def effort_command(model: mujoco.MjModel, joint: int) -> Command:
+    """Return how a joint is commanded a torque [N.m] or a force [N].
+
+    Raises:
+        TutorialError: the joint has no motor, or an actuator of another kind that acts on it, too.
+    """
+    actuators = _enabled(model, joint)
+    for actuator in actuators:
+        if not is_motor(model, actuator):
+            raise TutorialError(f"{_title(model, joint)} takes no effort: {_what(model, actuator)}")
+    if not actuators:
+        raise TutorialError(
+            f"{_title(model, joint)} has no motor of its own. Give it one in the model; if a tendon moves it, set the "
+            "tendon's actuator, body.actuator(name).ctrl."
+        )
+    gear = float(model.actuator_gear[actuators[0], 0])
+    return Command(int(model.actuator_ctrladr[actuators[0]]), 1 / (gear * _gain(model, actuators[0])))
+
+
+def target_command(model: mujoco.MjModel, joint: int) -> Command:
+    """Return how a joint's position servo is commanded a position [rad or m].
+
+    It rests where ``gain * ctrl + offset - stiffness * gear * position`` is 0.
+
+    Raises:
+        TutorialError: the joint has no position servo, or several.
+    """
+    actuators = _enabled(model, joint)
+    servos = [each for each in actuators if _is_position_servo(model, each)]
+    if len(servos) > 1:
+        raise TutorialError(f"{_title(model, joint)} has {len(servos)} position servos. Of each one, set {CONTROL}.")
+    if not servos:
+        found = f": {_what(model, actuators[0])}" if actuators else ". Give it one in the model."
+        raise TutorialError(f"{_title(model, joint)} has no position servo{found}")
+    gain, (offset, minus_stiffness, _) = _gain(model, servos[0]), _bias(model, servos[0])
+    gear = float(model.actuator_gear[servos[0], 0])
+    return Command(int(model.actuator_ctrladr[servos[0]]), -minus_stiffness * gear / gain, -offset / gain)
+
+
+def _title(model: mujoco.MjModel, joint: int) -> str:
+    return f"the joint {model.joint(joint).name.partition('/')[2]!r}"
+
+
+def _enabled(model: mujoco.MjModel, joint: int) -> list[int]:
+    """Return the actuators that can move a joint: not those without a gear, or in a group that the model disables."""
+    disabled = int(model.opt.disableactuator)
+    groups = model.actuator_group.tolist()
+    geared = [each for each in actuators_of(model, joint) if model.actuator_gear[each, 0]]
+    return [each for each in geared if not (0 <= groups[each] < 31 and disabled >> groups[each] & 1)]
+
+
+def _is_position_servo(model: mujoco.MjModel, actuator: int) -> bool:
+    direct = Dyn(model.actuator_dyntype[actuator]) in FOLLOWS_CONTROL
+    return bool(direct and _gain(model, actuator) and _bias(model, actuator)[1] < 0)
+
+
+def _gain(model: mujoco.MjModel, actuator: int) -> float:
+    """Return the force per unit of the control signal; 0 if that is no constant."""
+    constant, *others = model.actuator_gainprm[actuator, :3].tolist()
+    kind = Gain(model.actuator_gaintype[actuator])
+    return float(constant) if kind == Gain.mjGAIN_FIXED or (kind == Gain.mjGAIN_AFFINE and not any(others)) else 0.0
+
+
+def _bias(model: mujoco.MjModel, actuator: int) -> list[float]:
+    """Return the force without a control signal: a constant, per unit of length, and per unit of velocity.
+
+    Not a number where MuJoCo computes it otherwise, as for a muscle.
+    """
+    match Bias(model.actuator_biastype[actuator]):
+        case Bias.mjBIAS_NONE:
+            return [0.0, 0.0, 0.0]
+        case Bias.mjBIAS_AFFINE:
+            return [float(each) for each in model.actuator_biasprm[actuator, :3]]
+    return [float("nan")] * 3
+
+
+def _what(model: mujoco.MjModel, actuator: int) -> str:
+    """Say what an actuator is, and how to command it."""
+    name = model.actuator(actuator).name.partition("/")[2]
+    ways = []
+    if is_motor(model, actuator):
+        ways.append("joint.effort")
+    if _is_position_servo(model, actuator):
+        ways.append("joint.target")
+    if name:
+        ways.append(f"its control signal, body.actuator({name!r}).ctrl")
+    what = f"its actuator {name!r}" if name else "its actuator"
+    advice = f"Set {', or '.join(ways)}." if ways else f"Give it a name in the model, and set {CONTROL}."
+    return f"{what} is {_kind(model, actuator)}. {advice}"
+
+
+def _kind(model: mujoco.MjModel, actuator: int) -> str:
+    """Name the kind of an actuator."""
+    dynamics, gain = Dyn(model.actuator_dyntype[actuator]), Gain(model.actuator_gaintype[actuator])
+    _, stiffness, damping = _bias(model, actuator)
+    kinds = (  # the first that fits
+        (is_motor(model, actuator), "a motor"),
+        (gain in KINDS, KINDS.get(gain, "")),
+        (dynamics == Dyn.mjDYN_INTEGRATOR and stiffness, "a velocity servo that integrates"),
+        (dynamics == Dyn.mjDYN_INTEGRATOR, "an integrator"),
+        (_is_position_servo(model, actuator), "a position servo"),
+        (dynamics != Dyn.mjDYN_NONE, "an actuator whose force follows the control signal late, such as a cylinder"),
+        (gain == Gain.mjGAIN_AFFINE, "a damper"),
+        (damping < 0, "a velocity servo"),
+    )
+    return next((kind for fits, kind in kinds if fits), "an actuator with a force of its own")
