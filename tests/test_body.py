@@ -117,3 +117,28 @@ def test_another_thread_may_not_touch_it(tank, action, touch):
         "Post the call instead: call_later(f, message)."
     )
     assert tank.joint("TURRET_Y").position == 0.0
+
+
+GRIPPER = """
+<mujoco><worldbody><body name="PALM">
+  <geom size="0.1"/>
+  <body name="L"><joint name="L" type="slide"/><geom size="0.1"/></body>
+  <body name="R"><joint name="R" type="slide"/><geom size="0.1"/></body>
+</body></worldbody><equality><joint joint1="R" joint2="L" polycoef="0.1 -1 0 0 0"/></equality></mujoco>
+"""
+
+
+def test_a_coupled_joint_follows_until_it_is_named(tmp_path):
+    path = tmp_path / "gripper.xml"
+    path.write_text(GRIPPER)
+    gripper = Body.displayed(Placement("Gripper", path))
+    right = gripper.joint("R")
+    assert right.position == 0.1
+    gripper.set_joint_positions({"L": 0.3})
+    assert (right.position, gripper.followers) == (pytest.approx(-0.2), {"R"})
+    gripper.set_joint_positions({"L": 0.4, "R": 0.5})
+    gripper.set_joint_positions({"L": 0.6})
+    assert (right.position, gripper.followers) == (0.5, set())
+    gripper.qpos[:] = 0.7, 0.8  # as a simulation has it
+    gripper.calc_forward_kinematics()
+    assert right.position == 0.8

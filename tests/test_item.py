@@ -119,3 +119,39 @@ def test_another_publisher_is_said_below_the_view_and_once_in_the_log_by_name(jo
     del nodes[1:]
     clock.now += 5.0
     assert "publish" not in joints.line()
+
+
+LINKED = """
+<mujoco><worldbody>
+  <body name="PALM"><joint name="A"/><geom size="0.1"/></body>
+  <body><joint name="B"/><geom size="0.1"/></body>
+  <body><joint name="C"/><geom size="0.1"/></body>
+</worldbody><equality><joint joint1="B" joint2="A"/>EQUALITY</equality></mujoco>
+"""
+
+
+@pytest.mark.parametrize(
+    ("equality", "said"),
+    [
+        ("", []),
+        ('<joint joint1="C" joint2="B"/>', []),
+        (
+            '<connect body1="PALM" anchor="0 0 0"/>',
+            [
+                "Hand: its model couples links by <connect>, which the view does not compute. "
+                "Joints that no message names stay where they are: 'C'"
+            ],
+        ),
+    ],
+)
+def test_joints_that_follow_are_not_stale(tmp_path, clock, caplog, nodes, equality, said):
+    path = tmp_path / "hand.xml"
+    path.write_text(LINKED.replace("EQUALITY", equality))
+    hand = Item(Placement("Hand", path), SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None)
+    positions, report = JointMatcher(hand.body.joint_ranges).match(JointState(name=["A"], position=[0.5]))
+    hand.body.set_joint_positions(positions)
+    hand.body.notify_change(report)
+    clock.now += 5.0
+    assert "B" not in hand.joints.stale()
+    assert set(hand.joints.stale()) == ({"A"} if "C" in hand.body.followers else {"A", "C"})
+    assert caplog.messages == said

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from tutorial.actuators import Command, effort_command, target_command
+from tutorial.couplings import Followers
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.handoff import ThreadGuard
 from tutorial.world import Placement, compose
@@ -202,6 +203,7 @@ class Body:
         self.joints = tuple(Joint(names[i], model, data, i, guard) for i in shown)
         self.qpos_slice = _qpos_slice(model, ids)
         self._root = _Root.of(name, model, data, ids)
+        self._followers = Followers(model, f"{name}/") if guard else None  # MuJoCo couples the simulated ones
         self._by_name = {joint.name: joint for joint in self.joints}
         self._guard = guard
         self._observers: list[Observer] = []
@@ -218,6 +220,8 @@ class Body:
         """
         model = compose([placement])
         body = cls(placement.name, model, mujoco.MjData(model), ThreadGuard(f"the body {placement.name!r}"))
+        if body._followers:
+            body._followers.begin(body.data.qpos)
         body.calc_forward_kinematics()
         return body
 
@@ -239,6 +243,11 @@ class Body:
         """A view on its part of MuJoCo's ``qpos``, shape (nq,)."""
         qpos: NDArray[np.float64] = self.data.qpos[self.qpos_slice]
         return qpos
+
+    @property
+    def followers(self) -> frozenset[str]:
+        """The names of the joints that follow others, because `set_joint_positions` has never named them."""
+        return self._followers.names if self._followers else frozenset()
 
     def joint(self, name: str) -> Joint:
         """Find a joint by name.
@@ -313,7 +322,9 @@ class Body:
         return np.concatenate([linear, self._root.velocity[3:]])
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
-        """Move joints of a displayed body; the others stay where they are.
+        """Move joints of a displayed body, and with them those that its model couples to them.
+
+        A coupled joint follows until it is named itself. The others stay where they are.
 
         Args:
             positions: by joint name [rad or m].
@@ -325,6 +336,8 @@ class Body:
         qpos = self.data.qpos
         for name, position in positions.items():
             qpos[self.joint(name).qpos_adr] = position
+        if self._followers:
+            self._followers.update(positions, qpos)
 
     def calc_forward_kinematics(self) -> None:
         """Compute where the links are, from the root's position and the joints'."""

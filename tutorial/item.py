@@ -6,6 +6,7 @@ from collections import Counter
 
 from tutorial.body import Body
 from tutorial.controller import ControllerConfig, SimpleController
+from tutorial.couplings import not_computed
 from tutorial.errors import TutorialError, file_of, printable, tell
 from tutorial.handoff import CallQueue, CallScope
 from tutorial.joints import Arrival, JointReport
@@ -59,16 +60,22 @@ class JointWatch:
         now = time.monotonic()
         self._report, self._reported_at = report, now
         self.applied += not report.dropped
-        self._heard = self._heard or dict.fromkeys(self._body.joint_names, now)
+        if not self._heard:
+            self._heard = dict.fromkeys(self._body.joint_names, now)
+            self._say_what_does_not_follow(report)
         self._heard.update(dict.fromkeys(report.joints, now))
         if not report.clean and now - self._complained_at >= COMPLAIN_EVERY:
             self._complained_at = now
             _log.warning("%s: %s", self._body.name, report)
 
     def stale(self) -> dict[str, int]:
-        """The joints that nothing was heard of for a while: for how long [s]. None before the body's first message."""
-        now = time.monotonic()
-        return {joint: int(now - at) for joint, at in self._heard.items() if now - at >= STALE_AFTER}
+        """The joints that nothing was heard of for a while: for how long [s]. None before the body's first message.
+
+        Those that follow another joint are not among them.
+        """
+        now, followers = time.monotonic(), self._body.followers
+        silent = {joint: now - at for joint, at in self._heard.items() if joint not in followers}
+        return {joint: int(age) for joint, age in silent.items() if age >= STALE_AFTER}
 
     @property
     def in_order(self) -> bool:
@@ -93,6 +100,16 @@ class JointWatch:
     def _contested(self) -> str:
         """Say who publishes; empty when nothing of another publisher has come for a while."""
         return self._publishers if time.monotonic() - self._contested_at < CONTESTED_FOR else ""
+
+    def _say_what_does_not_follow(self, report: JointReport) -> None:
+        """Warn of joints that the first message does not name and that may be coupled in a way nobody computes."""
+        missing = set(self._body.joint_names).difference(report.joints, self._body.followers)
+        if missing and (kinds := not_computed(self._body.model)):
+            _log.warning(
+                "%s: its model couples links by <%s>, which the view does not compute. "
+                "Joints that no message names stay where they are: %s",
+                *(self._body.name, ">, <".join(kinds), _some(sorted(map(repr, missing)))),
+            )
 
     def _ask_who_publishes(self) -> None:
         """Note a message of another publisher, and ask now and then who publishes; a change is logged."""

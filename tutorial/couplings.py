@@ -1,0 +1,163 @@
+"""Coupled joints: where an ``<equality>`` puts a joint that nobody moves, such as the other finger of a gripper."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+NOBODY = -1
+"""In the place of a leader: the follower stands still."""
+
+NOT_COMPUTED = ("mjEQ_CONNECT", "mjEQ_WELD", "mjEQ_TENDON", "mjEQ_DISTANCE")
+"""Equalities of links and tendons: they move joints, too, but there is no formula of one joint's position."""
+
+
+class Coupling(NamedTuple):
+    """A joint that follows another one.
+
+    Attributes:
+        follower: MuJoCo's number of the joint that follows.
+        leader: of the joint that it follows, or `NOBODY`.
+        polynomial: of the leader's position, is the follower's [rad or m]; the constant comes first.
+    """
+
+    follower: int
+    leader: int
+    polynomial: tuple[float, ...]
+
+    def position(self, leader: float) -> float:
+        """Compute the follower's position [rad or m] from the leader's."""
+        position = 0.0
+        for coefficient in reversed(self.polynomial):
+            position = position * leader + coefficient
+        return position
+
+    @property
+    def is_linear(self) -> bool:
+        """Whether the follower moves as far as the leader, times a constant."""
+        return len(self.polynomial) == 2
+
+    def swapped(self) -> Coupling:
+        """Make the leader of a linear coupling follow its follower."""
+        offset, ratio = self.polynomial
+        return Coupling(self.leader, self.follower, (-offset / ratio, 1 / ratio))
+
+    def after(self, other: Coupling) -> Coupling:
+        """Follow the leader of the coupling that moves this one's leader; both are linear."""
+        (offset, ratio), (other_offset, other_ratio) = self.polynomial, other.polynomial
+        return Coupling(self.follower, other.leader, (offset + ratio * other_offset, ratio * other_ratio))
+
+
+class Followers:
+    """Moves the joints of a displayed body that are coupled to others.
+
+    A joint follows until its position is set by name for the first time: a publisher that knows it knows better.
+
+    Args:
+        model: the model.
+        prefix: what the names of the body's joints begin with in the model.
+
+    Attributes:
+        names: the joints that follow those that were set, without the prefix.
+    """
+
+    def __init__(self, model: mujoco.MjModel, prefix: str) -> None:
+        self.names: frozenset[str] = frozenset()
+        self._model = model
+        self._prefix = prefix
+        self._couplings = [each for each in couplings_of(model) if self._name(each.follower).startswith(prefix)]
+        self._steps: list[Coupling] = []
+        self._set: set[str] = set()
+
+    def begin(self, qpos: NDArray[np.float64]) -> None:
+        """Have every coupling fulfilled, before any position is set."""
+        self._move(follow(self._couplings, roots(self._couplings)), qpos)
+
+    def update(self, positions: Mapping[str, float], qpos: NDArray[np.float64]) -> None:
+        """Move what follows, after positions were set.
+
+        Args:
+            positions: those that were set, by joint name.
+            qpos: MuJoCo's, which has them.
+        """
+        if not self._couplings:
+            return
+        if not self._set.issuperset(positions):
+            self._set.update(positions)
+            joints = (self._model.joint(self._prefix + name).id for name in self._set)
+            self._steps = follow(self._couplings, joints)
+            self.names = frozenset(self._name(each.follower).removeprefix(self._prefix) for each in self._steps)
+        self._move(self._steps, qpos)
+
+    def _move(self, steps: Iterable[Coupling], qpos: NDArray[np.float64]) -> None:
+        adr = self._model.jnt_qposadr
+        for step in steps:
+            qpos[adr[step.follower]] = step.position(qpos.item(adr[step.leader]))
+
+    def _name(self, joint: int) -> str:
+        return str(self._model.joint(joint).name)
+
+
+def couplings_of(model: mujoco.MjModel) -> list[Coupling]:
+    """Return the couplings of joints that are active as the model begins."""
+    joint_equalities = (i for i in active_equalities(model) if model.eq_type[i] == mujoco.mjtEq.mjEQ_JOINT)
+    return [_coupling(model, equality) for equality in joint_equalities]
+
+
+def active_equalities(model: mujoco.MjModel) -> list[int]:
+    """Return MuJoCo's numbers of the equalities that are active as the model begins."""
+    off = model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_EQUALITY)
+    return [] if off else [i for i, active in enumerate(model.eq_active0.tolist()) if active]
+
+
+def not_computed(model: mujoco.MjModel) -> list[str]:
+    """Return the kinds of active equalities that only a simulation fulfils, as MJCF calls them."""
+    kinds = {mujoco.mjtEq(model.eq_type[each]).name for each in active_equalities(model)}
+    return [kind.removeprefix("mjEQ_").lower() for kind in NOT_COMPUTED if kind in kinds]
+
+
+def follow(couplings: Sequence[Coupling], named: Iterable[int]) -> list[Coupling]:
+    """Find what the couplings say of the joints that are not named.
+
+    A joint whose coupling has the named joint as its follower is found, too, if that is linear. If several couplings
+    speak of a joint, the first counts.
+
+    Args:
+        couplings: of a model.
+        named: MuJoCo's numbers of the joints whose positions are known.
+
+    Returns:
+        Couplings in an order in which each leader is known when it is needed.
+    """
+    ways = [*couplings, *(each.swapped() for each in couplings if each.is_linear)]
+    known, found = {NOBODY, *named}, list[Coupling]()
+    while step := next((way for way in ways if way.leader in known and way.follower not in known), None):
+        known.add(step.follower)
+        found.append(step)
+    return found
+
+
+def roots(couplings: Sequence[Coupling]) -> set[int]:
+    """Return the joints that others follow, and that follow no other; of a circle, one that is in it."""
+    found = {each.leader for each in couplings} - {each.follower for each in couplings}
+    for each in couplings:
+        if each.leader not in found.union(step.follower for step in follow(couplings, found)):
+            found.add(each.leader)
+    return found
+
+
+def _coupling(model: mujoco.MjModel, equality: int) -> Coupling:
+    """Read an equality: MuJoCo's polynomial is of how far the leader is from its position in ``qpos0``."""
+    follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
+    start = float(model.qpos0[model.jnt_qposadr[follower]])
+    coefficients = model.eq_data[equality, :5].tolist()
+    if leader == NOBODY:
+        return Coupling(follower, leader, (start + coefficients[0],))
+    moved = Polynomial([-float(model.qpos0[model.jnt_qposadr[leader]]), 1.0])
+    polynomial = (start + Polynomial(coefficients)(moved)).trim()
+    return Coupling(follower, leader, tuple(polynomial.coef.tolist()))
