@@ -229,6 +229,53 @@ def test_a_limit_says_what_the_actuators_can_do(described):
     assert robot.joints["B"].find("dynamics") is None
 
 
+COUPLED = """
+<mujoco>
+  <compiler angle="radian"/>
+  <worldbody><body name="PALM">
+    <geom size="0.1"/>
+    <body name="A"><joint name="A" type="slide" ref="0.1" range="0 1"/><geom size="0.1"/></body>
+    <body name="B"><joint name="B" type="slide" ref="0.2" group="3"/><geom size="0.1"/></body>
+    <body name="C"><joint name="C" axis="0 1 0" ref="-0.3"/><geom size="0.1"/></body>
+    <body name="D"><joint name="D" axis="1 0 0"/><geom size="0.1"/></body>
+  </body></worldbody>
+  <equality>
+    <joint joint1="C" joint2="B" polycoef="0.5 3 0 0 0"/>
+    <joint joint1="B" joint2="A" polycoef="0.1 -2 0 0 0"/>
+    <joint joint1="D" joint2="A" active="false"/>
+    EQUALITY
+  </equality>
+</mujoco>
+"""
+
+
+def test_a_coupled_joint_mimics_the_one_that_moves_it(described, caplog):
+    body, robot = described(COUPLED.replace("EQUALITY", ""))
+    mimics = {name: joint.find("mimic") for name, joint in robot.joints.items() if joint.find("mimic") is not None}
+    assert {name: mimic.get("joint") for name, mimic in mimics.items()} == {"B": "A", "C": "A"}
+    assert robot.comment == " Other than in the MuJoCo model are equalities (1) "
+    assert caplog.records == []
+    model = robot.read()
+    data = mujoco.MjData(model)
+    body.set_joint_positions({"A": 0.7})
+    body.calc_forward_kinematics()
+    data.joint("A").qpos = 0.7
+    for name, mimic in mimics.items():
+        data.joint(name).qpos = 0.7 * float(mimic.get("multiplier")) + float(mimic.get("offset"))
+    mujoco.mj_kinematics(model, data)
+    for link in ("A_link", "B_link", "C_link"):
+        own, root = body.data.body(f"Robot/{link[0]}"), body.data.body("Robot/PALM")
+        np.testing.assert_allclose(data.body(link).xpos, own.xpos - root.xpos, atol=1e-9)
+        np.testing.assert_allclose(data.body(link).xmat, own.xmat, atol=1e-9)
+
+
+@pytest.mark.parametrize("equality", ['<joint joint1="D" joint2="A" polycoef="0 0 1 0 0"/>', '<weld body1="D"/>'])
+def test_a_coupling_that_urdf_does_not_have_is_a_warning(described, caplog, equality):
+    described(COUPLED.replace("EQUALITY", equality))
+    said = "the robot description of Robot does not move as the robot does: equalities that move joints (1)"
+    assert caplog.messages == [said]
+
+
 COLLISION, VISUAL = 0, 1  # MuJoCo's groups of what it reads from URDF
 
 

@@ -16,6 +16,7 @@ import mujoco
 import numpy as np
 
 from tutorial.body import Body
+from tutorial.couplings import NOT_COMPUTED, Coupling, active_equalities, couplings_of, follow, roots
 from tutorial.description.limits import add_dynamics, add_limit
 from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift, turn
 from tutorial.description.shapes import add_shapes
@@ -37,10 +38,10 @@ _log = logging.getLogger(__name__)
 def robot_description(body: Body) -> str:
     """Write the URDF of a body.
 
-    What URDF does not have is left out, such as tendons, equalities and ellipsoids. Joints that joint states do not
-    speak of are fixed as the model begins: those of a group that MuJoCo hides, ball joints, joints without a name. A
-    comment at the top says how many there are of each; what makes the description move other than the robot is a
-    warning in the log, too.
+    What URDF does not have is left out, such as tendons and ellipsoids. Joints that joint states do not speak of are
+    fixed as the model begins: those of a group that MuJoCo hides, ball joints, joints without a name. A joint with a
+    linear coupling to another joint mimics it, and other equalities are left out. A comment at the top says how many
+    there are of each; what makes the description move other than the robot is a warning in the log, too.
 
     Args:
         body: a displayed body: its model has nothing else in it.
@@ -60,10 +61,13 @@ class _Writer:
         self.robot = Element("robot", name=body.name)
         self.links = {WORLD: self._add_link(ROOT)}  # by MuJoCo's numbers of bodies
         names = (self._plain(body.model.body(number).name) for number in range(FIRST, body.model.nbody))
-        self.names = {"link": {ROOT, *names}, "joint": set(body.joint_names)}
         self.published = frozenset(body.joint_names)  # in joint states
-        self.left_out = Counter(tendons=self.model.ntendon, equalities=self.model.neq)
-        self.moves_otherwise: Counter[str] = Counter()
+        self.mimics = self._mimics()
+        self.moving = self.published.union(self._joint_name(each) for each in self.mimics)
+        self.names = {"link": {ROOT, *names}, "joint": set(self.moving)}
+        others = self._other_equalities()
+        self.left_out = Counter(tendons=self.model.ntendon, equalities=self.model.neq - len(self.mimics) - others)
+        self.moves_otherwise = +Counter({"equalities that move joints": others})
 
     def write(self) -> str:
         """Return the XML."""
@@ -91,9 +95,31 @@ class _Writer:
             self.links[number] = parent
         else:
             own = name if name and name != ROOT else self._unused("link", name or f"body_{number}")
-            own = self._unused("link", f"{own}_link") if own in self.published else own
+            own = self._unused("link", f"{own}_link") if own in self.moving else own
             self.links[number] = self._lead(parent, joints, place, own)
         self._add_inertia(self.links[number], number)
+
+    def _mimics(self) -> dict[int, Coupling]:
+        """Return the linear couplings by MuJoCo's number of the follower, each to a joint that follows no other.
+
+        robot_state_publisher does not know where a joint is that mimics one that mimics another.
+        """
+        found: dict[int, Coupling] = {}
+        couplings = couplings_of(self.model)
+        for step in follow(couplings, roots(couplings)):
+            if step.is_linear:
+                found[step.follower] = step.after(found[step.leader]) if step.leader in found else step
+        return {follower: each for follower, each in found.items() if self._joint_name(each.leader) in self.published}
+
+    def _other_equalities(self) -> int:
+        """Count the active equalities that move joints of the description, and that it does not have."""
+        between_joints = (each.follower for each in couplings_of(self.model) if each.follower not in self.mimics)
+        kinds = (mujoco.mjtEq(self.model.eq_type[each]).name for each in active_equalities(self.model))
+        moved = [joint for joint in between_joints if self._joint_name(joint) in self.published]
+        return len(moved) + sum(kind in NOT_COMPUTED for kind in kinds)
+
+    def _joint_name(self, joint: int) -> str:
+        return self._plain(self.model.joint(joint).name)
 
     def _place(self, number: int) -> Matrix | None:
         """Where a body stands in its parent, with its joints at rest; None if no joint state says how it moves there.
@@ -118,7 +144,7 @@ class _Writer:
             anchor, at_zero = self._axis(joint)
             here, place = place @ anchor @ at_zero, np.linalg.inv(anchor)
             ends = joint == joints[-1] and not place[:3, 3].any()
-            joint_name = self._plain(self.model.joint(joint).name)
+            joint_name = self._joint_name(joint)
             link = self._add_link(name if ends else self._unused("link", f"{joint_name}_axis"))
             self._add_moving_joint(joint, joint_name, parent, link, here)
             if ends:
@@ -132,7 +158,7 @@ class _Writer:
         start = int(model.body_jntadr[number])
         for joint in range(start, start + int(model.body_jntnum[number])):
             kind, name = int(model.jnt_type[joint]), model.joint(joint).name
-            if self._plain(name) in self.published:
+            if self._plain(name) in self.moving:
                 moving.append(joint)
             elif kind == BALL:
                 self.moves_otherwise["ball joints that are fixed"] += 1
@@ -178,6 +204,10 @@ class _Writer:
         SubElement(element, "axis", xyz=numbers(self.model.jnt_axis[joint]))
         add_limit(element, self.model, joint)
         add_dynamics(element, self.model, joint)
+        if joint in self.mimics:
+            _, leader, (offset, multiplier) = self.mimics[joint]
+            factors = {"multiplier": numbers([multiplier]), "offset": numbers([offset])}
+            SubElement(element, "mimic", {"joint": self._joint_name(leader), **factors})
 
     def _add_inertia(self, link: Element, number: int) -> None:
         """Add mass and inertia: MuJoCo has it along its principal axes, URDF along the link's."""
