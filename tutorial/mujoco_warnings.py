@@ -2,7 +2,9 @@
 
 import logging
 import time
-from contextlib import suppress
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 
 WARN_EVERY = 5.0  # [s] between two log lines
 AFTER_WARNING = {
@@ -10,6 +12,11 @@ AFTER_WARNING = {
     " in Q": "The simulated world is back where it began.",  # in QPOS, QVEL or QACC
 }
 """What MuJoCo does and does not say."""
+
+IN_OTHER_WORDS = {
+    "Attach conflict": "a model's file attaches another file whose options differ. They are not used.",
+}
+"""What is said in place of a warning that only MuJoCo's own developers understand, by its beginning."""
 
 _log = logging.getLogger(__name__)
 
@@ -31,8 +38,17 @@ class _MujocoWarns:
             follows = next((f" {what}" for where, what in AFTER_WARNING.items() if where in text), "")
             others = f" ({self._unsaid} more since the last one)" if self._unsaid else ""
             self._unsaid, self._due = 0, now + WARN_EVERY
-            _log.warning("MuJoCo: %s%s%s", text.strip(), follows, others)
+            ours = next((said for begin, said in IN_OTHER_WORDS.items() if text.startswith(begin)), "")
+            _log.warning("%s%s", ours or f"MuJoCo: {text.strip()}{follows}", others)
 
 
 mujoco_warns = _MujocoWarns()
 """The handler of MuJoCo's warnings, of which a process has one."""
+
+
+@contextmanager
+def no_python_warnings() -> Iterator[None]:
+    """Leave out MuJoCo's warnings of Python's kind, which show a line of ours: it hands them to `mujoco_warns`, too."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield

@@ -1,5 +1,6 @@
 """Composing one MuJoCo model out of the bodies that a project lists."""
 
+import logging
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,12 +8,15 @@ from pathlib import Path
 import mujoco
 
 from tutorial.errors import TutorialError
-from tutorial.mujoco_warnings import mujoco_warns
+from tutorial.mujoco_warnings import mujoco_warns, no_python_warnings
+from tutorial.options import set_options
 
 FAILS = (ValueError, RuntimeError)
 """What MuJoCo raises of a model: RuntimeError where there is no memory for it."""
 
 mujoco.set_mju_user_warning(mujoco_warns)
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -32,15 +36,14 @@ class Placement:
     orientation_wxyz: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
 
 
-def compose(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco.MjModel:
+def compose(placements: Iterable[Placement], time_step: float | None = None) -> mujoco.MjModel:
     """Make one world of several bodies.
 
-    MuJoCo's options belong to the world: whatever the parts ask for, the composed model has this time step, the
-    gravity of the original (9.80665 m/s^2) and the integrator ``implicitfast``.
+    The world has the options that its models set, where they do not contradict each other: see `tutorial.options`.
 
     Args:
         placements: the bodies, each attached with the prefix ``name/``.
-        time_step: of the simulation [s].
+        time_step: of the simulation [s], whatever the models say; None for theirs.
 
     Returns:
         The compiled model.
@@ -48,35 +51,53 @@ def compose(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco
     Raises:
         TutorialError: a model does not load or the whole does not compile; the text is MuJoCo's.
     """
-    world = world_spec(placements, time_step)
+    world, unused = _make_world(placements, time_step)
     try:
-        model = world.compile()
+        with no_python_warnings():
+            model = world.compile()
         model.names.decode()  # what is in other encodings compiles, and then has no names
     except FAILS as error:
-        raise TutorialError(f"the world does not compile. MuJoCo says: {error}") from error
+        raise TutorialError(f"the world does not compile. MuJoCo says: {error}\n{unused}".rstrip()) from error
+    if unused:
+        _log.warning("%s", unused)
     return model
 
 
-def world_spec(placements: Iterable[Placement], time_step: float = 0.001) -> mujoco.MjSpec:
+def world_spec(placements: Iterable[Placement], time_step: float | None = None) -> mujoco.MjSpec:
     """Make what `compose` compiles, with the same arguments.
 
     Raises:
         TutorialError: a model does not load; the text is MuJoCo's.
     """
+    return _make_world(placements, time_step)[0]
+
+
+def _make_world(placements: Iterable[Placement], time_step: float | None) -> tuple[mujoco.MjSpec, str]:
+    """Make a world, and say which options of its models it does not have."""
+    placements = list(placements)
+    parts = [_read(placement.model) for placement in placements]
     world = mujoco.MjSpec()
     world.modelname = "world"
-    world.option.timestep = time_step
-    world.option.gravity = (0.0, 0.0, -9.80665)
-    world.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    for placement in placements:
+    unused = set_options(world, [(each.model, part) for each, part in zip(placements, parts)], time_step)
+    for placement, part in zip(placements, parts):
         try:
-            str(placement.model).encode()  # MuJoCo takes names in UTF-8 alone
-            part = mujoco.MjSpec.from_file(str(placement.model))
-            part.option.timestep = time_step
-            part.option.gravity = world.option.gravity
-            part.option.integrator = world.option.integrator
             frame = world.worldbody.add_frame(pos=placement.position, quat=placement.orientation_wxyz)
-            world.attach(part, prefix=f"{placement.name}/", frame=frame)
+            with no_python_warnings():
+                world.attach(part, prefix=f"{placement.name}/", frame=frame)
         except FAILS as error:
-            raise TutorialError(f"the model {str(placement.model)!r} does not load. MuJoCo says: {error}") from error
-    return world
+            raise _does_not_load(placement.model, error) from error
+    return world, unused
+
+
+def _read(path: Path) -> mujoco.MjSpec:
+    """Read a model."""
+    try:
+        str(path).encode()  # MuJoCo takes names in UTF-8 alone
+        with no_python_warnings():
+            return mujoco.MjSpec.from_file(str(path))
+    except FAILS as error:
+        raise _does_not_load(path, error) from error
+
+
+def _does_not_load(path: Path, error: Exception) -> TutorialError:
+    return TutorialError(f"the model {str(path)!r} does not load. MuJoCo says: {error}")

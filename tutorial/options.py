@@ -1,0 +1,130 @@
+"""Which of MuJoCo's options a world has: they belong to the whole world, and each of its models may set some."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+TIME_STEP = 0.001  # [s]
+GRAVITY = (0.0, 0.0, -9.80665)  # [m/s^2] the original's
+
+OPTIONS = (
+    *("timestep", "impratio", "tolerance", "ls_tolerance", "noslip_tolerance", "ccd_tolerance", "sleep_tolerance"),
+    *("gravity", "wind", "magnetic", "density", "viscosity", "o_margin", "o_solref", "o_solimp", "o_friction"),
+    *("integrator", "cone", "jacobian", "solver", "iterations", "ls_iterations", "noslip_iterations"),
+    *("ccd_iterations", "disableflags", "enableflags", "disableactuator", "sdf_initpoints", "sdf_iterations"),
+)
+"""MuJoCo's ``mjOption`` in its order, which is also that of the bits in ``authored.option``."""
+
+WORDS = {
+    "integrator": ("Euler", "RK4", "implicit", "implicitfast", "discrete"),
+    "cone": ("pyramidal", "elliptic"),
+    "jacobian": ("dense", "sparse", "auto"),
+    "solver": ("PGS", "CG", "Newton"),
+}
+"""What MJCF calls MuJoCo's numbers."""
+
+SIZES = (
+    *("memory", "njmax", "nconmax", "nstack", "nkey", "nuserdata", "nuser_body", "nuser_jnt", "nuser_geom"),
+    *("nuser_site", "nuser_cam", "nuser_tendon", "nuser_actuator", "nuser_sensor"),
+)
+"""MJCF's ``<size>``."""
+
+Models = Mapping[Path, mujoco.MjSpec]
+
+
+def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]], time_step: float | None) -> str:
+    """Give a world the options that its models set, and all models those of the world: only then they can be attached.
+
+    An option counts if the models that set it agree. Where they do not, or none sets it, the world has its own: the
+    original's gravity, the integrator ``implicitfast``, and else MuJoCo's defaults. What is turned off or on in the
+    whole world, such as contacts, has to be turned off or on by all models.
+
+    Args:
+        world: to be changed.
+        parts: the file and the content of each model; to be changed.
+        time_step: the world's [s], whatever the models say; None for theirs.
+
+    Returns:
+        In words, which options of the models are not used; empty if all are.
+    """
+    models = dict(parts)
+    specs = [spec for _, spec in parts]
+    world.option.timestep, world.option.gravity = TIME_STEP, GRAVITY
+    if not any(spec.flexes for spec in specs):  # MuJoCo does not simulate soft bodies with it
+        world.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    unused = [*_set_values(world, models, time_step), *_set_flags(world, models), *_set_actuator_groups(world, models)]
+    for size in SIZES:
+        largest = max(getattr(spec, size) for spec in (world, *specs))
+        for spec in (world, *specs):
+            setattr(spec, size, largest)
+    for spec in specs:
+        for name in OPTIONS:
+            setattr(spec.option, name, getattr(world.option, name))
+    if not unused:
+        return ""
+    return (
+        f"The models contradict each other in options that belong to the whole world: {'; '.join(unused)}. "
+        "Let their files say the same, or nothing."
+    )
+
+
+def _set_values(world: mujoco.MjSpec, models: Models, time_step: float | None) -> Iterator[str]:
+    """Set what has a value. Return what the models contradict each other in."""
+    for bit, name in enumerate(OPTIONS):
+        said = {path: _value(spec, name) for path, spec in models.items() if spec.authored.option >> bit & 1}
+        if name == "timestep" and time_step is not None:
+            world.option.timestep = time_step
+        elif len(set(said.values())) == 1:
+            setattr(world.option, name, next(iter(said.values())))
+        elif said:
+            own = _word(name, _value(world, name))
+            yield _contradiction(name, own, {path: _word(name, value) for path, value in said.items()})
+
+
+def _set_flags(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
+    """Set what all models disable or enable. Return what only some do."""
+    for field, kinds, own, other in (
+        ("disableflags", mujoco.mjtDisableBit, "enable", "disable"),
+        ("enableflags", mujoco.mjtEnableBit, "disable", "enable"),
+    ):
+        flags = [(name, int(bit)) for name, bit in kinds.__members__.items() if "_" in name]  # the last one counts them
+        for name, bit in flags:
+            if partly := _set_bit(world, models, field, bit):
+                flag = f"flag {name.partition('_')[2].lower()}"
+                yield _contradiction(flag, own, dict.fromkeys(partly, other))
+
+
+def _set_actuator_groups(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
+    """Disable the groups of actuators that all models disable. Return those that only some do."""
+    for group in range(31):
+        if partly := _set_bit(world, models, "disableactuator", 1 << group):
+            yield _contradiction("actuatorgroupdisable", "empty", dict.fromkeys(partly, str(group)))
+
+
+def _set_bit(world: mujoco.MjSpec, models: Models, field: str, bit: int) -> list[Path]:
+    """Set a bit that all models have. Return the models that have it if not all do."""
+    having = [path for path, spec in models.items() if getattr(spec.option, field) & bit]
+    if len(having) < len(models):
+        return having
+    setattr(world.option, field, getattr(world.option, field) | bit)
+    return []
+
+
+def _value(spec: mujoco.MjSpec, name: str) -> Any:
+    value = getattr(spec.option, name)
+    return tuple(value.tolist()) if isinstance(value, np.ndarray) else value
+
+
+def _word(name: str, value: Any) -> str:
+    """Write a value as MJCF does."""
+    if name in WORDS:
+        return WORDS[name][int(value)]
+    return " ".join(f"{each:g}" for each in value) if isinstance(value, tuple) else f"{value:g}"
+
+
+def _contradiction(name: str, own: str, said: Mapping[Path, str]) -> str:
+    """Say what the world has instead of what models say."""
+    return f"{name} is {own} ({', '.join(f'{word} in {path.name}' for path, word in said.items())})"
