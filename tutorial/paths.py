@@ -18,6 +18,9 @@ COURSE = ("launch_py", "notebooks", "project")
 
 ROOT = 0  # the user
 
+OTHER_MODELS = (".urdf", ".mjcf", ".xacro")
+"""How names of models end, besides .xml. Whoever reads a xacro file says what to do with it."""
+
 PACKAGE = Path(__file__).resolve().parent
 """The folder of the package ``tutorial``; what is above it is where Python finds it."""
 
@@ -92,6 +95,8 @@ def find_model(given: str) -> Path:
     Raises:
         TutorialError: there is no such model; the text names the nearest.
     """
+    if given.endswith(OTHER_MODELS) and is_file(Path(given)):
+        return Path(given)
     name = given.lower() if given.isidentifier() else given
     return _find(name, HOME / "project" / "models", ".xml", "model")
 

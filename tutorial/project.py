@@ -103,7 +103,7 @@ class Project:
         """Put another model in the place of the body that carries the controllers.
 
         Args:
-            model: its MJCF file; the body gets the file's name, capitalised.
+            model: its MJCF or URDF file; the body gets the file's name, capitalised.
 
         Raises:
             TutorialError: no body, or more than one, has controllers; or the model does not load, or its name cannot be

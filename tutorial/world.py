@@ -10,6 +10,7 @@ import mujoco
 from tutorial.errors import TutorialError
 from tutorial.mujoco_warnings import mujoco_warns, no_python_warnings
 from tutorial.options import set_options
+from tutorial.urdf_file import read_urdf
 
 FAILS = (ValueError, RuntimeError)
 """What MuJoCo raises of a model: RuntimeError where there is no memory for it."""
@@ -25,7 +26,7 @@ class Placement:
 
     Attributes:
         name: the body's name; its elements are called ``name/element`` in the composed model.
-        model: path of its MJCF file.
+        model: path of its MJCF or URDF file.
         position: of the model's origin in the world [m], (x, y, z).
         orientation_wxyz: as a unit quaternion in MuJoCo's order, (w, x, y, z).
     """
@@ -90,11 +91,12 @@ def _make_world(placements: Iterable[Placement], time_step: float | None) -> tup
 
 
 def _read(path: Path) -> mujoco.MjSpec:
-    """Read a model."""
+    """Read a model, an MJCF file or a robot description."""
     try:
         str(path).encode()  # MuJoCo takes names in UTF-8 alone
         with no_python_warnings():
-            return mujoco.MjSpec.from_file(str(path))
+            spec = read_urdf(path)
+            return mujoco.MjSpec.from_file(str(path)) if spec is None else spec
     except FAILS as error:
         raise _does_not_load(path, error) from error
 

@@ -31,6 +31,10 @@ class TankController(SimpleController):
         ("topic pub /x std_msgs/msg/String data", 1, "The passed value needs to be a dictionary in YAML format\n"),
         ("topic list --ros-args --nonsense", 1, "ROS 2 does not know the arguments ['--nonsense']\n"),
         ("urdf tnak", 1, "there is no model 'tnak'. Did you mean 'tank'?"),
+        ("run step3 --robot tnak", 1, "there is no model 'tnak'. Did you mean 'tank'?"),
+        ("urdf arm.urdf.xacro", 1, "the model 'arm.urdf.xacro' is a xacro file."),
+        ("run step3 --robot arm.urdf.xacro", 1, "the model 'arm.urdf.xacro' is a xacro file."),
+        ("urdf mine.py", 1, "'mine.py' is no model: the name of one ends in '.xml'."),
         ("check .", 1, "Error: there is no notebook in ."),
         ("bag record", 2, "name topics, or give -a for all of them."),
         ("bag play a b", 2, "'b' is too much: one bag is played at a time."),
@@ -42,6 +46,7 @@ class TankController(SimpleController):
 )
 def test_a_mistake_is_a_clear_error(tank, tmp_path, monkeypatch, command, status, said):
     (tmp_path / "mine.py").write_text(CONTROLLER)
+    (tmp_path / "arm.urdf.xacro").write_text('<robot name="arm"/>')
     monkeypatch.chdir(tmp_path)
     run = tank(command)
     assert (run.status, said in run.stderr) == (status, True), run.output
@@ -92,3 +97,15 @@ def test_a_run_is_kept_as_a_page_also_without_a_view_and_when_it_is_interrupted(
 @pytest.mark.parametrize("given", ["Crane", find_model("crane")])
 def test_a_robots_description_is_what_the_controller_publishes(tank, given):
     assert tank("urdf", given).stdout == robot_description(Body.displayed(Placement("Crane", find_model("crane"))))
+
+
+def test_a_urdf_is_shown_and_described_alike(tank, tmp_path, monkeypatch):
+    (tmp_path / "arm.urdf").write_text(
+        '<robot name="a"><link name="HAND"><visual>BOX</visual></link></robot>'.replace(
+            "BOX", '<geometry><box size="1 1 1"/></geometry>'
+        )
+    )
+    monkeypatch.chdir(tmp_path)
+    described = tank("urdf arm.urdf")
+    assert '<link name="HAND">\n    <visual>' in described.stdout
+    assert tank("run step3 --headless --duration 0.1 --robot arm.urdf").stdout.startswith("+ Arm\n")

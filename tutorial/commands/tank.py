@@ -77,23 +77,23 @@ def tank() -> None:
 @click.option("--port", type=click.IntRange(1, 65535), help="Show the 3D view here; else on the first free from 7000.")
 @click.option("--html", type=FILE, help="Keep the run as a page that plays it again.")
 @click.option("--bag", type=FILE, metavar="DIR", help="Record the program's topics into a new bag.")
-@click.option("--robot", type=FILE, metavar="MODEL", help="Show this model; the body is called after the file.")
+@click.option("--robot", metavar="MODEL", help="Show this MJCF or URDF file; the body is called after it.")
 @click.option(
     "--controller", "own", multiple=True, metavar="FILE[:CLASS]", help="Use the controllers in this Python file."
 )
 @click.pass_obj
 def run(
-    ros_args: list[str], /, project: str, robot: Path | None, own: tuple[str, ...], duration: float | None, **how: Any
+    ros_args: list[str], /, project: str, robot: str | None, own: tuple[str, ...], duration: float | None, **how: Any
 ) -> int:
     """Run PROJECT: a file such as project/step2.yaml, or the name of one of the tutorial's, such as step2."""
     from tutorial.controller_files import load_controllers
-    from tutorial.paths import find_project
+    from tutorial.paths import find_model, find_project
     from tutorial.project import Project
 
     ros_backend()  # or the error would name the first controller that imports rclpy
     loaded = Project.load(find_project(project))
     if robot is not None:
-        loaded = loaded.with_robot(robot)
+        loaded = loaded.with_robot(find_model(robot))
     for given in own:
         loaded = loaded.with_own(load_controllers(*part_class(given)))
     asked = until_asked(_host(loaded, ros_args, duration, **how))
@@ -192,7 +192,7 @@ def progress(folder: Path | None) -> None:
 @tank.command(short_help="Print a robot's description, a URDF.")
 @click.argument("model")
 def urdf(model: str) -> None:
-    """Print MODEL as URDF: an MJCF file, or the name of one of the tutorial's, such as tank.
+    """Print MODEL as URDF: an MJCF or URDF file, or the name of one of the tutorial's, such as tank.
 
     It is what RobotDescriptionPublisher publishes: tank urdf tank > tank.urdf.
     """

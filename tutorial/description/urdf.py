@@ -20,6 +20,7 @@ from tutorial.couplings import NOT_COMPUTED, Coupling, active_equalities, coupli
 from tutorial.description.limits import add_dynamics, add_limit
 from tutorial.description.poses import Matrix, add_origin, numbers, pose, shift, turn
 from tutorial.description.shapes import add_shapes
+from tutorial.urdf_file import NO_MASS
 
 ROOT = "base_link"
 """The link that stands where the body's root does. A free joint moves it, and is not in the description."""
@@ -212,7 +213,7 @@ class _Writer:
     def _add_inertia(self, link: Element, number: int) -> None:
         """Add mass and inertia: MuJoCo has it along its principal axes, URDF along the link's."""
         model = self.model
-        if not model.body_mass[number]:
+        if model.body_mass[number] <= NO_MASS:
             return
         element = SubElement(link, "inertial")
         add_origin(element, shift(model.body_ipos[number]))

@@ -1,0 +1,166 @@
+"""Robot descriptions as models: MuJoCo reads URDF, with a few settings, and with meshes that it can find."""
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import unquote
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+import mujoco
+
+from tutorial.errors import TutorialError
+
+MESH_FILES = (".msh", ".obj", ".stl")
+"""What MuJoCo reads."""
+
+NO_MASS = 1e-9  # [kg]
+"""What a link without a mass gets: MuJoCo wants one of each link that moves."""
+
+SETTINGS = {
+    "discardvisual": "false",
+    "fusestatic": "false",
+    "strippath": "false",
+    "balanceinertia": "true",
+    "boundmass": str(NO_MASS),
+    "boundinertia": "1e-12",
+}
+"""Each link and each shape stays. An inertia that no rigid body can have is made one that a body can have."""
+
+VISUAL, HIDDEN = 1, 3
+"""MuJoCo's group of what URDF shows, and one that is not shown."""
+
+PACKAGE = ("package", "model")
+"""Both lead to a file in a package's folder."""
+
+
+def read_urdf(path: Path) -> mujoco.MjSpec | None:
+    """Read a robot description. Its visuals are shown; where it has none, what touches is.
+
+    A mesh's address may begin with ``package://``. The package's folder is found by its name, or by its
+    ``package.xml``, from the file's folder upwards, and in AMENT_PREFIX_PATH.
+
+    Args:
+        path: the file, whatever its name ends in.
+
+    Returns:
+        The model; None if the file is not a URDF.
+
+    Raises:
+        TutorialError: it is a xacro file, or a mesh is missing or in a format that MuJoCo does not read.
+        ValueError: MuJoCo does not take it.
+    """
+    robot = _parse(path)
+    if robot is None:
+        return None
+    meshdir = _apply_settings(robot)
+    for mesh in robot.iterfind("link/*/geometry/mesh[@filename]"):
+        mesh.set("filename", str(_find_mesh(mesh.get("filename", ""), path, meshdir)))
+    _drop_repeated_names(robot)
+    spec = mujoco.MjSpec.from_string(ElementTree.tostring(robot, encoding="unicode"))
+    _show_visuals(spec)
+    return spec
+
+
+def _parse(path: Path) -> Element | None:
+    """Parse a file whose root is a robot; None for any other one, which MuJoCo has to judge."""
+    try:
+        content = path.read_bytes()
+    except (OSError, ValueError):
+        return None
+    if b"<robot" not in content:
+        return None
+    try:
+        root = ElementTree.fromstring(content)
+        is_xacro = any("xacro}" in str(each.tag) for each in root.iter())
+    except ElementTree.ParseError:
+        root, is_xacro = None, b"<xacro:" in content
+    if is_xacro or path.suffix == ".xacro":
+        urdf = path.name.partition(".")[0] + ("_.urdf" if path.suffix == ".urdf" else ".urdf")
+        raise TutorialError(
+            f"the model {str(path)!r} is a xacro file. Make a URDF of it, where there is a ROS 2: "
+            f"xacro {path.name} > {urdf}"
+        )
+    return root if root is not None and root.tag == "robot" else None
+
+
+def _apply_settings(robot: Element) -> str | None:
+    """Put our settings into the robot's ``<mujoco>``. Return the folder of meshes that it names, if it does."""
+    extension = robot.find("mujoco")
+    extension = SubElement(robot, "mujoco") if extension is None else extension
+    compiler = extension.find("compiler")
+    compiler = SubElement(extension, "compiler") if compiler is None else compiler
+    compiler.attrib.update(SETTINGS)
+    return compiler.attrib.pop("meshdir", None)
+
+
+def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
+    """Find the file of a mesh.
+
+    Args:
+        given: how the robot description at ``path`` calls it.
+        path: of the robot description.
+        meshdir: the folder of all meshes, relative to that of the description; None where it names no such folder.
+    """
+    folder = path.absolute().parent
+    scheme, _, rest = given.rpartition("://")
+    if scheme in PACKAGE:
+        package, _, inside = rest.partition("/")
+        candidates = [place / inside for place in _package_folders(package, folder)]
+        missing = (
+            f"No folder {package!r} that has it is above or beside the model, or in AMENT_PREFIX_PATH. "
+            "Put the package's folder beside the model, or write the mesh's path into the model."
+        )
+    else:
+        candidates = [folder / (unquote(rest) if scheme == "file" else given)]
+        missing = "There is no such file: a path in a URDF is relative to the URDF's folder."
+    if meshdir is not None:
+        candidates += [folder / meshdir / given, folder / meshdir / Path(given).name]
+    found = next((each for each in candidates if _is_file(each)), None)
+    if found is None:
+        raise TutorialError(f"the model {str(path)!r} needs the mesh {given!r}. {missing}")
+    if found.suffix.lower() not in MESH_FILES:
+        raise TutorialError(
+            f"the model {str(path)!r} needs the mesh {given!r}. MuJoCo reads {', '.join(MESH_FILES)}: convert it, for "
+            "instance with Blender, and write its new name into the model."
+        )
+    return found
+
+
+def _package_folders(package: str, folder: Path) -> Iterator[Path]:
+    """Return where a ROS package may be, for a file in a folder."""
+    for parent in (folder, *folder.parents):
+        yield parent / package
+        if f"<name>{package}</name>" in _read_text(parent / "package.xml"):
+            yield parent
+    for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
+        yield Path(prefix) / "share" / package
+
+
+def _read_text(path: Path) -> str:
+    return path.read_text(encoding="utf-8", errors="replace") if _is_file(path) else ""
+
+
+def _is_file(path: Path) -> bool:
+    return os.path.isfile(path)  # noqa: PTH113 - pathlib raises for what cannot be a path
+
+
+def _drop_repeated_names(robot: Element) -> None:
+    """Let a shape have a name only once: in URDF a visual and a collision may share one, in MuJoCo they may not."""
+    taken = set[str]()
+    for shape in (*robot.iterfind("link/visual"), *robot.iterfind("link/collision")):
+        name = shape.attrib.pop("name", "")
+        if name and name not in taken:
+            shape.set("name", name)
+            taken.add(name)
+
+
+def _show_visuals(spec: mujoco.MjSpec) -> None:
+    """Hide what only touches, if there is something to see. Meshes that are only seen need not enclose a volume."""
+    seen = [geom for geom in spec.geoms if geom.group == VISUAL]
+    touching = [geom for geom in spec.geoms if geom.group != VISUAL]
+    for geom in touching if seen else ():
+        geom.group = HIDDEN
+    for name in {geom.meshname for geom in seen} - {geom.meshname for geom in touching}:
+        if mesh := spec.mesh(name):
+            mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
