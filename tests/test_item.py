@@ -103,6 +103,19 @@ def test_what_is_wrong_with_messages_is_one_throttled_line(joints, clock, caplog
     assert caplog.messages == [said, said]
 
 
+def test_a_message_that_is_dropped_for_one_joint_names_both_publishers(joints, nodes, clock, caplog):
+    matcher = JointMatcher(RANGES, lambda: 2)
+    nodes += [SimpleNamespace(node_namespace="/", node_name=name) for name in ("arm", "all")]
+    joints.meters = [TopicMeter(JointState, "/Tank/joint_state", "received")]
+    show(joints, matcher, ["TURRET_Y"], [1.0], 10)
+    show(joints, matcher, ["TURRET_Y", "TURRET_P"], [0.0, 0.2], 20)
+    assert joints.applied == 2
+    said = "1 joint shown; a message of another publisher was dropped for 'TURRET_Y'"
+    named = "2 publish on /Tank/joint_state, one is followed: /all, /arm"
+    assert joints.line() == f"Tank: {said}; {named} (0.0 s ago)"
+    assert caplog.messages == [f"Tank: {named}", f"Tank: {said}"]
+
+
 def test_another_publisher_is_said_below_the_view_and_once_in_the_log_by_name(joints, nodes, clock, caplog):
     matcher = JointMatcher(RANGES, lambda: 2)
     named = (("", "simulation"), ("lab", "\x1b[2Jforged"))

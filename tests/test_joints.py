@@ -128,6 +128,64 @@ def test_by_its_stamp_a_late_message_is_told_from_a_publisher_that_was_started_a
     assert str(report) == said
 
 
+def test_a_message_is_late_for_joints_that_a_newer_one_has_moved():
+    matcher = JointMatcher(TANK)
+    matcher.match(joint_state(TANK, [0.1, 0.1], 20_000_000))
+    matcher.match(joint_state(["TURRET_P"], [0.2], 60_000_000))
+    found, report = matcher.match(joint_state(TANK, [0.3, 0.3], 40_000_000))
+    assert found == {"TURRET_Y": 0.3}
+    assert str(report) == "1 joint shown; a late message was dropped for 'TURRET_P'"
+    assert (report.dropped, report.counts()["unmoved"], report.counts()["late"]) == (False, 1, 1)
+
+
+FREE = {"TURRET_Y": (-math.inf, math.inf), "TURRET_P": (-math.inf, math.inf)}
+
+
+class TestOtherJoints:
+    """An arm and a gripper. They jump, which nobody's joints may if another publisher shares them."""
+
+    @pytest.mark.parametrize("publishers", [1, 2])
+    @pytest.mark.parametrize("joints", [TANK, FREE])
+    @pytest.mark.parametrize("age_ms", [0, 20, 900, None], ids=["now", "old", "older", "unstamped"])
+    def test_all_are_shown_and_nothing_is_reported(self, publishers, joints, age_ms):
+        matcher = JointMatcher(joints, lambda: publishers)
+        for i in range(50):
+            arm, gripper, now_ms = 3.0 * (-1) ** i, 0.7 * (i % 2), 1000 + 20 * i
+            found = matcher.match(joint_state(["TURRET_Y"], [arm], now_ms * 1_000_000))
+            assert found == ({"TURRET_Y": arm}, JointReport(("TURRET_Y",)))
+            stamp_ms = 0 if age_ms is None else now_ms - age_ms
+            found = matcher.match(joint_state(["TURRET_P"], [gripper], stamp_ms * 1_000_000))
+            assert found == ({"TURRET_P": gripper}, JointReport(("TURRET_P",)))
+
+    def test_each_has_a_clock_of_its_own(self):
+        matcher, found = JointMatcher("ab", lambda: 2), []
+        for joint, stamp_ms in (("a", 9000), ("b", 500), ("a", 8990), ("b", 520), ("a", 20), ("b", 540)):
+            found.append(matcher.match(joint_state(joint, [0.1], stamp_ms * 1_000_000))[1].arrival.name)
+        assert found == ["NEXT", "NEXT", "LATE", "NEXT", "RESTARTED", "NEXT"]
+
+    def test_of_a_shared_joint_one_publisher_is_followed(self):
+        matcher = JointMatcher("abc", lambda: 2)
+        for i in range(50):
+            first = matcher.match(joint_state("ab", [0.1, 1.0], 20_000_000 * i))
+            second = matcher.match(joint_state("bc", [-1.0, 0.3], 20_000_000 * i))
+            assert (first[0], second[0]) == ({"a": 0.1, "b": 1.0}, {"c": 0.3})
+        assert str(second[1]) == "1 joint shown; a message of another publisher was dropped for 'b'"
+
+    def test_once_one_has_gone_others_may_share(self):
+        publishers = [3]
+        matcher, found = JointMatcher("abc", lambda: publishers[0]), []
+        for joint, position, publishers[0] in (("a", 1, 3), ("b", 1, 3), ("c", 1, 3), ("b", 3, 3), ("b", 1, 2)):
+            found.append(matcher.match(joint_state([joint], [position]))[1].arrival.name)
+        assert found == ["NEXT"] * 4 + ["ANOTHER"]
+
+    def test_one_publisher_may_send_them_in_two_messages(self):
+        publishers = [1]
+        matcher = JointMatcher("ab", lambda: publishers[0])
+        for publishers[0], names in ((1, "a"), (1, "b"), (2, "a")):
+            matcher.match(joint_state(names, [0.1]))
+        assert matcher.match(joint_state("b", [2.0]))[1].arrival is Arrival.ANOTHER
+
+
 @dataclass
 class Publisher:
     """A simulated publisher: its joints swing about a middle, and its clock runs from a start."""
@@ -150,10 +208,10 @@ class Publisher:
             yield arrival, self.name, message
 
 
-def follow(publishers, random, jitter):
+def follow(publishers, random, jitter, joints=TANK):
     """What one matcher makes of them all: (when, whose message, its report)."""
     now = 0.0
-    matcher = JointMatcher(TANK, lambda: sum(each.begin <= now < each.end + jitter for each in publishers))
+    matcher = JointMatcher(joints, lambda: sum(each.begin <= now < each.end + jitter for each in publishers))
     found = []
     for now, name, message in arrivals(publishers, random, jitter):
         found.append((now, name, matcher.match(message)[1]))
@@ -177,13 +235,14 @@ SILENT = "the publisher was started again, or fell silent and another one is fol
 
 
 class TestTwoPublishers:
+    @pytest.mark.parametrize("joints", [TANK, FREE], ids=["limits", "no limits"])
     @settings(max_examples=60)
     @given(OFFSETS, st.booleans(), RATES, RATES, st.sampled_from([0.0, 0.005, 0.03]), st.integers(0, 999))
-    def test_one_is_followed_until_it_is_silent(self, offset, is_ahead, rate, other_rate, jitter, seed):
+    def test_one_is_followed_until_it_is_silent(self, joints, offset, is_ahead, rate, other_rate, jitter, seed):
         start, other_start = (10.0, 13.0 + offset) if is_ahead else (10.0 + offset, 13.0)
         one = Publisher("one", 0.0, 10.0, start, rate, 1.0)
         other = Publisher("other", 3.0, 14.0, other_start, other_rate, -1.0)
-        found = follow([one, other], Random(seed), jitter)
+        found = follow([one, other], Random(seed), jitter, joints)
         settled = [turn for turn in turns(found) if turn[0] > 4.5]
         assert len(settled) <= 1  # one of them, whichever; and the other one when it has gone
         assert all(when > 9.5 and name == "other" for when, name in settled)
@@ -198,6 +257,31 @@ class TestTwoPublishers:
         assert reports.count(f"2 joints shown; {SILENT}") <= 1
         assert "a message of another publisher was dropped" in reports
         assert not any(report.arrival in (Arrival.LATE, Arrival.RESTARTED) for when, _, report in found if when < 9)
+
+    @pytest.mark.parametrize("joints", [TANK, FREE], ids=["limits", "no limits"])
+    @pytest.mark.parametrize("lag_ms", [0, 3, None], ids=["one stamp", "own stamps", "unstamped"])
+    def test_positions_tell_them_apart(self, joints, lag_ms):
+        matcher = JointMatcher(joints, lambda: 2)
+        for i in range(100):
+            stamp_ns = 0 if lag_ms is None else 20_000_000 * i
+            first = matcher.match(joint_state(TANK, [0.02 * i, 0.5], stamp_ns))
+            second = matcher.match(joint_state(TANK, [-1.0, 0.5], stamp_ns + (lag_ms or 0) * 1_000_000))
+            assert first == ({"TURRET_Y": 0.02 * i, "TURRET_P": 0.5}, JointReport(tuple(TANK)))
+            assert second == ({}, JointReport(arrival=Arrival.ANOTHER))
+
+    @pytest.mark.parametrize("other", [lambda i: 0.0, lambda i: -0.4 * i], ids=["at rest", "as fast"])
+    def test_a_fast_wheel_is_followed(self, other):
+        matcher = JointMatcher(["WHEEL"], lambda: 2)
+        for i in range(100):
+            stamp_ns, position = 20_000_000 * i, 2.0 + 0.5 * i
+            assert matcher.match(joint_state(["WHEEL"], [position], stamp_ns))[0] == {"WHEEL": position}
+            assert matcher.match(joint_state(["WHEEL"], [other(i)], stamp_ns))[1].arrival is Arrival.ANOTHER
+
+    def test_a_fast_wheel_is_shown_beside_a_silent_publisher(self):
+        matcher = JointMatcher(["WHEEL"], lambda: 2)
+        found = [matcher.match(joint_state(["WHEEL"], [0.5 * i], 20_000_000 * i))[1].arrival for i in range(100)]
+        assert found.count(Arrival.ANOTHER) == 1
+        assert found.count(Arrival.NEXT) == 99
 
     def test_one_that_stalls_while_both_go_on_is_not_followed_any_more(self):
         one, other = Publisher("one", 0, 9, 100, 50, 1.0), Publisher("other", 3, 12, 0, 50, -1.0)
@@ -243,9 +327,9 @@ class TestTwoPublishers:
         [
             (TANK, 1, lambda i: ("TURRET_Y", 0.5 * (-1) ** i)),
             (TANK, 2, lambda i: (("TURRET_Y", "TURRET_P")[i % 2], 0.7 * (i % 2))),
-            (["WHEEL"], 2, lambda i: ("WHEEL", 3.0 * (-1) ** i)),
+            (["WHEEL"], 2, lambda i: ("WHEEL", 0.05 * (-1) ** i)),
         ],
-        ids=["one alone", "those with other joints", "joints without limits"],
+        ids=["one alone", "those with other joints", "those that agree"],
     )
     def test_where_nothing_tells_them_apart_all_are_shown(self, joints, publishers, message):
         matcher = JointMatcher(joints, lambda: publishers)

@@ -56,7 +56,8 @@ class JointWatch:
         self.tally.update(report.counts())
         if report.arrival is Arrival.ANOTHER:
             self._ask_who_publishes()
-            return
+            if report.dropped:
+                return
         now = time.monotonic()
         self._report, self._reported_at = report, now
         self.applied += not report.dropped

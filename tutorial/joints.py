@@ -4,13 +4,14 @@ In a ``sensor_msgs/JointState`` the names identify the joints; position, velocit
 ``name``, or empty. A viewer that takes "the i-th entry is my i-th joint" for granted shows nothing, or the wrong
 thing, as soon as a publisher sends its joints in another order, or only some of them.
 
-`match_joints` is the idea. `JointMatcher` adds what only several messages tell: late ones, and other publishers.
+`match_joints` is the idea. `JointMatcher` adds what only a stream of messages shows: late ones, and other publishers.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from math import inf, isfinite
 from typing import TYPE_CHECKING, NamedTuple
@@ -21,13 +22,13 @@ if TYPE_CHECKING:
     from sensor_msgs.msg import JointState
 
 NAMES_KEPT = 3  # in each part of a report, so that it stays small whatever comes in
-SECOND_NS = 1_000_000_000  # a stamp that steps back further than this is a publisher that was started again
-PAUSE_NS = 10 * SECOND_NS  # that a publisher may make, where there are two
+SECOND_NS = 1_000_000_000  # a stamp that steps back further than this means that the publisher was started again
+PAUSE_NS = 10 * SECOND_NS  # the longest between two messages of one publisher, if there are several
 SHOWABLE = 1e9  # [rad or m] nothing moves further; single precision, with which views draw, still holds its square
-SLACK = 1e-3  # [rad or m] beyond a range that is not worth a word: simulated limits are soft
-REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: how far joints with limits get between two messages, at most
-LOOK_EVERY = 10  # messages from one look at how many publish to the next
-SILENT_AFTER = 25  # messages in a row from each of the others: then the publisher that was followed is silent
+SLACK = 1e-3  # [rad or m] beyond a range that is not worth reporting: simulated limits are soft
+REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: a joint that gets further between two messages jumps
+COUNT_EVERY = 10  # messages from one count of the publishers to the next
+SILENT_AFTER = 25  # messages in a row from each of the others: then the followed publisher is silent
 
 Ranges = Mapping[str, tuple[float, float]]
 
@@ -47,7 +48,7 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
     ranges = _ranges(joints)
     names, positions = message.name, message.position
     known = [(name, position) for name, position in zip(names, positions) if name in ranges]
-    received = dict(known) | {name: q for name, q in known if abs(q) <= SHOWABLE}  # of twins, the last that is fit
+    received = dict(known) | {name: q for name, q in known if abs(q) <= SHOWABLE}  # of duplicates, the last usable
     shown = {joint: position for joint, position in received.items() if abs(position) <= SHOWABLE}  # NaN is not
     strange = [name for name in names if name not in ranges]
     named = Counter(name for name, _ in known)
@@ -73,7 +74,7 @@ class NameList(NamedTuple):
 
     @classmethod
     def of(cls, names: Sequence[str]) -> NameList:
-        """Count the names and keep a few, each cut to a bearable length."""
+        """Count the names and keep the first few, each cut to 40 characters."""
         return cls(len(names), tuple(name[:40] for name in names[:NAMES_KEPT])) if names else cls()
 
     def __str__(self) -> str:
@@ -82,13 +83,13 @@ class NameList(NamedTuple):
 
 
 class Arrival(Enum):
-    """How a message follows the ones before, and what is said of it."""
+    """How a message follows the ones before it. If that differs from joint to joint, the last of these is reported."""
 
     NEXT = ""  #: it is the next one of its publisher
-    LATE = "a late message was dropped"  #: it was older than the last one
-    ANOTHER = "a message of another publisher was dropped"  #: not of the one that is followed
     RESTARTED = "the publisher was started again"  #: its stamp steps far back
     SWITCHED = "the publisher was started again, or fell silent and another one is followed"  #: from now on
+    LATE = "a late message was dropped"  #: it was older than the last one
+    ANOTHER = "a message of another publisher was dropped"  #: not of the one that is followed
 
 
 class JointReport(NamedTuple):
@@ -96,6 +97,7 @@ class JointReport(NamedTuple):
 
     joints: tuple[str, ...] = ()  #: those that got a position
     arrival: Arrival = Arrival.NEXT
+    unmoved: NameList = NameList()  #: joints for which it was dropped, while it moved others
     unknown: NameList = NameList()  #: names that are no joints of the body
     duplicate: NameList = NameList()  #: joints that were named more than once; the last number that can be shown won
     short: int = 0  #: how many names came without a position
@@ -108,7 +110,7 @@ class JointReport(NamedTuple):
     @property
     def dropped(self) -> bool:
         """Whether the message moved nothing: it was late, or of another publisher."""
-        return self.arrival in (Arrival.LATE, Arrival.ANOTHER)
+        return self.arrival in (Arrival.LATE, Arrival.ANOTHER) and not self.joints
 
     @property
     def clean(self) -> bool:
@@ -127,11 +129,9 @@ class JointReport(NamedTuple):
         if self.dropped:
             return self.arrival.value
         shown = f"{len(self.joints)} joint{'s' * (len(self.joints) != 1)} shown"
-        if self.clean:
-            return shown
         hint = did_you_mean(self.unknown.names[0], self.known) if self.unknown.total else ""
         complaints = (
-            (self.arrival.value, self.arrival.value),
+            (self.arrival.value, self.arrival.value + (f" for {self.unmoved}" if self.unmoved.total else "")),
             (self.unknown.total, f"unknown {self.unknown}.{hint}"),
             (self.duplicate.total, f"named twice, the last number wins: {self.duplicate}"),
             (self.short, f"no position for the last {'name' if self.short == 1 else f'{self.short} names'}"),
@@ -149,8 +149,9 @@ class JointReport(NamedTuple):
 class JointMatcher:
     """Finds out which joint each message of one topic moves where. No thread, no clock.
 
-    It combines three checks. `match_joints` matches the names. The stamp tells a late message, which is dropped, from
-    a publisher that was started again. If several publish, one is followed.
+    `match_joints` matches the names. Then each joint is judged by itself, against the message that moved it last. An
+    older message is late, and one that is over a second older means that the publisher was started again. Publishers
+    of different joints are all shown. Of those that publish the same joint, one is followed until it falls silent.
 
     Args:
         joints: the names of the body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m]. They
@@ -160,136 +161,135 @@ class JointMatcher:
 
     def __init__(self, joints: Ranges | Iterable[str], publishers: Callable[[], int] = lambda: 1) -> None:
         self._ranges = dict(_ranges(joints))
-        self._plan = _Plan()
-        self._newest_ns = -inf  # the stamp of the last message that was shown
-        self._followed = _FollowedPublisher(self._ranges, publishers)
+        self._publishers = _Publishers(self._ranges, publishers)
+        self._tracks: dict[str, _Track] = {}  # by joint, once a message has moved it
+        self._last = _Track({}, -inf)  # what the last message moved
+        self._plan = _Plan()  # how its names were matched
 
     def match(self, message: JointState) -> tuple[dict[str, float], JointReport]:
-        """Match the next message.
-
-        Args:
-            message: what came in; nothing is assumed about it but its type.
-
-        Returns:
-            As `match_joints`, which is asked only when something is new: the usual message costs no search.
-        """
-        stamp = message.header.stamp
+        """Match the next message as `match_joints` does, except that the usual message costs no search."""
+        stamp, last, plan = message.header.stamp, self._last, self._plan
         stamp_ns = stamp.sec * SECOND_NS + stamp.nanosec
-        ahead = stamp_ns - self._newest_ns  # always 0 where nobody sets the stamps
-        if 0 < ahead <= SECOND_NS or not (ahead or stamp_ns):
-            plan = self._plan
-            if plan.names != message.name or plan.length != len(message.position):
-                plan = self._plan = _Plan.of(self._ranges, message)
-            positions = plan.positions(message.position)
-            if positions is not None and self._followed.follow_alone(positions):
-                self._newest_ns = stamp_ns
+        ahead = stamp_ns - last.stamp_ns  # always 0 where nobody sets the stamps
+        in_time = 0 < ahead <= SECOND_NS or not (ahead or stamp_ns)
+        if in_time and plan.names == message.name and plan.length == len(message.position) and self._publishers.alone():
+            positions = plan.positions(list(message.position))  # a list is read faster than an array
+            if positions is not None:
+                last.positions, last.stamp_ns, last.dropped = positions, stamp_ns, 0
                 return positions, plan.report
-        return self._judge(message, stamp_ns, ahead)
+        return self._judge(message, stamp_ns)
 
-    def _judge(self, message: JointState, stamp_ns: int, ahead: float) -> tuple[dict[str, float], JointReport]:
-        """Look closely at a message that is not the usual one: whose it is, whether it is late, and what it holds."""
+    def _judge(self, message: JointState, stamp_ns: int) -> tuple[dict[str, float], JointReport]:
+        """Match a message that is not the usual one, and decide which of its joints it moves."""
         positions, report = match_joints(self._ranges, message)
-        arrival = self._followed.judge(ahead, positions)
-        if arrival is Arrival.NEXT and ahead < 0:  # it is of the one that is followed, so its stamp tells
-            arrival = Arrival.LATE if stamp_ns > 0 and ahead >= -SECOND_NS else Arrival.RESTARTED
-        report = report._replace(arrival=arrival)
-        if report.dropped:
+        if not positions:
+            return {}, report
+        rivals = self._publishers.rivals(positions)
+        arrivals = dict.fromkeys(positions, Arrival.NEXT)
+        for track in dict.fromkeys(self._tracks[joint] for joint in positions if joint in self._tracks):
+            part = {joint: position for joint, position in positions.items() if self._tracks.get(joint) is track}
+            arrivals |= dict.fromkeys(part, self._publishers.arrival(track, part, stamp_ns, rivals))
+        arrival = max(arrivals.values(), key=list(Arrival).index)
+        unmoved = [joint for joint in positions if arrivals[joint] in (Arrival.LATE, Arrival.ANOTHER)]
+        if len(unmoved) == len(positions):
             return {}, JointReport(arrival=arrival)
-        self._newest_ns = stamp_ns
-        self._followed.follow(positions)
-        return positions, report
+        shown = {joint: position for joint, position in positions.items() if joint not in unmoved}
+        self._last = _Track(shown, stamp_ns)
+        self._tracks |= dict.fromkeys(shown, self._last)
+        plan = _Plan() if rivals > 0 else _Plan.of(self._ranges, message, report)
+        self._plan = plan if len(plan.places) == len(shown) else _Plan()
+        return shown, report._replace(joints=tuple(shown), arrival=arrival, unmoved=NameList.of(unmoved))
 
 
-class _FollowedPublisher:
-    """Of the publishers of a topic, the one whose messages are shown.
+@dataclass(slots=True, eq=False)
+class _Track:
+    """Joints that the same message moved last."""
 
-    A message goes on from the last one shown if its stamp is at most 10 s later, not before, and no joint with limits
-    has gone further than it can. Where several publish, what does not go on is another's, and is dropped until only
-    such messages have come for a while. If two agree in both, or share no joint, the messages of both are shown.
+    positions: Mapping[str, float]  # in that message; some of its joints may have moved again
+    stamp_ns: float
+    dropped: int = 0  # messages in a row since then that were another publisher's
 
-    Args:
-        ranges: of the body's joints.
-        count: returns how many publish.
+
+class _Publishers:
+    """Tells the publishers of one topic apart by what they send, because no message says who sent it.
+
+    If there are as many sets of joints as publishers, no joint is shared. Otherwise a message is another publisher's if
+    it is older than the last one or over 10 s newer, or if a joint jumps. A joint without limits may be that fast: once
+    it is known where another publisher has it, only a jump to there counts. If two publishers agree, both are shown.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
-        self._shown: Mapping[str, float] = {}
         self._limited = {joint for joint, (_, upper) in ranges.items() if upper < SHOWABLE}
-        self._count = count
-        self._others = 0  # publishers besides this one
-        self._alone_for = 0  # messages until it is looked whether there are any
-        self._dropped = 0  # messages in a row that were another's
+        self._count, self._counted = count, 0
+        self._alone_for = 0  # messages until they are counted again
+        self._groups: list[set[str]] = []  # joints that are published together
+        self._elsewhere: dict[str, float] = {}  # where another publisher has a joint
 
-    def follow_alone(self, positions: Mapping[str, float]) -> bool:
-        """Go on from a usual message and return True, if nobody else publishes; it is looked at every few messages."""
-        if not self._alone_for and not self._look():
+    def alone(self) -> bool:
+        """Return whether there is only one publisher. Publishers are counted once every few messages."""
+        if not self._alone_for and self._recount() > 1:
             return False
         self._alone_for -= 1
-        self._shown, self._dropped = positions, 0
         return True
 
-    def judge(self, ahead: float, positions: Mapping[str, float]) -> Arrival:
-        """Decide who sent an unusual message, and count it if it is dropped.
+    def rivals(self, joints: Iterable[str]) -> int:
+        """Count the others that may share these joints. Each set of other joints has a publisher of its own."""
+        count, group = self._recount(), set(joints)
+        others = [each for each in self._groups if count > 1 and each.isdisjoint(group)]
+        self._groups = [*others, group.union(*(each for each in self._groups if each not in others))]
+        return count - 1 - len(others)
 
-        Args:
-            ahead: how much later than the last one shown it is stamped [ns].
-            positions: what it says.
-
-        Returns:
-            ANOTHER if it is to be dropped, SWITCHED if from now on its publisher is followed instead, else NEXT.
-        """
-        if self._goes_on(ahead, positions):
+    def arrival(self, track: _Track, positions: Mapping[str, float], stamp_ns: int, rivals: int) -> Arrival:
+        """Decide how a message follows the one that moved these joints last."""
+        ahead = stamp_ns - track.stamp_ns
+        if rivals <= 0 and not track.dropped:  # nobody else publishes these joints, or has just done so
+            older = Arrival.LATE if stamp_ns > 0 and ahead >= -SECOND_NS else Arrival.RESTARTED
+            return Arrival.NEXT if ahead >= 0 else older
+        if 0 <= ahead <= PAUSE_NS and not self._jumps(track, positions, ahead):
             return Arrival.NEXT
-        self._look()
-        dropped = self._dropped + 1
-        if dropped > 1 and dropped >= SILENT_AFTER * self._others:
-            return Arrival.SWITCHED
-        if not self._others:
-            return Arrival.NEXT
-        self._dropped = dropped
-        return Arrival.ANOTHER
+        track.dropped += 1
+        silent = track.dropped >= SILENT_AFTER * rivals
+        self._elsewhere |= {joint: track.positions[joint] for joint in positions} if silent else positions
+        return Arrival.SWITCHED if silent else Arrival.ANOTHER
 
-    def follow(self, positions: Mapping[str, float]) -> None:
-        """Go on from a message that is shown."""
-        self._shown, self._dropped = positions, 0
-
-    def _look(self) -> bool:
-        self._others = max(self._count() - 1, 0)
-        self._alone_for = 0 if self._others else LOOK_EVERY
-        return not self._others
-
-    def _goes_on(self, ahead: float, positions: Mapping[str, float]) -> bool:
+    def _jumps(self, track: _Track, positions: Mapping[str, float], ahead: float) -> bool:
+        """Return whether a joint goes too far for its own publisher, or to where another publisher has it."""
         reach = REACH + SPEED * ahead / SECOND_NS
-        moved = (abs(q - self._shown.get(joint, q)) for joint, q in positions.items() if joint in self._limited)
-        return ahead == inf or (0 <= ahead <= PAUSE_NS and max(moved, default=0.0) <= reach)
+        for joint, position in positions.items():
+            moved = abs(position - track.positions[joint])
+            there = abs(position - self._elsewhere.get(joint, position)) < moved / 3
+            if moved > reach and (there or joint in self._limited):
+                return True
+        return False
+
+    def _recount(self) -> int:
+        count = self._count()
+        if count < self._counted:  # one has gone, and nobody says which
+            self._groups, self._elsewhere = [], {}
+        self._counted, self._alone_for = count, 0 if count > 1 else COUNT_EVERY
+        return count
 
 
 class _Plan(NamedTuple):
-    """What a list of names means for a body's joints. It is the same for every message with these names."""
+    """How to read every message that has the same names: where the position of each joint is."""
 
-    names: Sequence[str] = ()  # in the message
+    names: Sequence[str] = ()
     length: int = 0  # how many positions it has
-    limits: tuple[tuple[str, float, float], ...] = ()  # each joint that gets one, and its range, with slack and finite
-    indices: tuple[int, ...] = ()  # where their positions are; empty when they are the first ones, in order
+    places: tuple[tuple[str, int, float, float], ...] = ()  # joint, index, and range, with slack and finite
     report: JointReport = JointReport()  # where every position is within its range
 
     @classmethod
-    def of(cls, ranges: Ranges, message: JointState) -> _Plan:
-        """Look every name of a message up."""
-        names, length = list(message.name), len(message.position)
-        places = {name: i for i, name in enumerate(names[:length]) if name in ranges}
-        limits = tuple((joint, *_widened(ranges[joint])) for joint in places)
-        _, report = match_joints(ranges, message)
-        usual = report._replace(joints=tuple(places), non_finite=NameList(), huge=NameList(), outside=NameList())
-        indices = () if list(places.values()) == list(range(len(places))) else tuple(places.values())
-        return cls(names, length, limits, indices, usual)
+    def of(cls, ranges: Ranges, message: JointState, report: JointReport) -> _Plan:
+        """Look up every name of a message."""
+        indices = {name: i for i, name in enumerate(message.name[: len(message.position)]) if name in ranges}
+        places = tuple((joint, i, *_widened(ranges[joint])) for joint, i in indices.items())
+        return cls(list(message.name), len(message.position), places, report._replace(outside=NameList()))
 
     def positions(self, received: Sequence[float]) -> dict[str, float] | None:
         """Return the position of each joint, or None where one is not within its range."""
-        if self.indices:
-            received = [received[i] for i in self.indices]
         found = {}
-        for (joint, low, high), position in zip(self.limits, received):
+        for joint, i, low, high in self.places:
+            position = received[i]
             if not low <= position <= high:
                 return None
             found[joint] = position
@@ -301,5 +301,5 @@ def _ranges(joints: Ranges | Iterable[str]) -> Ranges:
 
 
 def _widened(limits: tuple[float, float]) -> tuple[float, float]:
-    """Widen a range by what is not worth a word, and bound it by what can be shown."""
+    """Widen a range by what is not worth reporting, and limit it to what can be shown."""
     return max(limits[0] - SLACK, -SHOWABLE), min(limits[1] + SLACK, SHOWABLE)
