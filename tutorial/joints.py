@@ -48,10 +48,10 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
     ranges = _ranges(joints)
     names, positions = message.name, message.position
     known = [(name, position) for name, position in zip(names, positions) if name in ranges]
-    received = dict(known) | {name: q for name, q in known if abs(q) <= SHOWABLE}  # of duplicates, the last usable
-    shown = {joint: position for joint, position in received.items() if abs(position) <= SHOWABLE}  # NaN is not
-    strange = [name for name in names if name not in ranges]
-    named = Counter(name for name, _ in known)
+    usable = {joint: position for joint, position in known if abs(position) <= SHOWABLE}  # NaN is not; the last wins
+    received = dict(known) | usable  # in the message's order; an unusable number only where there is no other
+    shown = {joint: position for joint, position in received.items() if joint in usable}
+    strange, named = [name for name in names if name not in ranges], Counter(name for name, _ in known)
     limits = {joint: _widened(ranges[joint]) for joint in shown}
     return shown, JointReport(
         joints=tuple(shown),
@@ -170,9 +170,9 @@ class JointMatcher:
         """Match the next message as `match_joints` does, except that the usual message costs no search."""
         stamp, last, plan = message.header.stamp, self._last, self._plan
         stamp_ns = stamp.sec * SECOND_NS + stamp.nanosec
-        ahead = stamp_ns - last.stamp_ns  # always 0 where nobody sets the stamps
-        in_time = 0 < ahead <= SECOND_NS or not (ahead or stamp_ns)
-        if in_time and plan.names == message.name and plan.length == len(message.position) and self._publishers.alone():
+        ahead = stamp_ns - last.stamp_ns  # infinite for the first message
+        steady = 0 < ahead <= SECOND_NS or ahead == stamp_ns == 0  # both are 0 where nobody sets the stamps
+        if steady and plan.names == message.name and plan.length == len(message.position) and self._publishers.alone():
             positions = plan.positions(list(message.position))  # a list is read faster than an array
             if positions is not None:
                 last.positions, last.stamp_ns, last.dropped = positions, stamp_ns, 0
@@ -203,7 +203,7 @@ class JointMatcher:
 
 @dataclass(slots=True, eq=False)
 class _Track:
-    """Joints that the same message moved last."""
+    """Joints that the same message moved last. The usual message updates it in place."""
 
     positions: Mapping[str, float]  # in that message; some of its joints may have moved again
     stamp_ns: float
@@ -227,38 +227,37 @@ class _Publishers:
 
     def alone(self) -> bool:
         """Return whether there is only one publisher. Publishers are counted once every few messages."""
-        if not self._alone_for and self._recount() > 1:
-            return False
         self._alone_for -= 1
-        return True
+        return self._alone_for >= 0 or self._recount() <= 1
 
     def rivals(self, joints: Iterable[str]) -> int:
-        """Count the others that may share these joints. Each set of other joints has a publisher of its own."""
+        """Note that these joints come together, and count the other publishers that may share them."""
         count, group = self._recount(), set(joints)
-        others = [each for each in self._groups if count > 1 and each.isdisjoint(group)]
-        self._groups = [*others, group.union(*(each for each in self._groups if each not in others))]
-        return count - 1 - len(others)
+        apart = [each for each in self._groups if each.isdisjoint(group)] if count > 1 else []
+        self._groups = [*apart, group.union(*(each for each in self._groups if each not in apart))]
+        return count - 1 - len(apart)  # each set of other joints has a publisher of its own
 
     def arrival(self, track: _Track, positions: Mapping[str, float], stamp_ns: int, rivals: int) -> Arrival:
-        """Decide how a message follows the one that moved these joints last."""
+        """Decide how a message follows the one that moved these joints last, and count those that are dropped."""
         ahead = stamp_ns - track.stamp_ns
-        if rivals <= 0 and not track.dropped:  # nobody else publishes these joints, or has just done so
-            older = Arrival.LATE if stamp_ns > 0 and ahead >= -SECOND_NS else Arrival.RESTARTED
-            return Arrival.NEXT if ahead >= 0 else older
-        if 0 <= ahead <= PAUSE_NS and not self._jumps(track, positions, ahead):
+        if rivals <= 0 and not track.dropped:  # these joints have one publisher, which has just been heard
+            restarted = ahead < -SECOND_NS or (ahead < 0 and stamp_ns <= 0)
+            return Arrival.RESTARTED if restarted else Arrival.LATE if ahead < 0 else Arrival.NEXT
+        if 0 <= ahead <= PAUSE_NS and not self._jumps(track, positions, ahead, rivals):
             return Arrival.NEXT
         track.dropped += 1
-        silent = track.dropped >= SILENT_AFTER * rivals
-        self._elsewhere |= {joint: track.positions[joint] for joint in positions} if silent else positions
+        silent = track.dropped >= SILENT_AFTER * rivals  # at once where no rival is left
+        if rivals > 0:
+            self._elsewhere |= {joint: track.positions.get(joint, inf) for joint in positions} if silent else positions
         return Arrival.SWITCHED if silent else Arrival.ANOTHER
 
-    def _jumps(self, track: _Track, positions: Mapping[str, float], ahead: float) -> bool:
+    def _jumps(self, track: _Track, positions: Mapping[str, float], ahead: float, rivals: int) -> bool:
         """Return whether a joint goes too far for its own publisher, or to where another publisher has it."""
         reach = REACH + SPEED * ahead / SECOND_NS
         for joint, position in positions.items():
-            moved = abs(position - track.positions[joint])
-            there = abs(position - self._elsewhere.get(joint, position)) < moved / 3
-            if moved > reach and (there or joint in self._limited):
+            moved = abs(position - track.positions.get(joint, position))
+            there = joint not in self._elsewhere or abs(position - self._elsewhere[joint]) < moved / 3
+            if moved > reach and (there or rivals > 1 or joint in self._limited):
                 return True
         return False
 
@@ -266,7 +265,7 @@ class _Publishers:
         count = self._count()
         if count < self._counted:  # one has gone, and nobody says which
             self._groups, self._elsewhere = [], {}
-        self._counted, self._alone_for = count, 0 if count > 1 else COUNT_EVERY
+        self._counted, self._alone_for = count, 0 if count > 1 else COUNT_EVERY - 1
         return count
 
 
