@@ -8,8 +8,7 @@ import sys
 from contextlib import redirect_stderr
 from io import StringIO
 from pathlib import Path
-
-from rosidl_adapter.parser import MessageSpecification, parse_message_string
+from typing import Any
 
 PARTS = {".msg": 1, ".srv": 2, ".action": 3}
 """Into how many parts ``---`` divides a definition."""
@@ -22,6 +21,8 @@ def main(package: str, prefix: str, *files: str) -> None:
 
 
 def _find_mistake(package: str, prefix: Path, file: Path) -> str:
+    from rosidl_adapter.parser import parse_message_string  # noqa: PLC0415 - no other Python finds it
+
     place = f"{file.parent.name}/{file.name}"
     lines = file.read_text(encoding="utf-8").splitlines()
     ends = [number for number, line in enumerate(lines) if line.strip() == "---"] + [len(lines)]
@@ -40,7 +41,7 @@ def _find_mistake(package: str, prefix: Path, file: Path) -> str:
     return ""
 
 
-def _check_types(message: MessageSpecification, package: str, prefix: Path, source: Path) -> None:
+def _check_types(message: Any, package: str, prefix: Path, source: Path) -> None:
     """Check that the message type of the last field exists, and that its package is known to the build.
 
     Raises:
