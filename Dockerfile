@@ -3,7 +3,7 @@
 #   docker build -t tank-tutorial .
 #   docker run --rm -it -p 127.0.0.1:8888:8888 tank-tutorial
 #
-# On ARM, pass --platform linux/amd64 to both, because PyPI has no Cyclone DDS for Linux on ARM. This was not tried there.
+# On ARM, pass --platform linux/amd64 to both, because PyPI has no Cyclone DDS for Linux on ARM. This has not been tested.
 #
 # What a learner changes is below /home/learner, where a hub mounts the learner's own volume.
 

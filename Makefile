@@ -4,14 +4,14 @@
 #   make demo [DURATION=20]   step 3 as a whole: joystick, simulation and viewer
 #   make test                 what needs no further process, browser or build, and the notebooks: some minutes
 #   make test-all             also what needs one
-#   make test-ros2            what meets a real ROS 2: that of make ros, and the one with which TANK_REAL_ROS2 runs a command
+#   make test-ros2            what needs a real ROS 2: that of make ros, and the one with which TANK_REAL_ROS2 runs a command
 #   make nightly              ten rounds, a class in a JupyterHub, soaks, floods, mutants, other examples, and with TANK_REAL_ROS2 all on both its RMWs
 #   make notebooks            run the notebooks and save their outputs, after a change to them; look at what git shows
 #   make nbval                only the notebooks: run from the top, outputs compared with those that are committed
 #   make lab                  JupyterLab on the first notebook
 #   make hub                  a JupyterHub with the course, to try; it needs npm, too
 #   make hub-load [USERS=30]  so many users in it: memory and processor time of each
-#   make install              install what these commands need into .venv, unless it is up to date
+#   make install              install what these commands need into .venv, if it is not up to date
 #   make ros                  install a real ROS 2 beside .venv, on Linux on x86-64
 #   make steps                the tables of steps, in the README, CONTRIBUTING and the book, after a change to their list
 #   make screenshots          the README's picture, which moves; it takes some minutes
@@ -57,7 +57,7 @@ test-slow: install
 	$(PYTEST) $(SIDE_BY_SIDE) -m "($(SLOW)) and not ($(APART))" tests
 
 test-ros2: $(if $(WHEELS),ros,install)
-	@test -n "$(WHEELS)$(TANK_REAL_ROS2)" || { echo "PyPI has no ROS 2 for this machine. Set TANK_REAL_ROS2 to a command that runs another one with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
+	@test -n "$(WHEELS)$(TANK_REAL_ROS2)" || { echo "PyPI has no ROS 2 for this machine. Set TANK_REAL_ROS2 to a command that runs another command with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
 	$(PYTEST) $(SIDE_BY_SIDE) -m ros2 tests
 ifneq ($(WHEELS),)
 	TUTORIAL_ROS=rclpy $(PYTEST) $(SIDE_BY_SIDE) notebooks
@@ -124,7 +124,7 @@ install: .venv/install
 
 .venv/install: pyproject.toml $(POCKET)/pyproject.toml constraints.txt
 	@python=$$(sh .ci/find_python "$(PYTHON)") && \
-	echo "Installing about 700 MB into .venv. With a fast connection, that takes less than a minute." && \
+	echo "Installing about 700 MB into .venv. On a fast connection, this takes less than a minute." && \
 	"$$python" -m venv --clear .venv
 	@sh .ci/install gamepad,test,book
 	@touch $@

@@ -1,4 +1,4 @@
-"""Make the wheel of tank-tf2-msgs for this Python: ``python .ci/tf2_msgs_wheel.py 20261127 dist``."""
+"""Build the tank-tf2-msgs wheel for this Python: ``python .ci/tf2_msgs_wheel.py 20261127 dist``."""
 
 import shutil
 import subprocess
@@ -15,7 +15,7 @@ METADATA = """\
 Metadata-Version: 2.1
 Name: tank-tf2-msgs
 Version: {version}
-Summary: tf2_msgs for the ROS 2 Jazzy wheels of PyPI, as the tank tutorial installs them
+Summary: tf2_msgs for the ROS 2 Jazzy wheels on PyPI that the tank tutorial installs
 License: BSD-3-Clause
 """
 WHEEL = """\
@@ -27,7 +27,7 @@ Tag: {tag}-{tag}-manylinux_2_28_x86_64
 
 
 def main(date: str, target: str) -> None:
-    """Build tf2_msgs in the folder of the real ROS 2, and pack what belongs to it."""
+    """Build tf2_msgs in the folder of the real ROS 2, and pack its files into a wheel."""
     prefix = folder.prefix()
     site = folder.site_packages(prefix)
     install(lambda _: None)
@@ -48,7 +48,7 @@ def main(date: str, target: str) -> None:
 
 
 def _is_ours(file: Path) -> bool:
-    """Return whether a file belongs to tf2_msgs; one that names folders of this machine is left out."""
+    """Return whether a file belongs to tf2_msgs and does not name folders of this machine."""
     if not file.is_file() or "parent_prefix_path" in file.parts or "__pycache__" in file.parts:
         return False
     return file.name.startswith("libtf2_msgs__") or "tf2_msgs" in file.parts

@@ -1,4 +1,4 @@
-"""Which Python ``make install`` takes, and what it says if there is no suitable one. The programs on PATH are fakes."""
+"""Which Python ``make install`` takes, and the error if there is no suitable one. The programs on PATH are fakes."""
 
 import shutil
 import sys
@@ -22,13 +22,13 @@ pytestmark = pytest.mark.process
 
 
 def python(prelude="pass"):
-    """A Python that runs something before its option `-c`, the only one that it knows."""
+    """A fake Python that runs a prelude before the code of `-c`, its only option."""
     return f'exec {sys.executable} -c "{prelude}; import sys; exec(sys.argv[1])" "$2"'
 
 
 @pytest.fixture
 def find_python(tmp_path):
-    """Run .ci/find_python with these programs on PATH, on Linux on x86-64 unless they say otherwise."""
+    """Run .ci/find_python with these programs on PATH. Without a fake `uname`, it sees Linux on x86-64."""
 
     def find(programs, *arguments, **environment):
         for name in TOOLS:
@@ -60,10 +60,10 @@ def test_finds(find_python, programs, found):
 @pytest.mark.parametrize(
     ("programs", "given", "said"),
     [
-        ({"mine": python(OLD)}, "mine", "PYTHON=mine is Python 3.10.0, and the tutorial needs Python 3.11 to 3.13."),
+        ({"mine": python(OLD)}, "mine", "PYTHON=mine is Python 3.10.0, but the tutorial needs Python 3.11 to 3.13."),
         ({"mine": python(NEW)}, "mine", "PYTHON=mine is Python 3.14.0, "),
-        ({}, "/a b/python", "PYTHON=/a b/python: this is not a Python that starts."),
-        ({"mine": "exit 0"}, "mine", "PYTHON=mine: this is not a Python that starts."),
+        ({}, "/a b/python", "PYTHON=/a b/python is not a working Python."),
+        ({"mine": "exit 0"}, "mine", "PYTHON=mine is not a working Python."),
         ({"mine": python(NO_VENV)}, "mine", "PYTHON=mine has no venv or ensurepip"),
         ({"python3.13": python(), **ARM}, "", "this is Linux aarch64. Nothing was installed."),
         ({"mine": python(), **ARM}, "mine", "this is Linux aarch64"),
