@@ -1,14 +1,14 @@
-# What is added to every interface package that is built for the ROS 2 of PyPI's wheels: included after its project().
+# Settings for interface packages that are built for the ROS 2 of PyPI's wheels. CMake includes them after project().
 
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE MinSizeRel)
 endif()
 
-# Nothing of a ROS 2 that is installed elsewhere: only CMAKE_PREFIX_PATH counts.
+# Use no ROS 2 that is installed elsewhere: only CMAKE_PREFIX_PATH counts.
 set(CMAKE_FIND_USE_SYSTEM_ENVIRONMENT_PATH OFF)
 set(CMAKE_FIND_USE_PACKAGE_REGISTRY OFF)
 
-# Libraries are found beside each other, and from the Python package, without LD_LIBRARY_PATH and before it.
+# Libraries and the Python package find the libraries by an RPATH, which takes precedence over LD_LIBRARY_PATH.
 set(CMAKE_INSTALL_RPATH "$ORIGIN" "$ORIGIN/../../..")
 string(APPEND CMAKE_SHARED_LINKER_FLAGS " -Wl,--disable-new-dtags")
 string(APPEND CMAKE_MODULE_LINKER_FLAGS " -Wl,--disable-new-dtags")
