@@ -1,4 +1,4 @@
-"""What only a real ROS 2 has says so when it is imported, and hides nothing that can be imported."""
+"""Importing what only a real ROS 2 has raises an error that says so. What can be imported is never hidden."""
 
 import sys
 from importlib import import_module

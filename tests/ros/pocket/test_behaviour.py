@@ -21,17 +21,17 @@ ROWS += [
 IN_NEWER = json.loads(NEWER.read_text(encoding="utf-8"))["expressions"]
 
 pytestmark = [] if pocket_ros2.install() else [pytest.mark.process, pytest.mark.timeout(600)]
-"""Where a real ROS 2 is in use, the snippets run in processes of their own, and the first test waits for all."""
+"""On a real ROS 2, the snippets run in processes of their own, and the first test waits for all of them."""
 
 
 def expected(row: dict[str, Any], printed: str | None = None) -> dict[str, Any]:
-    """What a row has of the outcome, or would have with another print; the order of log lines is left out."""
+    """The outcome that a row expects, or expects with other output; the order of log lines does not matter."""
     logged = sorted(row.get("logged", ()))
     return {"printed": printed or row["printed"], "raises": row.get("raises"), "logged": logged}
 
 
 def accepted(row: dict[str, Any]) -> list[dict[str, Any]]:
-    """The outcomes that real ROS 2s have shown: most rows have one, some another in a later patch release."""
+    """The outcomes on real ROS 2s: one for most rows, and two if a later patch release behaves differently."""
     newer = IN_NEWER.get(row.get("shows"))
     return [expected(row)] if newer is None else [expected(row), expected(row, f"{newer}\n")]
 

@@ -1,4 +1,4 @@
-"""Every public name of rclpy 7.1.3, launch and tf2_ros is there, with its signature, or needs a real ROS 2."""
+"""Every public name of rclpy 7.1.3, launch and tf2_ros is there with its signature, or says that it is missing."""
 
 import inspect
 import json

@@ -209,7 +209,7 @@ def test_an_interrupt_is_no_crash_and_stays_one(start, rounds, seconds, turns, w
 
 
 def test_log_configuration(start):
-    """In a process of its own, for a real ROS 2 configures its logs once in a process, and fails only then."""
+    """A process of its own, because a real ROS 2 configures its logs once in a process, and fails only then."""
     process = start("""
 from rclpy.context import Context
 context = Context()

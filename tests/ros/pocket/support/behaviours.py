@@ -29,7 +29,7 @@ EXPRESSIONS = FOLDER.parent / "data/rclpy_expressions.json"
 """Expressions, and what a real rclpy made of them, in groups that begin with the same lines."""
 
 NEWER = FOLDER.parent / "data/rclpy_newer.json"
-"""Expressions of which the message generator of a later patch release of Jazzy makes something else."""
+"""Expressions that have another result in a later patch release of Jazzy, because of its message generator."""
 
 TIME = re.compile(r"\[\d+\.\d+\]")
 LOG_LINE = re.compile(r"\[[A-Z]+\] \[\d")

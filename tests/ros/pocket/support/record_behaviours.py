@@ -1,7 +1,7 @@
 """Record what a real rclpy does with the snippets of the folder behaviours, each in a fresh process.
 
-Run it where a real ROS 2 is in use, then look at what git shows. With ``--newer`` the record stays, and only what a
-later patch release does differently is written down, beside it.
+Run it where a real ROS 2 is in use, then look at what git shows. With ``--newer``, keep the record and write what a
+later patch release does differently into another file.
 """
 
 import json
@@ -58,7 +58,7 @@ def _write_differences(groups: list[dict[str, Any]], printed: list[list[dict[str
     for group, those in zip(groups, printed, strict=True):
         for (code, before), snippet, done in zip(group["expressions"].items(), snippets(group), those, strict=True):
             if done["printed"] != f"{before}\n":
-                (alone,) = outcomes(prelude(), [snippet])  # it may have met what an earlier one has left
+                (alone,) = outcomes(prelude(), [snippet])  # an earlier snippet may have affected it
                 if alone["printed"] != f"{before}\n":
                     different[code] = alone["printed"].removesuffix("\n")
     note = f"What a later patch release of Jazzy makes of some expressions ({where}); by record_behaviours.py --newer."

@@ -30,7 +30,7 @@ def install(*, first: bool = False) -> bool:
         return False
     if first or str(PATH) not in sys.path:
         sys.path.insert(0 if first else len(sys.path), str(PATH))
-    import _absent  # noqa: PLC0415  (importable only now, as the next one)
+    import _absent  # noqa: PLC0415  (importable only now, like the next one)
     from _rosidl import finder  # noqa: PLC0415
 
     finder.install()
@@ -39,10 +39,10 @@ def install(*, first: bool = False) -> bool:
 
 
 def uninstall() -> bool:
-    """Undo `install`, so that a real rclpy can take this one's place: before anything of ROS 2 has been imported.
+    """Undo `install`, so that a real rclpy can be imported instead.
 
     Returns:
-        Whether nothing was imported yet. If something was, nothing changes.
+        Whether that was possible. If anything of the pocket ROS 2 has already been imported, nothing changes.
     """
     rclpy = getattr(sys.modules.get("rclpy"), "__file__", None)
     if "_rosidl.message" in sys.modules or (rclpy is not None and Path(rclpy).is_relative_to(PATH)):

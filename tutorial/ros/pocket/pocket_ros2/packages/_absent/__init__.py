@@ -33,7 +33,7 @@ class NeedsRealROSError(_NotHere, ModuleNotFoundError):
 
 
 class AbsentAttributeError(_NotHere, AttributeError):
-    """A program asked for such an attribute of an object; ``hasattr`` returns False."""
+    """A program asked for an attribute that the pocket ROS 2 does not have; ``hasattr`` returns False."""
 
     __module__ = "rclpy.exceptions"
 

@@ -79,7 +79,7 @@ class NodeParameters:
             name: of the parameter.
             value: its value, or only its type.
             descriptor: what values it may have, and whether it can be changed.
-            ignore_override: ignore the command line.
+            ignore_override: ignore the command line and ``parameter_overrides``.
 
         Raises:
             ParameterAlreadyDeclaredException: there is one of this name.
@@ -98,7 +98,7 @@ class NodeParameters:
         Args:
             namespace: put before each name, with a dot, unless empty.
             parameters: one tuple for each: its name, its value or type, and its descriptor. The last two are optional.
-            ignore_override: ignore the command line.
+            ignore_override: ignore the command line and ``parameter_overrides``.
 
         Raises:
             TypeError: a tuple is too long or empty, or an element has the wrong type.

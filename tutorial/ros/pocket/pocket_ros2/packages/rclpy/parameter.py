@@ -53,7 +53,7 @@ class Parameter:
             raise TypeError(f"The given value is not {a_list_of}one of the allowed types '{parameter_value}'.")
 
         def check(self, parameter_value: Any) -> bool:
-            """Whether a parameter of this type can have a value."""
+            """Whether a parameter of this type can have this value."""
             if not self._describes(parameter_value):
                 return False
             if isinstance(parameter_value, array):
@@ -81,7 +81,7 @@ class Parameter:
 
     @classmethod
     def from_parameter_msg(cls, param_msg: ParameterMessage) -> Self:
-        """Make a parameter of a ``rcl_interfaces.msg.Parameter``."""
+        """Make a parameter from a ``rcl_interfaces.msg.Parameter``."""
         type_ = cls.Type(param_msg.value.type)
         return cls(param_msg.name, type_, None if type_ == cls.Type.NOT_SET else _value(param_msg.value, type_))
 
