@@ -1,4 +1,4 @@
-"""What a joint is commanded: an effort by a motor, a target by a servo, and a clear error otherwise."""
+"""Commands to a joint: an effort for a motor, a target for a servo, and a clear error otherwise."""
 
 import mujoco
 import pytest
@@ -12,7 +12,7 @@ SERVO = '<position name="R/p" joint="R/J" kp="20"/>'
 
 
 def body_of(*actuators, option='timestep="0.0005"'):
-    """A body that turns about one joint, J, with these actuators."""
+    """A body that turns about its one joint, J, with these actuators."""
     text = (
         f'<mujoco><option {option}/><default><default class="geared"><position kp="20" gear="-3"/></default></default>'
         f"<worldbody>{BODY}</worldbody>{TENDON}<actuator>{''.join(actuators)}</actuator></mujoco>"
@@ -105,7 +105,7 @@ def test_a_servo_holds_its_target(actuator):
         ('<motor name="R/m" joint="R/J"/>', "no position servo: its actuator 'm' is a motor. Set joint.effort, or its"),
         ('<velocity name="R/v" joint="R/J"/>', "no position servo: its actuator 'v' is a velocity servo. Set its"),
         ('<intvelocity joint="R/J" actrange="-1 1"/>', "no position servo: its actuator is a velocity servo that int"),
-        (2 * '<position joint="R/J"/>', "2 position servos. Of each one, set the control signal, body.actuator(name)."),
+        (2 * '<position joint="R/J"/>', "2 position servos. For each one, set the control signal, body.actuator(name)"),
     ],
 )
 def test_what_is_no_servo_takes_no_target(actuator, said):

@@ -1,4 +1,4 @@
-"""Coupled joints: whatever the equalities are, a joint that nobody names is where MuJoCo wants it."""
+"""Coupled joints: a joint that no message names is where MuJoCo's equalities put it."""
 
 import mujoco
 import numpy as np
@@ -19,7 +19,7 @@ D_FOLLOWS_C = '<joint joint1="R/d" joint2="R/c"/>'
 
 
 def model_of(*equalities, option=""):
-    """Four joints of a body `R`, and what couples them."""
+    """A model of a body `R` with coupled joints."""
     return mujoco.MjModel.from_xml_string(
         f'<mujoco><compiler angle="radian"/>{option}<worldbody>{JOINTS}</worldbody>'
         f"<equality>{''.join(equalities)}</equality></mujoco>"
@@ -43,7 +43,7 @@ class Robot:
         return self.data.joint(f"R/{name}").qpos[0]
 
     def error(self):
-        """How far MuJoCo says that the equalities are violated."""
+        """How far the equalities are violated, according to MuJoCo."""
         mujoco.mj_forward(self.model, self.data)
         return np.abs(self.data.efc_pos[self.data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY]).max(initial=0.0)
 

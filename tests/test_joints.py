@@ -142,7 +142,7 @@ FREE = {"TURRET_Y": (-math.inf, math.inf), "TURRET_P": (-math.inf, math.inf)}
 
 
 class TestOtherJoints:
-    """An arm and a gripper. They jump, which nobody's joints may if another publisher shares them."""
+    """An arm and a gripper, whose joints jump. Joints that two publishers share may not."""
 
     @pytest.mark.parametrize("publishers", [1, 2])
     @pytest.mark.parametrize("joints", [TANK, FREE])

@@ -1,4 +1,4 @@
-"""The options of a world: a model's own, those that several agree on, and a sentence about the others."""
+"""The options of a world: those of a single model, those on which models agree, and a warning about the others."""
 
 import mujoco
 import pytest
@@ -28,7 +28,7 @@ VALUES = {
 
 @pytest.fixture
 def world(tmp_path):
-    """Compose models, each with such content beside a body."""
+    """Compose models, each of a body and the given content."""
 
     def world(*contents, body=BODY, time_step=None):
         paths = [tmp_path / f"{'abc'[i]}.xml" for i in range(len(contents))]
@@ -105,7 +105,7 @@ def test_models_that_agree(world, caplog):
 def test_models_that_do_not_agree(world, caplog, contents, said):
     opt, own = world(*contents).opt, world("").opt
     assert [getattr(opt, name) == pytest.approx(getattr(own, name)) for name in OPTIONS] == [True] * len(OPTIONS)
-    assert caplog.messages == [f"{SAID}{said}. Let their files say the same, or nothing."]
+    assert caplog.messages == [f"{SAID}{said}. Set them alike in all models, or in none."]
 
 
 @pytest.mark.parametrize("content", ["", option(integrator="discrete"), option(integrator="Euler")])

@@ -1,4 +1,4 @@
-"""URDF as a model: what is seen of it, where its meshes are, and what to do where it cannot be read."""
+"""URDF as a model: what is shown, where its meshes are found, and what to do if it cannot be read."""
 
 import os
 import re
@@ -40,7 +40,7 @@ ARM = f"""<?xml version="1.0"?>
 
 @pytest.fixture
 def write(tmp_path):
-    """Write a robot description below a package `arm_description` that is one folder above it."""
+    """Write a robot description into a subfolder of the package `arm_description`."""
 
     def write(text, name="arm.urdf"):
         path = tmp_path / "arm_description" / "urdf" / name
@@ -119,7 +119,7 @@ def test_a_visual_may_be_flat(write, tmp_path):
         (
             robot_of("package://gone/m.stl"),
             "r.urdf",
-            "needs the mesh 'package://gone/m.stl'. No folder 'gone' that has",
+            "needs the mesh 'package://gone/m.stl'. No folder 'gone' above or beside",
         ),
         (
             robot_of("m.stl"),
@@ -135,7 +135,7 @@ def test_a_visual_may_be_flat(write, tmp_path):
         (
             ARM,
             "arm.urdf.xacro",
-            "is a xacro file. Make a URDF of it, where there is a ROS 2: xacro arm.urdf.xacro > arm.urdf",
+            "is a xacro file. Convert it to URDF, on a machine with ROS 2: xacro arm.urdf.xacro > arm.urdf",
         ),
         ('<robot xmlns:xacro="http://wiki.ros.org/xacro"><xacro:x/></robot>', "r.urdf", "xacro r.urdf > r_.urdf"),
         ("<robot><xacro:x/></robot>", "r.xml", "is a xacro file."),

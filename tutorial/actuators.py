@@ -1,4 +1,4 @@
-"""What the actuators of a joint take as their control signal: a torque, or a target that a servo follows."""
+"""How to command a joint: the control signal for an effort of its motor, or for a target of its position servo."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ ON_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPAREN
 Dyn, Gain, Bias = mujoco.mjtDyn, mujoco.mjtGain, mujoco.mjtBias
 
 FOLLOWS_CONTROL = (Dyn.mjDYN_NONE, Dyn.mjDYN_FILTER, Dyn.mjDYN_FILTEREXACT)
-"""The dynamics after which the actuator's input is the control signal, at once or after a while."""
+"""Dynamics with which the actuator's input follows the control signal, at once or with a delay."""
 
 KINDS = {
     Gain.mjGAIN_MUSCLE: "a muscle",
@@ -27,7 +27,7 @@ class Command(NamedTuple):
     """How a command to a joint becomes a control signal: ``ctrl = offset + scale * command``.
 
     Attributes:
-        adr: where the control signal is in MuJoCo's ``ctrl``.
+        adr: index of the control signal in MuJoCo's ``ctrl``.
         scale, offset: as in the formula.
     """
 
@@ -37,22 +37,22 @@ class Command(NamedTuple):
 
 
 def actuators_of(model: mujoco.MjModel, joint: int) -> list[int]:
-    """Return MuJoCo's numbers of the actuators that act on a joint itself, not through a tendon or a site."""
+    """Return MuJoCo's ids of the actuators that act on a joint directly, not through a tendon or a site."""
     kinds, joints = model.actuator_trntype.tolist(), model.actuator_trnid[:, 0].tolist()
     return [i for i, kind in enumerate(kinds) if kind in ON_JOINT and joints[i] == joint]
 
 
 def is_motor(model: mujoco.MjModel, actuator: int) -> bool:
-    """Say whether an actuator's force is its control signal times a constant."""
+    """Return whether an actuator's force is its control signal times a constant."""
     direct = Dyn(model.actuator_dyntype[actuator]) == Dyn.mjDYN_NONE
     return bool(direct and _gain(model, actuator) and _bias(model, actuator) == [0.0, 0.0, 0.0])
 
 
 def effort_command(model: mujoco.MjModel, joint: int) -> Command:
-    """Return how a joint is commanded a torque [N.m] or a force [N].
+    """Return the command that applies a torque [N.m] or a force [N] to a joint.
 
     Raises:
-        TutorialError: the joint has no motor, or an actuator of another kind that acts on it, too.
+        TutorialError: the joint has no motor, or another kind of actuator acts on it.
     """
     actuators = _enabled(model, joint)
     for actuator in actuators:
@@ -68,9 +68,9 @@ def effort_command(model: mujoco.MjModel, joint: int) -> Command:
 
 
 def target_command(model: mujoco.MjModel, joint: int) -> Command:
-    """Return how a joint's position servo is commanded a position [rad or m].
+    """Return the command that sets the target [rad or m] of a joint's position servo.
 
-    It rests where ``gain * ctrl + offset - stiffness * gear * position`` is 0.
+    The servo rests where ``gain * ctrl + offset - stiffness * gear * position`` is 0.
 
     Raises:
         TutorialError: the joint has no position servo, or several.
@@ -78,7 +78,7 @@ def target_command(model: mujoco.MjModel, joint: int) -> Command:
     actuators = _enabled(model, joint)
     servos = [each for each in actuators if _is_position_servo(model, each)]
     if len(servos) > 1:
-        raise TutorialError(f"{_title(model, joint)} has {len(servos)} position servos. Of each one, set {CONTROL}.")
+        raise TutorialError(f"{_title(model, joint)} has {len(servos)} position servos. For each one, set {CONTROL}.")
     if not servos:
         found = f": {_what(model, actuators[0])}" if actuators else ". Give it one in the model."
         raise TutorialError(f"{_title(model, joint)} has no position servo{found}")
@@ -92,7 +92,7 @@ def _title(model: mujoco.MjModel, joint: int) -> str:
 
 
 def _enabled(model: mujoco.MjModel, joint: int) -> list[int]:
-    """Return the actuators that can move a joint: not those without a gear, or in a group that the model disables."""
+    """Return the actuators that can move a joint: those with a gear, in groups that the model does not disable."""
     disabled = int(model.opt.disableactuator)
     groups = model.actuator_group.tolist()
     geared = [each for each in actuators_of(model, joint) if model.actuator_gear[each, 0]]
@@ -105,7 +105,7 @@ def _is_position_servo(model: mujoco.MjModel, actuator: int) -> bool:
 
 
 def _gain(model: mujoco.MjModel, actuator: int) -> float:
-    """Return the force per unit of the control signal; 0 if that is no constant."""
+    """Return the force per unit of the control signal, or 0 if it is not constant."""
     constant, *others = model.actuator_gainprm[actuator, :3].tolist()
     kind = Gain(model.actuator_gaintype[actuator])
     return float(constant) if kind == Gain.mjGAIN_FIXED or (kind == Gain.mjGAIN_AFFINE and not any(others)) else 0.0
@@ -114,7 +114,7 @@ def _gain(model: mujoco.MjModel, actuator: int) -> float:
 def _bias(model: mujoco.MjModel, actuator: int) -> list[float]:
     """Return the force without a control signal: a constant, per unit of length, and per unit of velocity.
 
-    Not a number where MuJoCo computes it otherwise, as for a muscle.
+    They are NaN if MuJoCo computes the force in another way, as for a muscle.
     """
     match Bias(model.actuator_biastype[actuator]):
         case Bias.mjBIAS_NONE:
@@ -125,7 +125,7 @@ def _bias(model: mujoco.MjModel, actuator: int) -> list[float]:
 
 
 def _what(model: mujoco.MjModel, actuator: int) -> str:
-    """Say what an actuator is, and how to command it."""
+    """Describe an actuator, and how to command it."""
     name = model.actuator(actuator).name.partition("/")[2]
     ways = []
     if is_motor(model, actuator):

@@ -78,7 +78,7 @@ class Joint:
 
     @property
     def effort(self) -> float:
-        """Torque or force [N.m or N] on the joint in the last step. Setting it commands the motor's next one.
+        """Torque or force [N.m or N] of the joint's actuators in the last step. Setting it commands the motor.
 
         Raises:
             TutorialError: set on a joint that has no motor, or has a servo; the text names the actuator and its kind.
@@ -203,7 +203,7 @@ class Body:
         self.joints = tuple(Joint(names[i], model, data, i, guard) for i in shown)
         self.qpos_slice = _qpos_slice(model, ids)
         self._root = _Root.of(name, model, data, ids)
-        self._followers = Followers(model, f"{name}/") if guard else None  # MuJoCo couples the simulated ones
+        self._followers = Followers(model, f"{name}/") if guard else None  # a simulation couples the joints itself
         self._by_name = {joint.name: joint for joint in self.joints}
         self._guard = guard
         self._observers: list[Observer] = []
@@ -322,9 +322,9 @@ class Body:
         return np.concatenate([linear, self._root.velocity[3:]])
 
     def set_joint_positions(self, positions: Mapping[str, float]) -> None:
-        """Move joints of a displayed body, and with them those that its model couples to them.
+        """Move joints of a displayed body, and the joints that its model couples to them.
 
-        A coupled joint follows until it is named itself. The others stay where they are.
+        A coupled joint follows until it is named itself. All other joints stay where they are.
 
         Args:
             positions: by joint name [rad or m].

@@ -1,4 +1,4 @@
-"""Coupled joints: where an ``<equality>`` puts a joint that nobody moves, such as the other finger of a gripper."""
+"""Coupled joints: where an ``<equality>`` puts a joint that no message names, such as a gripper's second finger."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 NOBODY = -1
-"""In the place of a leader: the follower stands still."""
+"""The leader of a follower that stands still."""
 
 NOT_COMPUTED = ("mjEQ_CONNECT", "mjEQ_WELD", "mjEQ_TENDON", "mjEQ_DISTANCE")
-"""Equalities of links and tendons: they move joints, too, but there is no formula of one joint's position."""
+"""Equalities of links and tendons. They move joints, too, but no formula gives the position of a single joint."""
 
 
 class Coupling(NamedTuple):
     """A joint that follows another one.
 
     Attributes:
-        follower: MuJoCo's number of the joint that follows.
-        leader: of the joint that it follows, or `NOBODY`.
-        polynomial: of the leader's position, is the follower's [rad or m]; the constant comes first.
+        follower: MuJoCo's id of the joint that follows.
+        leader: MuJoCo's id of the joint that it follows, or `NOBODY`.
+        polynomial: coefficients that give the follower's position [rad or m] from the leader's, the constant first.
     """
 
     follower: int
@@ -39,16 +39,16 @@ class Coupling(NamedTuple):
 
     @property
     def is_linear(self) -> bool:
-        """Whether the follower moves as far as the leader, times a constant."""
+        """Whether the follower moves in proportion to the leader."""
         return len(self.polynomial) == 2
 
     def swapped(self) -> Coupling:
-        """Make the leader of a linear coupling follow its follower."""
+        """Return this linear coupling with leader and follower exchanged."""
         offset, ratio = self.polynomial
         return Coupling(self.leader, self.follower, (-offset / ratio, 1 / ratio))
 
     def after(self, other: Coupling) -> Coupling:
-        """Follow the leader of the coupling that moves this one's leader; both are linear."""
+        """Return a coupling to the leader of ``other``, which moves this one's leader; both are linear."""
         (offset, ratio), (other_offset, other_ratio) = self.polynomial, other.polynomial
         return Coupling(self.follower, other.leader, (offset + ratio * other_offset, ratio * other_ratio))
 
@@ -56,14 +56,14 @@ class Coupling(NamedTuple):
 class Followers:
     """Moves the joints of a displayed body that are coupled to others.
 
-    A joint follows until its position is set by name for the first time: a publisher that knows it knows better.
+    A joint follows until its position is first set by name: a publisher that names the joint knows its position.
 
     Args:
         model: the model.
         prefix: what the names of the body's joints begin with in the model.
 
     Attributes:
-        names: the joints that follow those that were set, without the prefix.
+        names: the names, without the prefix, of joints that follow those that were set.
     """
 
     def __init__(self, model: mujoco.MjModel, prefix: str) -> None:
@@ -75,15 +75,15 @@ class Followers:
         self._set: set[str] = set()
 
     def begin(self, qpos: NDArray[np.float64]) -> None:
-        """Have every coupling fulfilled, before any position is set."""
+        """Satisfy every coupling, before any position is set."""
         self._move(follow(self._couplings, roots(self._couplings)), qpos)
 
     def update(self, positions: Mapping[str, float], qpos: NDArray[np.float64]) -> None:
-        """Move what follows, after positions were set.
+        """Move the followers, after positions were set.
 
         Args:
-            positions: those that were set, by joint name.
-            qpos: MuJoCo's, which has them.
+            positions: the positions that were set, by joint name.
+            qpos: MuJoCo's positions, which include them.
         """
         if not self._couplings:
             return
@@ -104,35 +104,35 @@ class Followers:
 
 
 def couplings_of(model: mujoco.MjModel) -> list[Coupling]:
-    """Return the couplings of joints that are active as the model begins."""
+    """Return a model's couplings of joints that are active at the start."""
     joint_equalities = (i for i in active_equalities(model) if model.eq_type[i] == mujoco.mjtEq.mjEQ_JOINT)
     return [_coupling(model, equality) for equality in joint_equalities]
 
 
 def active_equalities(model: mujoco.MjModel) -> list[int]:
-    """Return MuJoCo's numbers of the equalities that are active as the model begins."""
+    """Return MuJoCo's ids of the equalities that are active at the start."""
     off = model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_EQUALITY)
     return [] if off else [i for i, active in enumerate(model.eq_active0.tolist()) if active]
 
 
 def not_computed(model: mujoco.MjModel) -> list[str]:
-    """Return the kinds of active equalities that only a simulation fulfils, as MJCF calls them."""
+    """Return the kinds of active equalities that only a simulation can satisfy, by their names in MJCF."""
     kinds = {mujoco.mjtEq(model.eq_type[each]).name for each in active_equalities(model)}
     return [kind.removeprefix("mjEQ_").lower() for kind in NOT_COMPUTED if kind in kinds]
 
 
 def follow(couplings: Sequence[Coupling], named: Iterable[int]) -> list[Coupling]:
-    """Find what the couplings say of the joints that are not named.
+    """Find the couplings that determine joints that are not named.
 
-    A joint whose coupling has the named joint as its follower is found, too, if that is linear. If several couplings
-    speak of a joint, the first counts.
+    A linear coupling also works backwards, from its follower to its leader. If several couplings determine a joint,
+    the first one counts.
 
     Args:
-        couplings: of a model.
-        named: MuJoCo's numbers of the joints whose positions are known.
+        couplings: the couplings of a model.
+        named: MuJoCo's ids of the joints whose positions are known.
 
     Returns:
-        Couplings in an order in which each leader is known when it is needed.
+        The couplings, in an order in which each leader is known when it is needed.
     """
     ways = [*couplings, *(each.swapped() for each in couplings if each.is_linear)]
     known, found = {NOBODY, *named}, list[Coupling]()
@@ -143,7 +143,7 @@ def follow(couplings: Sequence[Coupling], named: Iterable[int]) -> list[Coupling
 
 
 def roots(couplings: Sequence[Coupling]) -> set[int]:
-    """Return the joints that others follow, and that follow no other; of a circle, one that is in it."""
+    """Return the joints that others follow and that follow no joint themselves; of a cycle, return one joint."""
     found = {each.leader for each in couplings} - {each.follower for each in couplings}
     for each in couplings:
         if each.leader not in found.union(step.follower for step in follow(couplings, found)):
@@ -152,7 +152,7 @@ def roots(couplings: Sequence[Coupling]) -> set[int]:
 
 
 def _coupling(model: mujoco.MjModel, equality: int) -> Coupling:
-    """Read an equality: MuJoCo's polynomial is of how far the leader is from its position in ``qpos0``."""
+    """Read an equality. MuJoCo's polynomial takes the distance of the leader from its position in ``qpos0``."""
     follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
     start = float(model.qpos0[model.jnt_qposadr[follower]])
     coefficients = model.eq_data[equality, :5].tolist()

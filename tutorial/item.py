@@ -72,7 +72,7 @@ class JointWatch:
     def stale(self) -> dict[str, int]:
         """The joints that nothing was heard of for a while: for how long [s]. None before the body's first message.
 
-        Those that follow another joint are not among them.
+        Joints that follow another joint are left out.
         """
         now, followers = time.monotonic(), self._body.followers
         silent = {joint: now - at for joint, at in self._heard.items() if joint not in followers}
@@ -103,7 +103,7 @@ class JointWatch:
         return self._publishers if time.monotonic() - self._contested_at < CONTESTED_FOR else ""
 
     def _say_what_does_not_follow(self, report: JointReport) -> None:
-        """Warn of joints that the first message does not name and that may be coupled in a way nobody computes."""
+        """Warn of joints that the first message leaves out, if the view does not compute what may move them."""
         missing = set(self._body.joint_names).difference(report.joints, self._body.followers)
         if missing and (kinds := not_computed(self._body.model)):
             _log.warning(

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 NAMES_KEPT = 3  # in each part of a report, so that it stays small whatever comes in
 SECOND_NS = 1_000_000_000  # a stamp that steps back further than this means that the publisher was started again
-PAUSE_NS = 10 * SECOND_NS  # the longest between two messages of one publisher, if there are several
+PAUSE_NS = 10 * SECOND_NS  # the longest pause between two messages of one publisher, if there are several
 SHOWABLE = 1e9  # [rad or m] nothing moves further; single precision, with which views draw, still holds its square
 SLACK = 1e-3  # [rad or m] beyond a range that is not worth reporting: simulated limits are soft
-REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: a joint that gets further between two messages jumps
+REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further between two messages is a jump
 COUNT_EVERY = 10  # messages from one count of the publishers to the next
 SILENT_AFTER = 25  # messages in a row from each of the others: then the followed publisher is silent
 
@@ -83,7 +83,7 @@ class NameList(NamedTuple):
 
 
 class Arrival(Enum):
-    """How a message follows the ones before it. If that differs from joint to joint, the last of these is reported."""
+    """How a message follows the ones before it. If joints differ in that, the report has the one listed last here."""
 
     NEXT = ""  #: it is the next one of its publisher
     RESTARTED = "the publisher was started again"  #: its stamp steps far back
@@ -167,7 +167,7 @@ class JointMatcher:
         self._plan = _Plan()  # how its names were matched
 
     def match(self, message: JointState) -> tuple[dict[str, float], JointReport]:
-        """Match the next message as `match_joints` does, except that the usual message costs no search."""
+        """Match the next message as `match_joints` does, but look up names only if they have changed."""
         stamp, last, plan = message.header.stamp, self._last, self._plan
         stamp_ns = stamp.sec * SECOND_NS + stamp.nanosec
         ahead = stamp_ns - last.stamp_ns  # infinite for the first message
@@ -214,8 +214,9 @@ class _Publishers:
     """Tells the publishers of one topic apart by what they send, because no message says who sent it.
 
     If there are as many sets of joints as publishers, no joint is shared. Otherwise a message is another publisher's if
-    it is older than the last one or over 10 s newer, or if a joint jumps. A joint without limits may be that fast: once
-    it is known where another publisher has it, only a jump to there counts. If two publishers agree, both are shown.
+    it is older than the last one or over 10 s newer, or if a joint jumps. A joint without limits may really be that
+    fast: if there are two publishers and the other one's position is known, only a jump to that position counts. If two
+    publishers agree, both are shown.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
@@ -238,7 +239,7 @@ class _Publishers:
         return count - 1 - len(apart)  # each set of other joints has a publisher of its own
 
     def arrival(self, track: _Track, positions: Mapping[str, float], stamp_ns: int, rivals: int) -> Arrival:
-        """Decide how a message follows the one that moved these joints last, and count those that are dropped."""
+        """Decide how a message follows the one that moved these joints last, and count it if it is dropped."""
         ahead = stamp_ns - track.stamp_ns
         if rivals <= 0 and not track.dropped:  # these joints have one publisher, which has just been heard
             restarted = ahead < -SECOND_NS or (ahead < 0 and stamp_ns <= 0)
@@ -252,7 +253,10 @@ class _Publishers:
         return Arrival.SWITCHED if silent else Arrival.ANOTHER
 
     def _jumps(self, track: _Track, positions: Mapping[str, float], ahead: float, rivals: int) -> bool:
-        """Return whether a joint goes too far for its own publisher, or to where another publisher has it."""
+        """Return whether a joint moves further than its own publisher can move it.
+
+        A joint without limits can move further. If there is one rival, only a move to where it has the joint counts.
+        """
         reach = REACH + SPEED * ahead / SECOND_NS
         for joint, position in positions.items():
             moved = abs(position - track.positions.get(joint, position))
@@ -263,7 +267,7 @@ class _Publishers:
 
     def _recount(self) -> int:
         count = self._count()
-        if count < self._counted:  # one has gone, and nobody says which
+        if count < self._counted:  # one has gone, and it is unknown which
             self._groups, self._elsewhere = [], {}
         self._counted, self._alone_for = count, 0 if count > 1 else COUNT_EVERY - 1
         return count

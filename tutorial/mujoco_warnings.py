@@ -16,7 +16,7 @@ AFTER_WARNING = {
 IN_OTHER_WORDS = {
     "Attach conflict": "a model's file attaches another file whose options differ. They are not used.",
 }
-"""What is said in place of a warning that only MuJoCo's own developers understand, by its beginning."""
+"""Replacements for warnings that only MuJoCo's own developers understand, by the beginning of the warning."""
 
 _log = logging.getLogger(__name__)
 
@@ -48,7 +48,7 @@ mujoco_warns = _MujocoWarns()
 
 @contextmanager
 def no_python_warnings() -> Iterator[None]:
-    """Leave out MuJoCo's warnings of Python's kind, which show a line of ours: it hands them to `mujoco_warns`, too."""
+    """Suppress MuJoCo's Python warnings, which point at this project's code: `mujoco_warns` receives them, too."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield

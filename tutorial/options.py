@@ -1,4 +1,4 @@
-"""Which of MuJoCo's options a world has: they belong to the whole world, and each of its models may set some."""
+"""MuJoCo's options of a world. They apply to the whole world, but each of its models may set some."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -16,7 +16,7 @@ OPTIONS = (
     *("integrator", "cone", "jacobian", "solver", "iterations", "ls_iterations", "noslip_iterations"),
     *("ccd_iterations", "disableflags", "enableflags", "disableactuator", "sdf_initpoints", "sdf_iterations"),
 )
-"""MuJoCo's ``mjOption`` in its order, which is also that of the bits in ``authored.option``."""
+"""The fields of MuJoCo's ``mjOption``, in the order of their bits in ``authored.option``."""
 
 WORDS = {
     "integrator": ("Euler", "RK4", "implicit", "implicitfast", "discrete"),
@@ -24,31 +24,31 @@ WORDS = {
     "jacobian": ("dense", "sparse", "auto"),
     "solver": ("PGS", "CG", "Newton"),
 }
-"""What MJCF calls MuJoCo's numbers."""
+"""MJCF's words for the values of MuJoCo's enumerations."""
 
 SIZES = (
     *("memory", "njmax", "nconmax", "nstack", "nkey", "nuserdata", "nuser_body", "nuser_jnt", "nuser_geom"),
     *("nuser_site", "nuser_cam", "nuser_tendon", "nuser_actuator", "nuser_sensor"),
 )
-"""MJCF's ``<size>``."""
+"""The attributes of MJCF's ``<size>``."""
 
 Models = Mapping[Path, mujoco.MjSpec]
 
 
 def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]], time_step: float | None) -> str:
-    """Give a world the options that its models set, and all models those of the world: only then they can be attached.
+    """Give a world the options that its models set, and give these to all models, so that they can be attached.
 
-    An option counts if the models that set it agree. Where they do not, or none sets it, the world has its own: the
-    original's gravity, the integrator ``implicitfast``, and else MuJoCo's defaults. What is turned off or on in the
-    whole world, such as contacts, has to be turned off or on by all models.
+    An option counts if the models that set it agree. If they do not, or if no model sets it, the world has its own: the
+    original's gravity, the integrator ``implicitfast``, and MuJoCo's defaults for the rest. A flag, such as the one for
+    contacts, and a disabled group of actuators count only if all models set them.
 
     Args:
-        world: to be changed.
-        parts: the file and the content of each model; to be changed.
-        time_step: the world's [s], whatever the models say; None for theirs.
+        world: the world; its options are set.
+        parts: the file and the content of each model; the options of the content are set.
+        time_step: the world's [s], which overrides the models'; None uses theirs.
 
     Returns:
-        In words, which options of the models are not used; empty if all are.
+        A text about the models' options that are not used; empty if all are used.
     """
     models = dict(parts)
     specs = [spec for _, spec in parts]
@@ -67,12 +67,12 @@ def set_options(world: mujoco.MjSpec, parts: Sequence[tuple[Path, mujoco.MjSpec]
         return ""
     return (
         f"The models contradict each other in options that belong to the whole world: {'; '.join(unused)}. "
-        "Let their files say the same, or nothing."
+        "Set them alike in all models, or in none."
     )
 
 
 def _set_values(world: mujoco.MjSpec, models: Models, time_step: float | None) -> Iterator[str]:
-    """Set what has a value. Return what the models contradict each other in."""
+    """Set the options that have a value. Yield a description of each on which the models disagree."""
     for bit, name in enumerate(OPTIONS):
         said = {path: _value(spec, name) for path, spec in models.items() if spec.authored.option >> bit & 1}
         if name == "timestep" and time_step is not None:
@@ -85,7 +85,7 @@ def _set_values(world: mujoco.MjSpec, models: Models, time_step: float | None) -
 
 
 def _set_flags(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
-    """Set what all models disable or enable. Return what only some do."""
+    """Set the flags that all models set. Yield a description of each that only some set."""
     for field, kinds, own, other in (
         ("disableflags", mujoco.mjtDisableBit, "enable", "disable"),
         ("enableflags", mujoco.mjtEnableBit, "disable", "enable"),
@@ -98,14 +98,14 @@ def _set_flags(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
 
 
 def _set_actuator_groups(world: mujoco.MjSpec, models: Models) -> Iterator[str]:
-    """Disable the groups of actuators that all models disable. Return those that only some do."""
+    """Disable the groups of actuators that all models disable. Yield a description of each that only some disable."""
     for group in range(31):
         if partly := _set_bit(world, models, "disableactuator", 1 << group):
             yield _contradiction("actuatorgroupdisable", "empty", dict.fromkeys(partly, str(group)))
 
 
 def _set_bit(world: mujoco.MjSpec, models: Models, field: str, bit: int) -> list[Path]:
-    """Set a bit that all models have. Return the models that have it if not all do."""
+    """Set a bit if all models have it; otherwise return the models that have it."""
     having = [path for path, spec in models.items() if getattr(spec.option, field) & bit]
     if len(having) < len(models):
         return having
@@ -126,5 +126,5 @@ def _word(name: str, value: Any) -> str:
 
 
 def _contradiction(name: str, own: str, said: Mapping[Path, str]) -> str:
-    """Say what the world has instead of what models say."""
+    """Describe the value that the world has, and those that the models ask for."""
     return f"{name} is {own} ({', '.join(f'{word} in {path.name}' for path, word in said.items())})"

@@ -19,7 +19,7 @@ COURSE = ("launch_py", "notebooks", "project")
 ROOT = 0  # the user
 
 OTHER_MODELS = (".urdf", ".mjcf", ".xacro")
-"""How names of models end, besides .xml. Whoever reads a xacro file says what to do with it."""
+"""Suffixes of models, besides .xml. Reading a xacro file raises an error that says what to do."""
 
 PACKAGE = Path(__file__).resolve().parent
 """The folder of the package ``tutorial``; what is above it is where Python finds it."""

@@ -1,4 +1,4 @@
-"""Robot descriptions as models: MuJoCo reads URDF, with a few settings, and with meshes that it can find."""
+"""URDF files as models: MuJoCo reads them with a few settings, and if it can find their meshes."""
 
 import os
 from collections.abc import Iterator
@@ -12,10 +12,10 @@ import mujoco
 from tutorial.errors import TutorialError
 
 MESH_FILES = (".msh", ".obj", ".stl")
-"""What MuJoCo reads."""
+"""The mesh formats that MuJoCo reads."""
 
 NO_MASS = 1e-9  # [kg]
-"""What a link without a mass gets: MuJoCo wants one of each link that moves."""
+"""The mass of a link that has none: MuJoCo requires one for each link that moves."""
 
 SETTINGS = {
     "discardvisual": "false",
@@ -25,30 +25,30 @@ SETTINGS = {
     "boundmass": str(NO_MASS),
     "boundinertia": "1e-12",
 }
-"""Each link and each shape stays. An inertia that no rigid body can have is made one that a body can have."""
+"""They keep each link and each shape, and correct an inertia that no rigid body can have."""
 
 VISUAL, HIDDEN = 1, 3
-"""MuJoCo's group of what URDF shows, and one that is not shown."""
+"""MuJoCo's group for the visuals of a URDF, and a group that is not shown."""
 
 PACKAGE = ("package", "model")
-"""Both lead to a file in a package's folder."""
+"""URL schemes of files in a package's folder."""
 
 
 def read_urdf(path: Path) -> mujoco.MjSpec | None:
-    """Read a robot description. Its visuals are shown; where it has none, what touches is.
+    """Read a robot description. Its visuals are shown, or its collision shapes if it has no visuals.
 
-    A mesh's address may begin with ``package://``. The package's folder is found by its name, or by its
-    ``package.xml``, from the file's folder upwards, and in AMENT_PREFIX_PATH.
+    A mesh's address may begin with ``package://``. The package's folder is recognized by its name or its
+    ``package.xml`` from the file's folder upwards, and by its name in AMENT_PREFIX_PATH.
 
     Args:
-        path: the file, whatever its name ends in.
+        path: the file, with any suffix.
 
     Returns:
         The model; None if the file is not a URDF.
 
     Raises:
         TutorialError: it is a xacro file, or a mesh is missing or in a format that MuJoCo does not read.
-        ValueError: MuJoCo does not take it.
+        ValueError: MuJoCo rejects it.
     """
     robot = _parse(path)
     if robot is None:
@@ -63,7 +63,7 @@ def read_urdf(path: Path) -> mujoco.MjSpec | None:
 
 
 def _parse(path: Path) -> Element | None:
-    """Parse a file whose root is a robot; None for any other one, which MuJoCo has to judge."""
+    """Parse a file whose root is ``<robot>``; return None for any other file, which is left to MuJoCo."""
     try:
         content = path.read_bytes()
     except (OSError, ValueError):
@@ -78,14 +78,14 @@ def _parse(path: Path) -> Element | None:
     if is_xacro or path.suffix == ".xacro":
         urdf = path.name.partition(".")[0] + ("_.urdf" if path.suffix == ".urdf" else ".urdf")
         raise TutorialError(
-            f"the model {str(path)!r} is a xacro file. Make a URDF of it, where there is a ROS 2: "
+            f"the model {str(path)!r} is a xacro file. Convert it to URDF, on a machine with ROS 2: "
             f"xacro {path.name} > {urdf}"
         )
     return root if root is not None and root.tag == "robot" else None
 
 
 def _apply_settings(robot: Element) -> str | None:
-    """Put our settings into the robot's ``<mujoco>``. Return the folder of meshes that it names, if it does."""
+    """Put the settings into the robot's ``<mujoco>``. Return the mesh folder that it names, if any."""
     extension = robot.find("mujoco")
     extension = SubElement(robot, "mujoco") if extension is None else extension
     compiler = extension.find("compiler")
@@ -98,9 +98,9 @@ def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
     """Find the file of a mesh.
 
     Args:
-        given: how the robot description at ``path`` calls it.
-        path: of the robot description.
-        meshdir: the folder of all meshes, relative to that of the description; None where it names no such folder.
+        given: the mesh's address in the robot description.
+        path: path of the robot description.
+        meshdir: the mesh folder that the description names, relative to its own folder; None if it names none.
     """
     folder = path.absolute().parent
     scheme, _, rest = given.rpartition("://")
@@ -108,7 +108,7 @@ def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
         package, _, inside = rest.partition("/")
         candidates = [place / inside for place in _package_folders(package, folder)]
         missing = (
-            f"No folder {package!r} that has it is above or beside the model, or in AMENT_PREFIX_PATH. "
+            f"No folder {package!r} above or beside the model, or in AMENT_PREFIX_PATH, has it. "
             "Put the package's folder beside the model, or write the mesh's path into the model."
         )
     else:
@@ -128,7 +128,7 @@ def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
 
 
 def _package_folders(package: str, folder: Path) -> Iterator[Path]:
-    """Return where a ROS package may be, for a file in a folder."""
+    """Yield the folders that a ROS package may have, for a file in a folder."""
     for parent in (folder, *folder.parents):
         yield parent / package
         if f"<name>{package}</name>" in _read_text(parent / "package.xml"):
@@ -142,11 +142,11 @@ def _read_text(path: Path) -> str:
 
 
 def _is_file(path: Path) -> bool:
-    return os.path.isfile(path)  # noqa: PTH113 - pathlib raises for what cannot be a path
+    return os.path.isfile(path)  # noqa: PTH113 - pathlib raises an error for what cannot be a path
 
 
 def _drop_repeated_names(robot: Element) -> None:
-    """Let a shape have a name only once: in URDF a visual and a collision may share one, in MuJoCo they may not."""
+    """Keep each shape name only once: in URDF a visual and a collision may share a name, in MuJoCo they may not."""
     taken = set[str]()
     for shape in (*robot.iterfind("link/visual"), *robot.iterfind("link/collision")):
         name = shape.attrib.pop("name", "")
@@ -156,7 +156,7 @@ def _drop_repeated_names(robot: Element) -> None:
 
 
 def _show_visuals(spec: mujoco.MjSpec) -> None:
-    """Hide what only touches, if there is something to see. Meshes that are only seen need not enclose a volume."""
+    """Hide the collision shapes if there are visuals. Meshes that are only visuals need not enclose a volume."""
     seen = [geom for geom in spec.geoms if geom.group == VISUAL]
     touching = [geom for geom in spec.geoms if geom.group != VISUAL]
     for geom in touching if seen else ():

@@ -40,11 +40,11 @@ class Placement:
 def compose(placements: Iterable[Placement], time_step: float | None = None) -> mujoco.MjModel:
     """Make one world of several bodies.
 
-    The world has the options that its models set, where they do not contradict each other: see `tutorial.options`.
+    The world has the options that its models set, unless these contradict each other: see `tutorial.options`.
 
     Args:
         placements: the bodies, each attached with the prefix ``name/``.
-        time_step: of the simulation [s], whatever the models say; None for theirs.
+        time_step: of the simulation [s], which overrides the models'; None uses theirs.
 
     Returns:
         The compiled model.
@@ -74,7 +74,7 @@ def world_spec(placements: Iterable[Placement], time_step: float | None = None) 
 
 
 def _make_world(placements: Iterable[Placement], time_step: float | None) -> tuple[mujoco.MjSpec, str]:
-    """Make a world, and say which options of its models it does not have."""
+    """Make a world, and describe which options of its models it does not use."""
     placements = list(placements)
     parts = [_read(placement.model) for placement in placements]
     world = mujoco.MjSpec()

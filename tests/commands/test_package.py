@@ -135,8 +135,8 @@ def test_its_node_runs_the_learners_controller_and_takes_what_tank_run_takes(her
         ("My-Tank", "'My-Tank' cannot be a package's name. Did you mean 'my_tank'? Use lowercase letters, digits"),
         ("x", "two characters at least"),
         ("tank\x1b[2J", r"'tank\\x1b[2J' cannot be"),
-        ("lambda", "Python has a module, or a keyword, 'lambda' already"),
-        ("rclpy", "Take another name, such as 'my_rclpy'."),
+        ("lambda", "Python already has a module or keyword 'lambda'"),
+        ("rclpy", "Choose another name, such as 'my_rclpy'."),
     ],
 )
 def test_a_name_that_no_package_can_have(here, name, said):

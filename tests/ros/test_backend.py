@@ -1,4 +1,4 @@
-"""Which ROS 2 a process takes, and what it says where it cannot take the one that was asked for."""
+"""Which ROS 2 a process uses, and the error if it cannot use the one that was asked for."""
 
 import os
 import subprocess
@@ -19,12 +19,12 @@ from tutorial.ros.wheels import folder
 made = Path({made!r})
 folder.prefix = lambda: made
 """
-"""The first lines of a program that has a folder of its own."""
+"""The first lines of a program that uses a folder of its own for the real ROS 2."""
 
 
 @pytest.fixture
 def rclpy(tmp_path):
-    """The folder of an rclpy for Python 3.10, of which only the Python files can be used here."""
+    """The folder of an rclpy for Python 3.10, whose compiled part cannot be imported here."""
     package = tmp_path / "lib/python3.10/site-packages/rclpy"
     package.mkdir(parents=True)
     (package / "__init__.py").write_text("from rclpy import _rclpy_pybind11")
@@ -43,7 +43,7 @@ def test_this_pythons_rclpy_is_accepted(rclpy):
 
 
 def run(code, **variables):
-    """Run a program in a process of its own, and return its last line, of what it printed or raised."""
+    """Run a program in a process of its own, and return the last line of its output or error."""
     environment = {name: value for name, value in os.environ.items() if name != "TUTORIAL_ROS"} | variables
     ended = subprocess.run([sys.executable, "-c", code], env=environment, check=False, capture_output=True, text=True)
     return (ended.stdout + ended.stderr).splitlines()[-1]

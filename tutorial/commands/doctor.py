@@ -36,7 +36,7 @@ PIP = "python -m pip install"
 SETUP = "/opt/ros/jazzy/setup.bash"
 
 Kind = Literal["pocket", "folder", "pixi", "sourced"]
-"""Which ROS 2 is in use: pocket, the real one of PyPI's wheels or of RoboStack, or one that a shell has sourced."""
+"""Which ROS 2 is in use: the pocket ROS 2, a real one from PyPI's wheels or from RoboStack, or a sourced one."""
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 RANGES = {
@@ -187,7 +187,7 @@ def _kind() -> Kind:
 
 
 def _repair(kind: Kind) -> str:
-    """Say how to repair a ROS 2 that cannot be imported."""
+    """Return how to repair a ROS 2 that cannot be imported."""
     if kind == "pocket":
         return f"{PIP} cyclonedds" if folder.is_supported() or sys.platform == "darwin" else folder.how_to_get_it()
     if kind == "folder":

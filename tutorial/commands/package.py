@@ -41,7 +41,7 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool) -> 
     if interfaces:
         _write(folder, make_interfaces(name))
         say("".join(f"{printable(str(path))}\n" for path in sorted(folder.rglob("*")) if path.is_file()))
-        say("\nList each new file in CMakeLists.txt, too. Build the package for the ROS 2 of tank ros install:\n\n")
+        say("\nIf you add a file, list it in CMakeLists.txt. Build the package for the ROS 2 of tank ros install:\n\n")
         say(f"    tank ros build {printable(str(folder))}\n\n")
         say(f"or with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
         return

@@ -17,7 +17,7 @@ ABOUT = """\
 what      ROS 2 Jazzy: rclpy 7.1.5, rcl 9.2.7, Fast DDS 2.14.5 (rmw_fastrtps_cpp); no ros2 command, no tf2_ros
 origin    built by one person (ycheng517/ros-python-wheels, Apache-2.0), last uploaded in November 2025
 security  Fast DDS 2.14.7 fixes 17 known vulnerabilities that 2.14.5 has; OpenSSL 1.1.1k is no longer maintained
-for       this machine only: do not let its nodes out into a network that you do not trust
+for       this machine only: do not expose its nodes to a network that you do not trust
 """
 
 
@@ -31,7 +31,7 @@ def ros() -> None:
 
 @ros.command(short_help="Install it, or bring it up to date.")
 def install() -> int:
-    """Install the real ROS 2 into a folder of its own; what is complete stays as it is."""
+    """Install the real ROS 2 into a folder of its own, unless it is already complete."""
     from tutorial.ros.wheels import folder
     from tutorial.ros.wheels.install import install, size
     from tutorial.ros.wheels.interfaces import install_tf2_msgs
@@ -56,7 +56,7 @@ def install() -> int:
 def build(package: Path) -> int:
     """Build the interface package in the folder PACKAGE, and install it beside the messages of the real ROS 2.
 
-    tank package --interfaces makes such a package. To build it, a C++ compiler is needed.
+    tank package --interfaces makes such a package. Building it needs a C++ compiler.
     """
     from tutorial.ros.wheels import folder
     from tutorial.ros.wheels.interfaces import build_interfaces
@@ -71,7 +71,7 @@ def build(package: Path) -> int:
 
 @ros.command(short_help="Remove it.")
 def remove() -> None:
-    """Remove the real ROS 2, and what an interrupted installation has left."""
+    """Remove the real ROS 2, and what an interrupted installation has left behind."""
     from tutorial.ros.wheels.install import remove
 
     say(f"{remove() / 1e6:.0f} MB removed.\n")
@@ -87,7 +87,7 @@ def info() -> None:
     place, found = folder.prefix(), pocket_ros2.real_rclpy()
     if folder.is_complete(place):
         say(f"folder    {place} ({size(place) / 1e6:.0f} MB)\n")
-        say(f"in use    {'yes' if found and folder.has(found) else 'no: TUTORIAL_ROS=rclpy takes it'}\n")
+        say(f"in use    {'yes' if found and folder.has(found) else 'no: set TUTORIAL_ROS=rclpy to use it'}\n")
     else:
         state = "out of date" if place.exists() else "not installed"
         say(f"folder    {place}, {state}. {folder.how_to_get_it()}\n")
@@ -112,7 +112,7 @@ def run(ros_args: list[str], /, command: tuple[str, ...]) -> None:
 
 
 def _finish(work: Callable[[Callable[[str], object]], object]) -> bool:
-    """Do some work, which reports its progress; return whether it was finished, and not interrupted by Ctrl-C."""
+    """Call a function that reports its progress; return False if Ctrl-C interrupted it."""
     from tutorial.ros.wheels.install import AGAIN
 
     signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -77,7 +77,7 @@ def tank() -> None:
 @click.option("--port", type=click.IntRange(1, 65535), help="Show the 3D view here; else on the first free from 7000.")
 @click.option("--html", type=FILE, help="Keep the run as a page that plays it again.")
 @click.option("--bag", type=FILE, metavar="DIR", help="Record the program's topics into a new bag.")
-@click.option("--robot", metavar="MODEL", help="Show this MJCF or URDF file; the body is called after it.")
+@click.option("--robot", metavar="MODEL", help="Show this MJCF or URDF file; the body is named after it.")
 @click.option(
     "--controller", "own", multiple=True, metavar="FILE[:CLASS]", help="Use the controllers in this Python file."
 )

@@ -81,8 +81,8 @@ async def hz(node: MeteredNode, topic_name: str) -> None:
 async def pub(node: MeteredNode, topic_name: str, message_type: str, values: str, rate: float, once: bool) -> None:
     """Publish a message. VALUES are its fields in YAML: '{header: auto, axes: [0.0, 0.5]}'.
 
-    As with ros2, a header that is 'auto' and a stamp that is 'now' hold the time of publication, and the type may be
-    given in short: sensor_msgs/Joy.
+    As with ros2, a header given as 'auto' and a stamp given as 'now' hold the time of publication, and the type may
+    be short: sensor_msgs/Joy.
     """
     from tutorial.ros.topics.populate import populated
     from tutorial.ros.topics.publishing import topic_pub

@@ -39,10 +39,10 @@ _log = logging.getLogger(__name__)
 def robot_description(body: Body) -> str:
     """Write the URDF of a body.
 
-    What URDF does not have is left out, such as tendons and ellipsoids. Joints that joint states do not speak of are
-    fixed as the model begins: those of a group that MuJoCo hides, ball joints, joints without a name. A joint with a
-    linear coupling to another joint mimics it, and other equalities are left out. A comment at the top says how many
-    there are of each; what makes the description move other than the robot is a warning in the log, too.
+    What URDF does not have is left out, such as tendons and ellipsoids. Joints that joint states do not contain are
+    fixed in the model's first position: those of a group that MuJoCo hides, ball joints, joints without a name. A joint
+    with a linear coupling to another joint mimics it, and other equalities are left out. A comment at the top counts
+    them. If the description moves differently from the robot, a warning is logged, too.
 
     Args:
         body: a displayed body: its model has nothing else in it.
@@ -101,9 +101,9 @@ class _Writer:
         self._add_inertia(self.links[number], number)
 
     def _mimics(self) -> dict[int, Coupling]:
-        """Return the linear couplings by MuJoCo's number of the follower, each to a joint that follows no other.
+        """Return the linear couplings by MuJoCo's id of the follower. Their leaders follow no other joint.
 
-        robot_state_publisher does not know where a joint is that mimics one that mimics another.
+        robot_state_publisher cannot place a joint that mimics a mimicking joint.
         """
         found: dict[int, Coupling] = {}
         couplings = couplings_of(self.model)
@@ -113,7 +113,7 @@ class _Writer:
         return {follower: each for follower, each in found.items() if self._joint_name(each.leader) in self.published}
 
     def _other_equalities(self) -> int:
-        """Count the active equalities that move joints of the description, and that it does not have."""
+        """Count the active equalities that move joints of the description but are missing from it."""
         between_joints = (each.follower for each in couplings_of(self.model) if each.follower not in self.mimics)
         kinds = (mujoco.mjtEq(self.model.eq_type[each]).name for each in active_equalities(self.model))
         moved = [joint for joint in between_joints if self._joint_name(joint) in self.published]

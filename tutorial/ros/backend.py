@@ -1,4 +1,4 @@
-"""Which ROS 2 is in use: a real one if this Python finds one or is asked for one, else the pocket ROS 2."""
+"""Which ROS 2 is in use: a real one if this Python finds it or the user asks for it, else the pocket ROS 2."""
 
 import os
 import re
@@ -21,9 +21,9 @@ VARIABLE = "TUTORIAL_ROS"
 def ros_backend() -> Backend:
     """Return which ROS 2 this process uses: ``"rclpy"``, a real one, or ``"pocket"``, that of this package.
 
-    It is decided once, and ``import rclpy`` and the messages work accordingly. A real ROS 2 that is sourced wins. Where
-    there is none, ``TUTORIAL_ROS=rclpy`` asks for the one in the folder that ``tank ros install`` fills, and without
-    the variable the pocket ROS 2 is used. ``TUTORIAL_ROS=pocket`` asks for the pocket ROS 2 in any case.
+    It is decided once, and ``import rclpy`` and the messages work accordingly. A sourced ROS 2 is used if there is one.
+    Otherwise ``TUTORIAL_ROS=rclpy`` selects the one in the folder that ``tank ros install`` fills, and without the
+    variable the pocket ROS 2 is used. ``TUTORIAL_ROS=pocket`` selects the pocket ROS 2 in any case.
 
     Raises:
         TutorialError: ``TUTORIAL_ROS`` has another value, or the ROS 2 that was asked for cannot be used.
@@ -50,7 +50,7 @@ def ros_backend() -> Backend:
         )
     if sourced is None:
         folder.activate()
-        sys.meta_path.append(_Refusal(folder.NO_TF2_MSGS, "tf2_msgs"))  # the last: only what nobody finds gets there
+        sys.meta_path.append(_Refusal(folder.NO_TF2_MSGS, "tf2_msgs"))  # last: called only if no finder finds it
     return "rclpy"
 
 
@@ -64,7 +64,7 @@ def use_real_ros() -> None:
         use_real_ros()
 
     Raises:
-        TutorialError: it comes too late, or there is no real ROS 2; the text says what to do.
+        TutorialError: the pocket ROS 2 is already in use, or no real ROS 2 can be used; the text says what to do.
     """
     before = os.environ.get(VARIABLE)
     os.environ[VARIABLE] = "rclpy"
@@ -79,7 +79,7 @@ def use_real_ros() -> None:
 
 
 def promise() -> None:
-    """Make ``import rclpy`` work, or have it say what is wrong.
+    """Make ``import rclpy`` work, or let it raise an error that says what is wrong.
 
     ``import tutorial`` itself does not fail: without rclpy, ``tank doctor`` can still find out why there is none.
     """
@@ -90,11 +90,11 @@ def promise() -> None:
 
 
 class _Refusal(MetaPathFinder):
-    """Raises an error where some packages would be found or missed.
+    """Raises an error when certain packages are imported.
 
     Args:
         reason: the error's text.
-        endings: with one of which the packages' names end.
+        endings: what the names of these packages end with.
     """
 
     def __init__(self, reason: str, *endings: str) -> None:
@@ -106,10 +106,10 @@ class _Refusal(MetaPathFinder):
 
 
 def _check_version(rclpy: Path) -> None:
-    """Refuse a real rclpy, given by its folder, that was compiled for another Python.
+    """Refuse an rclpy, given by its folder, that was compiled for another Python.
 
     Raises:
-        TutorialError: it was.
+        TutorialError: it was compiled for another Python.
     """
     if any((rclpy / f"_rclpy_pybind11{suffix}").exists() for suffix in EXTENSION_SUFFIXES):
         return

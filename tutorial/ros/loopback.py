@@ -12,7 +12,7 @@ TURN_ON = "sudo ifconfig lo0 up" if sys.platform == "darwin" else "sudo ip link 
 
 
 def loopback_is_up() -> bool:
-    """Return whether this machine can send packets to itself; a container without a network often cannot."""
+    """Return whether this machine can send packets to itself; some containers cannot."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(ADDRESS)  # over UDP, this sends nothing

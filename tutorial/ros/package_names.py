@@ -14,14 +14,14 @@ def check_package_name(name: str) -> None:
     """Check that a new package can have a name: it follows REP 144, and no Python module has it yet.
 
     Raises:
-        TutorialError: it cannot; the text suggests a name.
+        TutorialError: it cannot have this name; the text suggests one.
     """
     if not VALID.fullmatch(name):
         rule = "Use lowercase letters, digits and single _, a letter first, and two characters at least."
         raise TutorialError(f"{name!r} cannot be a package's name.{_nearest(name)} {rule}")
     if iskeyword(name) or find_spec(name) is not None:
-        mend = f"Take another name, such as {f'my_{name}'!r}."
-        raise TutorialError(f"Python has a module, or a keyword, {name!r} already: one would hide the other. {mend}")
+        advice = f"Choose another name, such as {f'my_{name}'!r}."
+        raise TutorialError(f"Python already has a module or keyword {name!r}: one would hide the other. {advice}")
 
 
 def _nearest(name: str) -> str:

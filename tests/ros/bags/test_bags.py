@@ -321,7 +321,7 @@ def test_what_is_no_message_is_left_out_and_said(tmp_path):
     assert [message.data for *_, message in bag.messages()] == ["number 0"]
     assert "a message on /said is empty" in bag.damage
     assert "a message on /said cannot be decoded" in bag.damage
-    assert "a message on /said is compressed by zstd" in bag.damage
+    assert "a message on /said is compressed with zstd" in bag.damage
 
 
 def test_messages_come_in_the_order_of_time(tmp_path, storage):
@@ -399,8 +399,8 @@ FOREIGN = [
     ("older.bag", b"#ROSRECORD V1.1\n", "it is a bag of ROS 1"),
     ("x.mcap.zstd", zstd.compress(b"x"), "zstd -d x.mcap.zstd -o x.mcap"),
     ("x.db3", zstd.compress(b"x"), "zstd -d x.db3 -o x"),
-    ("x.mcap.lz4", lz4.compress(b"x"), "it is compressed by lz4"),
-    ("x.mcap.gz", b"\x1f\x8b\x08", "it is compressed by gzip"),
+    ("x.mcap.lz4", lz4.compress(b"x"), "it is compressed with lz4"),
+    ("x.mcap.gz", b"\x1f\x8b\x08", "it is compressed with gzip"),
     ("x.zip", b"PK\x03\x04", "it is a zip archive"),
     ("x.tar", b"x.mcap".ljust(257, b"\0") + b"ustar", "it is a tar archive"),
     ("x.mcap", b"", "it is empty"),
@@ -463,7 +463,7 @@ OLD = ["id, name, type", "id, name, type, serialization_format", "type, id, name
 
 
 def old(path, columns, how=""):
-    """An SQLite file of an older ros2 bag."""
+    """Write an SQLite file as an older ros2 bag does."""
     values = {"id": "1", "name": "'/said'", "type": f"'{STRING}'", "serialization_format": "'cdr'"}
     words = ", ".join(values.get(name, "''") for name in columns.split(", "))
     with closing(sqlite3.connect(path)) as database:
@@ -484,7 +484,7 @@ def test_columns_that_old_bags_lack(tmp_path, columns):
 
 
 def test_a_read_only_folder(tmp_path):
-    """SQLite cannot make its -wal file there, no more than where a folder has this name."""
+    """SQLite cannot create its -wal file in a read-only folder. Here a folder of that name prevents it."""
     old(tmp_path / "x.db3", OLD[1], "PRAGMA journal_mode=WAL")
     (tmp_path / "x.db3-wal").mkdir()
     assert read(tmp_path / "x.db3") == ([("/said", START, payload(0))], "")

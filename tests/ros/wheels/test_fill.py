@@ -1,4 +1,4 @@
-"""Filling the folder: what goes wrong is one sentence, the next call works, and the environment stays as it is."""
+"""Filling the folder: one sentence explains a failure, the next call works, and the environment stays unchanged."""
 
 import hashlib
 import os
@@ -24,7 +24,7 @@ if not folder.is_supported():
 
 @pytest.fixture
 def place(tmp_path, monkeypatch):
-    """A folder of the test's own; the installation of a child process goes there, too."""
+    """The test's own folder, which a child process uses, too."""
     (tmp_path / "tutorial").mkdir()
     monkeypatch.setattr(folder, "PACKAGE", tmp_path / "tutorial")
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
@@ -89,12 +89,12 @@ def test_a_folder_that_cannot_be_written_is_named(place):
 
 
 def test_two_do_not_get_into_each_others_way(place):
-    with install.alone(place), pytest.raises(TutorialError, match="another tank ros is at work"):
+    with install.alone(place), pytest.raises(TutorialError, match="another tank ros is running"):
         install.install(lambda _: None)
 
 
 def fingerprint():
-    """What is in this Python's environment, and what a new interpreter of it knows."""
+    """The files of this Python's environment, and the state of a new interpreter."""
     state = hashlib.sha256()
     for path in sorted(Path(sysconfig.get_path("purelib")).rglob("*")):
         status = path.lstat()

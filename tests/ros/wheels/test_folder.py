@@ -1,4 +1,4 @@
-"""The folder of the real ROS 2: where it is, and when it may be used."""
+"""The folder of the real ROS 2: where it is, and when it can be used."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Messages, services and actions of one's own: what is built can be used, and what cannot be built is explained."""
+"""Interface packages: what is built can be used, and an error explains what cannot be built."""
 
 import json
 import os
@@ -39,7 +39,7 @@ def listings(language):
 
 @pytest.fixture(scope="module")
 def prefix():
-    """A copy of the folder with the real ROS 2: the learner's own is not built into."""
+    """A copy of the real ROS 2's folder, so that nothing is built into the learner's own."""
     problem = interfaces.missing_compiler() if folder.is_complete(folder.prefix()) else folder.how_to_get_it()
     if problem:
         (pytest.fail if os.environ.get("CI") == "true" and folder.is_supported() else pytest.skip)(problem)
@@ -56,7 +56,7 @@ def package(place, name):
 
 @pytest.fixture
 def mine(tmp_path, monkeypatch):
-    """A package that nobody maintains."""
+    """A package without a maintainer."""
     monkeypatch.setattr(contents, "_ask_git", lambda _: "")
     return package(tmp_path, "mine_msgs")
 
@@ -78,7 +78,7 @@ def test_the_page_shows_the_examples(mine):
     [
         ("std_msgs", "ROS 2 has a package 'std_msgs' already. Call yours 'my_std_msgs'"),
         ("tf2_msgs", "ROS 2 has a package 'tf2_msgs' already"),
-        ("numpy", "Python has a module, or a keyword, 'numpy' already"),
+        ("numpy", "Python already has a module or keyword 'numpy'"),
         ("MyMsgs", "Did you mean 'my_msgs'?"),
         ("", "cannot be a package's name"),
     ],
@@ -139,7 +139,7 @@ class TestBuilds:
             (
                 "srv/FindTarget.srv",
                 "string name",
-                "FindTarget.srv has 1 part(s), divided by ---, and a .srv file needs 2",
+                "FindTarget.srv has 1 part(s) separated by ---, but a .srv file needs 2",
             ),
             ("action/AimAt.action", "string name\n---", "AimAt.action has 2 part(s)"),
         ],
@@ -217,7 +217,7 @@ class TestBuilds:
             try:
                 client = subprocess.run([sys.executable, "client.py"], timeout=120, check=False, **options)
             finally:
-                running.kill()  # a single Ctrl-C may come while rclpy is not listening
+                running.kill()  # rclpy may miss a single Ctrl-C
                 said, _ = running.communicate()
         (shown,) = (text for text in listings("console") if "client.py" in text)
         assert client.stdout == shown.partition("\n")[2], said

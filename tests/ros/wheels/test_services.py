@@ -1,6 +1,6 @@
-"""Services and parameters between a program on the folder's ROS 2 and a real ``ros2``, as TANK_REAL_ROS2 runs it.
+"""Services and parameters between a program on the folder's ROS 2 and the ``ros2`` that TANK_REAL_ROS2 runs.
 
-Both talk through Fast DDS: services do not interoperate between one RMW and another, in ROS 2 itself.
+Both use Fast DDS: even in ROS 2 itself, services do not work between different RMWs.
 """
 
 import os
@@ -32,7 +32,7 @@ rclpy.spin(node)
 
 pytestmark = [pytest.mark.ros2, pytest.mark.timeout(300)]
 if not REAL:
-    pytest.skip("TANK_REAL_ROS2 is not set: it names a command that runs another with ROS 2", allow_module_level=True)
+    pytest.skip("TANK_REAL_ROS2 is not set: a command that runs another one with ROS 2", allow_module_level=True)
 if not folder.is_complete(folder.prefix()):
     pytest.skip(f"the folder of the real ROS 2 is not filled. {folder.how_to_get_it()}", allow_module_level=True)
 

@@ -79,13 +79,13 @@ def make_interfaces(name: str) -> dict[str, bytes]:
     """Make a package with a message, a service and an action as examples.
 
     Args:
-        name: the package's.
+        name: the package's name.
 
     Returns:
-        What each file holds, by its path within the package.
+        The content of each file, by its path within the package.
 
     Raises:
-        TutorialError: a package cannot be called so.
+        TutorialError: a package cannot have this name.
     """
     check_package_name(name)
     maintainer, email = find_maintainer()

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 __all__ = ["Bag", "BagTopic", "Player", "Recorder", "bag_info"]
 
 WITH_RCLPY = {"Player": "player", "Recorder": "recorder"}
-"""In which modules the classes are that need rclpy. To read a bag takes none."""
+"""The modules of the classes that need rclpy. Reading a bag does not need it."""
 
 
 def __getattr__(name: str) -> Any:
-    """Import a class that needs rclpy when it is used first."""
+    """Import a class that needs rclpy when it is first used."""
     if name not in WITH_RCLPY:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{WITH_RCLPY[name]}"), name)

@@ -113,7 +113,7 @@ class Bag:
         """Return what is known of a topic.
 
         Args:
-            topic: its name. A program that writes bags itself may have left out the slash, which makes no difference.
+            topic: its name. The leading slash is optional, and may be missing in the bag, too.
 
         Raises:
             TutorialError: there is no such topic.
@@ -162,7 +162,7 @@ class Bag:
                 if len(payload) < CDR_HEAD:
                     self._say(f"a message on {escape_name(name)} is empty")
                 elif payload.startswith(ZSTD_HEAD):
-                    self._say(f"a message on {escape_name(name)} is compressed by zstd, which is not read here")
+                    self._say(f"a message on {escape_name(name)} is compressed with zstd, which is not read here")
                 else:
                     yield name, time, payload
 

@@ -9,19 +9,19 @@ HEAD = 512  # bytes, enough for every kind
 SUFFIXES = {b"\x89MCAP0\r\n": ".mcap", b"SQLite format 3\0": ".db3"}
 """What each kind of bag file begins with, and how its name usually ends."""
 
-ROS_1 = "it is a bag of ROS 1. This makes a bag of ROS 2 from it: rosbags-convert --src {name} --dst {stem}"
+ROS_1 = "it is a bag of ROS 1. Convert it to ROS 2: rosbags-convert --src {name} --dst {stem}"
 FOREIGN = {
     b"version https://git-lfs.github.com/": (
-        "it is a Git LFS pointer, not the file itself. This downloads the file: git lfs pull"
+        "it is a Git LFS pointer, not the file itself. Download the file: git lfs pull"
     ),
     b"#ROSBAG V": ROS_1,
     b"#ROSRECORD V": ROS_1,
     b"rosbag2_bagfile_information:": "it is a bag's metadata. Give the folder that it is in",
-    b"\x28\xb5\x2f\xfd": "it is compressed by zstd. Unpack it first: zstd -d {name} -o {stem}",
-    b"\x1f\x8b": "it is compressed by gzip. Unpack it first",
-    b"\x04\x22\x4d\x18": "it is compressed by lz4. Unpack it first",
-    b"\xfd7zXZ\0": "it is compressed by xz. Unpack it first",
-    b"BZh": "it is compressed by bzip2. Unpack it first",
+    b"\x28\xb5\x2f\xfd": "it is compressed with zstd. Unpack it first: zstd -d {name} -o {stem}",
+    b"\x1f\x8b": "it is compressed with gzip. Unpack it first",
+    b"\x04\x22\x4d\x18": "it is compressed with lz4. Unpack it first",
+    b"\xfd7zXZ\0": "it is compressed with xz. Unpack it first",
+    b"BZh": "it is compressed with bzip2. Unpack it first",
     b"PK\x03\x04": "it is a zip archive. Unpack it first",
     b"7z\xbc\xaf\x27\x1c": "it is a 7z archive. Unpack it first",
 }
@@ -43,7 +43,7 @@ def suffix_of(path: Path) -> str:
 
 
 def foreign(path: Path) -> str:
-    """Explain what a file is that is not a bag's, and what to do; return ``""`` for a bag's file, damaged or not."""
+    """Explain what a file is if it is not a bag's, and what to do; return ``""`` for a bag's file, damaged or not."""
     try:
         head = _head(path)
     except OSError as error:

@@ -13,14 +13,14 @@ from tutorial.errors import printable
 from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, RawMessage
 
 COLUMNS = {"id": "id", "name": "name", "type": "type", "serialization_format": "'cdr'", "offered_qos_profiles": "''"}
-"""The columns that are read of each topic, and what replaces one that an older ros2 bag has not written."""
+"""The columns that are read for each topic, and what replaces one that an older ros2 bag did not write."""
 TABLES = Sqlite3Writer.SQLITE_SCHEMA.replace("'rosbags'", "'jazzy'")
 MESSAGES = "SELECT topic_id, timestamp, data FROM messages WHERE +timestamp >= ? ORDER BY id"  # not by the index
 UNFINISHED = {
     "-journal": "its last transaction is incomplete",
     "-wal": "its -wal file cannot be read here. Copy both files to a folder that you can write to",
 }
-"""The suffixes of what SQLite keeps beside a file, and what to report if SQLite cannot use it."""
+"""Suffixes of the files that SQLite keeps beside a database, and what to report if it cannot use them."""
 BATCH = 100  # messages, of which one may be that much out of order
 UNREADABLE = (sqlite3.Error, UnicodeDecodeError)  # raised of a spoilt file; the second is about SQLite's own words
 
@@ -92,7 +92,7 @@ class SqliteReader:
         try:
             try:
                 rows = self._topics()
-            except UNREADABLE:  # the folder is read-only, or a killed recording has left something beside the file
+            except UNREADABLE:  # the folder is read-only, or a killed recording left something beside the file
                 self._how = "immutable=1"
                 for suffix, missing in UNFINISHED.items():
                     if _has_content(Path(f"{path}{suffix}")):

@@ -85,7 +85,7 @@ def message_class(type_name: str) -> Any:
     """Return the class of a message type.
 
     Args:
-        type_name: such as ``"sensor_msgs/msg/Joy"``, or in short ``"sensor_msgs/Joy"``, as ROS 2 takes both.
+        type_name: such as ``"sensor_msgs/msg/Joy"``, or the short form ``"sensor_msgs/Joy"``; ROS 2 accepts both.
 
     Raises:
         TutorialError: there is none.

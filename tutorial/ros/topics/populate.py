@@ -43,7 +43,7 @@ def populated(type_name: str, text: str) -> Populated:
     publication.
 
     Args:
-        type_name: its type, such as ``"sensor_msgs/msg/Joy"``, or in short ``"sensor_msgs/Joy"``.
+        type_name: its type, such as ``"sensor_msgs/msg/Joy"``, or the short form ``"sensor_msgs/Joy"``.
         text: the fields' values as YAML: ``"{header: auto, axes: [0.0, 0.5]}"``.
 
     Raises:
@@ -70,7 +70,10 @@ def populated(type_name: str, text: str) -> Populated:
 
 
 def _filled(kind: Any, values: Any, stampers: list[Stamper]) -> Any:
-    """Make a message, which checks what is assigned, of a dictionary; append to ``stampers`` what sets its stamps."""
+    """Make a message from a dictionary, and append to ``stampers`` the functions that set its stamps.
+
+    The message checks what is assigned to it.
+    """
     if not isinstance(values, dict):
         raise _no_dictionary(values)
     message = kind(check_fields=True)
@@ -89,7 +92,7 @@ def _filled(kind: Any, values: Any, stampers: list[Stamper]) -> Any:
 
 
 def _converted(old: Any, field_type: str, value: Any, stampers: list[Stamper]) -> Any:
-    """Convert a value to the type of a field's old value; append to ``stampers`` what sets the stamps in it."""
+    """Convert a value to the type of a field's old value, and append to ``stampers`` what sets the stamps in it."""
     if found := re.fullmatch(r"(?:sequence<)?(\w+)/(\w+)(?:(?:, \d+)?>|\[\d+\])", field_type):  # of messages
         element = message_class(f"{found[1]}/msg/{found[2]}")
         return [_filled(element, item, stampers) for item in value]

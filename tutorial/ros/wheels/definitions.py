@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 PARTS = {".msg": 1, ".srv": 2, ".action": 3}
-"""Into how many parts ``---`` divides a definition."""
+"""The number of parts into which ``---`` divides a definition."""
 
 
 def main(package: str, prefix: str, *files: str) -> None:
@@ -27,12 +27,12 @@ def _find_mistake(package: str, prefix: Path, file: Path) -> str:
     lines = file.read_text(encoding="utf-8").splitlines()
     ends = [number for number, line in enumerate(lines) if line.strip() == "---"] + [len(lines)]
     if len(ends) != PARTS[file.suffix]:
-        return f"{place} has {len(ends)} part(s), divided by ---, and a {file.suffix} file needs {PARTS[file.suffix]}"
+        return f"{place} has {len(ends)} part(s) separated by ---, but a {file.suffix} file needs {PARTS[file.suffix]}"
     start = 0
     for end in ends:
         for last in range(start, end):
             try:
-                with redirect_stderr(StringIO()):  # where the parser repeats some of what it raises
+                with redirect_stderr(StringIO()):  # the parser also prints some of its errors
                     message = parse_message_string(package, file.stem, "\n".join(lines[start : last + 1]))
                 _check_types(message, package, prefix, file.parents[1])
             except Exception as error:  # noqa: BLE001 - the parser raises a dozen kinds, NameError among them

@@ -21,7 +21,7 @@ RMW = "rmw_fastrtps_cpp"
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 NO_TF2_MSGS = (
-    "the real ROS 2 of tank ros install has no tf2_msgs yet, because it is built with a C++ compiler. Install one "
+    "the real ROS 2 of tank ros install has no tf2_msgs yet, because building it needs a C++ compiler. Install one "
     "(Debian and Ubuntu: sudo apt install g++ python3-dev), then type tank ros install again."
 )
 
@@ -38,12 +38,12 @@ def prefix() -> Path:
 
 
 def site_packages(folder: Path) -> Path:
-    """Return the part of a folder that goes on Python's path."""
+    """Return the part of a folder that belongs on Python's path."""
     return folder / f"lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
 
 
 def is_complete(folder: Path) -> bool:
-    """Return whether all wheels of today's list are in a folder: the list itself is put there last."""
+    """Return whether all wheels of the current list are in a folder: the list itself is put there last."""
     copy = folder / WHEELS.name
     return copy.is_file() and copy.read_bytes() == WHEELS.read_bytes()
 
@@ -57,7 +57,7 @@ def check() -> None:
     folder = prefix()
     if not is_complete(folder):
         state = "out of date" if folder.exists() else "not installed"
-        raise TutorialError(f"the real ROS 2 that belongs into {folder} is {state}. {how_to_get_it()}")
+        raise TutorialError(f"the real ROS 2 in {folder} is {state}. {how_to_get_it()}")
     rmw = os.environ.get("RMW_IMPLEMENTATION") or RMW
     if rmw != RMW:
         raise TutorialError(
@@ -67,10 +67,10 @@ def check() -> None:
 
 
 def activate() -> None:
-    """Let ``import rclpy`` find the folder's in this process, and keep its nodes on this machine.
+    """Let ``import rclpy`` find the folder's rclpy in this process, and keep its nodes on this machine.
 
-    A real ROS 2 looks for nodes in the whole network unless it is told not to, and a learner must not drive a
-    neighbour's tank. What this process starts inherits that.
+    By default a real ROS 2 discovers nodes in the whole local network, and a learner must not drive a neighbour's tank.
+    Child processes inherit the setting.
     """
     sys.path.append(str(site_packages(prefix())))
     os.environ[RANGE] = discovery_range()
@@ -92,7 +92,7 @@ def is_supported() -> bool:
 
 
 def how_to_get_it() -> str:
-    """Say in a sentence how this machine gets a real ROS 2."""
+    """Return a sentence on how to get a real ROS 2 on this machine."""
     if is_supported():
         return "Type tank ros install."
     ways = "pixi run lab installs one from RoboStack"

