@@ -38,7 +38,7 @@ def joint_of(*actuators, **option):
         [SERVO.replace("/>", ' group="2"/>'), '<motor joint="R/J" gear="3"/>'],
     ],
 )
-def test_an_effort_is_in_newton_metres(actuators):
+def test_effort(actuators):
     body = body_of(*actuators, option='actuatorgroupdisable="2"')
     body.joint("J").effort = 0.5
     mujoco.mj_step(body.model, body.data)
@@ -63,7 +63,7 @@ def test_an_effort_is_in_newton_metres(actuators):
         (f'<motor joint="R/J"/>{SERVO}', "a position servo."),
     ],
 )
-def test_what_is_no_motor_takes_no_effort(actuator, kind):
+def test_effort_without_motor(actuator, kind):
     joint = joint_of(actuator)
     with pytest.raises(TutorialError) as info:
         joint.effort = 0.5
@@ -72,7 +72,7 @@ def test_what_is_no_motor_takes_no_effort(actuator, kind):
 
 
 @pytest.mark.parametrize("actuator", ["", '<motor tendon="T"/>', '<motor site="S"/>', '<adhesion body="R/B"/>'])
-def test_a_joint_without_an_actuator(actuator):
+def test_joint_without_actuator(actuator):
     joint = joint_of(actuator.replace("adhesion", 'adhesion ctrlrange="0 1"'))
     with pytest.raises(TutorialError, match="the joint 'J' has no motor of its own"):
         joint.effort = 0.5
@@ -90,7 +90,7 @@ def test_a_joint_without_an_actuator(actuator):
         f'<pid tendon="T" kp="0"/><motor joint="R/J"/>{SERVO}',
     ],
 )
-def test_a_servo_holds_its_target(actuator):
+def test_target(actuator):
     body = body_of(actuator)
     joint = body.joint("J")
     joint.target = 0.3
@@ -108,7 +108,7 @@ def test_a_servo_holds_its_target(actuator):
         (2 * '<position joint="R/J"/>', "2 position servos. For each one, set the control signal, body.actuator(name)"),
     ],
 )
-def test_what_is_no_servo_takes_no_target(actuator, said):
+def test_target_without_servo(actuator, said):
     joint = joint_of(actuator)
     with pytest.raises(TutorialError) as info:
         joint.target = 0.5
@@ -117,7 +117,7 @@ def test_what_is_no_servo_takes_no_target(actuator, said):
         _ = joint.target
 
 
-def test_an_actuator_after_one_with_two_controls():
+def test_actuator_with_two_controls():
     body = body_of('<pid name="R/a" joint="R/J"/>', '<motor name="R/b" tendon="T"/>')
     body.actuator("b").ctrl = 0.25
     assert body.data.ctrl.tolist() == [0.0, 0.0, 0.25]

@@ -128,7 +128,7 @@ GRIPPER = """
 """
 
 
-def test_a_coupled_joint_follows_until_it_is_named(tmp_path):
+def test_coupled_joint(tmp_path):
     path = tmp_path / "gripper.xml"
     path.write_text(GRIPPER)
     gripper = Body.displayed(Placement("Gripper", path))

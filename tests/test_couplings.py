@@ -77,7 +77,7 @@ def test_before_any_message():
     assert robot.followers.names == frozenset()
 
 
-def test_a_named_joint_follows_no_more():
+def test_named_joint():
     robot = Robot(model_of(B_FOLLOWS_A, C_FOLLOWS_B)).set(a=0.1)
     assert robot.followers.names == {"b", "c"}
     assert robot.set(b=5.0)["b"] == 5.0
@@ -94,18 +94,18 @@ def test_a_named_joint_follows_no_more():
     ],
     ids=["inactive", "disabled", "no inverse"],
 )
-def test_what_does_not_hold(equality, option):
+def test_no_follower(equality, option):
     robot = Robot(model_of(equality, option=option)).set(a=0.7)
     assert (robot["b"], robot.followers.names) == (0.0, frozenset())
 
 
-def test_two_equalities_of_one_joint():
+def test_first_equality_wins():
     robot = Robot(model_of(B_FOLLOWS_A, '<joint joint1="R/b" joint2="R/c"/>')).set(a=0.1)
     assert robot["b"] == pytest.approx(0.3)
     assert robot["c"] == pytest.approx(0.3 - 0.2)
 
 
-def test_kinds_that_are_not_computed():
+def test_not_computed():
     assert not_computed(model_of(B_FOLLOWS_A)) == []
     connect = '<connect name="k" body1="P" body2="Q" anchor="0 0 0"/><weld body1="P" active="false"/>'
     linked = mujoco.MjModel.from_xml_string(

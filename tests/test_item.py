@@ -103,7 +103,7 @@ def test_what_is_wrong_with_messages_is_one_throttled_line(joints, clock, caplog
     assert caplog.messages == [said, said]
 
 
-def test_a_message_that_is_dropped_for_one_joint_names_both_publishers(joints, nodes, clock, caplog):
+def test_one_shared_joint(joints, nodes, clock, caplog):
     matcher = JointMatcher(RANGES, lambda: 2)
     nodes += [SimpleNamespace(node_namespace="/", node_name=name) for name in ("arm", "all")]
     joints.meters = [TopicMeter(JointState, "/Tank/joint_state", "received")]
@@ -157,7 +157,7 @@ LINKED = """
         ),
     ],
 )
-def test_joints_that_follow_are_not_stale(tmp_path, clock, caplog, nodes, equality, said):
+def test_followers_are_not_stale(tmp_path, clock, caplog, nodes, equality, said):
     path = tmp_path / "hand.xml"
     path.write_text(LINKED.replace("EQUALITY", equality))
     hand = Item(Placement("Hand", path), SimpleNamespace(get_publishers_info_by_topic=lambda _: nodes), None)

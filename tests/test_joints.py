@@ -128,7 +128,7 @@ def test_by_its_stamp_a_late_message_is_told_from_a_publisher_that_was_started_a
     assert str(report) == said
 
 
-def test_a_message_is_late_for_joints_that_a_newer_one_has_moved():
+def test_late_for_one_joint():
     matcher = JointMatcher(TANK)
     matcher.match(joint_state(TANK, [0.1, 0.1], 20_000_000))
     matcher.match(joint_state(["TURRET_P"], [0.2], 60_000_000))
@@ -147,7 +147,7 @@ class TestOtherJoints:
     @pytest.mark.parametrize("publishers", [1, 2])
     @pytest.mark.parametrize("joints", [TANK, FREE])
     @pytest.mark.parametrize("age_ms", [0, 20, 900, None], ids=["now", "old", "older", "unstamped"])
-    def test_all_are_shown_and_nothing_is_reported(self, publishers, joints, age_ms):
+    def test_all_are_shown(self, publishers, joints, age_ms):
         matcher = JointMatcher(joints, lambda: publishers)
         for i in range(50):
             arm, gripper, now_ms = 3.0 * (-1) ** i, 0.7 * (i % 2), 1000 + 20 * i
@@ -157,13 +157,13 @@ class TestOtherJoints:
             found = matcher.match(joint_state(["TURRET_P"], [gripper], stamp_ms * 1_000_000))
             assert found == ({"TURRET_P": gripper}, JointReport(("TURRET_P",)))
 
-    def test_each_has_a_clock_of_its_own(self):
+    def test_own_clocks(self):
         matcher, found = JointMatcher("ab", lambda: 2), []
         for joint, stamp_ms in (("a", 9000), ("b", 500), ("a", 8990), ("b", 520), ("a", 20), ("b", 540)):
             found.append(matcher.match(joint_state(joint, [0.1], stamp_ms * 1_000_000))[1].arrival.name)
         assert found == ["NEXT", "NEXT", "LATE", "NEXT", "RESTARTED", "NEXT"]
 
-    def test_of_a_shared_joint_one_publisher_is_followed(self):
+    def test_one_shared_joint(self):
         matcher = JointMatcher("abc", lambda: 2)
         for i in range(50):
             first = matcher.match(joint_state("ab", [0.1, 1.0], 20_000_000 * i))
@@ -171,14 +171,14 @@ class TestOtherJoints:
             assert (first[0], second[0]) == ({"a": 0.1, "b": 1.0}, {"c": 0.3})
         assert str(second[1]) == "1 joint shown; a message of another publisher was dropped for 'b'"
 
-    def test_once_one_has_gone_others_may_share(self):
+    def test_sharing_after_one_has_left(self):
         publishers = [3]
         matcher, found = JointMatcher("abc", lambda: publishers[0]), []
         for joint, position, publishers[0] in (("a", 1, 3), ("b", 1, 3), ("c", 1, 3), ("b", 3, 3), ("b", 1, 2)):
             found.append(matcher.match(joint_state([joint], [position]))[1].arrival.name)
         assert found == ["NEXT"] * 4 + ["ANOTHER"]
 
-    def test_one_publisher_may_send_them_in_two_messages(self):
+    def test_two_messages_of_one_publisher(self):
         publishers = [1]
         matcher = JointMatcher("ab", lambda: publishers[0])
         for publishers[0], names in ((1, "a"), (1, "b"), (2, "a")):
@@ -260,7 +260,7 @@ class TestTwoPublishers:
 
     @pytest.mark.parametrize("joints", [TANK, FREE], ids=["limits", "no limits"])
     @pytest.mark.parametrize("lag_ms", [0, 3, None], ids=["one stamp", "own stamps", "unstamped"])
-    def test_positions_tell_them_apart(self, joints, lag_ms):
+    def test_told_apart_by_position(self, joints, lag_ms):
         matcher = JointMatcher(joints, lambda: 2)
         for i in range(100):
             stamp_ns = 0 if lag_ms is None else 20_000_000 * i
@@ -270,14 +270,14 @@ class TestTwoPublishers:
             assert second == ({}, JointReport(arrival=Arrival.ANOTHER))
 
     @pytest.mark.parametrize("other", [lambda i: 0.0, lambda i: -0.4 * i], ids=["at rest", "as fast"])
-    def test_a_fast_wheel_is_followed(self, other):
+    def test_fast_wheel(self, other):
         matcher = JointMatcher(["WHEEL"], lambda: 2)
         for i in range(100):
             stamp_ns, position = 20_000_000 * i, 2.0 + 0.5 * i
             assert matcher.match(joint_state(["WHEEL"], [position], stamp_ns))[0] == {"WHEEL": position}
             assert matcher.match(joint_state(["WHEEL"], [other(i)], stamp_ns))[1].arrival is Arrival.ANOTHER
 
-    def test_a_fast_wheel_is_shown_beside_a_silent_publisher(self):
+    def test_fast_wheel_and_silence(self):
         matcher = JointMatcher(["WHEEL"], lambda: 2)
         found = [matcher.match(joint_state(["WHEEL"], [0.5 * i], 20_000_000 * i))[1].arrival for i in range(100)]
         assert found.count(Arrival.ANOTHER) == 1

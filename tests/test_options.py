@@ -44,7 +44,7 @@ def option(**values):
 
 
 @pytest.mark.parametrize("name", [each for each in OPTIONS if not each.startswith(("disable", "enable"))])
-def test_a_model_alone_has_its_own(world, name, caplog):
+def test_single_model(world, name, caplog):
     text = option(**{name: VALUES[name]})
     own = mujoco.MjSpec.from_string(f"<mujoco>{text}</mujoco>").compile().opt
     default = world("").opt
@@ -55,7 +55,7 @@ def test_a_model_alone_has_its_own(world, name, caplog):
     assert caplog.records == []
 
 
-def test_flags_and_groups_of_a_model_alone(world):
+def test_flags_and_groups(world):
     model = world('<option actuatorgroupdisable="1 3"><flag contact="disable" energy="enable"/></option>')
     opt = model.opt
     assert opt.disableflags == mujoco.mjtDisableBit.mjDSBL_CONTACT
@@ -63,18 +63,18 @@ def test_flags_and_groups_of_a_model_alone(world):
     assert opt.disableactuator == 0b1010
 
 
-def test_what_is_not_said_is_the_courses(world):
+def test_defaults(world):
     opt = world("", "").opt
     assert (opt.timestep, opt.gravity.tolist()) == (0.001, [0, 0, -9.80665])
     assert opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     assert world(option(timestep="0.004"), time_step=0.002).opt.timestep == 0.002
 
 
-def test_a_default_that_is_said_counts(world):
+def test_explicit_default(world):
     assert world(option(integrator="Euler")).opt.integrator == mujoco.mjtIntegrator.mjINT_EULER
 
 
-def test_models_that_agree(world, caplog):
+def test_agreeing_models(world, caplog):
     same = option(cone="elliptic", gravity="0 0 -1.62")
     opt = world(same, same, "").opt
     assert (opt.cone, opt.gravity[2]) == (mujoco.mjtCone.mjCONE_ELLIPTIC, -1.62)
@@ -102,18 +102,18 @@ def test_models_that_agree(world, caplog):
         ),
     ],
 )
-def test_models_that_do_not_agree(world, caplog, contents, said):
+def test_disagreeing_models(world, caplog, contents, said):
     opt, own = world(*contents).opt, world("").opt
     assert [getattr(opt, name) == pytest.approx(getattr(own, name)) for name in OPTIONS] == [True] * len(OPTIONS)
     assert caplog.messages == [f"{SAID}{said}. Set them alike in all models, or in none."]
 
 
 @pytest.mark.parametrize("content", ["", option(integrator="discrete"), option(integrator="Euler")])
-def test_a_soft_body_loads(world, content):
+def test_soft_body(world, content):
     assert world(content, body=JELLY).nflex == 1
 
 
-def test_a_world_that_does_not_compile_names_what_is_not_used(world):
+def test_compile_error(world):
     said = r"does not compile[^$]*\n.*cone is pyramidal \(elliptic in a.xml, pyramidal in b.xml\)"
     with pytest.raises(TutorialError, match=said):
         world(option(cone="elliptic"), option(cone="pyramidal"), body="<worldbody><body><joint/></body></worldbody>")
@@ -125,7 +125,7 @@ def test_sizes_are_the_largest(world, caplog, recwarn):
     assert (caplog.messages, list(recwarn)) == ([], [])
 
 
-def test_a_file_that_attaches_another_one(world, tmp_path, caplog, recwarn, monkeypatch):
+def test_attached_file(world, tmp_path, caplog, recwarn, monkeypatch):
     monkeypatch.setattr("tutorial.world.mujoco_warns._due", 0.0)
     (tmp_path / "arm.xml").write_text(f'<mujoco model="arm">{option(cone="elliptic")}{BODY}</mujoco>')
     attach = '<asset><model name="arm" file="arm.xml"/></asset><worldbody><attach model="arm" prefix="P_"/></worldbody>'

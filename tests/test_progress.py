@@ -102,7 +102,7 @@ def test_the_overview_has_every_exercise_once_under_its_notebook(folder):
     assert (page.count("<tr>"), page.count("✓")) == (len(names), 1)
 
 
-def test_an_overview_of_nothing(folder):
+def test_empty_overview(folder):
     overview = Overview(exercise_names(step=0))
     assert repr(overview) == "0 of 0 exercises are solved."
     assert "0 of 0 exercises are solved." in overview._repr_html_()

@@ -57,7 +57,7 @@ def robot_of(mesh, kind="visual", more=""):
 
 
 @pytest.mark.parametrize("name", ["arm.urdf", "arm.xml"])
-def test_each_link_and_each_visual_is_kept(write, capfd, name):
+def test_links_and_visuals(write, capfd, name):
     model = compose([Placement("Arm", write(ARM, name))])
     assert [model.body(i).name for i in range(1, model.nbody)] == ["Arm/base", "Arm/arm", "Arm/tool", "Arm/finger"]
     drawn = [geom for geom in range(model.ngeom) if is_drawn(model, geom)]
@@ -69,7 +69,7 @@ def test_each_link_and_each_visual_is_kept(write, capfd, name):
     assert capfd.readouterr() == ("", "")
 
 
-def test_what_touches_is_drawn_if_there_is_nothing_else(write):
+def test_collision_shapes_only(write):
     model = compose(
         [Placement("Arm", write(f'<robot name="r"><link name="a"><collision>{BALL}</collision></link></robot>'))]
     )
@@ -99,7 +99,7 @@ def test_meshes_are_found(write, tmp_path, monkeypatch, mesh, at):
 
 
 @pytest.mark.parametrize("kind", ["visual", "collision"])
-def test_a_folder_of_meshes_for_mujoco(write, tmp_path, kind):
+def test_meshdir(write, tmp_path, kind):
     settings = '<mujoco><compiler meshdir="../assets" discardvisual="true" fusestatic="true"/></mujoco>'
     path = write(robot_of("package://gone/visual/m.obj", kind, settings))
     (tmp_path / "arm_description" / "assets").mkdir()
@@ -108,7 +108,7 @@ def test_a_folder_of_meshes_for_mujoco(write, tmp_path, kind):
     assert (model.nmesh, is_drawn(model, 0)) == (1, True)
 
 
-def test_a_visual_may_be_flat(write, tmp_path):
+def test_flat_visual(write, tmp_path):
     (tmp_path / "flat.obj").write_text(FLAT)
     assert compose([Placement("R", write(robot_of("../../flat.obj")))]).nmesh == 1
 
@@ -143,13 +143,13 @@ def test_a_visual_may_be_flat(write, tmp_path):
         ('<robot name="r"><joint name="j"/></robot>', "r.urdf", "does not load. MuJoCo says: "),
     ],
 )
-def test_what_cannot_be_read(write, text, name, said):
+def test_unreadable(write, text, name, said):
     path = write(text, name)
     with pytest.raises(TutorialError, match=f"^{re.escape(f'the model {str(path)!r} ')}.*{re.escape(said)}"):
         compose([Placement("R", path)])
 
 
 @pytest.mark.parametrize("text", ["<mujoco/>", "<!-- <xacro:x/> --><mujoco/>", "no XML", ""])
-def test_what_is_no_urdf_is_mujocos(write, text):
+def test_other_files(write, text):
     assert read_urdf(write(text)) is None
     assert read_urdf(write("").parent / "missing.urdf") is None

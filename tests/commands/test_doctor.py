@@ -55,7 +55,7 @@ def test_what_there_is_is_found(monkeypatch, probe, kind, answer, environment, l
     assert bool(found.mend) == (level != "ok")
 
 
-def test_a_loopback_that_is_down_is_named(monkeypatch):
+def test_loopback_down(monkeypatch):
     monkeypatch.setattr(doctor, "loopback_is_up", lambda: False)
     found = doctor.discovery()
     assert (found.level, found.mend) == ("problem", doctor.TURN_ON)

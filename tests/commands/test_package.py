@@ -52,7 +52,7 @@ def test_a_package_of_the_example(here):
     assert set(said.splitlines()) >= {"my_listener/package.xml", "    ros2 run my_listener listener"}
 
 
-def test_a_package_of_interfaces(here):
+def test_interface_package(here):
     said = make("my_msgs", "--interfaces")
     folder = here / "my_msgs"
     assert files(folder) == {
@@ -63,7 +63,7 @@ def test_a_package_of_interfaces(here):
     assert set(said.splitlines()) >= {"my_msgs/msg/Target.msg", "    tank ros build my_msgs"}
 
 
-def test_interfaces_and_a_controller_are_two_packages(here):
+def test_interfaces_or_controller(here):
     assert "not both" in make("my_msgs", "--interfaces", "--controller", "mine.py")
     assert not (here / "my_msgs").exists()
 

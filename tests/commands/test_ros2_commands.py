@@ -181,7 +181,7 @@ def test_help_comes_without_rclpy():
 
 @pytest.mark.process
 @pytest.mark.parametrize("words", [["progress"], ["bag", "info", "x"]])
-def test_no_rclpy_is_needed(words, tmp_path):
+def test_works_without_rclpy(words, tmp_path):
     BagWriter(tmp_path / "x").close()
     code = f"import sys; sys.modules['rclpy'] = None; from tutorial.commands.tank import main; main({words})"
     subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
@@ -247,7 +247,7 @@ def test_stamps(type_name, text, seconds):
     assert stamps(filled.message) == [8 if second == 7 else second for second in seconds]
 
 
-def test_each_publication_is_stamped(tank):
+def test_pub_stamps_each_message(tank):
     run = tank("topic pub -r 50 /mine sensor_msgs/Joy", "{header: auto}", once="publishing #3: ")
     times = [int(sec) * 10**9 + int(nsec) for sec, nsec in re.findall(r"sec=(\d+), nanosec=(\d+)", run.stdout)]
     assert times == sorted(set(times))

@@ -99,7 +99,7 @@ def test_a_robots_description_is_what_the_controller_publishes(tank, given):
     assert tank("urdf", given).stdout == robot_description(Body.displayed(Placement("Crane", find_model("crane"))))
 
 
-def test_a_urdf_is_shown_and_described_alike(tank, tmp_path, monkeypatch):
+def test_run_and_urdf_take_a_urdf(tank, tmp_path, monkeypatch):
     (tmp_path / "arm.urdf").write_text(
         '<robot name="a"><link name="HAND"><visual>BOX</visual></link></robot>'.replace(
             "BOX", '<geometry><box size="1 1 1"/></geometry>'

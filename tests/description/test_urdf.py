@@ -249,7 +249,7 @@ COUPLED = """
 """
 
 
-def test_a_coupled_joint_mimics_the_one_that_moves_it(described, caplog):
+def test_mimic(described, caplog):
     body, robot = described(COUPLED.replace("EQUALITY", ""))
     mimics = {name: joint.find("mimic") for name, joint in robot.joints.items() if joint.find("mimic") is not None}
     assert {name: mimic.get("joint") for name, mimic in mimics.items()} == {"B": "A", "C": "A"}
@@ -270,7 +270,7 @@ def test_a_coupled_joint_mimics_the_one_that_moves_it(described, caplog):
 
 
 @pytest.mark.parametrize("equality", ['<joint joint1="D" joint2="A" polycoef="0 0 1 0 0"/>', '<weld body1="D"/>'])
-def test_a_coupling_that_urdf_does_not_have_is_a_warning(described, caplog, equality):
+def test_coupling_without_mimic(described, caplog, equality):
     described(COUPLED.replace("EQUALITY", equality))
     said = "the robot description of Robot does not move as the robot does: equalities that move joints (1)"
     assert caplog.messages == [said]

@@ -86,7 +86,7 @@ def test_bootstraps_uv(find_python, tmp_path):
     assert not list(tmp_path.glob("tmp*"))
 
 
-def test_takes_a_given_one(find_python):
+def test_given_python(find_python):
     assert find_python({"my python": python()}, "my python").stdout == "my python\n"
 
 

@@ -32,12 +32,12 @@ def rclpy(tmp_path):
     return package
 
 
-def test_another_pythons_rclpy_is_refused(rclpy):
+def test_rclpy_for_another_python(rclpy):
     with pytest.raises(TutorialError, match=rf"is for Python 3\.10, and this is Python {OURS}\. .*TUTORIAL_ROS=pocket"):
         _check_version(rclpy)
 
 
-def test_this_pythons_rclpy_is_accepted(rclpy):
+def test_rclpy_for_this_python(rclpy):
     (rclpy / f"_rclpy_pybind11{EXTENSION_SUFFIXES[0]}").touch()
     _check_version(rclpy)
 
@@ -62,7 +62,7 @@ def run(code, **variables):
         "from tutorial.__main__ import main; main(['joy', '--duration', '1'])",
     ],
 )
-def test_every_way_in_says_it_in_one_sentence(rclpy, code):
+def test_every_entry_point_says_so(rclpy, code):
     said = run(code, PYTHONPATH=str(rclpy.parent))
     assert "is for Python 3.10" in said
     assert "step2.yaml" not in said
@@ -95,7 +95,7 @@ def test_use_real_ros(tmp_path, code, said):
 
 @pytest.mark.process
 @pytest.mark.pocket
-def test_after_a_refusal_the_pocket_ros_2_goes_on(tmp_path):
+def test_pocket_after_a_refusal(tmp_path):
     refused = (
         "try: use_real_ros()\nexcept Exception: import rclpy; print(os.environ.get('TUTORIAL_ROS'), rclpy.__file__)"
     )

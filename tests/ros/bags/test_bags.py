@@ -411,26 +411,26 @@ FOREIGN = [
 
 
 @pytest.mark.parametrize(("name", "data", "said"), FOREIGN, ids=[f"{name} {said}" for name, _, said in FOREIGN])
-def test_a_foreign_file_is_named(tmp_path, name, data, said):
+def test_foreign_file(tmp_path, name, data, said):
     (tmp_path / name).write_bytes(data)
     assert said in read(tmp_path / name)[1]
 
 
-def test_a_folder_of_pointers_is_named(tmp_path):
+def test_folder_of_lfs_pointers(tmp_path):
     write(tmp_path / "bag")
     (tmp_path / "bag" / "bag_0.mcap").write_bytes(LFS)
     assert "can be read: bag_0.mcap: it is a Git LFS pointer" in read(tmp_path / "bag")[1]
 
 
 @pytest.mark.parametrize("name", ["x", "x.db3", "x.mcap"])
-def test_the_content_decides(tmp_path, storage, name):
+def test_kind_by_content(tmp_path, storage, name):
     written = write(tmp_path / "bag", storage)
     path = (tmp_path / "bag" / f"bag_0{SUFFIXES[storage]}").rename(tmp_path / name)
     assert (Bag(path).storage, read(path)) == (storage, (written, ""))
 
 
 @pytest.mark.parametrize("profile", ["", "x", "ros2"])
-def test_the_profile_does_not_matter(tmp_path, profile):
+def test_mcap_profiles(tmp_path, profile):
     with (tmp_path / "x.mcap").open("wb") as file:
         writer = Writer(file)
         writer.start(profile)
@@ -441,19 +441,19 @@ def test_the_profile_does_not_matter(tmp_path, profile):
     assert ([message.data for *_, message in bag.messages()], bag.damage) == (["number 0"], "")
 
 
-def test_other_encodings_are_refused(tmp_path):
+def test_refuses_other_encodings(tmp_path):
     bag = make(tmp_path / "bag", b"{'data': 1}", channels=[Channel("/said", STRING, encoding="json")])
     with pytest.raises(TutorialError, match="the messages on /said are 'json', and not 'cdr'"):
         list(bag.messages())
 
 
-def test_a_short_type_name(tmp_path):
+def test_short_type_name(tmp_path):
     bag = make(tmp_path / "bag", payload(0), channels=[Channel("/said", "std_msgs/String")])
     assert bag.topics == [BagTopic("/said", "std_msgs/String", 1)]
     assert [message.data for *_, message in bag.messages()] == ["number 0"]
 
 
-def test_the_slash_does_not_matter(tmp_path):
+def test_optional_slash(tmp_path):
     bag = make(tmp_path / "bag", payload(0), channels=[Channel("said", STRING), Channel("/x", STRING)])
     assert [[name for name, *_ in bag.messages([topic])] for topic in ("said", "/said")] == [["said"], ["said"]]
     assert bag.channel("x").topic == "/x"
@@ -476,14 +476,14 @@ def old(path, columns, how=""):
 
 
 @pytest.mark.parametrize("columns", OLD)
-def test_columns_that_old_bags_lack(tmp_path, columns):
+def test_old_columns(tmp_path, columns):
     old(tmp_path / "x.db3", columns)
     bag = Bag(tmp_path / "x.db3")
     assert ([message.data for *_, message in bag.messages()], bag.damage) == (["number 0"], "")
     assert (bag.channel("/said").encoding, bag.channel("/said").qos) == ("cdr", "")
 
 
-def test_a_read_only_folder(tmp_path):
+def test_read_only_folder(tmp_path):
     """SQLite cannot create its -wal file in a read-only folder. Here a folder of that name prevents it."""
     old(tmp_path / "x.db3", OLD[1], "PRAGMA journal_mode=WAL")
     (tmp_path / "x.db3-wal").mkdir()

@@ -63,7 +63,7 @@ def test_a_peer_that_is_not_found_is_named(peer, domain, monkeypatch):
     assert "separated by semicolons" in str(raised.value)
 
 
-def test_a_loopback_that_is_down_is_named(domain, monkeypatch):
+def test_loopback_down(domain, monkeypatch):
     def connect(self, address):
         raise OSError(errno.ENETUNREACH, "Network is unreachable")
 

@@ -53,14 +53,14 @@ def fill(place):
     install.fill(place / "new", folder.WHEELS, place, lambda _: None)
 
 
-def test_a_wheel_with_another_hash_is_refused(place, wheels):
+def test_wrong_hash(place, wheels):
     wheels.write_text(f"{ONE} --hash=sha256:{'0' * 64}\n")
     with pytest.raises(TutorialError, match="its hash differs"):
         fill(place)
     assert not place.exists()
 
 
-def test_without_a_network_it_says_so_and_the_next_call_works(place, wheels, closed, monkeypatch):
+def test_no_network(place, wheels, closed, monkeypatch):
     with pytest.raises(TutorialError, match=r"could not be downloaded \(.*\)\. Check the connection\. Try again"):
         fill(place)
     monkeypatch.undo()
@@ -68,27 +68,27 @@ def test_without_a_network_it_says_so_and_the_next_call_works(place, wheels, clo
     assert (folder.site_packages(place / "new") / "std_srvs").is_dir()
 
 
-def test_a_full_disk_is_named_and_nothing_is_left(place, monkeypatch):
+def test_full_disk(place, monkeypatch):
     monkeypatch.setattr(install, "run", lambda *_: (1, "error: x.so: No space left on device (os error 28)\n"))
     with pytest.raises(TutorialError, match="is full: 450 MB are needed"):
         fill(place)
     assert not place.exists()
 
 
-def test_a_disk_without_room_is_named_before(place, monkeypatch):
+def test_nearly_full_disk(place, monkeypatch):
     monkeypatch.setattr(install, "NEEDED", 1e18)
     with pytest.raises(TutorialError, match="is nearly full"):
         install.install(lambda _: None)
 
 
-def test_a_folder_that_cannot_be_written_is_named(place):
+def test_read_only_folder(place):
     place.parent.parent.mkdir()
     place.parent.write_text("a file in its way")
     with pytest.raises(TutorialError, match="must be writable"):
         install.install(lambda _: None)
 
 
-def test_two_do_not_get_into_each_others_way(place):
+def test_two_at_once(place):
     with install.alone(place), pytest.raises(TutorialError, match="another tank ros is running"):
         install.install(lambda _: None)
 
@@ -104,7 +104,7 @@ def fingerprint():
     return state.hexdigest(), subprocess.run([sys.executable, "-c", code], check=True, capture_output=True).stdout
 
 
-def test_ctrl_c_leaves_nothing_half_and_the_environment_stays_as_it_is(place):
+def test_ctrl_c(place):
     before = fingerprint()
     code = (
         "import sys; from pathlib import Path; from tutorial.ros.wheels import folder; "
@@ -135,7 +135,7 @@ print(*sorted({line.split()[-1] for line in open("/proc/self/maps") if ".so" in 
 """
 
 
-def test_no_library_of_another_ros_gets_in(tmp_path, monkeypatch, domain):
+def test_no_foreign_libraries(tmp_path, monkeypatch, domain):
     if not folder.is_complete(folder.prefix()):
         pytest.skip("the folder is not filled: make ros")
     for library in (folder.prefix() / "lib").glob("librcl*.so"):

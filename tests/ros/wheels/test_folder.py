@@ -16,18 +16,18 @@ def place(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_in_a_checkout_it_is_beside_the_environment():
+def test_folder_of_a_checkout():
     assert folder.prefix() == folder.PACKAGE.parent / ".ros2" / folder.TAG
 
 
-def test_without_a_checkout_it_is_in_the_users_data(tmp_path, monkeypatch):
+def test_folder_without_a_checkout(tmp_path, monkeypatch):
     monkeypatch.setattr(folder, "PACKAGE", tmp_path / "tutorial")
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     assert folder.prefix() == tmp_path / "tank-tutorial/ros2" / folder.TAG
 
 
 @pytest.mark.parametrize("content", [None, b"of last year"])
-def test_it_is_not_used_before_it_is_complete(place, monkeypatch, content):
+def test_incomplete_folder(place, monkeypatch, content):
     monkeypatch.setattr(folder.platform, "system", lambda: "Linux")
     monkeypatch.setattr(folder.platform, "machine", lambda: "x86_64")
     if content is not None:
@@ -36,7 +36,7 @@ def test_it_is_not_used_before_it_is_complete(place, monkeypatch, content):
         folder.check()
 
 
-def test_only_its_own_rmw_is_accepted(place, monkeypatch):
+def test_other_rmw(place, monkeypatch):
     (place / folder.WHEELS.name).write_bytes(folder.WHEELS.read_bytes())
     for harmless in ("", folder.RMW):
         monkeypatch.setenv("RMW_IMPLEMENTATION", harmless)
@@ -54,7 +54,7 @@ def test_only_its_own_rmw_is_accepted(place, monkeypatch):
         ("Darwin", "arm64", r"no ROS 2 for Darwin on arm64: pixi run lab installs one from RoboStack\. See"),
     ],
 )
-def test_each_machine_has_a_way(monkeypatch, system, machine, said):
+def test_how_to_get_it(monkeypatch, system, machine, said):
     monkeypatch.setattr(folder.platform, "system", lambda: system)
     monkeypatch.setattr(folder.platform, "machine", lambda: machine)
     assert re.search(said, folder.how_to_get_it())

@@ -68,7 +68,7 @@ def built(prefix, tmp_path_factory):
     return prefix
 
 
-def test_the_page_shows_the_examples(mine):
+def test_page_shows_the_examples(mine):
     files = ("msg/Target.msg", "srv/FindTarget.srv", "action/AimAt.action")
     assert listings("text") == [(mine / file).read_text() for file in files]
 
@@ -83,7 +83,7 @@ def test_the_page_shows_the_examples(mine):
         ("", "cannot be a package's name"),
     ],
 )
-def test_a_name_that_would_hide_another_package_is_refused(mine, tmp_path, name, said):
+def test_unusable_name(mine, tmp_path, name, said):
     (folder.site_packages(tmp_path) / "ros_std_msgs-5.3.6.dist-info").mkdir(parents=True)
     described = mine / "package.xml"
     described.write_text(described.read_text().replace("mine_msgs", name))
@@ -92,7 +92,7 @@ def test_a_name_that_would_hide_another_package_is_refused(mine, tmp_path, name,
 
 
 @pytest.mark.parametrize("spoil", ["rm package.xml", "rm CMakeLists.txt", "broken xml", "other CMakeLists"])
-def test_what_is_no_interface_package_is_refused(mine, tmp_path, spoil):
+def test_no_interface_package(mine, tmp_path, spoil):
     if spoil.startswith("rm "):
         (mine / spoil[3:]).unlink()
     else:
@@ -106,7 +106,7 @@ def test_what_is_no_interface_package_is_refused(mine, tmp_path, spoil):
 @pytest.mark.parametrize(
     ("missing", "said"), [("compiler", "apt install g[+][+], or on Fedora"), ("headers", "apt install python3.*-dev")]
 )
-def test_what_is_missing_to_compile_is_named(mine, tmp_path, monkeypatch, missing, said):
+def test_missing_compiler(mine, tmp_path, monkeypatch, missing, said):
     if missing == "compiler":
         monkeypatch.setattr(interfaces.shutil, "which", lambda _: None)
     else:
@@ -144,7 +144,7 @@ class TestBuilds:
             ("action/AimAt.action", "string name\n---", "AimAt.action has 2 part(s)"),
         ],
     )
-    def test_a_mistake_in_a_definition_has_its_line(self, prefix, mine, file, content, said):
+    def test_line_of_a_mistake(self, prefix, mine, file, content, said):
         (mine / file).write_text(content)
         mistake = interfaces._explain("", mine, "mine_msgs", prefix, interfaces._environment(prefix, prefix / "build"))
         assert said in mistake
@@ -158,7 +158,7 @@ class TestBuilds:
             ("CMakeLists.txt", "msg/Target", "msg/Targt", "the passed file 'msg/Targt.msg' doesn't exist"),
         ],
     )
-    def test_a_failed_build_leaves_nothing(self, prefix, mine, file, old, new, said):
+    def test_failed_build(self, prefix, mine, file, old, new, said):
         (mine / file).write_text((mine / file).read_text().replace(old, new))
         before = {path for path in prefix.rglob("*") if prefix / "build" not in path.parents}
         with pytest.raises(TutorialError) as refused:
@@ -167,7 +167,7 @@ class TestBuilds:
         assert {path for path in prefix.rglob("*") if prefix / "build" not in path.parents} == before
         assert not (prefix / "build/scratch").exists()
 
-    def test_an_interrupted_build_leaves_nothing(self, prefix, mine, monkeypatch):
+    def test_interrupted_build(self, prefix, mine, monkeypatch):
         code = (
             "import sys; from pathlib import Path; from tutorial.ros.wheels.interfaces import build_interfaces as build"
         )
@@ -183,7 +183,7 @@ class TestBuilds:
         assert not (prefix / "build/scratch").exists()
         assert not list(prefix.rglob("*mine_msgs*"))
 
-    def test_a_package_uses_another_one(self, built, mine):
+    def test_dependency(self, built, mine):
         for kind in ("srv", "action"):
             shutil.rmtree(mine / kind)
         (mine / "msg/Target.msg").write_text("my_msgs/Target[] targets")
@@ -195,7 +195,7 @@ class TestBuilds:
         variables = os.environ | {"PYTHONPATH": str(folder.site_packages(built))}
         assert "name='a'" in subprocess.run(words, env=variables, check=True, capture_output=True, text=True).stdout
 
-    def test_the_pages_programs(self, built, tmp_path, domain):
+    def test_programs_of_the_page(self, built, tmp_path, domain):
         server, client = listings("python")
         (tmp_path / "server.py").write_text(server)
         (tmp_path / "client.py").write_text(client)
@@ -223,7 +223,7 @@ class TestBuilds:
         assert client.stdout == shown.partition("\n")[2], said
         assert said == ""
 
-    def test_tf2_msgs_is_jazzys(self, prefix):
+    def test_tf2_msgs_hashes(self, prefix):
         for name, jazzys in JAZZY.items():
             described = json.loads((prefix / f"share/tf2_msgs/{name}.json").read_text())
             hashes = {each["type_name"]: each["hash_string"] for each in described["type_hashes"]}

@@ -37,7 +37,7 @@ if not folder.is_complete(folder.prefix()):
     pytest.skip(f"the folder of the real ROS 2 is not filled. {folder.how_to_get_it()}", allow_module_level=True)
 
 
-def test_a_service_and_a_parameter_work_in_both_directions(domain):
+def test_service_and_parameter(domain):
     environment = {**os.environ, "RMW_IMPLEMENTATION": folder.RMW, "TUTORIAL_ROS": "rclpy"}
 
     def ros2(*words):
