@@ -29,11 +29,11 @@ def main() -> None:
     where = f"{os.environ.get('RMW_IMPLEMENTATION', 'default rmw')}, Python {platform.python_version()}"
     groups = json.loads(EXPRESSIONS.read_text(encoding="utf-8"))["groups"]
     with ThreadPoolExecutor(os.cpu_count()) as workers:
-        printed = list(workers.map(lambda group: outcomes(prelude(), snippets(group)), groups))
-        if "--newer" in sys.argv:
-            _write_differences(groups, printed, where)
-            return
         rows = list(workers.map(lambda given: record(*given), behaviours()))
+        printed = list(workers.map(lambda group: outcomes(prelude(), snippets(group)), groups))
+    if "--newer" in sys.argv:
+        _write_differences(groups, printed, rows, where)
+        return
     for group, those in zip(groups, printed, strict=True):
         group["expressions"] = {
             code: done["printed"].removesuffix("\n") for code, done in zip(group["expressions"], those, strict=True)
@@ -53,16 +53,21 @@ def main() -> None:
     print(f"{len(rows)} behaviours in {RECORD}, {sum(map(len, printed))} expressions in {EXPRESSIONS}")
 
 
-def _write_differences(groups: list[dict[str, Any]], printed: list[list[dict[str, Any]]], where: str) -> None:
-    different = {}
+def _write_differences(groups: Any, printed: Any, rows: list[dict[str, Any]], where: str) -> None:
+    """Write what prints something else than the record says; what needs a package that is missing is left out."""
+    before = {row["shows"]: row["printed"] for row in json.loads(RECORD.read_text(encoding="utf-8"))["rows"]}
+    different = {row["shows"]: row["printed"] for row in rows if row["printed"] != before[row["shows"]]}
+    for row in rows:
+        if row["raises"] and row["raises"]["type"] == "builtins.ModuleNotFoundError":
+            different.pop(row["shows"], None)
     for group, those in zip(groups, printed, strict=True):
-        for (code, before), snippet, done in zip(group["expressions"].items(), snippets(group), those, strict=True):
-            if done["printed"] != f"{before}\n":
-                (alone,) = outcomes(prelude(), [snippet])  # an earlier snippet may have affected it
-                if alone["printed"] != f"{before}\n":
-                    different[code] = alone["printed"].removesuffix("\n")
-    note = f"What a later patch release of Jazzy makes of some expressions ({where}); by record_behaviours.py --newer."
-    _write(NEWER, {"note": note, "expressions": different})
+        for (code, recorded), snippet, done in zip(group["expressions"].items(), snippets(group), those, strict=True):
+            if done["printed"] != f"{recorded}\n":
+                (alone,) = outcomes(prelude(), [snippet])  # it may have met what an earlier one has left
+                if alone["printed"] != f"{recorded}\n":
+                    different[code] = alone["printed"]
+    note = f"What a later patch release of Jazzy prints instead ({where}); by record_behaviours.py --newer."
+    _write(NEWER, {"note": note, "printed": different})
     print(f"{len(different)} differences in {NEWER}")
 
 
