@@ -8,6 +8,7 @@ from tutorial.errors import TutorialError
 
 BODY = '<body name="R/B"><joint name="R/J" axis="0 0 1" damping="2"/><geom size="0.1" mass="1"/><site name="S"/></body>'
 TENDON = '<tendon><fixed name="T"><joint joint="R/J" coef="2"/></fixed></tendon>'
+PLUGIN = '<extension><plugin plugin="mujoco.pid"/></extension>'
 SERVO = '<position name="R/p" joint="R/J" kp="20"/>'
 
 
@@ -15,7 +16,7 @@ def body_of(*actuators, option='timestep="0.0005"'):
     """A body that turns about its one joint, J, with these actuators."""
     text = (
         f'<mujoco><option {option}/><default><default class="geared"><position kp="20" gear="-3"/></default></default>'
-        f"<worldbody>{BODY}</worldbody>{TENDON}<actuator>{''.join(actuators)}</actuator></mujoco>"
+        f"{PLUGIN}<worldbody>{BODY}</worldbody>{TENDON}<actuator>{''.join(actuators)}</actuator></mujoco>"
     )
     model = mujoco.MjModel.from_xml_string(text)
     return Body("R", model, mujoco.MjData(model))
@@ -58,6 +59,7 @@ def test_effort(actuators):
         ('<muscle joint="R/J" lengthrange="0 1"/>', "a muscle."),
         ('<pid joint="R/J"/>', "a PID controller."),
         ('<dcmotor joint="R/J" motorconst="1 1" resistance="1"/>', "a DC motor."),
+        ('<plugin joint="R/J" plugin="mujoco.pid"><config key="kp" value="20"/></plugin>', "driven by a plugin."),
         ('<general joint="R/J" dyntype="integrator"/>', "an integrator."),
         ('<general joint="R/J" biastype="affine" biasprm="5"/>', "an actuator with a force of its own."),
         (f'<motor joint="R/J"/>{SERVO}', "a position servo."),

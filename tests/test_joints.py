@@ -249,6 +249,11 @@ class TestTwoPublishers:
         assert found[-1][2].joints
         assert sum(report.arrival is Arrival.ANOTHER for _, _, report in found) > 50
 
+    def test_short_slide(self):
+        matcher = JointMatcher({"finger": (0.0, 0.05)}, lambda: 2)
+        found = [matcher.match(joint_state(["finger"], [0.04 * (i % 2)], 10_000_000 * i))[1] for i in range(1, 101)]
+        assert sum(report.arrival is Arrival.ANOTHER for report in found) > 40
+
     def test_the_one_that_was_there_before_is_followed_where_the_stamps_tell_them_apart(self):
         one, other = Publisher("one", 0, 9, 100, 50, 1.0), Publisher("other", 3, 12, 0, 50, -1.0)
         found = follow([one, other], Random(0), 0.005)

@@ -44,7 +44,7 @@ def actuators_of(model: mujoco.MjModel, joint: int) -> list[int]:
 
 def is_motor(model: mujoco.MjModel, actuator: int) -> bool:
     """Return whether an actuator's force is its control signal times a constant."""
-    direct = Dyn(model.actuator_dyntype[actuator]) == Dyn.mjDYN_NONE
+    direct = Dyn(model.actuator_dyntype[actuator]) == Dyn.mjDYN_NONE and not _has_plugin(model, actuator)
     return bool(direct and _gain(model, actuator) and _bias(model, actuator) == [0.0, 0.0, 0.0])
 
 
@@ -99,8 +99,13 @@ def _enabled(model: mujoco.MjModel, joint: int) -> list[int]:
     return [each for each in geared if not (0 <= groups[each] < 31 and disabled >> groups[each] & 1)]
 
 
+def _has_plugin(model: mujoco.MjModel, actuator: int) -> bool:
+    """Return whether a plugin computes an actuator's force."""
+    return bool(model.actuator_plugin[actuator] >= 0)
+
+
 def _is_position_servo(model: mujoco.MjModel, actuator: int) -> bool:
-    direct = Dyn(model.actuator_dyntype[actuator]) in FOLLOWS_CONTROL
+    direct = Dyn(model.actuator_dyntype[actuator]) in FOLLOWS_CONTROL and not _has_plugin(model, actuator)
     return bool(direct and _gain(model, actuator) and _bias(model, actuator)[1] < 0)
 
 
@@ -145,6 +150,7 @@ def _kind(model: mujoco.MjModel, actuator: int) -> str:
     _, stiffness, damping = _bias(model, actuator)
     kinds = (  # the first that fits
         (is_motor(model, actuator), "a motor"),
+        (_has_plugin(model, actuator), "driven by a plugin"),
         (gain in KINDS, KINDS.get(gain, "")),
         (dynamics == Dyn.mjDYN_INTEGRATOR and stiffness, "a velocity servo that integrates"),
         (dynamics == Dyn.mjDYN_INTEGRATOR, "an integrator"),

@@ -214,13 +214,12 @@ class _Publishers:
     """Tells the publishers of one topic apart by what they send, because no message says who sent it.
 
     If there are as many sets of joints as publishers, no joint is shared. Otherwise a message is another publisher's if
-    it is older than the last one or over 10 s newer, or if a joint jumps. A joint without limits may really be that
-    fast: if there are two publishers and the other one's position is known, only a jump to that position counts. If two
-    publishers agree, both are shown.
+    it is older than the last one or over 10 s newer, or if a joint jumps. A joint without limits may be that fast: with
+    two publishers, once it is known where the other one has it, only a jump to there counts. If both agree, both count.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
-        self._limited = {joint for joint, (_, upper) in ranges.items() if upper < SHOWABLE}
+        self._half_range = {joint: (upper - low) / 2 for joint, (low, upper) in ranges.items() if upper < SHOWABLE}
         self._count, self._counted = count, 0
         self._alone_for = 0  # messages until they are counted again
         self._groups: list[set[str]] = []  # joints that are published together
@@ -253,15 +252,13 @@ class _Publishers:
         return Arrival.SWITCHED if silent else Arrival.ANOTHER
 
     def _jumps(self, track: _Track, positions: Mapping[str, float], ahead: float, rivals: int) -> bool:
-        """Return whether a joint moves further than its own publisher can move it.
-
-        A joint without limits can move further. If there is one rival, only a move to where it has the joint counts.
-        """
+        """Return whether a joint moves further than its own publisher can move it, or to where a rival has it."""
         reach = REACH + SPEED * ahead / SECOND_NS
         for joint, position in positions.items():
             moved = abs(position - track.positions.get(joint, position))
             there = joint not in self._elsewhere or abs(position - self._elsewhere[joint]) < moved / 3
-            if moved > reach and (there or rivals > 1 or joint in self._limited):
+            far = moved > min(reach, self._half_range.get(joint, inf))
+            if far and (there or rivals > 1 or joint in self._half_range):
                 return True
         return False
 

@@ -95,7 +95,7 @@ def find_model(given: str) -> Path:
     Raises:
         TutorialError: there is no such model; the text names the nearest.
     """
-    if given.endswith(OTHER_MODELS) and is_file(Path(given)):
+    if given.lower().endswith((".xml", *OTHER_MODELS)) and is_file(Path(given)):
         return Path(given)
     name = given.lower() if given.isidentifier() else given
     return _find(name, HOME / "project" / "models", ".xml", "model")

@@ -73,15 +73,17 @@ def _parse(path: Path) -> Element | None:
     try:
         root = ElementTree.fromstring(content)
         is_xacro = any("xacro}" in str(each.tag) for each in root.iter())
-    except ElementTree.ParseError:
-        root, is_xacro = None, b"<xacro:" in content
+    except ElementTree.ParseError as error:
+        root, is_xacro, problem = None, b"<xacro:" in content, error
     if is_xacro or path.suffix == ".xacro":
         urdf = path.name.partition(".")[0] + ("_.urdf" if path.suffix == ".urdf" else ".urdf")
         raise TutorialError(
             f"the model {str(path)!r} is a xacro file. Convert it to URDF, on a machine with ROS 2: "
             f"xacro {path.name} > {urdf}"
         )
-    return root if root is not None and root.tag == "robot" else None
+    if root is None:
+        raise TutorialError(f"the model {str(path)!r} is not XML: {problem}.")
+    return root if root.tag == "robot" else None
 
 
 def _apply_settings(robot: Element) -> str | None:
@@ -112,8 +114,11 @@ def _find_mesh(given: str, path: Path, meshdir: str | None) -> Path:
             "Put the package's folder beside the model, or write the mesh's path into the model."
         )
     else:
-        candidates = [folder / (unquote(rest) if scheme == "file" else given)]
-        missing = "There is no such file: a path in a URDF is relative to the URDF's folder."
+        address = unquote(rest) if scheme == "file" else given
+        candidates = [folder / address]
+        missing = "There is no such file."
+        if not Path(address).is_absolute():
+            missing = "There is no such file: a path in a URDF is relative to the URDF's folder."
     if meshdir is not None:
         candidates += [folder / meshdir / given, folder / meshdir / Path(given).name]
     found = next((each for each in candidates if _is_file(each)), None)

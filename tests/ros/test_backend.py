@@ -15,8 +15,10 @@ START = """
 import os, shutil
 from pathlib import Path
 from tutorial import use_real_ros
+from tutorial.ros.backend import promise, ros_backend
 from tutorial.ros.wheels import folder
 made = Path({made!r})
+ros_backend.cache_clear()
 folder.prefix = lambda: made
 """
 """The first lines of a program that uses a folder of its own for the real ROS 2."""
@@ -80,6 +82,9 @@ def test_every_entry_point_says_so(rclpy, code):
         ("(made / 'runtime.txt').write_text('older'); use_real_ros()", "out of date. Type tank ros install."),
         ("shutil.rmtree(made); use_real_ros()", "not installed. Type tank ros install."),
         ("os.environ['RMW_IMPLEMENTATION'] = 'rmw_x'; use_real_ros()", "has only 'rmw_fastrtps_cpp'"),
+        ("use_real_ros(); from tf2_msgs.msg import TFMessage", "needs a C++ compiler. Install one"),
+        ("use_real_ros(); import tf2_ros", "RoboStack and Ubuntu's packages have all of ROS 2"),
+        ("os.environ['TUTORIAL_ROS'] = 'x'; promise(); use_real_ros(); import rclpy; print('found')", "found"),
     ],
 )
 def test_use_real_ros(tmp_path, code, said):

@@ -25,7 +25,7 @@ from pocket_ros2 import real_rclpy
 from tutorial.errors import TutorialError, did_you_mean
 from tutorial.printing import say
 from tutorial.ros.backend import VARIABLE, ros_backend
-from tutorial.ros.loopback import TURN_ON, loopback_is_up
+from tutorial.ros.loopback import TURN_ON, loopback_is_up, require_loopback
 from tutorial.ros.wheels import folder
 
 WIDTH = 100  # columns, of which the first 20 are for subject and level
@@ -81,6 +81,8 @@ def doctor() -> int:
 def _looked(probe: Callable[[], Diagnosis]) -> Diagnosis:
     try:
         return probe()
+    except TutorialError:
+        return Diagnosis("note", "it was not looked at, because of the problem above", "fix that first")
     except Exception as error:  # noqa: BLE001 - whatever it is, the other probes go on
         return Diagnosis("note", f"it could not be looked at: {type(error).__name__}: {error}", "look at it by hand")
 
@@ -111,7 +113,8 @@ def ask(question: Callable[[], Any], patience: float = PATIENCE) -> Any:
     if done.returncode < 0:
         raise TutorialError(f"crashed with {signal.Signals(-done.returncode).name}")
     if done.returncode > 0:
-        raise TutorialError((done.stderr.splitlines() or [f"exit status {done.returncode}"])[-1])
+        raised = (done.stderr.splitlines() or [f"exit status {done.returncode}"])[-1]
+        raise TutorialError(raised.removeprefix("tutorial.errors.TutorialError: "))
     return json.loads(done.stdout.splitlines()[-1])
 
 
@@ -144,7 +147,8 @@ def backend() -> Diagnosis:
     try:
         kind = _kind()
     except TutorialError as error:
-        return Diagnosis("problem", str(error), f"unset {VARIABLE}" if wanted else f"export {VARIABLE}=pocket")
+        pocket = f"unset {VARIABLE}" if wanted else f"export {VARIABLE}=pocket"
+        return Diagnosis("problem", str(error), f"or use the pocket ROS 2: {pocket}")
     name = {
         "pocket": "the pocket ROS 2, on Cyclone DDS",
         "folder": "the real ROS 2 of tank ros install",
@@ -167,7 +171,7 @@ def backend() -> Diagnosis:
         return Diagnosis("note", f"{text}. The tutorial is made for jazzy", source)
     if kind == "pocket" and distro and not wanted:
         text += f", although ROS 2 {distro} is set up in this shell"
-        mend = "with the Python that ROS 2 is made for: python3.12 -m venv --system-site-packages ~/tank-ros"
+        mend = "python3.12 -m venv --system-site-packages ~/tank-ros; activate it, and source ROS 2's setup.bash again"
         return Diagnosis("note", text, mend)
     return Diagnosis("ok", text)
 
@@ -181,7 +185,7 @@ def _kind() -> Kind:
     if ros_backend() == "pocket":
         return "pocket"
     rclpy = real_rclpy()
-    if rclpy is not None and folder.has(rclpy):
+    if rclpy is None or folder.has(rclpy):  # None: the folder has lost it
         return "folder"
     return "pixi" if (Path(sys.prefix) / "conda-meta").is_dir() else "sourced"
 
@@ -218,10 +222,12 @@ def discovery() -> Diagnosis:
 def domain() -> Diagnosis:
     """Say which domain nodes meet in, who is there, and which names are there more than once."""
     number = os.environ.get("ROS_DOMAIN_ID") or "0"
+    ros_backend()
+    require_loopback()
     try:
         names = ask(_nodes)
     except TutorialError as error:
-        mend = "mend what is said of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
+        mend = "fix what is reported of ROS 2 first; ROS_DOMAIN_ID can be a number from 0 to 101"
         return Diagnosis("problem", f"a node cannot be made in domain {number}: {error}", mend)
     counts = Counter(names)
     named = [f"{count} x {name}" if count > 1 else name for name, count in sorted(counts.items())]

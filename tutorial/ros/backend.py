@@ -50,7 +50,8 @@ def ros_backend() -> Backend:
         )
     if sourced is None:
         folder.activate()
-        sys.meta_path.append(_Refusal(folder.NO_TF2_MSGS, "tf2_msgs"))  # last: called only if no finder finds it
+        for reason, names in folder.MISSING.items():
+            sys.meta_path.append(_Refusal(reason, *names))  # last: called only if no finder finds a module
     return "rclpy"
 
 
@@ -67,10 +68,12 @@ def use_real_ros() -> None:
         TutorialError: the pocket ROS 2 is already in use, or no real ROS 2 can be used; the text says what to do.
     """
     before = os.environ.get(VARIABLE)
+    refusals = [finder for finder in sys.meta_path if isinstance(finder, _Refusal) and finder.refuses("rclpy")]
     os.environ[VARIABLE] = "rclpy"
     ros_backend.cache_clear()
     try:
         ros_backend()
+        sys.meta_path[:] = [finder for finder in sys.meta_path if finder not in refusals]
     except TutorialError:
         os.environ.pop(VARIABLE)
         if before is not None:
@@ -94,14 +97,18 @@ class _Refusal(MetaPathFinder):
 
     Args:
         reason: the error's text.
-        endings: what the names of these packages end with.
+        names: the packages' names; one that begins with an underscore stands for all that end like this.
     """
 
-    def __init__(self, reason: str, *endings: str) -> None:
-        self._reason, self._endings = reason, endings
+    def __init__(self, reason: str, *names: str) -> None:
+        self._reason, self._names = reason, names
+        self._endings = tuple(name for name in names if name.startswith("_"))
+
+    def refuses(self, name: str) -> bool:
+        return name in self._names or name.endswith(self._endings)
 
     def find_spec(self, fullname: str, _path: object = None, _target: object = None) -> None:
-        if fullname.endswith(self._endings):
+        if self.refuses(fullname):
             raise TutorialError(self._reason)
 
 

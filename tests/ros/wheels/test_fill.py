@@ -88,6 +88,16 @@ def test_read_only_folder(place):
         install.install(lambda _: None)
 
 
+def test_damage_is_found(place):
+    assert "No module named 'rclpy'" in install._problem(place)
+
+
+def test_settings_of_pip(place, wheels, monkeypatch):
+    monkeypatch.setenv("PIP_USER", "1")
+    fill(place)
+    assert (folder.site_packages(place / "new") / "std_srvs").is_dir()
+
+
 def test_two_at_once(place):
     with install.alone(place), pytest.raises(TutorialError, match="another tank ros is running"):
         install.install(lambda _: None)

@@ -209,7 +209,8 @@ class Bag:
         every = sorted(filter(is_file, self.path.iterdir()), key=_number)
         files = [path for path in every if path.suffix in READERS]
         if not files:
-            seen = next((f" {_named(path)}: {what}." for path in every if (what := foreign(path))), "")
+            others = [path for path in every if path.name != "metadata.yaml"]
+            seen = next((f" {_named(path)}: {what}." for path in others if (what := foreign(path))), "")
             raise TutorialError(f"the folder {_named(self.path)} is not a bag: it has no .mcap or .db3 file.{seen}")
         return [file for file in files if file.suffix == files[0].suffix], told
 

@@ -25,6 +25,25 @@ NO_TF2_MSGS = (
     "(Debian and Ubuntu: sudo apt install g++ python3-dev), then type tank ros install again."
 )
 
+NOT_ON_PYPI = (
+    "the real ROS 2 of tank ros install has only what PyPI has, and this package is not among it. RoboStack and "
+    "Ubuntu's packages have all of ROS 2: see book/real_ros2.md."
+)
+
+MISSING = {
+    NO_TF2_MSGS: ("tf2_msgs",),
+    NOT_ON_PYPI: (
+        "example_interfaces",
+        "launch",
+        "launch_ros",
+        "message_filters",
+        "rosbag2_py",
+        "tf2_ros",
+        "turtlesim",
+    ),
+}
+"""Why packages that many programs import are missing in the folder."""
+
 TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
 """This Python, as wheels name it: a folder serves one version of Python."""
 
@@ -33,8 +52,9 @@ def prefix() -> Path:
     """Return the folder: in the checkout, or in the user's data folder where the tutorial is installed."""
     if is_course(PACKAGE.parent):
         return PACKAGE.parent / ".ros2" / TAG
-    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local/share"
-    return Path(data) / "tank-tutorial/ros2" / TAG
+    given = Path(os.environ.get("XDG_DATA_HOME", ""))
+    data = given if given.is_absolute() else Path.home() / ".local/share"
+    return data / "tank-tutorial/ros2" / TAG
 
 
 def site_packages(folder: Path) -> Path:

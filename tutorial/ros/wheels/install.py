@@ -23,6 +23,9 @@ NEEDED = 450e6  # [bytes] of disk while the wheels are unpacked
 LOOK_EVERY = 0.3  # [s] between two reports of progress
 AGAIN = "Try again: finished downloads are kept."
 
+ELSEWHERE = ("PIP_DRY_RUN", "PIP_PREFIX", "PIP_ROOT", "PIP_TARGET", "PIP_USER")
+"""Settings of pip that would install into another place than the folder."""
+
 Report = Callable[[str], object]
 """Receives the progress, in a few words."""
 
@@ -40,7 +43,7 @@ def install(report: Report) -> None:
     if not folder.is_supported():
         raise TutorialError(folder.how_to_get_it())
     with alone(target):
-        if folder.is_complete(target):
+        if folder.is_complete(target) and not _problem(target):
             return
         part = target.with_name(f"{target.name}.part")
         new = part / "new"
@@ -51,7 +54,9 @@ def install(report: Report) -> None:
         fill(new, folder.WHEELS, part, report)
         report("linking the libraries")
         _link_libraries(new)
-        _try_out(new, report)
+        report("trying it out")
+        if problem := _problem(new):
+            raise TutorialError(f"the wheels do not work on this machine: {problem}. See book/real_ros2.md.")
         shutil.copy(folder.WHEELS, new)
         if target.exists():
             shutil.rmtree(target)
@@ -86,7 +91,10 @@ def fill(prefix: Path, wheels: Path, scratch: Path, report: Report) -> None:
     cache = scratch / "cache"
     options = ["--no-deps", "--require-hashes", "--only-binary", ":all:", "--cache-dir", str(cache)]
     command = [*_installer(), *options, "--prefix", str(prefix), "--requirement", str(wheels)]
-    status, output = run(command, lambda _line: report(f"downloading and unpacking: {size(scratch) / 1e6:.0f} MB"))
+    environment = {name: value for name, value in os.environ.items() if name not in ELSEWHERE}
+    status, output = run(
+        command, lambda _line: report(f"downloading and unpacking: {size(scratch) / 1e6:.0f} MB"), environment
+    )
     if status == 0:
         return
     shutil.rmtree(prefix, ignore_errors=True)
@@ -197,17 +205,11 @@ def _link_libraries(prefix: Path) -> None:
             raise TutorialError(f"the libraries could not be linked: {last_line(output)}. {AGAIN}")
 
 
-def _try_out(prefix: Path, report: Report) -> None:
-    """Import rclpy from a new folder, in a process of its own.
-
-    Raises:
-        TutorialError: it does not work on this machine.
-    """
-    report("trying it out")
+def _problem(prefix: Path) -> str:
+    """Import rclpy from a folder, in a process of its own; return why that fails, or an empty text."""
     code = "import sys; sys.path.insert(0, sys.argv[1]); import rclpy; from sensor_msgs.msg import Imu; Imu()"
     status, output = run([sys.executable, "-c", code, str(folder.site_packages(prefix))])
-    if status:
-        raise TutorialError(f"the wheels do not work on this machine: {last_line(output)}. See book/real_ros2.md.")
+    return last_line(output) if status else ""
 
 
 def last_line(output: str) -> str:

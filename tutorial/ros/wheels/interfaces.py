@@ -10,6 +10,7 @@ import shutil
 import sys
 import sysconfig
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from textwrap import shorten
 from xml.etree import ElementTree
 
@@ -101,7 +102,7 @@ def _read_name(source: Path) -> str:
         if "rosidl_generate_interfaces" in (source / "CMakeLists.txt").read_text(encoding="utf-8"):
             return name
     except (OSError, UnicodeDecodeError, ElementTree.ParseError) as error:
-        what = f": {error}"
+        what = f": {error}" if isinstance(error, OSError) else f": package.xml: {error}"
     else:
         what = ": its CMakeLists.txt does not call rosidl_generate_interfaces"
     how = "tank package --interfaces my_msgs makes one."
@@ -133,11 +134,13 @@ def _build(source: Path, name: str, prefix: Path, report: Report) -> None:
     tools = _tools(prefix, report)
     scratch = tools / "scratch"
     shutil.rmtree(scratch, ignore_errors=True)  # what a killed build left behind
-    try:
-        _run_cmake(source, name, prefix, tools, report)
-        _move(name, scratch / "install", prefix)
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
+    with TemporaryDirectory(prefix="tank-") as elsewhere:
+        build = scratch / "build" if str(scratch).isascii() else Path(elsewhere)  # CMake's file(STRINGS) skips the rest
+        try:
+            _run_cmake(source, name, prefix, tools, build, report)
+            _move(name, scratch / "install", prefix)
+        finally:
+            shutil.rmtree(scratch, ignore_errors=True)
 
 
 def _tools(prefix: Path, report: Report) -> Path:
@@ -159,17 +162,16 @@ def _tools(prefix: Path, report: Report) -> Path:
     return tools
 
 
-def _run_cmake(source: Path, name: str, prefix: Path, tools: Path, report: Report) -> None:
-    """Configure, build and install a package into ``scratch/install``.
+def _run_cmake(source: Path, name: str, prefix: Path, tools: Path, build: Path, report: Report) -> None:
+    """Configure a package, build it in a folder, and install it into ``scratch/install``.
 
     Raises:
         TutorialError: it could not be built.
     """
     cmake = folder.site_packages(tools) / "cmake/data/bin/cmake"
-    build, install = tools / "scratch/build", tools / "scratch/install"
     settings = {
         "BUILD_TESTING": "OFF",
-        "CMAKE_INSTALL_PREFIX": install,
+        "CMAKE_INSTALL_PREFIX": tools / "scratch/install",
         "CMAKE_MAKE_PROGRAM": tools / "bin/ninja",
         "CMAKE_PROJECT_INCLUDE": HERE / "interfaces.cmake",
         "PYTHON_EXECUTABLE": sys.executable,

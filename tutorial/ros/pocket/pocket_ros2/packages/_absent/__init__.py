@@ -11,6 +11,11 @@ from typing import Any
 TABLE = json.loads(Path(__file__).with_name("packages.json").read_text(encoding="utf-8"))
 """Packages of ROS 2 Jazzy that are missing here, and missing modules and names of packages that are partly here."""
 
+IN_WHEELS = ("rclpy", "std_srvs", "ament_index_python")
+"""Packages of a real ROS 2 that PyPI has, too, besides those of messages."""
+
+FROM_PYPI = " The tank tutorial installs one from PyPI: tank ros install."
+
 INTERFACE_SUFFIXES = ("_msgs", "_interfaces")
 """Endings of the names of message packages, including people's own."""
 
@@ -60,11 +65,15 @@ class AbsentModules(MetaPathFinder):
         """
         if not _is_import(sys._getframe(1)) or not self._has(fullname) or self._found_behind(fullname, path, target):
             return
-        is_known = fullname in self._names or "." in fullname
-        hint = "" if is_known else f" If {fullname} is your own package, build it there and source its setup.bash, too."
-        error = NeedsRealROSError(fullname, hint)
+        error = NeedsRealROSError(fullname, self._hint(fullname))
         error.name = fullname
         raise error
+
+    def _hint(self, name: str) -> str:
+        if name.partition(".")[0] in IN_WHEELS or name.endswith((".srv", ".action")):
+            return FROM_PYPI
+        is_known = name in self._names or "." in name
+        return "" if is_known else f" If {name} is your own package, build it there and source its setup.bash, too."
 
     def _has(self, name: str) -> bool:
         package, _, kind = name.partition(".")
@@ -85,10 +94,11 @@ def install() -> None:
 
 def absent_names(module: str, names: Collection[str]) -> Callable[[str], Any]:
     """Return a module's ``__getattr__``, which refuses names that only the module of a real ROS 2 has."""
+    hint = FROM_PYPI if module.partition(".")[0] in IN_WHEELS else ""
 
     def refuse(name: str) -> Any:
         if name in names:
-            raise NeedsRealROSError(f"{module}.{name}")
+            raise NeedsRealROSError(f"{module}.{name}", hint)
         raise AttributeError(f"module {module!r} has no attribute {name!r}")
 
     return refuse

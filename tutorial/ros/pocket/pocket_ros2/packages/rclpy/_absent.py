@@ -8,7 +8,7 @@ from pkgutil import resolve_name
 from types import ModuleType
 from typing import Any
 
-from _absent import AbsentAttributeError, AbsentModules, NeedsRealROSError, absent_names
+from _absent import FROM_PYPI, AbsentAttributeError, AbsentModules, NeedsRealROSError, absent_names
 
 TABLE = json.loads(Path(__file__).with_name("absent.json").read_text(encoding="utf-8"))
 """By kind the names that rclpy's has and ours has not: modules, attributes of modules and classes, options."""
@@ -36,7 +36,7 @@ class AbsentAttribute:
         self._name = name
 
     def __get__(self, instance: object, owner: type) -> Any:
-        raise AbsentAttributeError(self._name)
+        raise AbsentAttributeError(self._name, FROM_PYPI)
 
 
 def refuse(function: str, options: dict[str, Any]) -> None:
@@ -50,7 +50,7 @@ def refuse(function: str, options: dict[str, Any]) -> None:
         if option not in TABLE["options"][function]:
             raise TypeError(f"{function}() got an unexpected keyword argument {option!r}")
         if value:
-            raise NeedsRealROSError(f"{function}({option}=...)")
+            raise NeedsRealROSError(f"{function}({option}=...)", FROM_PYPI)
 
 
 def refuse_coroutine(callback: Any) -> None:
@@ -60,4 +60,4 @@ def refuse_coroutine(callback: Any) -> None:
         NeedsRealROSError: it is.
     """
     if inspect.iscoroutinefunction(callback):
-        raise NeedsRealROSError("callbacks that are coroutines")
+        raise NeedsRealROSError("callbacks that are coroutines", FROM_PYPI)

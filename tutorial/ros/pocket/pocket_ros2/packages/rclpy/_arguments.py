@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
+from _absent import FROM_PYPI
 from rclpy._names import NAMESPACE, expand_topic_name, problem
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError
 from rclpy.exceptions import NeedsRealROSError
@@ -130,7 +131,7 @@ class Arguments:
         elif kind == ENCLAVE:
             self.enclave = text
         elif kind == PARAMETER_FILE:
-            raise NeedsRealROSError(flag)
+            raise NeedsRealROSError(flag, FROM_PYPI)
 
     def _add_rule(self, kind: str, text: str, failure: str) -> None:
         parts, unread = RULE.fullmatch(text), READABLE.sub("", text, count=1)
