@@ -44,7 +44,7 @@ def wheels(tmp_path, monkeypatch):
 def closed(monkeypatch):
     """No registry answers."""
     for name in ("PIP_INDEX_URL", "UV_DEFAULT_INDEX"):
-        monkeypatch.setenv(name, "http://127.0.0.1:9/simple")
+        monkeypatch.setenv(name, "http://127.0.0.1:9")
     monkeypatch.setenv("PIP_RETRIES", "0")
     monkeypatch.setenv("UV_HTTP_RETRIES", "0")
 
