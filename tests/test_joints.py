@@ -282,6 +282,25 @@ class TestTwoPublishers:
             assert matcher.match(joint_state(["WHEEL"], [position], stamp_ns))[0] == {"WHEEL": position}
             assert matcher.match(joint_state(["WHEEL"], [other(i)], stamp_ns))[1].arrival is Arrival.ANOTHER
 
+    @pytest.mark.parametrize("joints", [TANK, FREE], ids=["limits", "no limits"])
+    @pytest.mark.parametrize("other_stamp_ms", [-500, 0, 5], ids=["older", "one stamp", "newer"])
+    def test_one_that_sends_its_joints_in_turn(self, joints, other_stamp_ms):
+        matcher, found = JointMatcher(joints, lambda: 2), []
+        for i in range(100):
+            stamp_ns = 1_000_000_000 + 20_000_000 * i
+            matcher.match(joint_state(["TURRET_Y"], [0.02 * i], stamp_ns))
+            matcher.match(joint_state(["TURRET_P"], [0.1], stamp_ns))
+            found += [matcher.match(joint_state(["TURRET_Y"], [-1.0], stamp_ns + other_stamp_ms * 1_000_000))]
+        assert {(tuple(values), report.arrival) for values, report in found[40:]} == {((), Arrival.ANOTHER)}
+
+    @pytest.mark.parametrize("rate", [10, 20, 50])
+    def test_fast_arm_without_stamps_beside_a_gripper_and_a_silent_one(self, rate):
+        matcher, shown = JointMatcher(TANK, lambda: 3), 0
+        for i in range(5 * rate):
+            shown += bool(matcher.match(joint_state(["TURRET_Y"], [math.sin(3 * i / rate)]))[0])
+            assert matcher.match(joint_state(["TURRET_P"], [0.1]))[0]
+        assert shown > 4.4 * rate
+
     def test_fast_wheel_and_silence(self):
         matcher = JointMatcher(["WHEEL"], lambda: 2)
         found = [matcher.match(joint_state(["WHEEL"], [0.5 * i], 20_000_000 * i))[1].arrival for i in range(100)]

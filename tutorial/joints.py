@@ -1,9 +1,7 @@
 """Matching joints by name: the second of the two ideas that the tutorial is about.
 
-In a ``sensor_msgs/JointState`` the names identify the joints; position, velocity and effort are each as long as
-``name``, or empty. A viewer that takes "the i-th entry is my i-th joint" for granted shows nothing, or the wrong
-thing, as soon as a publisher sends its joints in another order, or only some of them.
-
+In a ``sensor_msgs/JointState`` the names identify the joints. A viewer that takes the i-th entry for its i-th joint
+shows the wrong pose as soon as a publisher sends its joints in a different order, or only some of them.
 `match_joints` is the idea. `JointMatcher` adds what only a stream of messages shows: late ones, and other publishers.
 """
 
@@ -29,7 +27,7 @@ SLACK = 1e-3  # [rad or m] beyond a range that is not worth reporting: simulated
 REACH, SPEED = 0.1, 5.0  # [rad, rad/s] or [m, m/s]: moving further between two messages is a jump
 COUNT_EVERY = 10  # messages from one count of the publishers to the next
 SILENT_AFTER = 25  # messages in a row from each of the others: then the followed publisher is silent
-
+SHARED = 60  # times that a joint jumps back to where it was one message ago: then two publishers take turns
 Ranges = Mapping[str, tuple[float, float]]
 
 
@@ -41,9 +39,8 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
         message: what came in; nothing is assumed about it but its type.
 
     Returns:
-        The positions by joint [rad or m], to be applied as they are, and the report. A joint is missing from the
-        positions when the message says nothing usable about it; then it stays where it is. If it is named more than
-        once, the last number that can be shown counts.
+        The position of each joint that moves [rad or m], and the report. A joint without a usable number stays where
+        it is. If a message names a joint twice, its last usable number counts.
     """
     ranges = _ranges(joints)
     names, positions = message.name, message.position
@@ -52,7 +49,7 @@ def match_joints(joints: Ranges | Iterable[str], message: JointState) -> tuple[d
     received = dict(known) | usable  # in the message's order; an unusable number only where there is no other
     shown = {joint: position for joint, position in received.items() if joint in usable}
     strange, named = [name for name in names if name not in ranges], Counter(name for name, _ in known)
-    limits = {joint: _widened(ranges[joint]) for joint in shown}
+    limits = {joint: _with_slack(ranges[joint]) for joint in shown}
     return shown, JointReport(
         joints=tuple(shown),
         unknown=NameList.of(strange),
@@ -147,15 +144,14 @@ class JointReport(NamedTuple):
 
 
 class JointMatcher:
-    """Finds out which joint each message of one topic moves where. No thread, no clock.
+    """Decides which joints each message of one topic moves. It has no thread and no clock.
 
-    `match_joints` matches the names. Then each joint is judged by itself, against the message that moved it last. An
-    older message is late, and one that is over a second older means that the publisher was started again. Publishers
-    of different joints are all shown. Of those that publish the same joint, one is followed until it falls silent.
+    `match_joints` matches the names. Then each joint is judged by itself, against the message that moved it last: an
+    older one is late, and one over a second older means that the publisher was restarted. Publishers of different
+    joints are all shown. Of those that publish the same joint, one is followed until it falls silent.
 
     Args:
-        joints: the names of the body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m]. They
-            are copied: for joints that have changed, make another matcher.
+        joints: the names of the body's joints, or a mapping from each to its range ``(lower, upper)`` [rad or m].
         publishers: returns how many publish on the topic, such as a subscription's ``get_publisher_count``.
     """
 
@@ -163,8 +159,7 @@ class JointMatcher:
         self._ranges = dict(_ranges(joints))
         self._publishers = _Publishers(self._ranges, publishers)
         self._tracks: dict[str, _Track] = {}  # by joint, once a message has moved it
-        self._last = _Track({}, -inf)  # what the last message moved
-        self._plan = _Plan()  # how its names were matched
+        self._last, self._plan = _Track({}, -inf), _Plan()  # what the last message moved, and how it was matched
 
     def match(self, message: JointState) -> tuple[dict[str, float], JointReport]:
         """Match the next message as `match_joints` does, but look up names only if they have changed."""
@@ -213,9 +208,9 @@ class _Track:
 class _Publishers:
     """Tells the publishers of one topic apart by what they send, because no message says who sent it.
 
-    If there are as many sets of joints as publishers, no joint is shared. Otherwise a message is another publisher's if
-    it is older than the last one or over 10 s newer, or if a joint jumps. A joint without limits may be that fast: with
-    two publishers, once it is known where the other one has it, only a jump to there counts. If both agree, both count.
+    If there are as many sets of joints as publishers, no joint is shared, unless one keeps jumping back and forth. A
+    message is a rival's if it is older than the last one or over 10 s newer, or if a shared joint jumps to where a
+    rival has it, as far as that is known. If both agree, both count.
     """
 
     def __init__(self, ranges: Ranges, count: Callable[[], int]) -> None:
@@ -224,18 +219,29 @@ class _Publishers:
         self._alone_for = 0  # messages until they are counted again
         self._groups: list[set[str]] = []  # joints that are published together
         self._elsewhere: dict[str, float] = {}  # where another publisher has a joint
+        self._received: dict[str, tuple[float, float, float]] = {}  # last position, the one before, and jumps back
 
     def alone(self) -> bool:
         """Return whether there is only one publisher. Publishers are counted once every few messages."""
         self._alone_for -= 1
         return self._alone_for >= 0 or self._recount() <= 1
 
-    def rivals(self, joints: Iterable[str]) -> int:
-        """Note that these joints come together, and count the other publishers that may share them."""
-        count, group = self._recount(), set(joints)
+    def rivals(self, positions: Mapping[str, float]) -> int:
+        """Note which joints come together, and count the other publishers that may share them."""
+        count, group = self._recount(), set(positions)
         apart = [each for each in self._groups if each.isdisjoint(group)] if count > 1 else []
         self._groups = [*apart, group.union(*(each for each in self._groups if each not in apart))]
-        return count - 1 - len(apart)  # each set of other joints has a publisher of its own
+        shared = count > 1 and max([self._jumps_back(*each) for each in positions.items()]) >= SHARED
+        return max(count - 1 - len(apart), shared)  # each set of other joints has a publisher of its own
+
+    def _jumps_back(self, joint: str, position: float) -> float:
+        """Count jumps to where a joint was one message ago. Any other jump takes back a fourth of one."""
+        last, before, jumps = self._received.get(joint, (position, inf, 0))
+        moved = abs(position - last)
+        if moved > min(REACH, self._half_range.get(joint, inf)):
+            jumps = jumps + 1 if abs(position - before) < moved / 5 else max(jumps - 0.25, 0)
+        self._received[joint] = position, last, jumps
+        return jumps
 
     def arrival(self, track: _Track, positions: Mapping[str, float], stamp_ns: int, rivals: int) -> Arrival:
         """Decide how a message follows the one that moved these joints last, and count it if it is dropped."""
@@ -247,25 +253,21 @@ class _Publishers:
             return Arrival.NEXT
         track.dropped += 1
         silent = track.dropped >= SILENT_AFTER * rivals  # at once where no rival is left
-        if rivals > 0:
-            self._elsewhere |= {joint: track.positions.get(joint, inf) for joint in positions} if silent else positions
+        self._elsewhere |= {joint: track.positions.get(joint, inf) for joint in positions} if silent else positions
         return Arrival.SWITCHED if silent else Arrival.ANOTHER
 
     def _jumps(self, track: _Track, positions: Mapping[str, float], ahead: float, rivals: int) -> bool:
-        """Return whether a joint moves further than its own publisher can move it, or to where a rival has it."""
+        """Return whether a joint moves further than its own publisher can move it, to where a rival may have it."""
         reach = REACH + SPEED * ahead / SECOND_NS
-        for joint, position in positions.items():
-            moved = abs(position - track.positions.get(joint, position))
-            there = joint not in self._elsewhere or abs(position - self._elsewhere[joint]) < moved / 3
-            far = moved > min(reach, self._half_range.get(joint, inf))
-            if far and (there or rivals > 1 or joint in self._half_range):
-                return True
-        return False
+        moved = {joint: abs(position - track.positions.get(joint, position)) for joint, position in positions.items()}
+        far = [joint for joint in moved if moved[joint] > min(reach, self._half_range.get(joint, inf))]
+        off = {joint: abs(positions[joint] - self._elsewhere.get(joint, positions[joint])) for joint in far}
+        return any(rivals > 1 or off[joint] < moved[joint] / 3 for joint in far)
 
     def _recount(self) -> int:
         count = self._count()
         if count < self._counted:  # one has gone, and it is unknown which
-            self._groups, self._elsewhere = [], {}
+            self._groups, self._elsewhere, self._received = [], {}, {}
         self._counted, self._alone_for = count, 0 if count > 1 else COUNT_EVERY - 1
         return count
 
@@ -280,9 +282,8 @@ class _Plan(NamedTuple):
 
     @classmethod
     def of(cls, ranges: Ranges, message: JointState, report: JointReport) -> _Plan:
-        """Look up every name of a message."""
         indices = {name: i for i, name in enumerate(message.name[: len(message.position)]) if name in ranges}
-        places = tuple((joint, i, *_widened(ranges[joint])) for joint, i in indices.items())
+        places = tuple((joint, i, *_with_slack(ranges[joint])) for joint, i in indices.items())
         return cls(list(message.name), len(message.position), places, report._replace(outside=NameList()))
 
     def positions(self, received: Sequence[float]) -> dict[str, float] | None:
@@ -300,6 +301,5 @@ def _ranges(joints: Ranges | Iterable[str]) -> Ranges:
     return joints if isinstance(joints, Mapping) else dict.fromkeys(joints, (-inf, inf))
 
 
-def _widened(limits: tuple[float, float]) -> tuple[float, float]:
-    """Widen a range by what is not worth reporting, and limit it to what can be shown."""
+def _with_slack(limits: tuple[float, float]) -> tuple[float, float]:
     return max(limits[0] - SLACK, -SHOWABLE), min(limits[1] + SLACK, SHOWABLE)
