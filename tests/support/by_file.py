@@ -13,13 +13,33 @@ SHARED_OUT = {"test_notebooks_in_browser.py": 2, "test_cells_twice.py": 9}
 """Files whose tests are about one notebook each, and among how many workers they are shared at most. Of those in a
 browser each worker has a JupyterLab and a browser of its own: no more than two cores can bear."""
 
+LONG = {
+    "test_cells_twice.py",
+    "test_drive.py",
+    "test_two_machines.py",
+    "test_check.py",
+    "test_processes.py",
+    "test_behaviour.py",
+    "test_tables.py",
+}
+"""Files that keep a worker busy for long. If one of them came last, the other workers would wait for it."""
+
 MORE_THAN_CORES = 1  # workers, for tests often wait: for a discovery, a duration, or a process to end
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the notebooks and what is in a browser, so that in the end no core waits for another."""
-    items.sort(key=lambda item: item.path.suffix != ".ipynb" and item.get_closest_marker("browser") is None)
+    """Begin with the notebooks and what is in a browser, then the long files, so that all workers end together."""
+    items.sort(key=_turn)
+
+
+def _turn(item: pytest.Item) -> tuple[int, int]:
+    """Return a test's place in the order. Of the notebooks, larger files come first: they take longer."""
+    if item.path.suffix == ".ipynb":
+        return 0, -item.path.stat().st_size
+    if item.get_closest_marker("browser"):
+        return 0, 0
+    return (1 if item.path.name in LONG else 2), 0
 
 
 @pytest.hookimpl(tryfirst=True)
