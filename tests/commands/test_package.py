@@ -4,7 +4,7 @@ from xml.etree import ElementTree
 
 import pytest
 from click.testing import CliRunner
-from packages import CONTROLLERS, install, run
+from packages import CONTROLLERS, install, need_setuptools, run
 
 from tutorial.commands.package import package
 from tutorial.commands.packaging import contents
@@ -99,7 +99,7 @@ def test_catkin_pkg_reads_it_without_a_complaint(here):
 
 @pytest.mark.process
 def test_it_is_installed_where_ros2_looks(here):
-    pytest.importorskip("setuptools", reason="a package is installed by setuptools, which ROS 2 has")
+    need_setuptools()
     make("my_listener")
     make("my_tank", "--controller", "mine.py:TankController")
     prefix = here / "install"

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import pytest
 import yaml
-from packages import CONTROLLERS, install
+from packages import CONTROLLERS, install, need_setuptools
 from pictures import need_pictures
 from programs import PATIENCE, TANK, until
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
@@ -158,7 +158,7 @@ def test_a_whole_picture_arrives_in_a_real_topic_echo(rmw):
 
 
 def test_packages_are_run_and_launched_there(rmw, tmp_path):
-    pytest.importorskip("setuptools", reason="a package is installed by setuptools")
+    need_setuptools()
     (tmp_path / "mine.py").write_text(CONTROLLERS, encoding="utf-8")
     own = ("--controller", tmp_path / "mine.py:JointStatePublisher")
     for name, arguments in (("own_tank", own), ("plain_node", ())):
