@@ -38,16 +38,16 @@ def package(name: str, own: str | None, destination: Path, interfaces: bool) -> 
     folder = destination / name
     if interfaces and own is not None:
         raise click.UsageError("A package has interfaces or a controller: give --interfaces or --controller, not both.")
+    files, executable = (
+        (make_interfaces(name), "") if interfaces else make_package(name, part_class(own) if own else None)
+    )
+    _write(folder, files)
+    say("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
     if interfaces:
-        _write(folder, make_interfaces(name))
-        say("".join(f"{printable(str(path))}\n" for path in sorted(folder.rglob("*")) if path.is_file()))
         say("\nIf you add a file, list it in CMakeLists.txt. Build the package for the ROS 2 of tank ros install:\n\n")
         say(f"    tank ros build {printable(str(folder))}\n\n")
         say(f"or with a ROS 2 that you have sourced:\n\n    colcon build --packages-select {name}\n")
         return
-    files, executable = make_package(name, None if own is None else part_class(own))
-    _write(folder, files)
-    say("".join(f"{printable(str(folder / path))}\n" for path in sorted(files)))
     say("\nFill in its license, and its maintainer where git knows none, in package.xml and in setup.py. ")
     say("Its README.md says how to build and run it:\n\n")
     say(f"    colcon build --packages-select {name}\n    source install/setup.bash\n")

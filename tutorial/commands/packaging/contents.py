@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+from collections.abc import Mapping
 from importlib.util import decode_source
 from pathlib import Path
 from string import Template
@@ -55,23 +56,19 @@ def make_package(name: str, controller: tuple[Path, str | None] | None) -> tuple
         "quoted_maintainer": repr(maintainer),
         "email": email,
     }
-
-    def filled(template: str) -> bytes:
-        return Template((TEMPLATES / template).read_text(encoding="utf-8")).substitute(words).encode()
-
     files = {
-        "README.md": filled(f"{kind}/README.md.in"),
-        "package.xml": filled("package.xml.in"),
-        "setup.cfg": filled(f"{kind}/setup.cfg.in"),
-        "setup.py": filled("setup.py.in"),
+        "README.md": _filled(f"{kind}/README.md.in", words),
+        "package.xml": _filled("package.xml.in", words),
+        "setup.cfg": _filled(f"{kind}/setup.cfg.in", words),
+        "setup.py": _filled("setup.py.in", words),
         f"resource/{name}": b"",
         f"{name}/__init__.py": b"",
         f"{name}/{words['module']}.py": code,
-        f"launch/{name}.launch.py": filled("launch.py.in"),
-        f"test/test_{words['module']}.py": filled(f"{kind}/test.py.in"),
+        f"launch/{name}.launch.py": _filled("launch.py.in", words),
+        f"test/test_{words['module']}.py": _filled(f"{kind}/test.py.in", words),
     }
     if controller is not None:
-        files[f"{name}/node.py"] = filled("controller/node.py.in")
+        files[f"{name}/node.py"] = _filled("controller/node.py.in", words)
     return files, words["module"]
 
 
@@ -90,13 +87,13 @@ def make_interfaces(name: str) -> dict[str, bytes]:
     check_package_name(name)
     maintainer, email = find_maintainer()
     words = {"package": name, "maintainer": escape(maintainer), "email": email}
-    folder = TEMPLATES / "interfaces"
-    return {
-        path.relative_to(folder).as_posix().removesuffix(".in"): Template(path.read_text(encoding="utf-8"))
-        .substitute(words)
-        .encode()
-        for path in folder.rglob("*.in")
-    }
+    files = ("CMakeLists.txt", "package.xml", "msg/Target.msg", "srv/FindTarget.srv", "action/AimAt.action")
+    return {file: _filled(f"interfaces/{file}.in", words) for file in files}
+
+
+def _filled(template: str, words: Mapping[str, str]) -> bytes:
+    """Return a template's text with words in place of its variables."""
+    return Template((TEMPLATES / template).read_text(encoding="utf-8")).substitute(words).encode()
 
 
 def find_maintainer() -> tuple[str, str]:
