@@ -1,9 +1,9 @@
-"""``tank doctor``: what this machine has for the tutorial, what is in the way, and the mend.
+"""``tank doctor``: check whether the tutorial can run on this machine, and say how to fix what is wrong.
 
-What may crash or hang is asked in a process of its own, which answers in JSON.
+Checks that may crash or hang run in a process of their own, which prints its answer as JSON.
 """
 
-# ruff: noqa: PLC0415 - what may crash is imported only by the process that is asked
+# ruff: noqa: PLC0415 - modules that may crash are imported only in that process
 
 import asyncio
 import json
@@ -27,6 +27,7 @@ from tutorial.printing import say
 from tutorial.ros.backend import VARIABLE, ros_backend
 from tutorial.ros.loopback import TURN_ON, loopback_is_up, require_loopback
 from tutorial.ros.wheels import folder
+from tutorial.ros.wheels.folder import RANGE
 
 WIDTH = 100  # columns, of which the first 20 are for subject and level
 PATIENCE = 45  # [s] that an answer may take: a loaded machine is slow to import
@@ -38,7 +39,6 @@ SETUP = "/opt/ros/jazzy/setup.bash"
 Kind = Literal["pocket", "folder", "pixi", "sourced"]
 """Which ROS 2 is in use: the pocket ROS 2, a real one from PyPI's wheels or from RoboStack, or a sourced one."""
 
-RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 RANGES = {
     "LOCALHOST": "nodes on this machine only",
     "SUBNET": "nodes on all machines of this network",
@@ -50,12 +50,12 @@ BY_HAND = ("ROS_STATIC_PEERS", "ROS_LOCALHOST_ONLY", "CYCLONEDDS_URI")
 
 
 class Diagnosis(NamedTuple):
-    """What was found of one thing that was looked at.
+    """The result of one probe.
 
     Attributes:
-        level: ``"ok"``; ``"note"``, where something may surprise; ``"problem"``, where something does not work.
-        text: what there is.
-        mend: what to type or to do; a note and a problem have one.
+        level: ``"ok"``; ``"note"`` for what may surprise; ``"problem"`` for what does not work.
+        text: what the probe found.
+        mend: what to type or to do. Notes and problems have one.
     """
 
     level: Literal["ok", "note", "problem"]
@@ -64,10 +64,10 @@ class Diagnosis(NamedTuple):
 
 
 def doctor() -> int:
-    """Look at this machine, and print what there is: a line or a few for each thing.
+    """Run all probes, and print what each of them found.
 
     Returns:
-        The exit status: 0 where there is no problem, else 1.
+        The exit status: 1 if there is a problem, else 0.
     """
     levels = Counter[str]()
     with ThreadPoolExecutor(len(PROBES)) as pool:
@@ -88,21 +88,21 @@ def _looked(probe: Callable[[], Diagnosis]) -> Diagnosis:
 
 
 def _columns(label: str, text: str) -> str:
-    """Put a text beside its label; no word is broken, so that paths and commands can be copied."""
+    """Wrap a text beside its label, without breaking words, so that paths and commands can be copied."""
     indent = " " * 20
     wrapper = textwrap.TextWrapper(WIDTH, label, indent, break_long_words=False, break_on_hyphens=False)
     return wrapper.fill(text) + "\n"
 
 
 def ask(question: Callable[[], Any], patience: float = PATIENCE) -> Any:
-    """Answer a question in a process of its own.
+    """Call a function in a process of its own, and return its result.
 
     Args:
         question: one of this module's functions.
         patience: how long it may take [s].
 
     Raises:
-        TutorialError: it crashed, failed or took too long; the text says so.
+        TutorialError: it crashed, failed or took too long; the text says which.
     """
     code = f"import json; from {__name__} import {question.__name__} as ask; print(json.dumps(ask()))"
     command = [sys.executable, "-P", "-X", "utf8", "-c", code]
@@ -119,7 +119,7 @@ def ask(question: Callable[[], Any], patience: float = PATIENCE) -> Any:
 
 
 def mujoco() -> Diagnosis:
-    """Say which MuJoCo there is, and whether it renders the pictures of a camera."""
+    """Report MuJoCo's version, and whether it renders the pictures of a camera."""
     try:
         version, problem = ask(_mujoco)
     except TutorialError as error:
@@ -131,7 +131,7 @@ def mujoco() -> Diagnosis:
 
 
 def packages() -> Diagnosis:
-    """Say what ``pip check`` says of the installed packages."""
+    """Report what ``pip check`` prints."""
     command = [sys.executable, "-m", "pip", "check", "--disable-pip-version-check"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False)
     text = done.stdout.strip() or done.stderr.strip()
@@ -144,31 +144,32 @@ def packages() -> Diagnosis:
 def backend() -> Diagnosis:
     """Report which ROS 2 is in use, and why."""
     wanted, distro = os.environ.get(VARIABLE), os.environ.get("ROS_DISTRO")
+    pocket = f"export {VARIABLE}=pocket"
     try:
         kind = _kind()
     except TutorialError as error:
-        pocket = f"unset {VARIABLE}" if wanted else f"export {VARIABLE}=pocket"
-        return Diagnosis("problem", str(error), f"or use the pocket ROS 2: {pocket}")
-    name = {
-        "pocket": "the pocket ROS 2, on Cyclone DDS",
-        "folder": "the real ROS 2 of tank ros install",
-        "pixi": f"ROS 2 {distro or 'jazzy'} of RoboStack",
-        "sourced": f"ROS 2 {distro or '(ROS_DISTRO is not set)'}",
+        return Diagnosis("problem", str(error), f"or use the pocket ROS 2: {f'unset {VARIABLE}' if wanted else pocket}")
+    cyclonedds = f"{PIP} cyclonedds" if folder.is_supported() or sys.platform == "darwin" else folder.how_to_get_it()
+    jazzy = f". {SETUP}, or {pocket}" if Path(SETUP).exists() else pocket
+    name, repair = {
+        "pocket": ("the pocket ROS 2, on Cyclone DDS", cyclonedds),
+        "folder": ("the real ROS 2 of tank ros install", "tank ros remove, then tank ros install"),
+        "pixi": (f"ROS 2 {distro or 'jazzy'} of RoboStack", "rm -r .pixi, then pixi run doctor"),
+        "sourced": (f"ROS 2 {distro or '(ROS_DISTRO is not set)'}", jazzy),
     }[kind]
     finds = "no rclpy" if kind == "pocket" else "it"
     text = f"{name}, because {f'{VARIABLE}={wanted}' if wanted else f'this Python finds {finds}'}"
     try:
         version, file, rmw = ask(_rclpy)
     except TutorialError as error:
-        return Diagnosis("problem", f"{text}; but it is broken: {error}", _repair(kind))
+        return Diagnosis("problem", f"{text}; but it is broken: {error}", repair)
     if kind != "pocket":
         text += f": rclpy {version}, {file}, on {rmw}"
     if rmw == "rmw_zenoh_cpp":
         text += ", which does not speak DDS: nodes on DDS do not hear it"
         return Diagnosis("note", text, "export RMW_IMPLEMENTATION=rmw_cyclonedds_cpp")
     if kind == "sourced" and distro != "jazzy":
-        source = f". {SETUP}" if Path(SETUP).exists() else f"export {VARIABLE}=pocket"
-        return Diagnosis("note", f"{text}. The tutorial is made for jazzy", source)
+        return Diagnosis("note", f"{text}. The tutorial is made for jazzy", repair)
     if kind == "pocket" and distro and not wanted:
         text += f", although ROS 2 {distro} is set up in this shell"
         mend = "python3.12 -m venv --system-site-packages ~/tank-ros; activate it, and source ROS 2's setup.bash again"
@@ -185,25 +186,13 @@ def _kind() -> Kind:
     if ros_backend() == "pocket":
         return "pocket"
     rclpy = real_rclpy()
-    if rclpy is None or folder.has(rclpy):  # None: the folder has lost it
+    if rclpy is None or rclpy.is_relative_to(folder.prefix()):  # None: the folder has lost it
         return "folder"
     return "pixi" if (Path(sys.prefix) / "conda-meta").is_dir() else "sourced"
 
 
-def _repair(kind: Kind) -> str:
-    """Return how to repair a ROS 2 that cannot be imported."""
-    if kind == "pocket":
-        return f"{PIP} cyclonedds" if folder.is_supported() or sys.platform == "darwin" else folder.how_to_get_it()
-    if kind == "folder":
-        return "tank ros remove, then tank ros install"
-    if kind == "pixi":
-        return "rm -r .pixi, then pixi run doctor"
-    pocket = f"the pocket ROS 2: export {VARIABLE}=pocket"
-    return f". {SETUP}, with Python 3.12; {pocket}" if Path(SETUP).exists() else pocket
-
-
 def discovery() -> Diagnosis:
-    """Say in plain words how far the nodes here look for others, and what was set by hand."""
+    """Report how far nodes look for other nodes, and which variables change that."""
     reach = os.environ.get(RANGE) or ("SUBNET" if ros_backend() == "rclpy" else "LOCALHOST")
     if reach not in RANGES:
         return Diagnosis("problem", f"{RANGE} is {reach!r}.{did_you_mean(reach, RANGES)}", f"unset {RANGE}")
@@ -220,7 +209,7 @@ def discovery() -> Diagnosis:
 
 
 def domain() -> Diagnosis:
-    """Say which domain nodes meet in, who is there, and which names are there more than once."""
+    """Report the domain, the nodes in it, and the names that several of them share."""
     number = os.environ.get("ROS_DOMAIN_ID") or "0"
     ros_backend()
     require_loopback()
@@ -246,11 +235,11 @@ PROBES: dict[str, Callable[[], Diagnosis]] = {
     "discovery": discovery,
     "domain": domain,
 }
-"""What is looked at, all at once, in the order in which a reader wants to know."""
+"""All probes, by subject, in the order in which their results are printed. They run at the same time."""
 
 
 def _mujoco() -> tuple[str, tuple[str, str] | None]:
-    """Which MuJoCo can be imported, and why it does not render, with the mend."""
+    """Return MuJoCo's version, and why it does not render, with what to do about it."""
     import mujoco
 
     from tutorial.view import offscreen
@@ -263,7 +252,7 @@ def _mujoco() -> tuple[str, tuple[str, str] | None]:
 
 
 def _rclpy() -> tuple[str, str | None, str]:
-    """Which rclpy can be imported, where it is, and through which middleware it talks."""
+    """Return rclpy's version, its file and its middleware."""
     import rclpy
     from rclpy.utilities import get_rmw_implementation_identifier
 
@@ -272,7 +261,7 @@ def _rclpy() -> tuple[str, str | None, str]:
 
 
 def _nodes() -> list[str]:
-    """Who is in the graph, but for hidden nodes, which this one is."""
+    """Return the names of the nodes in the graph, without hidden nodes such as this one."""
     from tutorial.ros.node_thread import NodeThread
     from tutorial.ros.topics.graph import wait_for_graph
     from tutorial.ros.topics.listing import node_names
