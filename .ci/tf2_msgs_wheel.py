@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 from tutorial.ros.wheels import folder
 from tutorial.ros.wheels.install import install
-from tutorial.ros.wheels.interfaces import TF2_MSGS, install_tf2_msgs
+from tutorial.ros.wheels.interfaces import TF2_MSGS, build_tf2_msgs
 
 METADATA = """\
 Metadata-Version: 2.1
@@ -31,7 +31,7 @@ def main(date: str, target: str) -> None:
     prefix = folder.prefix()
     site = folder.site_packages(prefix)
     install(lambda _: None)
-    install_tf2_msgs(prefix, lambda _: None)
+    build_tf2_msgs(prefix, lambda _: None)
     version = f"{ElementTree.parse(TF2_MSGS / 'package.xml').findtext('version')}.post{date}"
     with tempfile.TemporaryDirectory() as place:
         root = Path(place, f"tank_tf2_msgs-{version}")

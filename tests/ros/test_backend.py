@@ -35,7 +35,9 @@ def rclpy(tmp_path):
 
 
 def test_rclpy_for_another_python(rclpy):
-    with pytest.raises(TutorialError, match=rf"is for Python 3\.10, and this is Python {OURS}\. .*TUTORIAL_ROS=pocket"):
+    with pytest.raises(
+        TutorialError, match=rf"python3\.10/.* is for another Python than this one, python{OURS}\. .*=pocket"
+    ):
         _check_version(rclpy)
 
 
@@ -66,7 +68,7 @@ def run(code, **variables):
 )
 def test_every_entry_point_says_so(rclpy, code):
     said = run(code, PYTHONPATH=str(rclpy.parent))
-    assert "is for Python 3.10" in said
+    assert "is for another Python" in said
     assert "step2.yaml" not in said
 
 
@@ -82,7 +84,10 @@ def test_every_entry_point_says_so(rclpy, code):
         ("(made / 'runtime.txt').write_text('older'); use_real_ros()", "out of date. Type tank ros install."),
         ("shutil.rmtree(made); use_real_ros()", "not installed. Type tank ros install."),
         ("os.environ['RMW_IMPLEMENTATION'] = 'rmw_x'; use_real_ros()", "has only 'rmw_fastrtps_cpp'"),
-        ("use_real_ros(); from tf2_msgs.msg import TFMessage", "needs a C++ compiler. Install one"),
+        (
+            "use_real_ros(); from tf2_msgs.msg import TFMessage",
+            "Type tank ros install again when you have g++ and Python.h",
+        ),
         ("use_real_ros(); import tf2_ros", "RoboStack and Ubuntu's packages have all of ROS 2"),
         ("os.environ['TUTORIAL_ROS'] = 'x'; promise(); use_real_ros(); import rclpy; print('found')", "found"),
     ],
@@ -94,6 +99,7 @@ def test_use_real_ros(tmp_path, code, said):
     package = folder.site_packages(made) / "rclpy"
     package.mkdir(parents=True)
     (package / "__init__.py").touch()
+    (package / f"_rclpy_pybind11{EXTENSION_SUFFIXES[0]}").touch()
     (made / "runtime.txt").write_bytes(folder.WHEELS.read_bytes())
     assert said in run(f"{START.format(made=str(made))}{code}")
 

@@ -128,7 +128,6 @@ def joy(ros_args: list[str], drive: str | None, duration: float | None, linger: 
 @report_option
 def launch(step: str, duration: float | None, headless: bool, report: Path | None) -> int:
     """Run a launch file: STEP is a path, or the name of one of the tutorial's, such as step3."""
-    ros_backend()  # or each of the processes would report that it has no ROS 2
     return _launch(step, duration, headless, report)
 
 
@@ -141,7 +140,6 @@ def demo(duration: float | None, headless: bool) -> int:
 
     from tutorial.commands.demo import read_records, summary
 
-    ros_backend()
     if duration is None and not (sys.stdin.isatty() and sys.stdout.isatty()):
         duration = 20.0
     say("A joystick, a simulation and a viewer, three programs that talk over ROS 2 topics.\n")
@@ -277,6 +275,7 @@ def _launch(step: str, duration: float | None, headless: bool, report: Path | No
     from tutorial.commands.launcher import Launcher, load_launch_file
     from tutorial.paths import find_launch_file
 
+    ros_backend()  # or each of the processes would report that it has no ROS 2
     environment: dict[str, str] = {}
     if duration is not None:
         environment |= {"TANK_DURATION": str(duration), "TANK_LINGER": str(LINGER + duration)}

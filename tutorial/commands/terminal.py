@@ -115,7 +115,7 @@ def progress_bar(duration: float | None) -> Iterator[Callable[[float], object]]:
 
 @contextmanager
 def status_line() -> Iterator[Callable[[str], object]]:
-    """Make a line on stderr that says how far it is, where nobody knows when it will end; only on a terminal."""
-    line = tqdm(bar_format="{desc}", disable=None, leave=False)
+    """Show a line on stderr, as wide as the terminal, for work of unknown length; nothing if stderr is no terminal."""
+    line = tqdm(bar_format="{desc}", disable=None, leave=False, dynamic_ncols=True)
     with line, logging_redirect_tqdm():
         yield line.set_description_str

@@ -1,8 +1,8 @@
 """Which ROS 2 is in use: a real one if this Python finds it or the user asks for it, else the pocket ROS 2."""
 
 import os
-import re
 import sys
+from collections.abc import Callable
 from functools import cache
 from importlib.abc import MetaPathFinder
 from importlib.machinery import EXTENSION_SUFFIXES
@@ -28,31 +28,7 @@ def ros_backend() -> Backend:
     Raises:
         TutorialError: ``TUTORIAL_ROS`` has another value, or the ROS 2 that was asked for cannot be used.
     """
-    wanted = os.environ.get(VARIABLE, "")
-    if wanted not in ("", "rclpy", "pocket"):
-        raise TutorialError(f"{VARIABLE} is {wanted!r}.{did_you_mean(wanted, ('rclpy', 'pocket'))}")
-    import pocket_ros2  # noqa: PLC0415  (which makes an rclpy importable)
-
-    if wanted == "pocket":
-        pocket_ros2.install(first=True)
-        return "pocket"
-    sourced = pocket_ros2.real_rclpy()
-    if sourced is not None:
-        _check_version(sourced)
-    elif wanted == "":
-        return "pocket"
-    if sourced is None or folder.has(sourced):
-        folder.check()
-    if wanted == "rclpy" and not pocket_ros2.uninstall():
-        raise TutorialError(
-            "the pocket ROS 2 is in use already. Choose the real one before anything of ROS 2 is imported: "
-            "in a notebook, restart the kernel, and run the cell with use_real_ros() first."
-        )
-    if sourced is None:
-        folder.activate()
-        for reason, names in folder.MISSING.items():
-            sys.meta_path.append(_Refusal(reason, *names))  # last: called only if no finder finds a module
-    return "rclpy"
+    return _choose(os.environ.get(VARIABLE, ""))
 
 
 def use_real_ros() -> None:
@@ -67,18 +43,9 @@ def use_real_ros() -> None:
     Raises:
         TutorialError: the pocket ROS 2 is already in use, or no real ROS 2 can be used; the text says what to do.
     """
-    before = os.environ.get(VARIABLE)
-    refusals = [finder for finder in sys.meta_path if isinstance(finder, _Refusal) and finder.refuses("rclpy")]
+    _choose("rclpy")
     os.environ[VARIABLE] = "rclpy"
     ros_backend.cache_clear()
-    try:
-        ros_backend()
-        sys.meta_path[:] = [finder for finder in sys.meta_path if finder not in refusals]
-    except TutorialError:
-        os.environ.pop(VARIABLE)
-        if before is not None:
-            os.environ[VARIABLE] = before
-        raise
 
 
 def promise() -> None:
@@ -88,28 +55,59 @@ def promise() -> None:
     """
     try:
         ros_backend()
-    except TutorialError as error:
-        sys.meta_path.insert(0, _Refusal(str(error), "rclpy", "_msgs", "_interfaces"))
+    except TutorialError:
+        sys.meta_path.insert(0, _Guard(_require_backend))
 
 
-class _Refusal(MetaPathFinder):
-    """Raises an error when certain packages are imported.
+class _Guard(MetaPathFinder):
+    """Checks each import.
 
     Args:
-        reason: the error's text.
-        names: the packages' names; one that begins with an underscore stands for all that end like this.
+        check: called with the full name of a module. It raises an error if the module must not be imported.
     """
 
-    def __init__(self, reason: str, *names: str) -> None:
-        self._reason, self._names = reason, names
-        self._endings = tuple(name for name in names if name.startswith("_"))
-
-    def refuses(self, name: str) -> bool:
-        return name in self._names or name.endswith(self._endings)
+    def __init__(self, check: Callable[[str], None]) -> None:
+        self._check = check
 
     def find_spec(self, fullname: str, _path: object = None, _target: object = None) -> None:
-        if self.refuses(fullname):
-            raise TutorialError(self._reason)
+        self._check(fullname)
+
+
+def _require_backend(module: str) -> None:
+    """Raise the error of `ros_backend`, if it still has one, for a module of ROS 2."""
+    if module == "rclpy" or module.endswith(("_msgs", "_interfaces")):
+        ros_backend()
+
+
+def _choose(wanted: str) -> Backend:
+    """Make the rclpy importable that a value of ``TUTORIAL_ROS`` asks for.
+
+    Raises:
+        TutorialError: the value is not valid, or the ROS 2 that it asks for cannot be used.
+    """
+    if wanted not in ("", "rclpy", "pocket"):
+        raise TutorialError(f"{VARIABLE} is {wanted!r}.{did_you_mean(wanted, ('rclpy', 'pocket'))}")
+    import pocket_ros2  # noqa: PLC0415  (which makes an rclpy importable)
+
+    if wanted == "pocket":
+        pocket_ros2.install(first=True)
+        return "pocket"
+    sourced = pocket_ros2.real_rclpy()
+    if sourced is None and wanted == "":
+        return "pocket"
+    if sourced is not None:
+        _check_version(sourced)
+    if sourced is None or sourced.is_relative_to(folder.prefix()):
+        folder.check()
+    if wanted == "rclpy" and not pocket_ros2.uninstall():
+        raise TutorialError(
+            "the pocket ROS 2 is in use already. Choose the real one before anything of ROS 2 is imported: "
+            "in a notebook, restart the kernel, and run the cell with use_real_ros() first."
+        )
+    if sourced is None:
+        folder.activate()
+        sys.meta_path.append(_Guard(folder.explain_missing))  # last: called only if no finder finds a module
+    return "rclpy"
 
 
 def _check_version(rclpy: Path) -> None:
@@ -118,12 +116,8 @@ def _check_version(rclpy: Path) -> None:
     Raises:
         TutorialError: it was compiled for another Python.
     """
-    if any((rclpy / f"_rclpy_pybind11{suffix}").exists() for suffix in EXTENSION_SUFFIXES):
-        return
-    version = re.search(r"python(3\.\d+)", str(rclpy))
-    theirs = f"Python {version[1]}" if version else "another Python"
-    ours = f"Python {sys.version_info.major}.{sys.version_info.minor}"
-    raise TutorialError(
-        f"the ROS 2 in {rclpy} is for {theirs}, and this is {ours}. "
-        f"Open a terminal in which it is not sourced, or type export {VARIABLE}=pocket."
-    )
+    if not any((rclpy / f"_rclpy_pybind11{suffix}").exists() for suffix in EXTENSION_SUFFIXES):
+        raise TutorialError(
+            f"the ROS 2 in {rclpy} is for another Python than this one, {folder.PYTHON}. "
+            f"Open a terminal in which it is not sourced, or type export {VARIABLE}=pocket."
+        )

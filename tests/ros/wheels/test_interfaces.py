@@ -19,6 +19,7 @@ from tutorial.commands.packaging.contents import make_interfaces
 from tutorial.errors import TutorialError
 from tutorial.paths import HOME
 from tutorial.ros.wheels import folder, interfaces
+from tutorial.ros.wheels.definitions import find_mistake
 from tutorial.ros.wheels.interfaces import build_interfaces
 
 PAGE = (HOME / "book/own_interfaces.md").read_text(encoding="utf-8")
@@ -40,7 +41,8 @@ def listings(language):
 @pytest.fixture(scope="module")
 def prefix():
     """A copy of the real ROS 2's folder, so that nothing is built into the learner's own."""
-    problem = interfaces.missing_compiler() if folder.is_complete(folder.prefix()) else folder.how_to_get_it()
+    problem = "" if interfaces.can_build() else folder.COMPILER
+    problem = problem if folder.is_complete(folder.prefix()) else folder.how_to_get_it()
     if problem:
         (pytest.fail if os.environ.get("CI") == "true" and folder.is_supported() else pytest.skip)(problem)
     with tempfile.TemporaryDirectory(dir=folder.prefix().parent) as place:
@@ -103,16 +105,12 @@ def test_no_interface_package(mine, tmp_path, spoil):
         build_interfaces(mine, tmp_path, lambda _: None)
 
 
-@pytest.mark.parametrize(
-    ("missing", "said"), [("compiler", "apt install g[+][+], or on Fedora"), ("headers", "apt install python3.*-dev")]
-)
-def test_missing_compiler(mine, tmp_path, monkeypatch, missing, said):
-    if missing == "compiler":
-        monkeypatch.setattr(interfaces.shutil, "which", lambda _: None)
-    else:
-        monkeypatch.setattr(interfaces.shutil, "which", lambda name: name)
+@pytest.mark.parametrize("missing", ["compiler", "headers"])
+def test_missing_compiler(mine, tmp_path, monkeypatch, missing):
+    monkeypatch.setattr(interfaces.shutil, "which", {"compiler": lambda _: None, "headers": str}[missing])
+    if missing == "headers":
         monkeypatch.setattr(interfaces.sysconfig, "get_path", lambda _: "/nowhere")
-    with pytest.raises(TutorialError, match=said):
+    with pytest.raises(TutorialError, match=r"apt install g[+][+] python3[.]\d+-dev, or on Fedora"):
         build_interfaces(mine, tmp_path, lambda _: None)
     assert not (tmp_path / "build").exists()
 
@@ -123,36 +121,41 @@ class TestBuilds:
     @pytest.mark.parametrize(
         ("file", "content", "said"),
         [
-            (
-                "msg/Target.msg",
-                "float64 size\nfloat46 x",
-                "Target.msg, line 2 (float46 x): InvalidResourceName: 'float46'",
-            ),
-            ("msg/Target.msg", "float64 a\nfloat64 a", "Target.msg, line 2 (float64 a): ValueError"),
-            ("msg/Target.msg", "\nuint8 A=300", "Target.msg, line 2 (uint8 A=300): InvalidValue"),
-            ("msg/Target.msg", "float64 Size", "Target.msg, line 1 (float64 Size): NameError"),
-            ("msg/Target.msg", "float64", "Target.msg, line 1 (float64): InvalidFieldDefinition"),
-            ("msg/Target.msg", "foo_msgs/Bar x", "there is no message foo_msgs/Bar"),
-            ("msg/Target.msg", "Bar x", "there is no message mine_msgs/Bar"),
-            ("msg/Target.msg", "sensor_msgs/Imu x", "CMakeLists.txt needs find_package(sensor_msgs REQUIRED)"),
-            ("srv/FindTarget.srv", "string name\n---\nbol found", "FindTarget.srv, line 3 (bol found)"),
-            (
-                "srv/FindTarget.srv",
-                "string name",
-                "FindTarget.srv has 1 part(s) separated by ---, but a .srv file needs 2",
-            ),
-            ("action/AimAt.action", "string name\n---", "AimAt.action has 2 part(s)"),
+            ("msg/Target.msg", "float64 size\nfloat46 x", "msg/Target.msg: InvalidResourceName: 'float46' is an"),
+            ("msg/Target.msg", "float64 a\nfloat64 a", "Target.msg: ValueError: the fields iterable contains dupl"),
+            ("msg/Target.msg", "\nuint8 A=300", "Target.msg: InvalidValue: value '300' can not be converted to typ"),
+            ("msg/Target.msg", "float64 Size", "Target.msg: NameError: 'Size' is an invalid field name"),
+            ("msg/Target.msg", "float64", "Target.msg: InvalidFieldDefinition: float64"),
+            ("msg/Target.msg", "string \xff", "Target.msg: UnicodeDecodeError"),
+            ("msg/Target.msg", "foo_msgs/Bar x", "Target.msg: there is no message foo_msgs/Bar"),
+            ("msg/Target.msg", "Bar[] x", "there is no message mine_msgs/Bar"),
+            ("msg/Target.msg", "sensor_msgs/Imu x", "CMakeLists.txt needs find_package(sensor_msgs REQUIRED), and"),
+            ("srv/FindTarget.srv", "string name\n---\nbol found", "FindTarget.srv: InvalidResourceName: 'bol'"),
+            ("srv/FindTarget.srv", "string name", "FindTarget.srv: InvalidServiceSpecification: Could not find sep"),
+            ("action/AimAt.action", "string name\n---", "AimAt.action: InvalidActionSpecification: Number of '---'"),
+            ("action/AimAt.action", "---\n---\nBar x", "AimAt.action: there is no message mine_msgs/Bar"),
         ],
     )
-    def test_line_of_a_mistake(self, prefix, mine, file, content, said):
-        (mine / file).write_text(content)
-        mistake = interfaces._explain("", mine, "mine_msgs", prefix, interfaces._environment(prefix, prefix / "build"))
-        assert said in mistake
+    def test_mistake(self, prefix, mine, file, content, said):
+        (mine / file).write_text(content, "latin-1")
+        assert said in find_mistake(mine, "mine_msgs", prefix)
+
+    def test_no_mistake(self, prefix, mine):
+        (mine / "msg/Fine.msg").write_text(
+            "# A note\nuint8 A=1\nTarget[<=3] b # Note\ngeometry_msgs/Point[3] c\nstring<=9 d"
+        )
+        assert find_mistake(mine, "mine_msgs", prefix) == ""
+        assert find_mistake(interfaces.TF2_MSGS, "tf2_msgs", prefix) == ""
 
     @pytest.mark.parametrize(
         ("file", "old", "new", "said"),
         [
-            ("msg/Target.msg", "string", "strin", "mine_msgs could not be built: msg/Target.msg, line 2 (strin name)"),
+            (
+                "msg/Target.msg",
+                "string",
+                "strin",
+                "mine_msgs could not be built: msg/Target.msg: InvalidResourceName: 'strin'",
+            ),
             ("CMakeLists.txt", "(geometry_msgs", "(geometri_msgs", "there is no package 'geometri_msgs'"),
             ("CMakeLists.txt", "project(mine_msgs)", "project(other)", "'mine_msgs' .* does not match"),
             ("CMakeLists.txt", "msg/Target", "msg/Targt", "the passed file 'msg/Targt.msg' doesn't exist"),

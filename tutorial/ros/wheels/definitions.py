@@ -1,60 +1,45 @@
-"""Find the first mistake in interface definitions: ``python definitions.py PACKAGE PREFIX FILE...`` prints it.
+"""Find a mistake in the definitions of an interface package.
 
-ROS 2's own parser says what is wrong, but not in which line. It is called with more and more lines until it fails. This
-runs in a process of its own, because the parser is in the folder of the real ROS 2.
+ROS 2's generators often fail with an error that does not name the file, or with a bare KeyError.
 """
 
-import sys
+import re
+import runpy
 from contextlib import redirect_stderr
 from io import StringIO
 from pathlib import Path
-from typing import Any
 
-PARTS = {".msg": 1, ".srv": 2, ".action": 3}
-"""The number of parts into which ``---`` divides a definition."""
+from tutorial.ros.wheels import folder
 
+KINDS = {"msg": "message", "srv": "service", "action": "action"}
 
-def main(package: str, prefix: str, *files: str) -> None:
-    """Print the first mistake in some files, and where it is; nothing if there is none."""
-    mistakes = filter(None, (_find_mistake(package, Path(prefix), Path(file)) for file in files))
-    sys.stdout.write(next(mistakes, ""))
+MESSAGE = re.compile(r"^(?:(\w+)/)?([A-Z]\w*)", re.MULTILINE)
+"""A field's type that is a message, and its package. The types of constants and of other fields are in lower case."""
 
 
-def _find_mistake(package: str, prefix: Path, file: Path) -> str:
-    from rosidl_adapter.parser import parse_message_string  # noqa: PLC0415 - no other Python finds it
+def find_mistake(source: Path, package: str, prefix: Path) -> str:
+    """Return the first mistake in the definitions of a package, and its file; empty if there is none.
 
-    place = f"{file.parent.name}/{file.name}"
-    lines = file.read_text(encoding="utf-8").splitlines()
-    ends = [number for number, line in enumerate(lines) if line.strip() == "---"] + [len(lines)]
-    if len(ends) != PARTS[file.suffix]:
-        return f"{place} has {len(ends)} part(s) separated by ---, but a {file.suffix} file needs {PARTS[file.suffix]}"
-    start = 0
-    for end in ends:
-        for last in range(start, end):
-            try:
-                with redirect_stderr(StringIO()):  # the parser also prints some of its errors
-                    message = parse_message_string(package, file.stem, "\n".join(lines[start : last + 1]))
-                _check_types(message, package, prefix, file.parents[1])
-            except Exception as error:  # noqa: BLE001 - the parser raises a dozen kinds, NameError among them
-                return f"{place}, line {last + 1} ({lines[last].strip()}): {type(error).__name__}: {error}"
-        start = end + 1
-    return ""
-
-
-def _check_types(message: Any, package: str, prefix: Path, source: Path) -> None:
-    """Check that the message type of the last field exists, and that its package is known to the build.
-
-    Raises:
-        LookupError: there is no such message, or CMakeLists.txt does not name its package.
+    Args:
+        source: the package's folder.
+        package: its name.
+        prefix: the folder of the real ROS 2, which has its parser and the messages of other packages.
     """
-    for kind in (field.type for field in message.fields[-1:] if not field.type.is_primitive_type()):
-        other = kind.pkg_name
-        home = source if other == package else prefix / "share" / other
-        if not (home / f"msg/{kind.type}.msg").exists():
-            raise LookupError(f"there is no message {other}/{kind.type}")
-        if other != package and other not in (source / "CMakeLists.txt").read_text(encoding="utf-8"):
-            raise LookupError(f"CMakeLists.txt needs find_package({other} REQUIRED), and {other} after DEPENDENCIES")
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
+    parser = runpy.run_path(str(folder.site_packages(prefix) / "rosidl_adapter/parser.py"))
+    makes = (source / "CMakeLists.txt").read_text(encoding="utf-8")
+    for kind, name in KINDS.items():
+        for file in sorted(source.glob(f"{kind}/*.{kind}")):
+            place = f"{kind}/{file.name}"
+            try:
+                with redirect_stderr(StringIO()):  # it also prints some of its errors
+                    parser[f"parse_{name}_file"](package, file)
+            except Exception as error:  # noqa: BLE001 - it raises a dozen kinds, NameError among them
+                return f"{place}: {type(error).__name__}: {error}"
+            for other, message in MESSAGE.findall(file.read_text(encoding="utf-8")):
+                home = prefix / "share" / other if other not in ("", package) else source
+                if not (home / f"msg/{message}.msg").exists():
+                    return f"{place}: there is no message {other or package}/{message}"
+                if home != source and other not in makes:
+                    call = f"find_package({other} REQUIRED)"
+                    return f"{place}: CMakeLists.txt needs {call}, and {other} after DEPENDENCIES"
+    return ""

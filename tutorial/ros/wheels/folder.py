@@ -15,37 +15,26 @@ from tutorial.paths import PACKAGE, is_course
 WHEELS = Path(__file__).with_name("runtime.txt")
 """What the folder is made of: each wheel with its version and its hashes."""
 
+ABOUT = WHEELS.with_name("about.txt")
+"""What users should know about these wheels."""
+
 RMW = "rmw_fastrtps_cpp"
 """The only RMW among the wheels."""
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
-NO_TF2_MSGS = (
-    "the real ROS 2 of tank ros install has no tf2_msgs yet, because building it needs a C++ compiler. Install one "
-    "(Debian and Ubuntu: sudo apt install g++ python3-dev), then type tank ros install again."
-)
-
-NOT_ON_PYPI = (
-    "the real ROS 2 of tank ros install has only what PyPI has, and this package is not among it. RoboStack and "
-    "Ubuntu's packages have all of ROS 2: see book/real_ros2.md."
-)
-
-MISSING = {
-    NO_TF2_MSGS: ("tf2_msgs",),
-    NOT_ON_PYPI: (
-        "example_interfaces",
-        "launch",
-        "launch_ros",
-        "message_filters",
-        "rosbag2_py",
-        "tf2_ros",
-        "turtlesim",
-    ),
-}
-"""Why packages that many programs import are missing in the folder."""
+PYTHON = f"python{sys.version_info.major}.{sys.version_info.minor}"
 
 TAG = f"cp{sys.version_info.major}{sys.version_info.minor}"
 """This Python, as wheels name it: a folder serves one version of Python."""
+
+COMPILER = f"g++ and Python.h: sudo apt install g++ {PYTHON}-dev, or on Fedora sudo dnf install gcc-c++ python3-devel."
+"""What building an interface package needs, and how to install it."""
+
+NO_TF2_MSGS = f"tf2_msgs is not built yet. Type tank ros install again when you have {COMPILER}"
+
+NOT_ON_PYPI = ("example_interfaces", "launch", "launch_ros", "message_filters", "rosbag2_py", "tf2_ros", "turtlesim")
+"""Packages that many programs import, and that the folder lacks."""
 
 
 def prefix() -> Path:
@@ -59,13 +48,20 @@ def prefix() -> Path:
 
 def site_packages(folder: Path) -> Path:
     """Return the part of a folder that belongs on Python's path."""
-    return folder / f"lib/python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
+    return folder / "lib" / PYTHON / "site-packages"
 
 
-def is_complete(folder: Path) -> bool:
-    """Return whether all wheels of the current list are in a folder: the list itself is put there last."""
-    copy = folder / WHEELS.name
-    return copy.is_file() and copy.read_bytes() == WHEELS.read_bytes()
+def is_complete(folder: Path, wheels: Path = WHEELS) -> bool:
+    """Return whether all wheels of a list are in a folder: a copy of the list is put there last."""
+    copy = folder / wheels.name
+    return copy.is_file() and copy.read_bytes() == wheels.read_bytes()
+
+
+def state() -> str:
+    """Return whether the folder is installed, out of date or not installed, in these words."""
+    if is_complete(prefix()):
+        return "installed"
+    return "out of date" if prefix().exists() else "not installed"
 
 
 def check() -> None:
@@ -74,14 +70,12 @@ def check() -> None:
     Raises:
         TutorialError: the folder is not complete, or RMW_IMPLEMENTATION names an RMW that it lacks.
     """
-    folder = prefix()
-    if not is_complete(folder):
-        state = "out of date" if folder.exists() else "not installed"
-        raise TutorialError(f"the real ROS 2 in {folder} is {state}. {how_to_get_it()}")
+    if state() != "installed":
+        raise TutorialError(f"the real ROS 2 in {prefix()} is {state()}. {how_to_get_it()}")
     rmw = os.environ.get("RMW_IMPLEMENTATION") or RMW
     if rmw != RMW:
         raise TutorialError(
-            f"RMW_IMPLEMENTATION is {rmw!r}, but the ROS 2 in {folder} has only {RMW!r}. "
+            f"RMW_IMPLEMENTATION is {rmw!r}, but the ROS 2 in {prefix()} has only {RMW!r}. "
             "Type unset RMW_IMPLEMENTATION, or source a ROS 2 that has it."
         )
 
@@ -93,17 +87,20 @@ def activate() -> None:
     Child processes inherit the setting.
     """
     sys.path.append(str(site_packages(prefix())))
-    os.environ[RANGE] = discovery_range()
+    os.environ[RANGE] = os.environ.get(RANGE) or "LOCALHOST"
 
 
-def discovery_range() -> str:
-    """Return how far nodes on the folder's ROS 2 look for others: this machine, unless a variable says otherwise."""
-    return os.environ.get(RANGE) or "LOCALHOST"
+def explain_missing(module: str) -> None:
+    """Explain why the folder lacks a module, if it is one that many programs import.
 
-
-def has(rclpy: Path) -> bool:
-    """Return whether an rclpy, given by its folder, is the one in here."""
-    return rclpy.is_relative_to(prefix())
+    Raises:
+        TutorialError: the folder lacks it.
+    """
+    if module == "tf2_msgs":
+        raise TutorialError(NO_TF2_MSGS)
+    if module in NOT_ON_PYPI:
+        others = "RoboStack and Ubuntu's packages have all of ROS 2: see book/real_ros2.md."
+        raise TutorialError(f"the real ROS 2 of tank ros install has no {module}, because PyPI lacks it. {others}")
 
 
 def is_supported() -> bool:

@@ -1,5 +1,6 @@
 # Settings for interface packages that are built for the ROS 2 of PyPI's wheels. CMake includes them after project().
 
+set(BUILD_TESTING OFF CACHE BOOL "")
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE MinSizeRel)
 endif()

@@ -44,8 +44,7 @@ def uninstall() -> bool:
     Returns:
         Whether that was possible. If anything of the pocket ROS 2 has already been imported, nothing changes.
     """
-    rclpy = getattr(sys.modules.get("rclpy"), "__file__", None)
-    if "_rosidl.message" in sys.modules or (rclpy is not None and Path(rclpy).is_relative_to(PATH)):
+    if "_rosidl.message" in sys.modules:  # by pocket's rclpy, too
         return False
     sys.path[:] = [entry for entry in sys.path if entry != str(PATH)]
     ours = ("_absent", "_rosidl.finder")
