@@ -130,6 +130,7 @@ def fingerprint():
     return state.hexdigest(), subprocess.run([sys.executable, "-c", code], check=True, capture_output=True).stdout
 
 
+@pytest.mark.timeout(600)  # it also compiles tf2_msgs
 def test_ctrl_c(place):
     before = fingerprint()
     code = (
@@ -138,12 +139,11 @@ def test_ctrl_c(place):
     )
     command = [sys.executable, "-c", code, str(folder.PACKAGE), "ros", "install"]
     interrupted = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    until(lambda: size(install._downloads(place)) > 5e6, "some wheels", 2 * PATIENCE)
+    until(lambda: size(place.parent) > 5e6, "some wheels", 2 * PATIENCE)
     interrupted.send_signal(signal.SIGINT)
     said, _ = interrupted.communicate(timeout=60)
     assert (interrupted.returncode, said) == (130, f"Interrupted. {install.AGAIN}\n")
     assert not folder.is_complete(place)
-    assert size(install._downloads(place)) > 5e6
     subprocess.run(command, check=True, capture_output=True)
     assert folder.is_complete(place)
     assert [path.name for path in place.parent.iterdir() if path.name != ".lock"] == [place.name]
