@@ -19,13 +19,19 @@ FROM_PYPI = " The tank tutorial installs one from PyPI: tank ros install."
 INTERFACE_SUFFIXES = ("_msgs", "_interfaces")
 """Endings of the names of message packages, including people's own."""
 
+INSTALLATION = "https://docs.ros.org/en/jazzy/Installation.html"
+
 
 class _NotHere(Exception):  # noqa: N818  (a mixin)
-    def __init__(self, what: str, hint: str = "") -> None:
-        super().__init__(
-            f"The pocket ROS 2 has no {what}. A real ROS 2 Jazzy has: see "
-            f"https://docs.ros.org/en/jazzy/Installation.html, source its setup.bash and start again.{hint}"
-        )
+    def __init__(self, what: str, hint: str = "", *, in_jazzy: bool = True) -> None:
+        if in_jazzy:
+            way_out = f"A real ROS 2 Jazzy has: see {INSTALLATION}, source its setup.bash and start again.{hint}"
+        else:
+            way_out = (
+                "With a real ROS 2 Jazzy you can install it, or build it if it is your own package: see "
+                f"{INSTALLATION}, source its setup.bash and your workspace's, and start again."
+            )
+        super().__init__(f"The pocket ROS 2 has no {what}. {way_out}")
 
 
 class NeedsRealROSError(_NotHere, ModuleNotFoundError):
@@ -50,7 +56,7 @@ class AbsentModules(MetaPathFinder):
 
     Args:
         names: full names of the modules.
-        interfaces: also refuse packages named like message packages, and their ``srv`` and ``action`` modules.
+        interfaces: also refuse packages named like message packages.
     """
 
     def __init__(self, names: Collection[str], *, interfaces: bool = False) -> None:
@@ -65,19 +71,12 @@ class AbsentModules(MetaPathFinder):
         """
         if not _is_import(sys._getframe(1)) or not self._has(fullname) or self._found_behind(fullname, path, target):
             return
-        error = NeedsRealROSError(fullname, self._hint(fullname))
+        error = NeedsRealROSError(fullname, _hint(fullname), in_jazzy=fullname in self._names)
         error.name = fullname
         raise error
 
-    def _hint(self, name: str) -> str:
-        if name.partition(".")[0] in IN_WHEELS or name.endswith((".srv", ".action")):
-            return FROM_PYPI
-        is_known = name in self._names or "." in name
-        return "" if is_known else f" If {name} is your own package, build it there and source its setup.bash, too."
-
     def _has(self, name: str) -> bool:
-        package, _, kind = name.partition(".")
-        is_interfaces = package.endswith(INTERFACE_SUFFIXES) and kind in ("", "srv", "action")
+        is_interfaces = "." not in name and name.endswith(INTERFACE_SUFFIXES)
         return name in self._names or (self._interfaces and is_interfaces)
 
     def _found_behind(self, fullname: str, path: Any, target: Any) -> bool:
@@ -94,14 +93,19 @@ def install() -> None:
 
 def absent_names(module: str, names: Collection[str]) -> Callable[[str], Any]:
     """Return a module's ``__getattr__``, which refuses names that only the module of a real ROS 2 has."""
-    hint = FROM_PYPI if module.partition(".")[0] in IN_WHEELS else ""
 
     def refuse(name: str) -> Any:
         if name in names:
-            raise NeedsRealROSError(f"{module}.{name}", hint)
+            raise NeedsRealROSError(f"{module}.{name}", _hint(module))
         raise AttributeError(f"module {module!r} has no attribute {name!r}")
 
     return refuse
+
+
+def _hint(name: str) -> str:
+    """Return where else to get a module, if PyPI has it."""
+    is_there = name.partition(".")[0] in IN_WHEELS or name.endswith((".srv", ".action"))
+    return FROM_PYPI if is_there else ""
 
 
 def _is_import(caller: FrameType) -> bool:
