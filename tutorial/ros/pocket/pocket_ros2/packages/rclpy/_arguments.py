@@ -21,6 +21,13 @@ FLAGS: dict[str, str] = TABLE["flags"]
 RULE = re.compile(r"(?:(?P<node>\w+):(?!//|=))?(?:rostopic://)?(?P<name>.+?):=(?P<value>.+)", re.DOTALL)
 READABLE = re.compile(r"([\w/~{}*]+:(?!=))?(rostopic://)?[\w/~{}*]*(:=[\w/~{}*]*)?")
 """How far a remapping can be read."""
+TOKEN = r"(?!\w*__)[A-Za-z_]\w*"
+TOPIC = rf"(?:~?/)?{TOKEN}(?:/{TOKEN})*"
+REMAPPING = re.compile(
+    rf"(?:{TOKEN}:)?(?:(?:ros(?:topic|service)://)?{TOPIC}:={TOPIC}|__(?:node|name):={TOKEN}|__ns:=/(?:{TOKEN}(?:/{TOKEN})*)?)",
+    re.ASCII,
+)
+"""A remapping whose names are valid."""
 
 
 class Rule(NamedTuple):
@@ -141,7 +148,10 @@ class Arguments:
             raise _unreadable(f"{failure} Expected lexeme type ({lexeme}) not found, search ended at index {end}")
         node, name, value = parts["node"] or "", parts["name"], parts["value"]
         if kind == REMAP:
-            self.remappings.append(Rule(node, name, value))
+            if not REMAPPING.fullmatch(text):
+                raise _unreadable(f"{failure} '{name}' cannot be remapped to '{value}', for one is not a valid name")
+            if not name.startswith("rosservice://"):
+                self.remappings.append(Rule(node, name, value))
             return
         try:
             self.parameters.append(Rule(node, name, parameter_value(value)))

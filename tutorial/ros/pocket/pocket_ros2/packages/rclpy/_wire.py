@@ -76,7 +76,8 @@ def encode(message: Message) -> bytes:
     """Serialise a message, with the four bytes of header that say little-endian plain CDR.
 
     Raises:
-        TypeError: a field holds what its type cannot.
+        AttributeError: a field holds something else than the message that belongs there, as rclpy raises it.
+        TypeError: a field holds another value that its type cannot.
     """
     try:
         return cast(bytes, _wire_type(message._definition.type_name, bytes).__idl__.serialize(message))
@@ -85,7 +86,9 @@ def encode(message: Message) -> bytes:
         while error.__cause__ is not None:
             error = error.__cause__  # type: ignore[assignment]
             causes.append(str(error))
-        raise TypeError(f"{type(message).__name__} cannot be serialized: {': '.join(causes)}") from error
+        is_no_message = isinstance(error, AttributeError) and error.name != "encode"  # which is missing in a string
+        kind = AttributeError if is_no_message else TypeError
+        raise kind(f"{type(message).__name__} cannot be serialized: {': '.join(causes)}") from error
 
 
 def decode(data: bytes, message_type: type[Message]) -> Message:

@@ -24,6 +24,7 @@ class Publisher(Endpoint):
 
         Raises:
             TypeError: it is of another type, or a field holds what its type cannot.
+            AttributeError: a field holds something else than the message that belongs there.
             InvalidHandle: the publisher has been destroyed.
             RCLError: the context has been shut down, by a signal perhaps: so a loop that publishes ends.
         """

@@ -30,6 +30,6 @@ class StaticTransformBroadcaster:
         """Add one or more transforms, and publish all transforms so far."""
         transforms = self.net_message.transforms
         for new in as_list(transform):
-            if all(new.child_frame_id != known.child_frame_id for known in transforms):
+            if new.child_frame_id not in {known.child_frame_id for known in transforms}:
                 transforms.append(new)
         self.pub_tf.publish(self.net_message)
