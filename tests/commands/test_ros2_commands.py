@@ -120,7 +120,7 @@ def test_hz_by_simulated_time_has_a_node_that_uses_it(monkeypatch):
     node_thread = Mock(side_effect=TutorialError)
     monkeypatch.setattr("tutorial.ros.node_thread.NodeThread", node_thread)
     for arguments in (["hz", "/x"], ["hz", "-s", "/x"]):
-        CliRunner().invoke(topic, arguments, obj=["--ros-args", "-r", "a:=b"], catch_exceptions=False)
+        CliRunner().invoke(topic, arguments, obj=["--ros-args", "-r", "a:=b"])
     plain, timed = (call.args[1] for call in node_thread.call_args_list)
     assert timed == [*plain, "--ros-args", "-p", "use_sim_time:=true"]
 
@@ -148,7 +148,7 @@ def test_what_a_real_ros_2_cannot_list_is_an_error_in_its_words(tank, monkeypatc
     """While another program has a name that is no text, or none."""
     monkeypatch.setattr(MeteredNode, asked, Mock(side_effect=error))
     run = tank(command)
-    assert (run.status, f"ROS 2 says: {error}\n" in run.stderr) == (1, True)
+    assert (run.status, f"Error: ROS 2 says: {error}\n" in run.stderr) == (1, True)
 
 
 def test_two_nodes_of_one_name(eventually):

@@ -19,7 +19,7 @@ from tutorial.errors import TutorialError
 from tutorial.printing import say
 
 if TYPE_CHECKING:
-    from tutorial.ros.node_thread import MeteredNode, NodeThread
+    from tutorial.ros.node_thread import NodeThread
 
 BROKEN_PIPE = 128 + signal.SIGPIPE  # the exit status that shells expect when nobody reads on
 
@@ -28,25 +28,22 @@ def asks(question: Callable[..., Awaitable[None]]) -> Callable[..., int]:
     """Make a command's function of a question: it is given a node and the command's options, and prints the answer.
 
     The node is hidden, as that of ``ros2``. The option ``use_sim_time`` is the node's parameter. The exit status is
-    that of ``ros2``, too: 1 after an error, whose text is on stderr then; 2 after Ctrl-C.
+    that of ``ros2``, too: 1 after an error, whose text is on stderr then; 2 after Ctrl-C. Where ``ros2`` has a text of
+    its own, such as "Unknown topic", it is printed unchanged; other errors are raised as TutorialError.
     """
 
     @click.pass_obj
     @wraps(question)
     def command(ros_args: list[str], /, use_sim_time: bool = False, **options: Any) -> int:
-        async def program(node: MeteredNode) -> None:
-            with clear_ros_errors():
-                await question(node, **options)
-
-        try:
-            with named_node(f"_tank_{os.getpid()}", ros_args, use_sim_time) as thread:
-                return signal.SIGINT if until_asked(program(thread.node)) else 0
-        except TutorialError as error:
-            say(f"{error}\n", err=True)
-            return 1
-        except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
-            return BROKEN_PIPE
+        with clear_ros_errors(), named_node(f"_tank_{os.getpid()}", ros_args, use_sim_time) as thread:
+            try:
+                return signal.SIGINT if until_asked(question(thread.node, **options)) else 0
+            except TutorialError as error:
+                say(f"{error}\n", err=True)
+                return 1
+            except BrokenPipeError:
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes it once more at the end
+                return BROKEN_PIPE
 
     return command
 
