@@ -69,7 +69,7 @@ def test_loopback_down(domain, monkeypatch):
 
     monkeypatch.setattr(_domain, "Domain", Mock(side_effect=DDSException(-1)))
     monkeypatch.setattr(socket.socket, "connect", connect)
-    with pytest.raises(RuntimeError, match=r"the loopback interface .* is down\. Turn it on: sudo ip link set lo up"):
+    with pytest.raises(RuntimeError, match=rf"interface .* is down\. Turn it on: {_domain.TURN_ON_LOOPBACK}"):
         _domain.join(domain)
 
 

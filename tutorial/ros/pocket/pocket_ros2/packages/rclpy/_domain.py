@@ -6,6 +6,7 @@ By default nobody outside this machine hears it, so that a room full of students
 import errno
 import os
 import socket
+import sys
 import threading
 from collections import Counter
 from xml.sax.saxutils import quoteattr
@@ -24,6 +25,7 @@ FATAL_AND_ERROR = 3
 that in its configuration; those about the configuration itself come before."""
 
 LOOPBACK = ("127.0.0.1", 9)
+TURN_ON_LOOPBACK = "sudo ifconfig lo0 up" if sys.platform == "darwin" else "sudo ip link set lo up"
 UNREACHABLE = (errno.ENETUNREACH, errno.ENETDOWN, errno.EADDRNOTAVAIL)
 
 _domains: dict[int, Domain] = {}
@@ -126,7 +128,7 @@ def join(domain_id: int) -> DomainParticipant:
 def _cause(error: DDSException) -> str:
     """Name the most likely cause of an error: Cyclone DDS itself only gives a number."""
     if not _loopback_is_up():
-        return "the loopback interface (127.0.0.1) is down. Turn it on: sudo ip link set lo up"
+        return f"the loopback interface (127.0.0.1) is down. Turn it on: {TURN_ON_LOOPBACK}"
     return (
         f"{error} Most often too many ROS 2 programs are running on this machine ({MAX_PARTICIPANTS} is the limit "
         "here). Stop some, or give ROS_DOMAIN_ID another number."
