@@ -1,5 +1,6 @@
 """A bag that is read: which topics it has, and their messages, as far as it goes."""
 
+import logging
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator
@@ -10,13 +11,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
+from backports import zstd
 
 from tutorial.errors import TutorialError, did_you_mean, printable
 from tutorial.paths import is_file, is_folder
 from tutorial.ros.bags.file_kind import foreign, suffix_of
 from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.sqlite import SqliteReader
-from tutorial.ros.bags.storage import Channel, Damaged, RawMessage, Span, read_yaml
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, RawMessage, Span, read_yaml
 from tutorial.ros.topics.names import escape_name, message_class
 
 READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
@@ -24,6 +26,8 @@ LARGEST_METADATA = 2**20  # bytes: a thousand topics have less
 MOST_FAULTS = 5  # of a bag, that are told
 CDR_HEAD = 4  # bytes that every payload begins with
 ZSTD_HEAD = b"\x28\xb5\x2f\xfd"  # of a payload that ros2 bag has compressed
+
+_log = logging.getLogger(__name__)
 
 
 class BagTopic(NamedTuple):
@@ -128,15 +132,22 @@ class Bag:
         """Yield the messages in the order in which they were received: (topic, time [ns], message).
 
         Args:
-            topics: only those; None for all.
+            topics: only those; None for all whose types are known here. A warning names each of the other topics.
 
         Raises:
             TutorialError: there is no such topic, or its messages are of a type that is not known here, or not in CDR.
         """
         from rclpy.serialization import deserialize_message  # noqa: PLC0415 - `tank bag info` works without rclpy
 
-        channels = [self.channel(name) for name in (self.channels if topics is None else topics)]
-        kinds = {each.topic: _class_of(each) for each in channels if self._counts[each.topic]}
+        kinds = {}
+        for channel in map(self.channel, self.channels if topics is None else topics):
+            try:
+                if self._counts[channel.topic]:
+                    kinds[channel.topic] = _class_of(channel)
+            except TutorialError as error:
+                if topics is not None:
+                    raise
+                _log.warning("topic %s is left out: %s", escape_name(channel.topic), error)
         for name, time, payload in self.raw_messages(kinds):
             try:
                 message = deserialize_message(payload, kinds[name])
@@ -157,14 +168,28 @@ class Bag:
         """
         wanted = {self.channel(name).topic for name in (self.channels if topics is None else topics)}
         since = self.start + round(start_offset * 1e9)
-        for name, time, payload in self._in_order(since):
+        for name, time, stored in self._in_order(since):
             if name in wanted and time >= since:
+                payload = self._unpacked(name, stored) if stored.startswith(ZSTD_HEAD) else stored
+                if payload is None:
+                    continue
                 if len(payload) < CDR_HEAD:
                     self._say(f"a message on {escape_name(name)} is empty")
-                elif payload.startswith(ZSTD_HEAD):
-                    self._say(f"a message on {escape_name(name)} is compressed with zstd, which is not read here")
                 else:
                     yield name, time, payload
+
+    def _unpacked(self, topic: str, packed: bytes) -> bytes | None:
+        """Unpack a message; None where it is damaged or too large."""
+        unpacker = zstd.ZstdDecompressor()
+        try:
+            payload = unpacker.decompress(packed, max_length=LARGEST_MESSAGE)
+            if unpacker.eof:
+                return payload
+            wrong = "it is incomplete, or too large"
+        except zstd.ZstdError as error:
+            wrong = printable(str(error))
+        self._say(f"a message on {escape_name(topic)} cannot be unpacked: {wrong}")
+        return None
 
     def _in_order(self, since: float = -inf) -> Iterator[RawMessage]:
         """Yield the messages in the order of time. One that was written late, by no more than a batch, is put there."""
@@ -201,16 +226,13 @@ class Bag:
         if not is_folder(self.path):
             raise TutorialError(f"there is no bag {_named(self.path)}. A bag is a folder, or an .mcap or .db3 file.")
         told = self._read_metadata()
-        if told.compression_mode.lower() not in ("", "none"):
-            raise TutorialError(
-                f"the bag {_named(self.path)} is compressed by {printable(told.compression_mode.lower()[:20])}, which "
-                "is not read here. On a real ROS 2, 'ros2 bag convert' makes one of it that is not."
-            )
         every = sorted(filter(is_file, self.path.iterdir()), key=_number)
         files = [path for path in every if path.suffix in READERS]
         if not files:
             others = [path for path in every if path.name != "metadata.yaml"]
             seen = next((f" {_named(path)}: {what}." for path in others if (what := foreign(path))), "")
+            if told.compression_mode.lower() == "file":
+                raise TutorialError(f"the files of the bag {_named(self.path)} are compressed.{seen}")
             raise TutorialError(f"the folder {_named(self.path)} is not a bag: it has no .mcap or .db3 file.{seen}")
         return [file for file in files if file.suffix == files[0].suffix], told
 
