@@ -21,6 +21,7 @@ from rclpy.utilities import get_default_context
 
 if TYPE_CHECKING:
     from rclpy.context import Context
+    from rclpy.guard_condition import GuardCondition as NodeGuardCondition
     from rclpy.node import Node
     from rclpy.task import Future
 
@@ -54,9 +55,10 @@ class SingleThreadedExecutor:
         self._wait_set: WaitSet | None = None
         self._nodes: tuple[Node, ...] = ()
         self._timers: list[Timer] = []
+        self._guards: list[NodeGuardCondition] = []
         self._endpoints: list[Endpoint] = []
         self._waited_for: list[Subscription | None] = []
-        self._ready: Iterator[Subscription | Timer] = iter(())
+        self._ready: Iterator[Subscription | Timer | NodeGuardCondition] = iter(())
         self._outdated = True
         self._is_shutdown = False
         self._spinning = threading.Lock()
@@ -168,7 +170,7 @@ class SingleThreadedExecutor:
             if self._outdated:
                 self._look_around()
             if len(self._endpoints) <= FEW:
-                self._ready = iter((*self._timers, *filter(None, self._waited_for)))
+                self._ready = iter((*self._timers, *self._guards, *filter(None, self._waited_for)))
                 if self._run_ready():
                     return
             left = deadline - time.monotonic()
@@ -192,13 +194,14 @@ class SingleThreadedExecutor:
         """
         if self._wait_set is None:
             return
-        timeout = max(0.0, min([timeout, *(timer.wait_time() for timer in self._timers)]))
+        waits = [timer.wait_time() for timer in self._timers] + [guard.wait_time() for guard in self._guards]
+        timeout = max(0.0, min([timeout, *waits]))
         keys = (dds_c_t.attach * len(self._waited_for))()
         count = self._wait_set._waitset_wait(self._wait_set._ref, keys, len(keys), int(timeout * 1e9))
         if count < 0 and self._context.ok() and not self._is_shutdown:
             raise DDSException(count, "Occurred while waiting")
         woken_by = [self._waited_for[key] for key in sorted(key or 0 for key in keys[: max(0, count)])]
-        self._ready = iter((*self._timers, *filter(None, woken_by)))
+        self._ready = iter((*self._timers, *self._guards, *filter(None, woken_by)))
         if None in woken_by:
             self._report_events()
 
@@ -213,6 +216,7 @@ class SingleThreadedExecutor:
         """See what the nodes have. The wait set is made anew because entities come and go on other threads."""
         self._outdated = False
         self._timers = [timer for node in self._nodes for timer in node.timers]
+        self._guards = [guard for node in self._nodes for guard in node.guards]
         self._endpoints = [endpoint for node in self._nodes for endpoint in (*node.publishers, *node.subscriptions)]
         self._close_wait_set()
         try:
@@ -240,7 +244,7 @@ class SingleThreadedExecutor:
         if not self._is_shutdown or not self._spinning.acquire(blocking=False):
             return
         self._ready = iter(())
-        self._timers, self._endpoints, self._waited_for = [], [], []
+        self._timers, self._guards, self._endpoints, self._waited_for = [], [], [], []
         self._close_wait_set()
         close(self._guard)
         self._spinning.release()

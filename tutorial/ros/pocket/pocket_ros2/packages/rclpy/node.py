@@ -22,6 +22,7 @@ from rclpy.clock import Clock, ROSClock
 from rclpy.constants import S_TO_NS
 from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
+from rclpy.guard_condition import GuardCondition
 from rclpy.logging import LoggingSeverity, RcutilsLogger, get_logger, listeners
 from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter  # noqa: F401  (programs find the first here, too)
 from rclpy.publisher import Publisher
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.executors import SingleThreadedExecutor
 
-Entity = TypeVar("Entity", Publisher, Subscription, Timer)
+Entity = TypeVar("Entity", Publisher, Subscription, Timer, GuardCondition)
 
 HIDDEN_NODE_PREFIX = "_"
 ROSOUT_QOS = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=10))
@@ -95,7 +96,7 @@ class Node(NodeGraph, NodeParameters):
         self._clock = ROSClock()
         self._logger = get_logger(self._full_name()[1:].replace("/", "."))
         self._executor: weakref.ref[SingleThreadedExecutor] | None = None
-        self._entities: tuple[Publisher | Subscription | Timer, ...] = ()
+        self._entities: tuple[Publisher | Subscription | Timer | GuardCondition, ...] = ()
         self._rosout: Publisher | None = None
         self._lock = threading.RLock()
         self._graph = self._context.graph
@@ -157,6 +158,11 @@ class Node(NodeGraph, NodeParameters):
     def timers(self) -> Iterator[Timer]:
         """Its timers."""
         return (entity for entity in self._entities if isinstance(entity, Timer))
+
+    @property
+    def guards(self) -> Iterator[GuardCondition]:
+        """Its guard conditions."""
+        return (entity for entity in self._entities if isinstance(entity, GuardCondition))
 
     def create_publisher(
         self,
@@ -240,6 +246,17 @@ class Node(NodeGraph, NodeParameters):
         _absent.refuse_coroutine(callback)
         return self._add(Timer(self, callback, period_ns, clock or self._clock, autostart))
 
+    def create_guard_condition(self, callback: Callable[[], object], callback_group: None = None) -> GuardCondition:
+        """Make a guard condition.
+
+        Args:
+            callback: called without arguments, on the thread that spins, after any thread has triggered the condition.
+            callback_group: not in the pocket ROS 2.
+        """
+        _absent.refuse("Node.create_guard_condition", {"callback_group": callback_group})
+        _absent.refuse_coroutine(callback)
+        return self._add(GuardCondition(self, callback))
+
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
         """Make a rate, for a loop that runs on another thread than the executor.
 
@@ -265,6 +282,10 @@ class Node(NodeGraph, NodeParameters):
     def destroy_timer(self, timer: Timer) -> bool:
         """Destroy a timer of this node; False if it has none such any more."""
         return timer in self.timers and self._remove(timer)
+
+    def destroy_guard_condition(self, guard: GuardCondition) -> bool:
+        """Destroy a guard condition of this node; return False if the node does not have it."""
+        return guard in self.guards and self._remove(guard)
 
     def destroy_rate(self, rate: Rate) -> bool:
         """Destroy a rate of this node, and wake its sleepers; return False if the node does not have it."""

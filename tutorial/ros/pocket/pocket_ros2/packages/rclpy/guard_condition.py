@@ -1,0 +1,60 @@
+"""Guard conditions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from rclpy._rclpy_pybind11 import Destroyable
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+class GuardCondition(Destroyable):
+    """Lets any thread ask the executor to call back; made by ``Node.create_guard_condition``.
+
+    Args:
+        node: the node that it belongs to.
+        callback: called without arguments, on the thread that spins.
+    """
+
+    def __init__(self, node: Node, callback: Callable[[], object]) -> None:
+        self._node = node
+        self.callback = callback
+        self._triggered = False
+
+    def trigger(self) -> None:
+        """Have the executor call back, once for all triggers until then.
+
+        Raises:
+            InvalidHandle: it has been destroyed.
+        """
+        self._require_handle()
+        self._triggered = True
+        self._node.wake_executor()
+
+    def destroy(self) -> None:
+        """Destroy it; may be called again. As in rclpy the node still counts it among its own."""
+        self._node._remove(self, keep=True)
+
+    def close(self) -> None:
+        """Stop it for good. Called by the node."""
+        self._destroyed = True
+
+    def wait_time(self) -> float:
+        """Return how long the executor may wait for it [s]."""
+        return 0.0 if self._triggered and not self._destroyed else math.inf
+
+    def execute(self) -> bool:
+        """Call back if it was triggered. Called by the executor.
+
+        Returns:
+            Whether the callback was called.
+        """
+        if self.wait_time() > 0:
+            return False
+        self._triggered = False
+        self.callback()
+        return True
