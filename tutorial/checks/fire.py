@@ -1,19 +1,25 @@
-"""The exercise `fire`: hear whether the joystick's first button is pressed.
+"""The exercise `fire`: report whether the joystick's first button is pressed.
 
-Write the callback `on_joy` of `FireButton`: it puts `True` into `self.fire` if button 0 of the message is pressed,
-else `False`. In `message.buttons` a pressed button is 1, else 0. If the message lacks button 0, it is not pressed.
+Write the callback `on_joy` of `FireButton`. After each message, `self.fire` holds `True` if button 0 of this message is
+pressed, else `False`. Keep the `Latest` that `__init__` made, and put the value into it.
 
-Hint 1: Look at what you put, and when: something at every message, also when the button is released, and when there
-are no buttons.
+- In `message.buttons` a pressed button is 1, any other is 0.
+- A button that the message lacks is not pressed.
+- `FireButton` doesn't need `self.joy`. Whether your callback puts the message there, too, is up to you.
 
-Hint 2: message.buttons is a list, which may be empty: ask for its len before its first entry.
+Hint 1: Think of the messages that don't press the button: it is released, or the message has no buttons. What does
+self.fire have to hold after those?
 
-Hint 3: pressed = len(message.buttons) > 0 and ..., and then self.fire.put(pressed).
+Hint 2: message.buttons is a list, and it may be empty. Check its length before you read its first entry. Then put the
+result, whether it is True or False.
 
-Notice that the callback only leaves a value behind, and returns.
+Hint 3: pressed = len(message.buttons) > 0 and ..., then self.fire.put(pressed).
+
+Notice that the callback only leaves a value behind and returns.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from sensor_msgs.msg import Joy
@@ -54,50 +60,84 @@ class FireButton(Listener):
 
 
 MISTAKES = """
-it never puts True: a slice or a list is compared, `is True` is asked, or put is not reached: message.buttons[0] == 1.
+your configure doesn't subscribe, so no message arrives. Call super().configure(config) in it, or leave it out.
+    def on_joy(self, => def configure(self, config): self.node = config.node // def on_joy(self,
+    => def configure(self, config): pass // def unconfigure(self): pass // def on_joy(self,
+
+you never put True. Compare one number, message.buttons[0] == 1: a list never equals a number, and 1 is not True.
     == 1 => is True
 
+you put nothing unless the button is pressed, so True stays after its release. Put False then.
+    self.fire.put(pressed) => pressed and self.fire.put(True)
+
+you put nothing if the message has no buttons, so the last value stays. Put False then.
+    self.fire.put(pressed) => message.buttons and self.fire.put(pressed)
+
+you put True only when the button goes down. Put True as long as it is pressed.
+    self.fire.put(pressed) => self.fire.put(pressed and not self.fire.get())
+
+you change the value each time the button goes down, like a switch. Put whether the button is pressed now.
+    self.fire = Latest(False) => self.down, self.fire = False, Latest(False)
+    self.fire.put(pressed) => self.fire.put(self.fire.get() != (pressed and not self.down)) // self.down = pressed
+
+you wait for a second message that says the same (debouncing). Put what each message says, at once.
+    self.fire = Latest(False) => self.was, self.fire = None, Latest(False)
+    self.fire.put(pressed) => pressed == self.was and self.fire.put(pressed) // self.was = pressed
+
+you read the last button. The first one is message.buttons[0].
+    message.buttons[0] => message.buttons[-1]
+
+you accept any button. Only the first one counts: message.buttons[0].
+    message.buttons[0] == 1 => any(message.buttons) => 1 in message.buttons
+
+you require a second button. One is enough: len(message.buttons) > 0.
+    len(message.buttons) > 0 => len(message.buttons) > 1
+
 #
-Compare with: this message has buttons, whatever else there is, and its buttons[0] is 1.
+Compare your condition with this one: the message has at least one button, and message.buttons[0] is 1.
 
 # the topic
-Most likely configure lacks what Listener's does: super().configure(config) listens to "joy".
+You probably wrote a configure that doesn't subscribe to "joy". Call super().configure(config) in it, or leave it out.
 
 # button 0 is pressed
-Most likely another button is read, or True and False are exchanged: the first button is message.buttons[0].
+You probably read another button, or confuse True and False. The first button is message.buttons[0].
 
-# it is held
-Most likely True is put only when the button goes down: it is True as long as the button is pressed.
+# button 0 is held
+You probably put True only when the button goes down. Put True as long as it is pressed.
 
-# it is released
-Most likely nothing is put while the button is not pressed, so that the last one stays: put False then.
+# button 0 is released
+You probably don't put False after the release, or you ignore messages that come soon after another. Then True stays.
 
-# another button
-# both
-Most likely it looks at another button, or at all of them: only the first one counts, buttons[0].
+# button 1 is pressed
+# both buttons are pressed
+You probably read another button, or all of them. Only the first one counts: message.buttons[0].
 
 # without buttons
-Most likely nothing is put, so the last one stays, or buttons are taken for granted: put False if len is 0.
+You probably read message.buttons[0] without checking that it exists, or you put nothing. Put False if len is 0.
 
-# one button
-Most likely more buttons are asked for: one is enough, len(message.buttons) > 0, and buttons[0] counts.
+# only one button
+You probably require more than one button. One is enough: len(message.buttons) > 0.
 """
-NO_LATEST = "Most likely self.fire is assigned anew: what it holds is replaced by self.fire.put(...)."
-NO_TRUTH = "Put whether the button is pressed: True or False. bool(...) makes one of them of anything."
+NO_LATEST = "You probably assign to self.fire. Keep the Latest that __init__ made: self.fire.put(...) replaces the value."
+NO_TRUTH = "Put True or False. bool(...) makes one of them from any value."
+NO_CLOCK = (
+    "Your code reads the computer's clock, probably to ignore messages for a while (debouncing). Put what each message "
+    "says, at once."
+)
 
 
 def held(rig: Rig, *states: tuple[int, ...]) -> bool:
-    """Return what `fire` holds after messages with these buttons; one has a stick at its end, too."""
+    """Return what `fire` holds after messages with these buttons; button 1 alone comes with a stick at its end."""
     tank = rig.learner
     before = getattr(tank, "fire", None)
     for buttons in states:
         rig.hear(Joy(axes=[float(buttons == (0, 1)), 0.0], buttons=buttons))
     latest = getattr(tank, "fire", None)
     if latest is not before or not isinstance(latest, Latest):
-        raise Failure("on_joy", Misuse("self.fire is not the Latest that it was", NO_LATEST), None)
+        raise Failure("on_joy", Misuse("self.fire is no longer the Latest that __init__ made", NO_LATEST), None)
     value = latest.get()
     if not np.isscalar(value) or value not in (0, 1):
-        raise Failure("on_joy", Misuse(f"what it puts is of the type {type(value).__name__}", NO_TRUTH), None)
+        raise Failure("on_joy", Misuse(f"the value that it puts is of the type {type(value).__name__}", NO_TRUTH), None)
     return bool(value)
 
 
@@ -107,7 +147,7 @@ def after(*states: tuple[int, ...]) -> Callable[[type[SimpleController]], bool]:
 
 
 def two(answer: type[SimpleController]) -> list[bool]:
-    """Observe what two tanks hold, of which the first one has heard its button."""
+    """Observe what two tanks hold after a message to the first one only, with its button pressed."""
     first, second = Rig(answer), Rig(answer, name="Tank")
     return [held(first, (1,)), held(second)]
 
@@ -124,22 +164,31 @@ def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig],
 TRIED = {
     "the topic": lambda answer: Rig(answer).node.on(Joy, "joy"),
     "button 0 is pressed": after((1, 0)),
-    "it is held": after((1, 0), (1, 0)),
-    "it is released": after((1, 0), (0, 0)),
-    "another button is pressed": after((0, 1)),
-    "both are pressed": after((1, 1)),
-    "a message without buttons": after((1, 1), ()),
-    "a message with one button, pressed": after((1,)),
-    "two tanks at the same time, and the button of the first one is pressed": two,
-    "a message as soon as there is a subscription": early(Rig, Joy(buttons=[1])),
+    "button 0 is held, in a second message": after((1, 0), (1, 0)),
+    "button 0 is released": after((1, 0), (0, 0)),
+    "button 0 is pressed again": after((1, 0), (0, 0), (1, 0)),
+    "button 1 is pressed": after((0, 1)),
+    "both buttons are pressed": after((1, 1)),
+    "a message without buttons, after one with button 0 pressed": after((1, 1), ()),
+    "a message with only one button, pressed": after((1,)),
+    "two tanks, and button 0 of the first one's joystick is pressed": two,
+    "a message as soon as the subscription exists": early(Rig, Joy(buttons=[1])),
     "after unconfigure": lambda answer: Rig(answer).leave(),
 }
 
 
+def say(seen: Any) -> str:
+    """Put what `fire` holds into words; of two tanks, for each."""
+    if isinstance(seen, list):
+        return ", and ".join(map(say, seen))
+    return f"self.fire holds {seen}" if isinstance(seen, bool) else str(seen)
+
+
 def on_ros(answer: type[SimpleController]) -> str:
     """Observe what `fire` holds after a message from another node."""
-    return over_ros(answer, Joy(buttons=[1]), lambda rig: str(held(rig)))
+    return over_ros(answer, Joy(buttons=[1]), lambda rig: say(held(rig)))
 
 
-CASES = Cases(FireButton, TRIED, MISTAKES, str, crashes=["without buttons", "one button"], on_ros=on_ros)
+CRASHES = ["without buttons", "only one button"]
+CASES = Cases(FireButton, TRIED, MISTAKES, say, crashes=CRASHES, clock=NO_CLOCK, on_ros=on_ros)
 fire = Exercise("fire", __doc__, CASES, parts=("on_joy",))

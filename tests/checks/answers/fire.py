@@ -1,5 +1,7 @@
 """The exercise `fire`: right answers in their styles, and what no edit of the solution tells."""
 
+import time
+
 import numpy as np
 from sensor_msgs.msg import Joy
 
@@ -28,15 +30,30 @@ def assign(self, message):
     self.fire = Latest(bool(message.buttons) and message.buttons[0] == 1)
 
 
+def debounce(self, message):
+    if time.monotonic() - getattr(self, "changed", 0.0) > 0.05:
+        self.changed = time.monotonic()
+        self.fire.put(bool(message.buttons) and message.buttons[0] == 1)
+
+
+def wait_for_two(self, message):
+    pressed, before = bool(message.buttons) and message.buttons[0] == 1, getattr(self, "before", None)
+    self.before = pressed
+    if pressed == before:
+        self.fire.put(pressed)
+
+
 METHODS = [
     ({"on_joy": lambda self, message: self.fire.put(sum(message.buttons[:1]))}, []),
     ({"on_joy": lambda self, message: self.fire.put(np.bool_(1 in np.array(message.buttons)[:1]))}, []),
     ({"on_joy": put_what_changes, "configure": listen_alone}, []),
-    ({"on_joy": lambda self, message: self.fire.put(message.buttons[0])}, ["buttons are taken for granted"]),
-    ({"on_joy": put_if_pressed}, ["put False then", "buttons are taken for granted"]),
-    ({"on_joy": assign}, ["self.fire is assigned anew"]),
+    ({"on_joy": lambda self, message: self.fire.put(message.buttons[0])}, ["without checking that it exists"]),
+    ({"on_joy": put_if_pressed}, ["put nothing unless the button is pressed"]),
+    ({"on_joy": assign}, ["You probably assign to self.fire"]),
     ({"on_joy": lambda self, message: self.fire.put(message.buttons and message.buttons[0])}, ["bool(...)"]),
-    ({"configure": lambda self, config: setattr(self, "node", config.node)}, ["super().configure", "is read before"]),
+    ({"configure": lambda self, config: setattr(self, "node", config.node)}, ["super().configure"]),
+    ({"on_joy": debounce}, ["computer's clock, probably to ignore messages"]),
+    ({"on_joy": wait_for_two}, ["wait for a second message"]),
 ]
 MADE = [(type("Answer", (FireButton,), methods), causes) for methods, causes in METHODS]
 RIGHT = [answer for answer, causes in MADE if not causes]
