@@ -1,21 +1,21 @@
 """The exercise `bound`: read four axes from any message.
 
-Write the function `four_axes(message)`. It returns the first four axes of the `Joy` `message` as a list or an
-array of four numbers from -1 to 1, whatever the message holds:
+Write the function `four_axes(message)`. It returns the first four axes of a `Joy` message, as a list or an array of
+four numbers from -1 to 1, whatever the message holds:
 
-- An axis beyond -1 or 1 is limited to that end.
-- An axis that is not finite, NaN or an infinity, counts as 0, and so does a missing axis.
-- Each axis stands for itself: if one is wrong, the others still count.
+- An axis outside of -1 to 1 is limited: 1.5 counts as 1, and -3 as -1.
+- An axis that is not finite (NaN or an infinity) counts as 0. So does a missing axis.
+- Each axis counts by itself: a bad one changes no other.
 
-The control loop calls it a thousand times a second, so a million axes take no longer than four. It never raises, and
-leaves the message as it is.
+The control loop calls it a thousand times a second, so it takes no longer for a million axes than for four. It never
+raises an exception, and it leaves the message unchanged.
 
-Hint 1: Look at how much of the message you touch, however many axes there are. And look at what may be wrong with a
-single axis: missing, not finite, too large, too small.
+Hint 1: Which axes do you have to read, however many there are? And what can be wrong with a single axis: it may be
+missing, not finite, too large or too small.
 
-Hint 2: A slice takes at most four, and fewer if there are fewer: put zeros behind it, and take four of all. Then go
-through those four: ask isfinite first, because NaN is neither smaller nor larger than a number, and limit the others
-with max and min.
+Hint 2: A slice takes at most four axes, and fewer if there are fewer. Append zeros to it, and take four of the result.
+Then go through those four. Check isfinite first, because NaN is neither smaller nor larger than any number, and limit
+the rest with max and min.
 
 Hint 3: axes = [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4], and then a list of min(max(axis, -1.0), 1.0) if
 isfinite(axis) else 0.0, for axis in axes.
@@ -41,40 +41,85 @@ def four_axes(message: Joy) -> list[float]:
 
 
 MISTAKES = """
+you limit an axis without checking that it is finite. NaN and infinities count as 0: check isfinite(axis) first.
+    min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 => min(max(axis, -1.0), 1.0) => max(-1.0, min(1.0, axis))
+    => min(1.0, max(-1.0, axis))
+
+you check for NaN only. An infinity counts as 0, too: isfinite(axis) is False for both.
+    isfinite(axis) => not isnan(axis)
+
+you check for infinities only. NaN counts as 0, too: isfinite(axis) is False for both.
+    isfinite(axis) => not isinf(axis)
+
+you leave out an axis that isn't finite, so the next ones move forward. Put 0 in its place.
+    *message.axes[:4], => *filter(isfinite, message.axes[:4]),
+
+one bad axis sets all four to 0. Each axis counts by itself.
+    return [min => if not all(map(isfinite, axes)): return [0.0] * 4 // return [min
+    => if not all(-1.0 <= axis <= 1.0 for axis in axes): return [0.0] * 4 // return [min
+
+you set an axis outside of -1 to 1 to 0. Limit it to the nearer end: min(max(axis, -1.0), 1.0).
+    isfinite(axis) => -1.0 <= axis <= 1.0
+
+you don't limit an axis at both ends. 1.5 counts as 1, and -3 as -1: min(max(axis, -1.0), 1.0).
+    min(max(axis, -1.0), 1.0) => axis => min(axis, 1.0) => max(axis, -1.0)
+
+you divide all axes if one is too large. Limit that one, and leave the rest: min(max(axis, -1.0), 1.0).
+    return [min => size = max(1.0, *(abs(axis) for axis in axes if isfinite(axis))) // return [min
+    max(axis, => max(axis / size,
+
+a message with fewer than four axes gives only zeros. Keep the axes that it has, and append zeros.
+    axes = => if len(message.axes) < 4: return [0.0] * 4 // axes =
+
+you require exactly four axes. There may be more or fewer: begin with message.axes[:4], and append zeros.
+    axes = => if len(message.axes) != 4: return [0.0] * 4 // axes =
+
+you put the zeros in front of the axes. The first axis stays the first: append zeros.
+    [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4] => [0.0, 0.0, 0.0, 0.0, *message.axes[:4]][-4:]
+
+you return only as many numbers as the message has axes. Append zeros, so that there are four.
+    [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4] => message.axes[:4]
+
+you return more than four numbers. Only the first four axes count: message.axes[:4].
+    [:4], 0.0, 0.0, 0.0, 0.0][:4] => , 0.0, 0.0, 0.0, 0.0][: max(4, len(message.axes))]
+
+you take the last four axes. The first four count: message.axes[:4].
+    message.axes[:4] => message.axes[-4:]
+
 #
-Compare with: all of the first four axes, in order, each by itself, 0 if lacking or not finite, limited to -1 and 1.
+Compare yours: take the first four axes in their order; each by itself is 0 if missing or not finite, else limited.
 
 # six axes
-Most likely a certain number of axes is expected: there may be more, and the first four count, message.axes[:4].
+You probably require a certain number of axes. There may be more, and the first four count: message.axes[:4].
 
 # three axes
 # one axis
 # no axes
-Most likely a short message is dropped, or four axes are taken for granted: what it lacks counts as 0, the rest stays.
+You probably rely on four axes, or drop a shorter message. Keep the axes that it has; the missing ones are 0.
 
 # NaN for
-Most likely it is left out, spoils the others, or min and max let it through: it counts as 0, and isfinite(axis) tells.
+You probably leave NaN out, let it change the other axes, or limit it. It counts as 0: check isfinite(axis) first.
 
 # infinity
-An infinity counts as 0, and not as 1 or -1: ask isfinite(axis) before anything else; isnan does not tell.
+You probably limit an infinity to 1 or -1. It counts as 0: check isfinite(axis) first. (isnan finds only NaN.)
 
 # 1.5 for
 # -3 for
 # 1e30 for
-Most likely an axis beyond -1 or 1 counts as it is, as 0, or all are scaled: limit one alone, min(max(axis, -1.0), 1.0).
+You probably don't limit an axis beyond -1 or 1, set it to 0, or scale all. Limit it: min(max(axis, -1.0), 1.0).
 
 # two messages
-Most likely the list is kept from call to call: make a new one in every call.
+You probably return the same list from every call, and change it. Make a new list in each call.
 """
-ALL = "Most likely all of the axes are copied or gone through: begin with message.axes[:4], the first four."
+ALL = "You probably copy all axes, or go through all of them. Begin with message.axes[:4], which takes only four."
 A_LIST = "Return a list of four numbers: return [... for axis in axes], with square brackets."
 
 LONG = "it takes far longer than for four"
 
-STEPS = 1000  # lines that run and axes that are read, of which four axes take less than 100
+STEPS = 1000  # lines that run and axes that are read; four axes take less than 100
 FOUR = (0.5, -0.625, 0.75, -1.0)
 MILLION = 1_000_000
-BYTES = MILLION // 2  # that may be taken at once: less than one for each axis
+BYTES = MILLION // 2  # of memory that an answer may use at once: less than a byte for each axis
 
 
 def given(*axes: float) -> Case:
@@ -88,18 +133,18 @@ def numbers(returned: Any) -> list[float]:
 
 
 def twice(answer: Any) -> list[float]:
-    """Observe the numbers of the two lists that are returned for two messages, once both are there."""
+    """Observe the numbers of two returned lists, and read them after the second call."""
     both = [call(answer, Joy(axes=axes)) for axes in (FOUR, FOUR[::-1])]
-    return [number for returned in both for number in returned]
+    return [number for returned in both for number in numbers(returned)]
 
 
 class Million(array):  # type: ignore[type-arg]
-    """Axes which count how many of them are gone through, and how many lines run meanwhile."""
+    """Axes that count how many of them are read, and how many lines run meanwhile."""
 
     steps = 0
 
     def step(self, *_: object) -> Any:
-        """Count; a trace function, too."""
+        """Count one step. This is also a trace function."""
         self.steps += 1
         if self.steps > STEPS:
             raise Misuse(LONG, ALL)
@@ -110,9 +155,13 @@ class Million(array):  # type: ignore[type-arg]
 
 
 def million(answer: Any) -> list[float]:
-    """Observe what is returned for a million axes; more than a few of them are neither looked at nor copied."""
+    """Observe what is returned for a million axes.
+
+    Raises:
+        Misuse: the answer reads or copies more than a few of them.
+    """
     axes, message = Million("f", array("f", FOUR) * (MILLION // len(FOUR))), Joy()
-    message._axes = axes  # as they are: the property would make a plain array of them
+    message._axes = axes  # the property would make a plain array of them
     tracemalloc.start()
     try:
         with traced(axes.step):
@@ -138,9 +187,9 @@ TRIED = {
     "1e30 for the last axis": given(0.5, 0.625, -0.75, 1e30),
     "minus infinity, 2 and NaN in one message": given(-inf, 2.0, nan, -0.5),
     "sticks almost in the middle": given(0.0390625, -0.03515625, 0.02734375, 0.0),
-    "one axis, and that is NaN": given(nan),
-    "NaN and infinity behind the fourth axis": given(*FOUR, nan, inf),
-    "two messages, one after the other": twice,
+    "only one axis, which is NaN": given(nan),
+    "NaN and infinity after the fourth axis": given(*FOUR, nan, inf),
+    "two messages, both results read at the end": twice,
     "a million axes": million,
 }
 

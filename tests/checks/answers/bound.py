@@ -61,12 +61,12 @@ def sleeps(message):
 
 RIGHT = [by_index, by_iterator, by_numpy]
 WRONG = [
-    (unpacks, ["a certain number of axes is expected"]),
-    (indexes_and_reverses, ["four axes, in order", "four axes are taken for granted"]),
-    (rounds_nan, ["isfinite(axis) tells"]),
-    (counts_through_all, ["all of the axes are copied or gone through"]),
-    (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["all of the axes are copied or gone through"]),
+    (unpacks, ["require a certain number of axes"]),
+    (indexes_and_reverses, ["in their order", "rely on four axes"]),
+    (rounds_nan, ["check isfinite(axis) first"]),
+    (counts_through_all, ["copy all axes, or go through all"]),
+    (lambda message: four_axes(Joy(axes=message.axes.tolist())), ["copy all axes, or go through all"]),
     (lambda message: [f"{axis}" for axis in four_axes(message)], ["Return a list of four numbers"]),
-    (filters_all, ["it is left out, spoils the others", "all of the axes are copied or gone through"]),
+    (filters_all, ["leave out an axis that isn't finite", "copy all axes, or go through all"]),
     (sleeps, ["sleeps"]),
 ]
