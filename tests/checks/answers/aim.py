@@ -77,9 +77,35 @@ class ByTheClock(HeldJoint):
         super().aim(stick)
 
 
+class OneByOne(HeldJoint):
+    """Sets the spring, and adds the damping."""
+
+    def aim(self, stick):
+        self.now, self.before = self.q_ref, self.q_prev
+        super().aim(stick)
+        self.joint.effort = 200 * (self.q_ref - self.joint.position)
+        self.joint.effort += 50 * ((self.q_ref - self.now) - (self.q_prev - self.before)) / self.time_step
+
+
+class AddsTwice(HeldJoint):
+    def aim(self, stick):
+        q_ref, q, self.q_ref, self.q_prev = self.q_ref, self.q_prev, self.q_ref + 0.002 * stick, self.joint.position
+        self.q_ref = min(max(self.q_ref, self.joint.range[0]), self.joint.range[1])
+        self.joint.effort += 50 * ((self.q_ref - q_ref) - (self.q_prev - q)) / self.time_step
+        self.joint.effort += 200 * (self.q_ref - self.q_prev)
+
+
+class UpOrDown(HeldJoint):
+    def aim(self, stick):
+        super().aim(1.0 if stick > 0 else -1.0 if stick < 0 else 0.0)
+
+
 WRONG = [
-    (SetsPosition, "set as joint.position"),
-    (TypedRange, "the ends of the range are written down"),
-    (PerMillisecond, "the time step is written down"),
+    (SetsPosition, "set the result as joint.position"),
+    (TypedRange, "fixed ends of the range"),
+    (PerMillisecond, "a fixed time step"),
     (ByTheClock, "the computer's clock is asked"),
+    (OneByOne, "add the torque to the last one with +="),
+    (AddsTwice, "add the torque to the last one with +="),
+    (UpOrDown, "only the sign of the stick"),
 ]
