@@ -1,28 +1,30 @@
 """The exercise `drive`: turn the left stick into the speeds of the tracks.
 
 Write the controller `GentleTank`. It listens to the topic `joy` (type `Joy`), without a slash in front, so the topic
-is in the namespace of the node. It drives only the tracks, the actuators `TRACK_L` and `TRACK_R`, from the left
+is in the node's namespace. It drives only the tracks, the actuators `TRACK_L` and `TRACK_R` of `io.body`, with the left
 stick: `axes[0]` is `left_x`, positive to the left, and `axes[1]` is `left_y`, positive ahead.
 
 - The left track runs at `1.0 * left_y - 0.5 * left_x` [m/s], the right one at `1.0 * left_y + 0.5 * left_x`.
-- An axis within 0.3 of the middle counts as 0; each axis for itself.
+- An axis counts as 0 unless it is more than 0.3 away from 0. Check each axis by itself; outside of this dead zone it
+  counts unchanged.
 - A missing axis counts as 0. Before the first message, all axes count as 0.
-- In `unconfigure`, when it leaves the body, the node destroys the subscription.
+- In every step the newest message counts, also if it came long ago, or before the simulation was started again.
+- In `unconfigure`, when the controller leaves the body, the node destroys the subscription.
 
-Mind the threads: the callback runs on the executor's, `control` on the simulation's.
+Mind the threads: the callback runs on the executor's thread, `control` on the simulation's. So only `control` sets the
+tracks.
 
-Hint 1: Look at the two threads: the callback runs on the executor's, control on the simulation's. And look at what is
-true before the first message, and when a message is shorter than you expect.
+Hint 1: Which thread calls on_joy, and which one calls control? How does the message get from one to the other? And what
+does control find before the first message, or in a short one?
 
-Hint 2: Let the callback put the message into a Latest, which configure makes with an empty Joy(), before it
-subscribes. Let control take it from there once in every step, read it with four_axes, apply the dead zone to each
-axis, and set both tracks every time.
+Hint 2: In configure, make a Latest with an empty Joy() before you subscribe. The callback puts the message into it. In
+every step, control gets it once, reads it with four_axes, applies the dead zone to each axis, and sets both tracks.
 
 Hint 3: In configure: self.node = config.node and self.joy = Latest(Joy()). In control: axes =
 four_axes(self.joy.get()); then left_x, left_y = (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2]); then
 self.track_l.ctrl and self.track_r.ctrl. In unconfigure: self.node.destroy_subscription(self.subscription).
 
-Notice that control takes the message once and reads both axes from it, and that you need no lock of your own.
+Notice that control gets the message once and reads both axes from it, and that you need no lock of your own.
 """
 
 from collections.abc import Callable
@@ -70,64 +72,106 @@ class GentleTank(SimpleController):
 
 
 MISTAKES = """
-control does not use self.joy.get(), or assigns self.track_l = ... in place of self.track_l.ctrl = ...
+control never gets the message, or sets no speed. Read self.joy.get(), and set self.track_l.ctrl, not self.track_l.
     self.joy.put(message) => pass
 
-nothing is set at rest, or the message is dropped, so the last speed stays: set 0 then.
+you set the tracks of config.body, the displayed copy. The simulated tank is io.body.
+    self.node = config.node => self.node, self.shown = config.node, config.body
+    io.body.actuator => self.shown.actuator
+
+you move the turret or the barrel, too. Set only the tracks: TankController's control, for one, also sets the turret.
+    self.track_l = => self.turret, self.turned = io.body.actuator("TURRET_Y"), 0.0 // self.track_l =
+    self.track_l.ctrl = 1 => self.turned += axes[2] // self.turret.ctrl = self.turned // self.track_l.ctrl = 1
+    => self.turret.ctrl = axes[2] // self.track_l.ctrl = 1 => self.turret.ctrl = 1.0 // self.track_l.ctrl = 1
+
+you set no speed while the stick rests, or drop that message, so the last speed stays. Set 0 then.
     self.track_l.ctrl = 1 => if not left_x and not left_y: return // self.track_l.ctrl = 1
 
-left and right are exchanged: to the left, the left track slows down and the right one speeds up.
+you exchange left and right. With the stick to the left, left_x > 0, the left track slows down, the right one speeds up.
     0.5 * left_x => -0.5 * left_x
 
-it reads the right stick, or one axis of it: the left one is axes[0] and axes[1].
+you exchange left_x and left_y. axes[0] is left_x, to the side, and axes[1] is left_y, ahead.
+    left_x, left_y = => left_y, left_x =
+
+you read an axis of the right stick. The left stick is axes[0] and axes[1].
     axes[:2] => axes[2:] => axes[1:3] => [axes[2], axes[1]] => [axes[0], axes[3]]
 
-the dead zone is another, as that of TankController, which is 0.2, or is missing: here it is 0.3, for both axes.
-    > 0.3 => > -1 => > 0.03 => > 0.15 => > 0.2 => > 0.28 => > 0.32 => > 0.35 => > 0.45 => > 0.5
+you use TankController's speeds, 2 y - x and 2 y + x. Here they are half as high: 1.0 * left_y and 0.5 * left_x.
+    1.0 * left_y => 2.0 * left_y
+    0.5 * left_x => 1.0 * left_x
 
-the two axes share one dead zone: it holds for each axis for itself.
+you limit the speeds to 1 m/s. They are the sums, unlimited.
+    1.0 * left_y - 0.5 * left_x => min(max(1.0 * left_y - 0.5 * left_x, -1.0), 1.0)
+    1.0 * left_y + 0.5 * left_x => min(max(1.0 * left_y + 0.5 * left_x, -1.0), 1.0)
+
+you have no dead zone. An axis counts as 0 unless abs(axis) > 0.3.
+    > 0.3 => > -1
+
+your dead zone has another width. Here it is 0.3 for each axis (TankController's is 0.2).
+    > 0.3 => > 0.03 => > 0.15 => > 0.2 => > 0.28 => > 0.32 => > 0.35 => > 0.45 => > 0.5
+
+you use one dead zone for both axes together. Check each axis by itself: abs(axis) > 0.3.
     abs(axis) > 0.3 => max(map(abs, axes[:2])) > 0.3 => min(map(abs, axes[:2])) > 0.3 => abs(complex(*axes[:2])) > 0.3
 
-an axis is shifted, rescaled, squared or cubed, or only its sign counts: outside of the dead zone it counts as it is.
-    (axis if => (axis - 0.3 * axis / abs(axis) if => ((axis - 0.3 * axis / abs(axis)) / 0.7 if => (axis * abs(axis) if
-    => (axis**3 if => (axis / abs(axis) if
+only one of your axes has a dead zone. Check both: abs(axis) > 0.3.
+    (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2]) => (axes[0], axes[1] if abs(axes[1]) > 0.3 else 0.0)
+    => (axes[0] if abs(axes[0]) > 0.3 else 0.0, axes[1])
+
+your dead zone swallows negative axes. Compare the absolute value: abs(axis) > 0.3.
+    abs(axis) > 0.3 => axis > 0.3
+
+you subtract the dead zone from the axis, or stretch the rest. Outside of the dead zone an axis counts unchanged.
+    (axis if => (axis - 0.3 * axis / abs(axis) if => ((axis - 0.3 * axis / abs(axis)) / 0.7 if
+
+you square or cube the axis. Outside of the dead zone an axis counts unchanged.
+    (axis if => (axis * abs(axis) if => (axis**3 if
+
+you use only the sign of an axis. Outside of the dead zone an axis counts unchanged.
+    (axis if => (axis / abs(axis) if
 
 #
-In every step, by the newest message, TRACK_L of io.body runs at 1.0 * left_y - 0.5 * left_x, TRACK_R at 1.0 * left_y +
-0.5 * left_x, unlimited, and nothing else moves. An axis counts as 0 unless abs(axis) > 0.3, each for itself.
+Compare yours: in every step, TRACK_L of io.body runs at 1.0 * left_y - 0.5 * left_x, TRACK_R at 1.0 * left_y +
+0.5 * left_x, not limited, and nothing else moves. An axis counts as 0 unless abs(axis) > 0.3, each by itself.
 
 # the topic, in the namespace /lab
-Most likely it is "/joy", another topic or another type, or configure lacks create_subscription(Joy, "joy", ...).
+You probably use "/joy" or another topic or type, or don't subscribe: create_subscription(Joy, "joy", ...) in configure.
 
 # a message, before the next step
-Most likely the callback sets the tracks: only control may, on its thread.
+You probably set the tracks in the callback. Set them only in control, on the simulation's thread.
 
 # before the first message
+You probably rely on a message. There may be none yet: begin with an empty one, Latest(Joy()).
+
 # axes
-Most likely a message or its axes are taken for granted, or one with few is dropped: what it lacks counts as 0.
+You probably rely on the axes, or drop a short message. Missing axes count as 0; four_axes(message) fills them in.
+
+# 8 axes
+You probably require a certain number of axes. There may be more: four_axes(message) returns the first four.
 
 # a second step does the same
-Most likely the speeds are smoothed, or a message counts for one step only: set them at once, and at every step.
+You probably smooth the speeds, or use a message for one step only. Set the speeds at once, and in every step.
 
 # all sticks
-Most likely a message is dropped when the sticks rest, so the tank drives on: keep every message, the newest counts.
+You probably drop a message in which the sticks rest, so the tank drives on. Keep every message.
 
 # 300 steps without a message
+You probably let a message count for a limited time, or skip messages by time. The newest counts until the next comes.
+
 # four messages between two steps
-Most likely messages wait in a queue, are dropped by time, or count for a while: the newest counts, until the next.
+You probably queue the messages, or keep the first. Keep only the newest: put each into the same Latest.
 
 # a message that comes before the start
 # after a restart
-Most likely initialize throws away the newest message, or keeps another: make what keeps it in configure.
+You probably create self.joy in initialize, which forgets the last message. Create it in configure.
 
 # two tanks
-Most likely what is kept belongs to the class: make it in configure, self.joy = ...
+You probably keep the message in the class, so all tanks share it. Create self.joy in configure.
 
 # control between the callback's instructions
-Most likely the callback keeps the message piece by piece, and control runs between two: keep it whole, in a Latest.
+Your callback probably stores a message in several parts, and control runs in between. Put it into self.joy as a whole.
 
 # a message between control's instructions
-Most likely control looks twice, and a message comes in between: take it once, and read both axes from that.
+Your control probably reads self.joy twice, and a message arrives in between. Get it once, and read both axes from it.
 """
 DRIVES, AHEAD = (0.5, -0.8, 0.7, -0.9), (0.0, 1.0, 0.7, -0.9)
 STICKS = (
@@ -139,14 +183,15 @@ WHOLE = (0.6, 0.5), (-0.4, -0.9), (0.0, 0.0)
 
 
 def speeds(rig: Rig) -> str:
-    """Return what the tracks are commanded, in words, and whether something else is."""
+    """Put the commanded speeds into words, and whether the answer commands something else."""
     left, right, *turret = (rig.body.actuator(name).ctrl for name in ("TRACK_L", "TRACK_R", "TURRET_Y", "TURRET_P"))
-    more = ", something else is moved" * any([*turret, *rig.displayed.data.ctrl])
-    return f"the tracks run at {left:+z.2f} and {right:+z.2f} m/s{more}"
+    more = ", and the turret or the barrel moves, too" * any(turret)
+    more += ", and the displayed copy is commanded" * any(rig.displayed.data.ctrl)
+    return f"left {left:+z.2f}, right {right:+z.2f} m/s{more}"
 
 
 def played(answer: type, *script: Any, **options: Any) -> Rig:
-    """Make a tank, and do with it: hear a message with these axes, go so many steps, call a method of this name."""
+    """Make a tank, and play a script: messages with these axes, numbers of steps, and names of methods to call."""
     rig = Rig(answer, **options)
     rig.displayed.data.ctrl[:] = 0.0
     for each in script:
@@ -164,6 +209,12 @@ def played(answer: type, *script: Any, **options: Any) -> Rig:
 def after(*script: Any) -> Callable[[type], str]:
     """Observe the speeds after that."""
     return lambda answer: speeds(played(answer, *script))
+
+
+def second_step(answer: type) -> str:
+    """Observe whether a second step without a message commands what the first one does."""
+    one, both = (after("start", DRIVES, steps)(answer) for steps in (1, 2))
+    return "yes" if one == both else f"no, first {one}, then {both}"
 
 
 def stepped(rig: Rig) -> str:
@@ -184,7 +235,7 @@ def two(answer: type) -> str:
 
 
 def halved(answer: type, in_callback: bool) -> str:
-    """Observe whether half of a message is used, in whatever order the callback and `control` run."""
+    """Observe whether half of a message is used, in every order in which the callback and `control` can run."""
     rig, seen = played(answer, "start"), list[str]()
     first, second, _ = (partial(rig.hear, Joy(axes=axes)) for axes in WHOLE)
 
@@ -198,7 +249,7 @@ def halved(answer: type, in_callback: bool) -> str:
         if not interleave(function, between, turn):
             break
     whole = {after("start", axes, 1)(answer) for axes in WHOLE}
-    return "half of it is used" if set(seen) - whole else "it is used as a whole, or not yet"
+    return "half of the message is used" if set(seen) - whole else "the message is used as a whole, or not yet"
 
 
 CASES = Cases(
@@ -207,7 +258,7 @@ CASES = Cases(
         "the topic, in the namespace /lab": lambda answer: Rig(answer, namespace="/lab").node.on(Joy, "joy"),
         "a message, before the next step": after("start", DRIVES),
         "before the first message": after("start", 1),
-        "a second step does the same": lambda answer: len({after("start", DRIVES, n)(answer) for n in (1, 2)}) == 1,
+        "a second step does the same": second_step,
         **{f"left_x {x:g}, left_y {y:g}": after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1) for x, y in STICKS},
         "all sticks rest": after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1),
         "all sticks almost rest": after("start", DRIVES, 1, (0.1, -0.1, 0.2, 0.1), 1),
@@ -219,7 +270,7 @@ CASES = Cases(
         "two tanks": two,
         "control between the callback's instructions": lambda answer: halved(answer, True),
         "a message between control's instructions": lambda answer: halved(answer, False),
-        "a message as soon as there is a subscription": early(Rig, Joy(axes=DRIVES)),
+        "a message as soon as the subscription exists": early(Rig, Joy(axes=DRIVES)),
         "after unconfigure": lambda answer: Rig(answer).leave(),
     },
     MISTAKES,
