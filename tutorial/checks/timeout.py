@@ -1,18 +1,19 @@
-"""The exercise `timeout`: a command that is too old.
+"""The exercise `timeout`: recognise a command that is too old.
 
-Write the class `CommandTimeout`. Each step calls its method `fresh(message, seconds)` once, with the newest message and
-the simulated time [s]. It returns `True` if this message came at most 0.5 s ago, else `False`.
+Write the class `CommandTimeout`. In every step its method `fresh(message, seconds)` is called once, with the newest
+message and the simulated time [s]. It returns `True` if this message came at most 0.5 s ago, else `False`.
 
-- A message comes at the first call with another object than before, also if its axes are the same: a held stick sends
-  them again and again.
-- Only `seconds` counts. The message's stamp may be empty, and the computer's clock knows nothing of simulated time.
-- When the next message comes, it is fresh again.
+- A message comes in the call that passes another object than the call before (`is not`), even if its axes are the same:
+  a held stick sends them again and again. In the first call the message is new.
+- Only `seconds` counts. A step may take any time, the message's stamp may be empty, and the computer's clock knows
+  nothing of simulated time.
+- A message that comes after an old one is fresh again.
 
-Hint 1: Look at what you know in a call: the message and the time. What of the call before do you have to keep, to see
-that a message is new, and how old it is?
+Hint 1: A call tells you the message and the time. What do you have to keep from the calls before, to see whether the
+message is new, and how old it is?
 
-Hint 2: Keep the newest message, and the time at which it came. Compare with `is not`: `!=` looks at what the messages
-hold.
+Hint 2: Keep the newest message, and the time at which it came. Compare the messages with `is not`, because `!=`
+compares their contents.
 
 Hint 3: if message is not self.message, set self.message, self.since = message, seconds. Then return whether seconds -
 self.since is at most 0.5.
@@ -30,7 +31,7 @@ from tutorial.checks.exercise import Case, Cases, Exercise, Misuse, call, watch
 
 
 class CommandTimeout:
-    """Tells whether the newest command is fresh."""
+    """Tell whether the newest command is fresh."""
 
     def __init__(self) -> None:
         self.message: Joy | None = None
@@ -44,28 +45,71 @@ class CommandTimeout:
 
 
 MISTAKES = """
-no message gets too old: keep the message itself, set self.since when it is new, and compare seconds - self.since.
+you set self.since too often, or don't use it. Set it only if message is not self.message, and keep no copy of the message.
     return seconds - self.since <= 0.5 => return True
 
+you count calls. A step may take any time: subtract seconds, seconds - self.since.
+    self.since = seconds => self.since, self.calls = seconds, 0
+    return seconds - self.since <= 0.5 => self.calls += 1 // return self.calls <= 500
+
+you measure the time since the last call. Set self.since only in the call in which the message is new.
+    return seconds - self.since <= 0.5 => self.since, since = seconds, self.since // return seconds - since <= 0.5
+
+you subtract the message's stamp, which may be empty. Keep the seconds of the call in which the message is new.
+    return seconds - self.since => return seconds - message.header.stamp.sec - message.header.stamp.nanosec / 1e9
+
+you compare what the messages hold. A held stick sends equal messages: compare the objects, with `is not`.
+    message is not self.message => message != self.message => message.axes != getattr(self.message, "axes", None)
+
+you keep the message's id, and a later message may get the same one. Keep the message itself, and compare with `is not`.
+    message is not self.message => id(message) != self.message
+    self.message = message => self.message = id(message)
+
+you keep the time of the first message only. Set self.since for every new message.
+    if message is not self.message: => if self.message is None:
+
+once a message is too old, all later ones are, too. Each new message is fresh again.
+    self.message: Joy | None = None => self.message, self.old = None, False
+    return seconds - self.since <= 0.5 => self.old = self.old or seconds - self.since > 0.5 // return not self.old
+
+you return True only in the call in which the message is new. It stays fresh for 0.5 s.
+    return seconds - self.since <= 0.5 => return seconds == self.since
+
+you exchange True and False. A fresh message gives True: seconds - self.since <= 0.5.
+    <= 0.5 => > 0.5
+
+your limit excludes 0.5 s. A message is fresh if it came at most 0.5 s ago: <= 0.5.
+    <= 0.5 => < 0.5
+
+you compute the age with whole seconds. Don't round: seconds - self.since.
+    return seconds - self.since => return int(seconds - self.since) => return int(seconds) - int(self.since)
+
+your first message comes at 0 s, whenever it comes. Set self.since in the first call, too.
+    self.message: Joy | None = None => self.message, self.since = None, 0.0
+    if message is not => if self.message is None: self.message = message // if message is not
+
 #
-Most likely the age is wrong: in every call it is seconds - self.since, not rounded, and at most 0.5.
+You probably compute a wrong age. In every call it is seconds - self.since, not rounded, and at most 0.5.
 
-# one message at 0
-Compare with: self.since is set when the message is new, as the first one is, and only then; in every call compare
-seconds - self.since with 0.5. 0 is a time like any other, and the message and its stamp say nothing.
+# one message, at 0
+You probably don't set self.since exactly when the message is new. The first one is new, and 0 is a time like any other.
 
-# first at 12 s
-Most likely the first message does not set the time, or the stamp does: keep the seconds of the call in which it is new.
+# one message, at 12
+You probably don't set self.since in the first call. Keep the seconds of the call in which the message is new.
 
-# another message
-# within half a second
-Most likely not every new message sets the time, or none is fresh after an old one: each is, whatever it holds.
+# A at 3
+# B at 1.25
+You probably miss a new message. Set self.since whenever the message is another object than in the call before.
 
-# is held
-Most likely the contents are compared, or all earlier messages: compare with the last message, by `is not`.
+# held stick
+You probably compare what the messages hold, or look for the message among all earlier ones. Compare with the last one,
+by `is not`.
 
 # 40 new
-Most likely id(message) is kept, and a later message may get the same one: keep the message itself, for `is not`.
+You probably keep id(message), and a later message may get the same one. Keep the message itself, and use `is not`.
+
+# 1000 calls
+You probably count calls. A step may take any time: subtract seconds, seconds - self.since.
 """
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 
@@ -74,23 +118,23 @@ def tried(calls: str, objects: int = 1) -> Case:
     """Observe what is returned in calls such as ``"A 0, A 0.5"``, with the message A at 0 s and at 0.5 s.
 
     Args:
-        calls: one letter is one message; ``a`` is another than ``A``, but holds the same. ``C`` has a stamp, of 6 s,
-            and no axes. ``N`` is a new message each time, which then nobody else holds.
-        objects: how many objects are called in turns.
+        calls: each letter is one message. ``a`` is another object than ``A``, but equal. ``C`` has a stamp, of 6 s, and
+            no axes. ``N`` is a new message in each call, which nobody else keeps.
+        objects: how many objects take turns in being called.
     """
 
     def case(answer: type) -> list[bool]:
         messages = {letter: Joy(axes=[ord(letter.lower()) / 128]) for letter in "AaBC"}
         messages["C"].header.stamp.sec, messages["C"].axes = 6, []
         turns = cycle([call(answer) for _ in range(objects)])
-        each_call = [*map(str.split, calls.split(","))]  # at once, so that nothing gets N's place in memory
+        each_call = [*map(str.split, calls.split(","))]  # split first, so that nothing gets N's place in memory
         return [fresh(next(turns), messages.get(each) or Joy(), float(at)) for each, at in each_call]
 
     return case
 
 
 def fresh(timeout: Any, message: Joy, seconds: float) -> bool:
-    """Ask the answer whether a message is fresh."""
+    """Call the answer's `fresh`."""
     with watch.call("fresh"):
         returned = timeout.fresh(message, seconds)
         if not isinstance(returned, (bool, np.bool_)):
@@ -99,13 +143,26 @@ def fresh(timeout: Any, message: Joy, seconds: float) -> bool:
 
 
 NEW = ", ".join(f"N {i / 4}" for i in range(40))
+OFTEN = ", ".join(f"A {i / 4096}" for i in range(1000))
 TRIED = {
-    "one message at 0, 0.25, 0.5 and 0.75 s": tried("A 0, A 0.25, A 0.5, A 0.75"),
-    "one message, first at 12 s": tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
-    "another message after a second, and again": tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"),
-    "the stick is held, the same comes every 0.25 s": tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
-    "two messages within half a second": tried("A 1, B 1.25, B 1.625, B 2"),
-    "40 new messages, each when the one before is gone": lambda answer: [all(tried(NEW)(answer))],
-    "two robots in turns": tried("A 0, B 0.25, A 0.75, B 0.75", objects=2),
+    "one message, at 0, 0.25, 0.5 and 0.75 s": tried("A 0, A 0.25, A 0.5, A 0.75"),
+    "one message, at 12, 12.44, 12.53, 14 and 14.25 s": tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
+    "message A at 3 and 4 s, B at 4.25, 4.5 and 5 s, C at 6 and 6.25 s": tried(
+        "A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"
+    ),
+    "a held stick, an equal message every 0.25 s": tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
+    "message A at 1 s, B at 1.25, 1.625 and 2 s": tried("A 1, B 1.25, B 1.625, B 2"),
+    "40 new messages, each after the one before is deleted": lambda answer: [all(tried(NEW)(answer))],
+    "one message, 1000 calls in a quarter of a second": lambda answer: [all(tried(OFTEN)(answer))],
+    "two robots in turns, message A at 0 s, B at 0.25 s, A and B at 0.75 s": tried(
+        "A 0, B 0.25, A 0.75, B 0.75", objects=2
+    ),
 }
-timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, TRIED, MISTAKES, str))
+
+
+def say(seen: list[bool]) -> str:
+    """Put what was returned into words."""
+    return ", ".join(map(str, seen))
+
+
+timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, TRIED, MISTAKES, say))

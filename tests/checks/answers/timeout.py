@@ -1,5 +1,7 @@
 """The exercise `timeout`: right answers in their styles, and what no edit of the solution tells."""
 
+from copy import copy
+
 from tutorial.checks.timeout import CommandTimeout
 
 
@@ -43,8 +45,32 @@ class SaysTheAge(CommandTimeout):
         return seconds - self.since
 
 
+class CountsSteps(CommandTimeout):
+    def fresh(self, message, seconds):
+        self.calls = 1 if message is not self.message else self.calls + 1
+        self.message = message
+        return self.calls <= 501
+
+
+class KeepsACopy(CommandTimeout):
+    def fresh(self, message, seconds):
+        fresh = super().fresh(message, seconds)
+        self.message = copy(message)
+        return fresh
+
+
+class SinceTheLastCall(CommandTimeout):
+    def fresh(self, message, seconds):
+        fresh = super().fresh(message, seconds)
+        self.since = seconds
+        return fresh
+
+
 RIGHT = [Deadline, Identity]
 WRONG = [
     (Shared, ["make it in __init__"]),
     (SaysTheAge, ["Return True or False"]),
+    (CountsSteps, ["you count calls"]),
+    (KeepsACopy, ["keep no copy of the message"]),
+    (SinceTheLastCall, ["measure the time since the last call"]),
 ]
