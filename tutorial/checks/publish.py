@@ -1,26 +1,31 @@
 """The exercise `publish`: publish joint states at another rate.
 
-Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body, which for the
-body `Tank` is `Tank/turret`, without a slash in front, so it is in the namespace of the node. It does so 25 times per
-simulated second, as nearly as whole steps allow.
+Write the controller `SlowPublisher`. It publishes a `JointState` on the topic `turret` of its body. For the body `Tank`
+that is `Tank/turret`, without a slash in front, so the topic is in the node's namespace.
 
-- Each message names all joints of the body, in the body's order, with position, velocity and effort.
-- Its stamp is the simulated time at which it is sent.
-- It works on any body, and with any time step.
-- In `unconfigure`, when it leaves the body, the node destroys its publisher.
+- It publishes 25 times per simulated second: one message every `round(1 / (25 * io.time_step))` steps. You may also
+  publish at the steps nearest to the multiples of 1/25 s, so that the rate is exact on average. The first message comes
+  within 1/25 s after the start.
+- It publishes each message even if nothing has changed.
+- Each message names all joints of the body, `io.body.joints`, in this order, with position, velocity and effort.
+- Its stamp is the simulated time at which it is published.
+- It works on any body, and with any time step up to 10 ms.
+- The simulation may be stopped and started again. Then `initialize` is called again, and `io.step` and `io.time_ns` go
+  on: step 0 doesn't come again.
+- In `unconfigure`, when the controller leaves the body, the node destroys the publisher.
 
-Hint 1: Look at what comes from where: the topic from config.body.name, the joints from io.body.joints, the rate from
-io.step and io.time_step, the stamp from io.time_ns. Nothing comes from the wall clock, and you type no joint's name.
+Hint 1: Where does each thing come from? The topic from config.body.name, the joints from io.body.joints, the rate from
+io.step and io.time_step, the stamp from io.time_ns. You need no wall clock, and you hard-code no joint's name.
 
-Hint 2: Make the publisher in configure. In initialize keep io, and compute how many steps there are from one message
-to the next. In control, when it is time to, make a new message, fill one list for each field, all over the same
-joints, stamp it and publish it. In unconfigure have the node destroy the publisher.
+Hint 2: Create the publisher in configure. In initialize keep io, and compute the number of steps from one message to
+the next. In control, when a message is due, create one, fill a list for each field from the same joints, stamp it and
+publish it. In unconfigure have the node destroy the publisher.
 
 Hint 3: self.steps_per_message = round(1 / (25 * io.time_step)); if self.io.step % self.steps_per_message == 0;
 message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg(); message.position = [joint.position for joint in
 self.joints], and so on; self.node.destroy_publisher(self.publisher).
 
-Notice that neither the rate nor the stamp uses the wall clock: a slow simulation publishes the same.
+Notice that neither the rate nor the stamp uses the wall clock: a slow simulation publishes the same messages.
 """
 
 from functools import partial
@@ -39,18 +44,18 @@ class SlowPublisher(SimpleController):
     """Publish position, velocity and effort of every joint at 25 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
-        """Announce the topic, named after the body."""
+        """Create the publisher; the topic has the body's name in it."""
         self.node = config.node
         self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/turret", 1)
 
     def initialize(self, io: ControllerIO) -> None:
-        """Take the joints of the simulated body."""
+        """Keep the joints of the simulated body."""
         self.io = io
         self.joints = io.body.joints
         self.steps_per_message = round(1 / (25 * io.time_step))
 
     def control(self) -> None:
-        """Publish, when it is time to."""
+        """Publish when a message is due."""
         if self.io.step % self.steps_per_message == 0:
             message = JointState()
             message.header.stamp = Time(nanoseconds=self.io.time_ns).to_msg()
@@ -61,41 +66,83 @@ class SlowPublisher(SimpleController):
             self.publisher.publish(message)
 
     def unconfigure(self) -> None:
-        """Take the topic back."""
+        """Destroy the publisher."""
         self.node.destroy_publisher(self.publisher)
 
 
 MISTAKES = """
-the joints' names are typed, or how many there are: take all of them from the body, io.body.joints.
+you hard-code the joints' names, or how many there are. Take all joints of the body: io.body.joints.
     io.body.joints => [io.body.joint(name) for name in ("TURRET_Y", "TURRET_P")] => io.body.joints[:2]
 
-the message is filled once, in initialize, and sent again and again: fill it in control, every time.
+you change the order of the joints. Keep that of io.body.joints.
+    io.body.joints => sorted(io.body.joints, key=lambda joint: joint.name) => io.body.joints[::-1]
+
+you read the joints only once, and send the same message again and again. Fill it in control, every time.
     self.io = io => self.io, self.began_ns = io, io.time_ns
     self.io.time_ns => self.began_ns
     io.body.joints => [type("", (), {f: getattr(j, f) for f in ("name", *UNITS)}) for j in io.body.joints]
 
+you append to the lists of an old message, so they grow. Create a new JointState() for each message.
+    message = JointState() => self.message = message = getattr(self, "message", None) or JointState()
+    message.name = [ => message.name.extend(
+    message.position = [ => message.position.extend(
+    message.velocity = [ => message.velocity.extend(
+    message.effort = [ => message.effort.extend(
+    in self.joints] => in self.joints)
+
+you publish nothing while the robot rests. Publish every message: receivers can't tell rest from a lost connection.
+    self.publisher.publish(message) => self.last = [*message.position] // self.publisher.publish(message)
+    message = JointState()
+    => if getattr(self, "last", 0) == [j.position for j in (*self.joints,)]: return // message = JointState()
+    => if not any(joint.velocity for joint in self.joints): return // message = JointState()
+
+you exchange velocity and effort. They are joint.velocity and joint.effort.
+    joint.velocity for => joint.effort_ for
+    joint.effort for => joint.velocity for
+    joint.effort_ for => joint.effort for
+
+you convert position to degrees. It is in rad, as joint.position is.
+    joint.position for => degrees(joint.position) for
+
+you compute velocity from two positions, an average over 1/25 s. joint.velocity is the speed of this moment.
+    self.io = io => self.io, self.before = io, [joint.position for joint in io.body.joints]
+    message.velocity = [joint.velocity for joint in self.joints]
+    => message.velocity = list((a - b) / 0.04 for a, b in zip(message.position, self.before))
+    self.publisher.publish(message) => self.before = message.position // self.publisher.publish(message)
+
 # the names
-These are not all joints' names, once and in order: [joint.name for joint in self.joints], in a new message.
+You probably leave out joints, repeat some, or rename them. Each message has [joint.name for joint in self.joints].
 
 # position
-position is missing, converted, mixed up or old: in control, every time, [joint.position for joint in self.joints].
+You probably leave out position, convert it, mix up the joints, or send old values. Read all again for each message:
+[joint.position for joint in self.joints].
 
 # velocity
-velocity is missing, mixed up or old: in control, every time, [joint.velocity for joint in self.joints].
+You probably leave out velocity, compute it yourself, mix up the joints, or send old values. Read all again for each
+message: [joint.velocity for joint in self.joints].
 
 # effort
-effort is missing, mixed up or old: in control, every time, [joint.effort for joint in self.joints].
+You probably leave out effort, mix up the joints, or send old values. Read all again for each message:
+[joint.effort for joint in self.joints].
+
+# while nothing moves
+You probably publish only what has changed. Publish each message, even if it says the same as the one before.
+
+# the stamp
+you put milliseconds or microseconds into nanosec. Time(nanoseconds=self.io.time_ns).to_msg() computes both parts.
+    Time(nanoseconds=self.io.time_ns).to_msg() => Time(nanoseconds=self.io.time_ns//10**9*10**9 + NANOSEC).to_msg()
+    NANOSEC => self.io.time_ns%10**9//10**6 => self.io.time_ns%10**9//10**3 => self.io.time_ns//10**6
 """
 UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 
 
-def moving(answer: type, **options: Any) -> Rig:
-    """Make a rig whose joints move, each differently, so that no two numbers are alike."""
+def moving(answer: type, speed: int = 1, **options: Any) -> Rig:
+    """Make a rig whose joints move, each differently, so that no two numbers are equal; or rest, with ``speed`` 0."""
 
     def move() -> None:
         data = rig.body.data
-        for values, scale in ((data.qpos, 0.00123), (data.qvel, 0.0123), (data.qfrc_actuator, -0.123)):
-            values[:] = scale * (rig.io.step + 1) * np.arange(1, len(values) + 1)
+        for values, scale in ((data.qpos, 0.00123), (data.qvel, 0.0123 * speed), (data.qfrc_actuator, -0.123)):
+            values[:] = scale * (speed * rig.io.step + 1) * np.arange(1, len(values) + 1)
 
     rig = Rig(answer, move, **options)
     rig.displayed.set_joint_positions({name: 0.3 + 0.1 * i for i, name in enumerate(rig.body.joint_names)})
@@ -109,11 +156,16 @@ def names(_rig: Rig, sent: list[Sent]) -> str:
 
 
 def numbers(_rig: Rig, sent: list[Sent], field: str) -> dict[str, list[Any]]:
-    """Observe the numbers of a field, as they change from step to step."""
+    """Observe the numbers of a field, divided by the number of the step."""
     seen = [[number / (each.step + 1) for number in getattr(each.message, field)] for each in sent]
     text = ", ".join(f"{number:.4f}" for number in seen[-1]) or "no number"
     changed = [now for before, now in pairwise([[], *seen]) if not same(before, now)]
     return {f"{text} {UNITS[field]} per step": changed}
+
+
+def at_rest(answer: type) -> Any:
+    """Observe how often a message is sent while nothing moves."""
+    return PUBLISHING.often(PUBLISHING.play(answer, 0.2, speed=0))
 
 
 def joints(rig: Rig, sent: list[Sent]) -> list[Any]:
@@ -125,6 +177,7 @@ PUBLISHING = Publishing(JointState, "turret", 25, moving, joints)
 TRIED = {
     "the names": PUBLISHING.sent(0.2, names),
     **{field: PUBLISHING.sent(0.2, partial(numbers, field=field)) for field in UNITS},
+    "while nothing moves": at_rest,
     "on the crane Lift": PUBLISHING.sent(0.2, model="crane", name="Lift"),
 }
 publish = Exercise("publish", __doc__, PUBLISHING.cases(SlowPublisher, TRIED, MISTAKES))

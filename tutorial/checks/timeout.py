@@ -45,7 +45,7 @@ class CommandTimeout:
 
 
 MISTAKES = """
-you set self.since too often, or don't use it. Set it only if message is not self.message, and keep no copy of the message.
+you set self.since too often, or don't use it. Set it only if message is not self.message, and keep no copy of it.
     return seconds - self.since <= 0.5 => return True
 
 you count calls. A step may take any time: subtract seconds, seconds - self.since.

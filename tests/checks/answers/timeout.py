@@ -71,6 +71,6 @@ WRONG = [
     (Shared, ["make it in __init__"]),
     (SaysTheAge, ["Return True or False"]),
     (CountsSteps, ["you count calls"]),
-    (KeepsACopy, ["keep no copy of the message"]),
+    (KeepsACopy, ["keep no copy of it"]),
     (SinceTheLastCall, ["measure the time since the last call"]),
 ]
