@@ -1,20 +1,22 @@
-"""The exercise `thrift`: publish the joints that have moved.
+"""The exercise `thrift`: publish only the joints that have moved.
 
-Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topic `joint_state` of its body, but only
-what is new:
+Write the controller `ThriftyPublisher`. It publishes a `JointState` on the topic `joint_state` of its body (for the
+tank `Tank/joint_state`), but only what is new:
 
-- 50 times per simulated second, as nearly as whole steps allow, it looks which joints are more than 0.001 rad (or m)
-  away from the position that it last sent for them;
-- the message names these joints, with their positions; if there are none, it sends nothing;
-- the first message names all joints, and so does the first one after a restart of the simulation;
-- the stamp is the simulated time at which it is sent. Velocity and effort stay empty.
-- In `unconfigure`, when it leaves the body, the node destroys its publisher.
+- 50 times per simulated second, it finds the joints that are more than 0.001 rad (or m) away from the position that it
+  last sent for them. That is every `round(1 / (50 * io.time_step))` steps; you may also use the steps nearest to the
+  multiples of 1/50 s.
+- The message names these joints, with their positions. If there are none, it sends nothing.
+- The first message names all joints, and so does the first one after a restart of the simulation. At a restart,
+  `initialize` is called again, and `io.step` and `io.time_ns` go on: step 0 doesn't come again.
+- The stamp is the simulated time at which the message is sent. Velocity and effort stay empty.
+- In `unconfigure`, when the controller leaves the body, the node destroys the publisher.
 
-Hint 1: Look at what you compare with what: each joint's position with the one that you last sent for this joint,
-which may have been long ago. Not with that of the last look, and not all joints together.
+Hint 1: What do you compare each position with? With the one that you last sent for this joint, perhaps long ago; not
+with the one of 20 ms ago. And each joint by itself.
 
-Hint 2: Keep a dict from each joint's name to the position that you last sent for it. It is empty at the beginning, so
-all joints are new. Look every so many steps; collect what is new; only if there is any, send it, and only then note
+Hint 2: Keep a dict from each joint's name to the position that you last sent for it. It is empty at first, so all
+joints are new. When the step is due, collect what is new. Only if there is anything, send it, and store in the dict
 what you have sent.
 
 Hint 3: news = {name: q for name, q in positions.items() if name not in self.sent or abs(q - self.sent[name]) >
@@ -38,18 +40,18 @@ class ThriftyPublisher(SimpleController):
     """Publish the positions of the joints that have moved."""
 
     def configure(self, config: ControllerConfig) -> None:
-        """Announce the topic, named after the body."""
+        """Create the publisher; the topic has the body's name in it."""
         self.node = config.node
         self.publisher = self.node.create_publisher(JointState, f"{config.body.name}/joint_state", 10)
 
     def initialize(self, io: ControllerIO) -> None:
-        """Begin with nothing sent."""
+        """Forget what was sent before."""
         self.io = io
         self.sent: dict[str, float] = {}
         self.steps_per_look = round(1 / (50 * io.time_step))
 
     def control(self) -> None:
-        """Look, when it is time to, what is news."""
+        """Publish what is new, when the step is due."""
         if self.io.step % self.steps_per_look == 0:
             positions = {joint.name: joint.position for joint in self.io.body.joints}
             news = {n: q for n, q in positions.items() if n not in self.sent or abs(q - self.sent[n]) > 0.001}
@@ -60,63 +62,75 @@ class ThriftyPublisher(SimpleController):
                 self.sent.update(news)
 
     def unconfigure(self) -> None:
-        """Take the topic back."""
+        """Destroy the publisher."""
         self.node.destroy_publisher(self.publisher)
 
 
 MISTAKES = """
-the first message is forgotten: nothing was sent yet, so self.sent is empty, and all are news.
+your first message lacks joints. Nothing was sent before it, so begin with an empty self.sent, and all joints are new.
     : dict[str, float] = {} => = {j.name: j.position for j in io.body.joints} => = dict.fromkeys(io.body.joint_names, 0)
 
-every joint is sent every time, and not only at first: name those that have moved, and note what was sent for them.
+you send every joint every time. Name those that have moved, and store what you have sent for them.
     if n not in self.sent or abs(q - self.sent[n]) > 0.001} => }
 
-a position of 0 is taken for none, as in `if not last`: ask whether the name is in self.sent.
+you take a last position of 0 for none, as in `if not last`. Check whether the name is in self.sent.
     n not in self.sent or => not self.sent.get(n) or
 
-the whole message is sent as soon as one joint moves: name only those that did.
+you send all joints as soon as one has moved. Name only those that have moved.
     message = => news = positions // message =
 
-only one of the joints that have moved is named, the first, as with break, or the last: name all that have.
+you name only one of the joints that have moved, perhaps because of a break. Name all of them.
     if news: => news = dict([*news.items()][:1]) // if news: => news = dict([*news.items()][-1:]) // if news:
     => news = dict([*news.items()][: 1 if self.sent else None]) // if news:
 
-a message is sent even if no joint has moved: then send none.
+you send a message even if no joint has moved. Send nothing then.
     if news: => if True:
 
-positions are compared with those of the last look or message: compare each with what was last sent for this joint.
+you compare with the positions of 1/50 s ago, or of the last message. Compare with what was last sent for each joint.
     if news: => self.sent = positions // if news: => self.sent = positions if news else self.sent // if news:
 
-what was sent is renewed before it is compared, or is the same object, or the velocity is compared: compare first.
+you ask how fast a joint moves. What counts is how far it is from the position that was last sent: abs(a - b) > 0.001.
+    abs(q - self.sent[n]) > 0.001 => abs(self.io.body.joint(n).velocity) > 0.001
+    => abs(self.io.body.joint(n).velocity) > 0.05
+
+you compare a position with itself: you update self.sent too early, or keep the joint, not the number. Compare first.
     n not in self.sent or abs(q - self.sent[n]) > 0.001 => n not in self.sent
 
-the changes of all joints are added up: compare each joint for itself with 0.001.
+you add up the changes of all joints. Compare each joint by itself with 0.001.
     abs(q - self.sent[n]) > => sum(abs(p - self.sent[m]) for m, p in positions.items()) >
 
-rounded or truncated positions are compared: how far they are apart counts, abs(a - b) > 0.001.
+you compare rounded positions. What counts is their distance: abs(a - b) > 0.001.
     abs(q - self.sent[n]) > 0.001 => round(q, 3) != round(self.sent[n], 3) => int(q * 1000) != int(self.sent[n] * 1000)
 
-the sign gets in the way: compare abs(a - b) with 0.001.
+you compare without abs, or take abs of each position. A joint moves in both directions: abs(a - b) > 0.001.
     abs(q - self.sent[n]) => (q - self.sent[n]) => (self.sent[n] - q) => abs(abs(q) - abs(self.sent[n]))
 
-what was sent is not remembered, or self.sent = ... forgets the other joints: self.sent.update(news), whenever you send.
+you don't store what you have sent, or forget the other joints by self.sent = ... Write self.sent.update(news).
     self.sent.update(news) => self.sent = news | self.sent => self.sent = news
 
-the threshold is another, or any change counts: only more than 0.001 does, in rad (or m).
-    > 0.001 => > 0 => > 0.1 => > 0.01 => > 0.0001 => > radians(0.001)
+your threshold is too small, or missing. Send a joint only if it is more than 0.001 rad (or m) away.
+    > 0.001 => > 0 => > 0.0001 => > radians(0.001)
+
+your threshold is too large. Send a joint as soon as it is more than 0.001 rad (or m) away.
+    > 0.001 => > 0.1 => > 0.01
+
+you also fill velocity or effort. Leave both empty: only what is new is sent.
+    self.publisher.publish(message)
+    => message.velocity = [self.io.body.joint(n).velocity for n in message.name] // self.publisher.publish(message)
+    => message.effort = [self.io.body.joint(n).effort for n in message.name] // self.publisher.publish(message)
 
 #
-Compare each joint's position with the one that was last sent for it, when io.step % steps_per_look == 0, not counted
-from the last message. Each has new lists: the names of these joints, unchanged, and their positions, nothing else.
+Compare yours: when io.step % steps_per_look == 0, compare each joint's position with what was last sent for it. Each
+message has new lists: the names of the joints that have moved, and their positions, nothing else.
 
 # each position
-Send where each joint is, joint.position, neither rounded nor converted, and not how far it has moved.
+You probably send how far the joint has moved, or a rounded or converted position. Send joint.position, unchanged.
 
 # after a restart
-Most likely self.sent is kept from the run before, or step 0 is waited for: make it anew in initialize.
+You probably keep self.sent from the run before, or wait for step 0. Create self.sent in initialize, which runs again.
 
 # the joints of the tank
-the joints' names are typed, or how many there are: take them from io.body.joints.
+you hard-code the joints' names, or how many there are. Take all joints of the body: io.body.joints.
     self.io.body.joints => self.io.body.joints[:2] => map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))
 """
 
@@ -127,7 +141,7 @@ SLEW: Move = (0.0, 0.05, 0.0)
 
 
 def moving(answer: type, moves: Sequence[Move] = (), **options: Any) -> Rig:
-    """Make a rig whose joints move between looks, from the second one on; without moves at every step, and fast."""
+    """Make a rig whose joints jump between looks, from the second one on; without moves, they turn at every step."""
 
     def move() -> None:
         look, rest = divmod(rig.io.step, round(LOOK / rig.io.time_step))
@@ -136,19 +150,20 @@ def moving(answer: type, moves: Sequence[Move] = (), **options: Any) -> Rig:
             joint.position += distance
 
     rig = Rig(answer, move, **options)
+    rig.body.data.qvel[:] = 0.0 if moves else 10.0
     rig.displayed.set_joint_positions({name: 0.3 + 0.1 * i for i, name in enumerate(rig.body.joint_names)})
     return rig
 
 
 def looks(rig: Rig, sent: list[Sent]) -> dict[str, list[str]]:
-    """Observe at which look which joints are named; the first two looks count as one."""
+    """Observe which joints are named at which look, every 1/50 s; the first two looks count as one."""
     steps = round(LOOK / rig.io.time_step)
     found = [f"{named(each.message)} at look {max((each.step - rig.begun + 1) // steps, 1)}" for each in sent]
     return {", ".join(found[:6]): found}
 
 
 def named(message: Any) -> str:
-    """Say which joints a message names, and what is odd about that."""
+    """Say which joints a message names, and what is wrong with its lists."""
     count, more = len(message.position), len(message.velocity) + len(message.effort)
     odd = f" and {count} positions" * (count != len(message.name)) + " and velocity or effort" * (more > 0)
     return (" and ".join(sorted(message.name)) or "no joint") + odd
@@ -171,9 +186,9 @@ def moved(*moves: Move, look: Any = None, **options: Any) -> Case:
 TRIED = {
     "with steps of 0.5 ms": PUBLISHING.rate(0.5),
     "nothing moves": moved(*[REST] * 4),
-    "SLEW moves far, then by little, and rests": moved((0.0, 2.0, 0.0), (0.0, 0.0015, 0.0), REST),
-    "all creep, each by little": moved((0.001, 0.0006, 0.0006)),
-    "LUFF moves, and trembles": moved(*[(0.0, 0.0, by) for by in (0.2996, 0.0007, -0.0009, 0.0007)]),
+    "SLEW moves far, then a little, then rests": moved((0.0, 2.0, 0.0), (0.0, 0.0015, 0.0), REST),
+    "no joint moves by more than 0.001": moved((0.001, 0.0006, 0.0006)),
+    "LUFF moves, then trembles": moved(*[(0.0, 0.0, by) for by in (0.2996, 0.0007, -0.0009, 0.0007)]),
     "LUFF creeps": moved(*[(0.0, 0.0, 0.00035)] * 8),
     "BRIDGE and SLEW move": moved((0.006, 0.05, 0.0)),
     "LUFF creeps on while SLEW moves": moved(*[(0.0, 0.05, 0.00035)] * 9),
