@@ -118,7 +118,7 @@ You probably read message.buttons[0] without checking that it exists, or you put
 # only one button
 You probably require more than one button. One is enough: len(message.buttons) > 0.
 """
-NO_LATEST = "You probably assign to self.fire. Keep the Latest that __init__ made: self.fire.put(...) replaces the value."
+NO_LATEST = "You probably assign self.fire. Keep the Latest that __init__ made: self.fire.put(...) replaces its value."
 NO_TRUTH = "Put True or False. bool(...) makes one of them from any value."
 NO_CLOCK = (
     "Your code reads the computer's clock, probably to ignore messages for a while (debouncing). Put what each message "

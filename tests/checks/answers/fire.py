@@ -49,7 +49,7 @@ METHODS = [
     ({"on_joy": put_what_changes, "configure": listen_alone}, []),
     ({"on_joy": lambda self, message: self.fire.put(message.buttons[0])}, ["without checking that it exists"]),
     ({"on_joy": put_if_pressed}, ["put nothing unless the button is pressed"]),
-    ({"on_joy": assign}, ["You probably assign to self.fire"]),
+    ({"on_joy": assign}, ["You probably assign self.fire"]),
     ({"on_joy": lambda self, message: self.fire.put(message.buttons and message.buttons[0])}, ["bool(...)"]),
     ({"configure": lambda self, config: setattr(self, "node", config.node)}, ["super().configure"]),
     ({"on_joy": debounce}, ["computer's clock, probably to ignore messages"]),
