@@ -136,6 +136,13 @@ you don't store q_ref in self.q_ref. The next call moves on from it.
 you set self.q_prev to the reference. Store q there, the joint's angle.
     self.q_ref, self.q_prev = q_ref, q => self.q_ref = self.q_prev = q_ref
 
+both your speeds are missing or 0. Compute them while self.q_ref and self.q_prev still hold the old values.
+    (dq_ref - dq) => 0.0 * (dq_ref - dq)
+
+you limit the joint's angle. Limit the reference, after it has moved.
+    min(max(self.q_ref + 0.002 * stick, lower), upper) => self.q_ref + 0.002 * stick
+    q = self.joint.position => q = min(max(self.joint.position, lower), upper)
+
 you compute the torque with the old reference. Move the reference first.
     (q_ref - q) => (self.q_ref - q)
 
@@ -152,7 +159,8 @@ you set no torque at an end of the range. The joint has to be held there, too.
     => lower, upper = self.joint.range // if not lower <= self.q_ref + 0.002 * stick <= upper: return // lower, upper =
 
 #
-Compare yours: first move and limit q_ref, then compute both speeds, then 200 * (q_ref - q) + 50 * (dq_ref - dq).
+Compare yours: move and limit q_ref, then compute both speeds, then set 200 * (q_ref - q) + 50 * (dq_ref - dq), not
+limited.
 
 # a tenth of the stick
 You probably ignore small sticks, or use only the stick's sign. The reference moves by 0.002 * stick.

@@ -51,8 +51,9 @@ you check for NaN only. An infinity counts as 0, too: isfinite(axis) is False fo
 you check for infinities only. NaN counts as 0, too: isfinite(axis) is False for both.
     isfinite(axis) => not isinf(axis)
 
-you leave out an axis that isn't finite, so the next ones move forward. Put 0 in its place.
+you leave out a bad axis, so the next ones move forward. Keep its place: 0 if it isn't finite, else the limit.
     *message.axes[:4], => *filter(isfinite, message.axes[:4]),
+    => *filter(lambda axis: -1.0 <= axis <= 1.0, message.axes[:4]),
 
 one bad axis sets all four to 0. Each axis counts by itself.
     return [min => if not all(map(isfinite, axes)): return [0.0] * 4 // return [min
@@ -60,6 +61,9 @@ one bad axis sets all four to 0. Each axis counts by itself.
 
 you set an axis outside of -1 to 1 to 0. Limit it to the nearer end: min(max(axis, -1.0), 1.0).
     isfinite(axis) => -1.0 <= axis <= 1.0
+
+you lose the sign of negative axes. The range is -1 to 1: min(max(axis, -1.0), 1.0).
+    max(axis, -1.0) => max(axis, 0.0) => abs(axis)
 
 you don't limit an axis at both ends. 1.5 counts as 1, and -3 as -1: min(max(axis, -1.0), 1.0).
     min(max(axis, -1.0), 1.0) => axis => min(axis, 1.0) => max(axis, -1.0)

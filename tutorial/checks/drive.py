@@ -117,6 +117,11 @@ only one of your axes has a dead zone. Check both: abs(axis) > 0.3.
     (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2]) => (axes[0], axes[1] if abs(axes[1]) > 0.3 else 0.0)
     => (axes[0] if abs(axes[0]) > 0.3 else 0.0, axes[1])
 
+you apply the dead zone to the speeds. Apply it to each axis, before you compute them.
+    axis if abs(axis) > 0.3 else 0.0 for => axis for
+    1.0 * left_y - 0.5 * left_x => (lambda v: v if abs(v) > 0.3 else 0.0)(1.0 * left_y - 0.5 * left_x)
+    1.0 * left_y + 0.5 * left_x => (lambda v: v if abs(v) > 0.3 else 0.0)(1.0 * left_y + 0.5 * left_x)
+
 your dead zone swallows negative axes. Compare the absolute value: abs(axis) > 0.3.
     abs(axis) > 0.3 => axis > 0.3
 

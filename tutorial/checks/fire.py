@@ -64,10 +64,13 @@ your configure doesn't subscribe, so no message arrives. Call super().configure(
     def on_joy(self, => def configure(self, config): self.node = config.node // def on_joy(self,
     => def configure(self, config): pass // def unconfigure(self): pass // def on_joy(self,
 
-you never put True. Compare one number, message.buttons[0] == 1: a list never equals a number, and 1 is not True.
+you never put True into self.fire. on_joy has to put message.buttons[0] == 1; a list never equals 1, and 1 is not True.
     == 1 => is True
 
-you put nothing unless the button is pressed, so True stays after its release. Put False then.
+you exchange pressed and released. A pressed button is 1: message.buttons[0] == 1.
+    == 1 => == 0 => != 1
+
+you don't put False when the button is released, or ignore a message that comes soon after another. Put each state.
     self.fire.put(pressed) => pressed and self.fire.put(True)
 
 you put nothing if the message has no buttons, so the last value stays. Put False then.
@@ -79,6 +82,10 @@ you put True only when the button goes down. Put True as long as it is pressed.
 you change the value each time the button goes down, like a switch. Put whether the button is pressed now.
     self.fire = Latest(False) => self.down, self.fire = False, Latest(False)
     self.fire.put(pressed) => self.fire.put(self.fire.get() != (pressed and not self.down)) // self.down = pressed
+
+you ignore messages that come soon after another (debouncing). Put what each message says, at once.
+    self.fire = Latest(False) => self.seen, self.fire = False, Latest(False)
+    self.fire.put(pressed) => self.seen or self.fire.put(pressed) // self.seen = True
 
 you wait for a second message that says the same (debouncing). Put what each message says, at once.
     self.fire = Latest(False) => self.was, self.fire = None, Latest(False)
@@ -166,6 +173,7 @@ TRIED = {
     "button 0 is pressed": after((1, 0)),
     "button 0 is held, in a second message": after((1, 0), (1, 0)),
     "button 0 is released": after((1, 0), (0, 0)),
+    "button 0 is pressed, after a message with it released": after((0, 0), (1, 0)),
     "button 0 is pressed again": after((1, 0), (0, 0), (1, 0)),
     "button 1 is pressed": after((0, 1)),
     "both buttons are pressed": after((1, 1)),

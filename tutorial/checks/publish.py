@@ -114,8 +114,8 @@ you compute velocity from two positions, an average over 1/25 s. joint.velocity 
 You probably leave out joints, repeat some, or rename them. Each message has [joint.name for joint in self.joints].
 
 # position
-You probably leave out position, convert it, mix up the joints, or send old values. Read all again for each message:
-[joint.position for joint in self.joints].
+You probably leave out position, round or convert it, mix up the joints, or send old values. Read all again for each
+message: [joint.position for joint in self.joints].
 
 # velocity
 You probably leave out velocity, compute it yourself, mix up the joints, or send old values. Read all again for each

@@ -45,7 +45,7 @@ class CommandTimeout:
 
 
 MISTAKES = """
-you set self.since too often, or don't use it. Set it only if message is not self.message, and keep no copy of it.
+you set self.since too often, or your limit isn't 0.5 s. Set it only if message is not self.message; keep no copy.
     return seconds - self.since <= 0.5 => return True
 
 you count calls. A step may take any time: subtract seconds, seconds - self.since.

@@ -71,6 +71,6 @@ WRONG = [
     (Shared, ["make it in __init__"]),
     (SaysTheAge, ["Return True or False"]),
     (CountsSteps, ["you count calls"]),
-    (KeepsACopy, ["keep no copy of it"]),
+    (KeepsACopy, ["keep no copy"]),
     (SinceTheLastCall, ["measure the time since the last call"]),
 ]
