@@ -156,9 +156,9 @@ def moving(answer: type, moves: Sequence[Move] = (), **options: Any) -> Rig:
 
 
 def looks(rig: Rig, sent: list[Sent]) -> dict[str, list[str]]:
-    """Observe which joints are named at which look, every 1/50 s; the first two looks count as one."""
+    """Observe which joints are named in which period of 1/50 s; the first two looks count as one."""
     steps = round(LOOK / rig.io.time_step)
-    found = [f"{named(each.message)} at look {max((each.step - rig.begun + 1) // steps, 1)}" for each in sent]
+    found = [f"{named(each.message)} in period {max((each.step - rig.begun + 1) // steps, 1)}" for each in sent]
     return {", ".join(found[:6]): found}
 
 
