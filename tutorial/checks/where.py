@@ -1,27 +1,28 @@
 """The exercise `where`: from one frame to the next.
 
-Write the function `where_is(transforms, point)`. It returns x, y and z of a point [m], seen from the outermost frame.
+Write the function `where_is(transforms, point)`. It returns x, y and z of a point [m], as seen from the outermost
+frame. Three numbers in a list, a tuple or an array will do. They may be off by 0.1 mm at most, so don't round.
 
-- `transforms` is a list of `TransformStamped`, from the outside to the inside: the parent of the first one is the
+- `transforms` is a list of `TransformStamped`, from the outermost to the innermost: the parent of the first one is the
   outermost frame, and the child of each is the parent of the next.
-- `point` is x, y, z in the child of the last one: a tuple, a list or an array, of whole numbers or others. Without
-  transforms, return it as it is.
-- It works with any number of transforms and with any rotation, and leaves the list, the messages and the point as
-  they are.
+- `point` is x, y and z in the child of the last transform: a tuple, a list or an array, of ints or floats. If the list
+  is empty, return the point unchanged.
+- Any number of transforms and any rotation must work. Don't change the list, the messages or the point.
 
-Hint 1: Look at the frame that the point is in: only one of the transforms knows that frame, the last one. Where is
-the point after this transform, and in which frame?
+Hint 1: Which frame is the point in? Only the last transform knows that frame. Where is the point after this transform,
+and which frame is it in then?
 
-Hint 2: Go through the transforms from the last to the first. Each turns the point by its rotation, with turned, and
-then adds its translation; the transform before it gets the result.
+Hint 2: Go through the transforms from the last to the first. Each one turns the point by its rotation, with turned,
+and then adds its translation. The transform before it takes the result.
 
 Hint 3: for stamped in reversed(transforms): t = stamped.transform.translation, and point becomes
-turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). In the end return the point.
+turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z]). After the loop, return the point.
 
-Notice that it goes from frame to frame, however many there are: tf2 does just the same.
+Notice that your function goes from frame to frame, however many there are. tf2 does the same.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import reduce
 from math import cos, radians, sin
 from typing import Any
 
@@ -33,13 +34,13 @@ from tutorial.checks.exercise import Cases, Exercise, ask
 
 
 def turned(q: Quaternion, point: ArrayLike) -> NDArray[np.float64]:
-    """Turn a point about the origin."""
+    """Turn a point about the origin by a unit quaternion."""
     axis, point = np.array([q.x, q.y, q.z]), np.array(point, float)
     return np.asarray(point + 2 * np.cross(axis, np.cross(axis, point) + q.w * point))
 
 
 def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayLike:
-    """Say where a point of the last frame is, seen from the first."""
+    """Return a point of the innermost frame as seen from the outermost one [m]."""
     for stamped in reversed(transforms):
         t = stamped.transform.translation
         point = turned(stamped.transform.rotation, point) + np.array([t.x, t.y, t.z])
@@ -47,62 +48,90 @@ def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayL
 
 
 MISTAKES = """
-the order is the wrong way round: the last transform knows the point's frame, so it comes first.
+you go through the list from the first transform to the last: start with the last, which knows the point's frame.
     reversed( => list(
 
-only the last transform is used, or the first, or one of these is left out: each counts, in reversed(transforms).
+you use only the last transform or only the first, or you leave one of these out. Use each of them.
     (transforms): => (transforms[-1:]): => (transforms[:1]): => (transforms[:-1]): => (transforms[1:]):
 
-it goes the wrong way, from the parent into the child: turn by the rotation, then add.
+you turn the point only once, and add the other translations without a turn. Every transform turns, and then adds.
+    stamped.transform.rotation => (stamped.transform.rotation if stamped is transforms[-1] else Quaternion(w=1.0))
+    => (stamped.transform.rotation if stamped is transforms[0] else Quaternion(w=1.0))
+
+you multiply the rotations in the wrong order: the outer one stands on the left, outer * inner.
+    reversed(transforms): => transforms:
+    for stamped => place, rotations = np.zeros(3), [] // for stamped
+    point = turned(stamped.transform.rotation, point) + np.array( => place = place + in_order(rotations,
+    [t.x, t.y, t.z]) => [t.x, t.y, t.z]) // rotations.append(stamped.transform.rotation)
+    return point => return place + in_order(rotations, point)
+
+you go the wrong way, from the parent into the child: turn by the rotation, then add the translation.
     turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) -
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
     reversed( => list( => reversed(
 
-it is turned the wrong way round: x, y, z of the quaternion keep their signs, and a matrix, not transposed, comes first.
+you turn the wrong way round: keep the signs of the quaternion's x, y and z; with a matrix, don't transpose it.
     [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
 
-only the turn about z counts: a frame may be tilted as well.
+you turn about z only. A frame may be tilted, too: use the whole quaternion.
     axis, point = => q = Quaternion(z=q.z, w=q.w) // axis, point =
     => q = about(UP, atan2(q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2)) // axis, point =
 
-the translation is added before the turn, and so is turned with it: turn first.
+you take the quaternion's four numbers in the wrong order. ROS has x, y, z, w, with w last; MuJoCo has w first.
+    axis, point = => q = Quaternion(w=q.x, x=q.y, y=q.z, z=q.w) // axis, point =
+    => q = Quaternion(x=q.w, y=q.x, z=q.y, w=q.z) // axis, point =
+
+you divide by the length of the axis, or by a sine. Both are 0 where nothing is turned: use turned(q, point).
+    return np.asarray( => axis = axis if any(axis) else axis * nan // return np.asarray(
+    => axis = axis if any(axis) else axis * (1 % 0) // return np.asarray(
+
+you add the translation before the turn, so it is turned, too: turn first, then add.
     turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) +
 
+you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.
+    return point => return np.round(point, 3) => return np.round(point, 2) => return np.round(point, 1)
+
+you return nothing if the list is empty: return the point unchanged then.
+    return point => return point if transforms else None
+
 #
-Compare with: from the last transform to the first, each turns the point and then adds its whole translation, x, y, z.
+Compare your steps with these: go from the last transform to the first. Each one turns the point, and then adds all of
+its translation, x, y and z.
 
 # only moved
-What is not turned has w = 1 and x, y, z = 0; ROS has w last. Add the whole translation to the point.
+Nothing is turned here: x, y and z of the quaternion are 0 and w is 1. You probably read w from another place (in ROS it
+comes last), or you don't add all of the translation.
 
 # a quarter of a turn to the left
-To move is right, and to turn is not: compare with turned(q, point); ROS has x, y, z, w in this order, w last.
+You probably have a mistake in the turn itself: compare with turned(q, point). ROS has x, y, z, w, with w last.
 
 # moved, and turned to the left
-Each alone, to move and to turn, is right: turn first, and then add.
+A move alone and a turn alone come out right. You probably combine them in the wrong order: turn first, then add.
 
-# its nose up
-# rolled to its side
-A turn about z is right, and one about another axis is not: compare with turned(q, point).
+# about y
+# about x
+A turn about z comes out right, and one about another axis doesn't. You probably have a mistake in the terms with x and
+y: compare with turned(q, point).
 
 # about a slanting axis
-A turn about x, y or z is right, one about all at once is not: compare with turned().
+Turns about x, y and z come out right. You probably combine the three wrongly: compare with turned(q, point).
 
 # quaternions with all signs changed
-A rotation has two quaternions, q and -q: the sign of w counts, together with those of x, y, z.
+q and -q are the same rotation. You probably use the sign of w without those of x, y and z.
 
 # transforms
-Most likely a certain number of transforms is expected, or a frame's name, or rotations are multiplied in the wrong
-order, not outer * inner: from the last to the first, each turns what those after it have made of the point, then adds.
+You probably expect a certain number of transforms, or a certain frame. Go from the last to the first, whatever their
+number: each one turns what the transforms after it have made of the point, and then adds.
 
-# whole numbers
-Most likely an array of whole numbers is made, which takes no fractions: begin with np.array(point, float).
+# of ints
+An array that is made of ints holds ints only. You probably lose the fractions there: start with np.array(point, float).
 
 # no transform
-Without transforms the point is returned as it is: take no first transform for granted, and give it back.
+You probably take a first transform for granted. If the list is empty, return the point unchanged.
 """
-XYZ = "Return x, y and z of the one point: a list, a tuple or an array of three numbers; a message is no list."
+XYZ = "Return the three numbers x, y and z in a list, a tuple or an array. A message such as Point is none of these."
 
-Chain = Sequence[tuple[Any, Any, float]]  # of each the translation [m], and axis and angle of the rotation [deg]
+Chain = Sequence[tuple[Any, Any, float]]  # translation [m], axis and angle of the rotation [deg]
 
 FRAMES = ("map", "odom", "Tank/base_link", "turret", "barrel", "tip")
 HERE = (0.0, 0.0, 0.0)
@@ -113,13 +142,18 @@ LONG = (*OUTER, ((0.0, 0.1, 0.05), LEFT, -25.0), ((0.4, 0.0, 0.02), (1.0, 1.0, 0
 
 
 def about(axis: Sequence[float], angle: float) -> Quaternion:
-    """Make a rotation about an axis of any length, by an angle [rad]."""
+    """Return the rotation by an angle [rad] about an axis of any length."""
     x, y, z = (float(sin(angle / 2) * each / (np.linalg.norm(axis) or 1.0)) for each in axis)
     return Quaternion(x=x, y=y, z=z, w=cos(angle / 2))
 
 
+def in_order(rotations: Sequence[Quaternion], point: ArrayLike) -> ArrayLike:
+    """Turn a point by the first rotation, then by the next: the product in the wrong order."""
+    return reduce(lambda turning, q: turned(q, turning), rotations, point)
+
+
 def messages(chain: Chain) -> Iterator[TransformStamped]:
-    """Make the messages of a chain; five begin in another frame than fewer."""
+    """Make the messages of a chain. The outermost frame of a chain of five is map, that of a shorter one is odom."""
     frames = FRAMES if len(chain) == 5 else FRAMES[1:]
     for (xyz, axis, angle), parent, child in zip(chain, frames, frames[1:]):
         stamped = TransformStamped(child_frame_id=child)
@@ -130,18 +164,18 @@ def messages(chain: Chain) -> Iterator[TransformStamped]:
 
 
 def tried(chain: Chain, point: Any, kind: Any = tuple) -> Callable[[Any], list[float]]:
-    """Observe the numbers that are returned.
+    """Make a case that observes the returned numbers.
 
     Args:
         chain: the transforms.
-        point: in the innermost frame [m].
-        kind: what the point is given as.
+        point: a point in the innermost frame [m].
+        kind: the type that the point has for the answer.
     """
     return lambda answer: ask(answer, list(messages(chain)), kind(point), read=three, wanted=XYZ)
 
 
 def three(returned: Any) -> list[float]:
-    """Return the three numbers that an answer has returned."""
+    """Return the three numbers of an answer's point as floats."""
     x, y, z = map(float, returned)
     return [x, y, z]
 
@@ -150,22 +184,22 @@ TRIED = {
     "a frame that is only moved": tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
     "a quarter of a turn to the left": tried([(HERE, UP, 90.0)], (0.3, 0.1, 0.0)),
     "moved, and turned to the left": tried([((2.0, 1.0, 0.1), UP, 90.0)], (0.3, 0.0, 0.2)),
-    "its nose up": tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)),
-    "rolled to its side": tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)),
-    "about a slanting axis": tried([((0.25, -1.0, 0.1), (1.0, -2.0, 0.5), 110.0)], (0.3, 0.2, -0.1)),
+    "turned about y, nose up": tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)),
+    "turned about x, on its side": tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)),
+    "turned about a slanting axis": tried([((0.25, -1.0, 0.1), (1.0, -2.0, 0.5), 110.0)], (0.3, 0.2, -0.1)),
     "two transforms": tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0)),
     "quaternions with all signs changed": tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
     "five transforms": tried(LONG, (0.3, 0.1, -0.2)),
-    "a point of whole numbers": tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2)),
+    "a point of ints": tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2)),
     "a point that is an array": tried(LONG[2:], (0.3, 0.1, -0.2), np.array),
     "no transform": tried([], (1.0, 2.0, 3.0)),
 }
 
 
 def say(numbers: Sequence[float]) -> str:
-    """Put a place [m] into words."""
-    return ", ".join(f"{number:z.3f}" for number in numbers)
+    """Write a place [m] with four decimals at most, so that unlike numbers look unlike, and rounded ones rounded."""
+    return ", ".join(f"{round(number, 4):zg}" for number in numbers)
 
 
-CASES = Cases(where_is, TRIED, MISTAKES, say, crashes=["transform", "whole numbers"], beside=(turned,))
+CASES = Cases(where_is, TRIED, MISTAKES, say, crashes=["transform", "of ints"], beside=(turned,))
 where = Exercise("where", __doc__, CASES)
