@@ -1,18 +1,21 @@
 """The exercise `record`: a thread that writes, and how it ends.
 
-Write two methods of `MyRecorder`, the rest of a recorder:
+Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
 
-- `write` is the thread's function. It writes each entry of the queue, a time and a payload, as it comes, with
-  `self.bag.write(self.connection, time_ns, payload)`. `self.received.get()` waits for an entry. `None` ends the
-  thread.
-- `unconfigure` ends all that `configure` has begun. Every message that has come is then in the bag, and nothing writes
-  into it after `self.bag.close()`. `self.writer.join()` waits for the thread's end.
+- `write` runs on the recorder's thread. It takes one entry after the other from the queue, a time [ns] and a payload,
+  and writes it at once and unchanged, with `self.bag.write(self.connection, time_ns, payload)`. An entry whose payload
+  or time equals an earlier one is written, too: a message that says the same is still a message.
+  `self.received.get()` waits for an entry. `None` ends the thread.
+- `unconfigure` ends all that `configure` has begun. Afterwards, every message that has come is in the bag, and nothing
+  writes into it after `self.bag.close()`. `self.writer.join()` waits for the thread's end.
+- You may extend `configure`, too. Then call `super().configure(config)` in it. That starts the thread, so set before
+  what `write` needs.
 
-Hint 1: Look at what may still happen in each line of unconfigure: may a message come, does one wait in the queue, does
-the thread write?
+Hint 1: Go through unconfigure line by line. After each line: may a message still come, does one still wait in the
+queue, may the thread still write?
 
-Hint 2: First let nothing more come, then end the thread with an entry that comes after all others, wait for it, and
-only then close the bag. In write a loop takes one entry after the other, until None.
+Hint 2: First stop listening, so that nothing more comes. Then put an entry behind all others that ends the thread, wait
+for the thread's end, and only then close the bag. In write, a loop takes one entry after the other, until None.
 
 Hint 3: while received := self.received.get(): self.bag.write(self.connection, *received). And unconfigure has four
 lines: self.node.destroy_subscription(self.subscription), self.received.put(None), self.writer.join() and
@@ -27,7 +30,9 @@ from queue import Empty, SimpleQueue
 from threading import Thread, current_thread
 from types import SimpleNamespace as Namespace
 from typing import Any
+from unittest.mock import patch
 
+from rclpy.logging import get_logger
 from rclpy.time import Time
 
 from tutorial.checks.exercise import Case, Cases, Exercise, Failure, Misuse, call, watch
@@ -35,14 +40,14 @@ from tutorial.controller import SimpleController
 
 
 class QueueRecorder(SimpleController):
-    """The rest of the recorder, in the notebook. Here `Surroundings` gives it what its `configure` makes there."""
+    """Stand for the notebook's class of this name, whose `configure` makes what `Surroundings` makes here."""
 
 
 class MyRecorder(QueueRecorder):
-    """Write what is in the queue, on a thread of its own."""
+    """Write the queue's entries on a thread of its own."""
 
     def write(self: Any) -> None:
-        """Write the entries of the queue, until None comes."""
+        """Write one entry after the other, until None comes."""
         while received := self.received.get():
             self.bag.write(self.connection, *received)
 
@@ -55,46 +60,57 @@ class MyRecorder(QueueRecorder):
 
 
 MISTAKES = """
-the bag is closed while the thread may still write: wait for it before, self.writer.join(), however long it takes.
+you close the bag while the thread may still write: call self.writer.join() before, without a timeout.
     self.writer.join() => pass => self.bag.close() // self.writer.join()
 
-None comes into the queue while messages may still come, and those after it are lost: stop listening first.
+you put None into the queue while messages may still come, and those behind it are lost: stop listening first.
     self.node.destroy => self.received.put(None) // self.node.destroy
 
-get is called twice in a turn, and each call takes an entry out: take one, keep it, and write that.
+you call get twice for one entry, and each call takes one out: call it once, keep the entry, and write that.
     received := self.received.get() => self.received.get()
     *received) => *self.received.get())
 
-the thread ends where the queue is empty, as with `while not empty()` or get(timeout=...): get() waits for the next.
+you end the thread when the queue is empty, as with `while not empty()` or get(timeout=...): let get() wait for more.
     while received := self.received.get(): => while not self.received.empty() and (received := self.received.get()):
 
-the thread ends before it has written what waits in the queue: let only None end it, which comes behind all others.
+you end the thread before it has written what waits in the queue: let only None end it, which comes behind all others.
     received := self.received.get() => not vars(self).get("ends") and (received := self.received.get())
     self.received.put(None) => self.ends = True // self.received.put(None)
 
-the messages are kept until the end, and lost if the program dies: write each one as it comes.
+you keep the messages until the end, and lose them if the program crashes: write each one before you take the next.
     while received := self.received.get(): => for received in [*iter(self.received.get, None)]:
 
+you leave out a message that says the same as an earlier one. It is still a message: write every entry.
+    self.bag.write( => received[1] in vars(self).setdefault("w", []) or self.w.append(received[1]) or self.bag.write(
+    => received[1] in vars(self).setdefault("w", [])[-1:] or self.w.append(received[1]) or self.bag.write(
+    => received in vars(self).setdefault("w", []) or self.w.append(received) or self.bag.write(
+
 # one by one
-Take one entry after the other, end if it is None, else self.bag.write(self.connection, time_ns, payload), as it stands.
+You probably don't end at None, or change an entry: take one, leave the loop if it is None, and otherwise write it as it
+is, with self.bag.write(self.connection, time_ns, payload).
 
 #
-Compare with: stop listening, put None, join, close. The thread alone writes, until it takes None.
+Compare your steps with these: stop listening, put None, join, close. Only the thread takes entries and writes, and only
+None ends it.
 """
-STUCK = "Most likely write does not end at None, or None is put after join, or never, or somebody else takes it out."
-BUSY = "That keeps the processor busy: self.received.get() waits for an entry by itself, and join for the thread's end."
-OFTEN = 100  # times that somebody asks whether the queue is empty
+NEVER = "You probably put None after join, or not at all: put it before, so that the thread ends."
+PAST_NONE = "You probably go on after None: leave the loop when you take it."
+STOLEN = "You probably take None out of the queue outside of the thread: only write, on the thread, calls get."
+BUSY = "That keeps the processor busy: self.received.get() waits for an entry, and self.writer.join() for the thread."
+NO_SUPER = "Call it: it makes the queue, the bag, the thread and the subscription."
+TOO_EARLY = "super().configure(config) starts the thread: set what write needs before that line."
+OFTEN = 100  # times that an answer may ask whether the queue is empty
 
 
 class Surroundings:
     """A recorder's queue, node, thread and bag. The disk takes a second for the first message.
 
-    So the thread rests there, or where the queue is empty, until somebody waits for its end.
+    The thread therefore pauses there, or when the queue is empty, until something waits for its end.
 
     Args:
-        recorder: the learner's.
-        waiting: entries in the queue.
-        coming: those that come one by one when the queue is empty, or all at once when it stops listening.
+        recorder: the learner's object.
+        waiting: the entries in the queue.
+        coming: entries that come one by one when the queue is empty, or all at once when the recorder stops listening.
     """
 
     def __init__(self, recorder: Any, waiting: Sequence[Any], coming: Sequence[Any]) -> None:
@@ -104,18 +120,47 @@ class Surroundings:
         self.keeps = self.hurries = False
         self.listens = self.is_open = self.rests = True
         self.failure: Failure | None = None
+        self.ended_by: Thread | None = None  # the thread that took None
         self.begun, self.turn = SimpleQueue[None](), SimpleQueue[None]()
         self.thread = Thread(target=self.run, daemon=True)
+        clock = Namespace(now=lambda: Time(nanoseconds=9))
+        self.node = Namespace(destroy_subscription=self.destroy, get_clock=lambda: clock)
+        self.node.get_logger = partial(get_logger, "tank")
+
+    def configure(self) -> None:
+        """Call the learner's own `configure`, with `begin` in place of the notebook's.
+
+        The notebook's is the first in the order of inheritance that calls no other. A learner's copy of it counts as it.
+
+        Raises:
+            Failure: it raised, has not called the notebook's, or starts a thread that is not ready.
+        """
+        kinds = [each for each in type(self.recorder).__mro__ if "configure" in vars(each)]
+        base = next((each for each in kinds if not _calls_configure(vars(each)["configure"])), SimpleController)
+        with patch.object(base, "configure", self.begin), watch.call("configure"):
+            self.recorder.configure(Namespace(body=Namespace(name="Tank"), node=self.node))
+            if not self.thread.ident:
+                raise Misuse("it does not call super().configure(config)", NO_SUPER)
+        error = self.failure and self.failure.error
+        if self.failure and isinstance(error, AttributeError) and hasattr(self.recorder, str(error.name)):
+            text = f"it reads self.{error.name} before configure has set it"
+            raise Failure("write", Misuse(text, TOO_EARLY), self.failure.place)
+
+    def begin(self, *_: object) -> None:
+        """Make what the notebook's `configure` makes. The thread runs until it pauses for the first time."""
+        recorder = self.recorder
         recorder.connection, recorder.subscription = "connection", Namespace(destroy=lambda: None)
         recorder.received = Namespace(get=self.get, put=self.entries.append, empty=self.empty)
         recorder.received.get_nowait = partial(self.get, block=False)
-        clock = Namespace(now=lambda: Time(nanoseconds=9))
-        recorder.node = Namespace(destroy_subscription=self.destroy, get_clock=lambda: clock)
+        recorder.node = self.node
         recorder.writer = Namespace(join=self.join, is_alive=self.thread.is_alive)
         recorder.bag = Namespace(write=self.write, close=self.close)
+        self.thread.start()
+        self.begun.get()
+        self.rests = False
 
     def run(self) -> None:
-        """Run the learner's thread."""
+        """Run the learner's `write` on its thread."""
         try:
             with watch.call("write"):
                 self.recorder.write()
@@ -124,7 +169,7 @@ class Surroundings:
         self.begun.put(None)
 
     def rest(self) -> None:
-        """Have the thread rest, once, until somebody waits for its end."""
+        """Let the thread pause, the first time, until something waits for its end."""
         if self.rests:
             self.begun.put(None)
             self.turn.get()
@@ -140,15 +185,20 @@ class Surroundings:
             if timeout is not None or not block:
                 raise Empty
         if not self.entries:
-            raise Misuse("it waits for ever for another entry", STUCK)
+            is_stolen = self.ended_by not in (None, self.thread)
+            cause = STOLEN if is_stolen else PAST_NONE if self.ended_by else NEVER
+            raise Misuse("it waits for an entry that never comes", cause)
         self.taken += 1
-        return self.entries.pop(0)
+        entry = self.entries.pop(0)
+        if entry is None:
+            self.ended_by = current_thread()
+        return entry
 
     def empty(self) -> bool:
-        """Say whether nothing is in the queue."""
+        """Return whether the queue is empty."""
         self.asked += 1
         if self.asked > OFTEN:
-            raise Misuse("it asks again and again whether the queue is empty", BUSY)
+            raise Misuse("it asks over and over whether the queue is empty", BUSY)
         return not self.entries
 
     def destroy(self, subscription: Any) -> None:
@@ -168,13 +218,14 @@ class Surroundings:
     def end(self) -> None:
         """Let the thread run, and wait for its end."""
         self.turn.put(None)
-        self.thread.join()
+        if self.thread.ident:
+            self.thread.join()
 
     def write(self, connection: str, timestamp: int, data: bytes) -> None:
         """Write into the bag."""
-        odd = ", to another connection" * (connection != self.recorder.connection) + ", too late" * (not self.is_open)
-        beside = ", beside the thread" * (current_thread() is not self.thread and self.thread.is_alive())
-        self.written.append(f"{data!r} of {timestamp!r} ns{odd}{beside}")
+        odd = " (to another connection)" * (connection != self.recorder.connection) + " (too late)" * (not self.is_open)
+        beside = " (outside of the thread)" * (current_thread() is not self.thread and self.thread.is_alive())
+        self.written.append(f"{data!r} at {timestamp!r} ns{odd}{beside}")
         self.rest()
 
     def close(self) -> None:
@@ -182,8 +233,15 @@ class Surroundings:
         self.is_open = False
 
 
+def _calls_configure(function: Any) -> bool:
+    code = getattr(function, "__code__", None)
+    return code is not None and "configure" in code.co_names
+
+
 def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Case:
-    """Observe what is written, and what is left of a recorder; unless its end has come already, it leaves its body.
+    """Make a case that observes what is written, and what is left of a recorder after `unconfigure`.
+
+    If the thread takes None by itself, `unconfigure` is not called.
 
     Args:
         waiting, coming: as for `Surroundings`.
@@ -191,19 +249,20 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Case:
 
     def case(answer: Any) -> str:
         scene = Surroundings(call(answer), waiting, coming)
-        scene.thread.start()
-        scene.begun.get()
-        scene.rests = False
         also, leaves = list[str](), None not in coming
         try:
+            scene.configure()
             if leaves:
                 with watch.call("unconfigure"):
                     scene.recorder.unconfigure()
-                also += ["it still listens"] * scene.listens + ["the thread goes on"] * scene.thread.is_alive()
+                also += ["the node still listens"] * scene.listens
+                also += ["the thread still runs"] * scene.thread.is_alive()
         finally:
             scene.end()
         scene.join()
-        also += ["the bag is open"] * (leaves and scene.is_open) + ["it takes the next one first"] * scene.keeps
+        also += ["the bag is still open"] * (leaves and scene.is_open)
+        are_all = len(scene.written) == sum(each is not None for each in (*waiting, *coming))
+        also += ["each written only after the next one is taken"] * (scene.keeps and are_all)
         return ", ".join([*(scene.written or ["nothing is written"]), *also])
 
     return case
@@ -212,7 +271,8 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Case:
 A, B, C = (5, b"A"), (7, b"B"), (7, b"")  # the time [ns], and the payload, which may be empty
 TRIED = {
     "messages come one by one": tried(coming=[A, B, None]),
-    "three messages wait": tried(A, B, C),
+    "three messages wait in the queue": tried(A, B, C),
+    "equal messages wait in the queue": tried(A, B, B, (9, b"A")),
     "a message comes while it stops listening": tried(A, coming=[B]),
 }
 CASES = Cases(MyRecorder, TRIED, MISTAKES, str, crashes=["one by one"])

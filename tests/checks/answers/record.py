@@ -64,10 +64,70 @@ class WritesItself(MyRecorder):
         self.bag.close()
 
 
-RIGHT = [Patient, ClosesInTheThread]
+class Counts(MyRecorder):
+    """Extends `configure`, as the notebook allows."""
+
+    def configure(self, config):
+        self.count = 0
+        super().configure(config)
+
+    def write(self):
+        for entry in iter(self.received.get, None):
+            self.bag.write(self.connection, *entry)
+            self.count += 1
+
+
+class CountsTooLate(Counts):
+    def configure(self, config):
+        MyRecorder.configure(self, config)
+        self.count = 0
+
+    def write(self):
+        before = self.count
+        super().write()
+        assert self.count >= before
+
+
+class CallsNoSuper(Counts):
+    def configure(self, config):
+        self.count = 0
+        if config is None:
+            super().configure(config)
+
+
+class GoesOn(MyRecorder):
+    def write(self):
+        while True:
+            if entry := self.received.get():
+                self.bag.write(self.connection, *entry)
+
+
+class ChangedOnly(MyRecorder):
+    def write(self):
+        last = None
+        while entry := self.received.get():
+            if entry != last:
+                self.bag.write(self.connection, *entry)
+            last = entry
+
+
+class NeverEnds(MyRecorder):
+    def unconfigure(self):
+        self.node.destroy_subscription(self.subscription)
+        self.writer.join()
+        self.received.put(None)
+        self.bag.close()
+
+
+RIGHT = [Patient, ClosesInTheThread, Counts]
 WRONG = [
+    (CountsTooLate, "super().configure(config) starts the thread"),
+    (CallsNoSuper, "Call it: it makes the queue"),
+    (GoesOn, "You probably go on after None"),
+    (ChangedOnly, "you leave out a message that says the same"),
+    (NeverEnds, "You probably put None after join"),
     (Exchanged, ["self.bag.write(self.connection, time_ns, payload)"]),
-    (Hurries, ["the bag is closed"]),
+    (Hurries, ["you close the bag"]),
     (Polls, ["get() waits for an entry"]),
-    (WritesItself, ["None is put after join, or never"]),
+    (WritesItself, ["You probably take None out of the queue"]),
 ]
