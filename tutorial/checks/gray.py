@@ -1,29 +1,32 @@
 """The exercise `gray`: publish gray pictures.
 
-Write the controller `GrayPublisher`. It publishes an `Image` on the topic `camera/gray` of its body, 5 times per
-simulated second, as nearly as whole steps allow: what the camera `CAMERA` sees, in gray. For the body `Tank` the
-topic is `Tank/camera/gray`, without a slash in front, so it is in the namespace of the node.
+Write the controller `GrayPublisher`. It publishes what the camera `CAMERA` sees, in gray: an `Image` on the topic
+`camera/gray` of its body, 5 times per simulated second. For the body `Tank` the topic is `Tank/camera/gray`, without a
+slash in front, so it is in the node's namespace.
 
-- A pixel is one byte, the average of its red, green and blue, rounded or cut off. That encoding is called `mono8`;
-  `step` says how many bytes a row has.
-- The stamp is the simulated time at the moment of asking. The frame is the camera's optical frame, for the body `Tank`
-  `Tank/CAMERA_optical`. A picture may come after you have asked for the next one, or not at all.
-- It works with pictures of any size, on any body that has such a camera, and with any time step.
+- Ask for a picture every 0.2 s, for the first one at most 0.2 s after the start. Where 0.2 s isn't a whole number of
+  steps, round the number of steps or keep the rate on average. Publish every picture that you get, also one that equals
+  the last: a message that says the same is still a message.
+- A pixel is one byte, the average of its red, green and blue, rounded or cut off. That encoding is called `mono8`. The
+  field `step` says how many bytes a row has.
+- The stamp is the simulated time at the moment of asking. A picture may come after you have asked for the next one, or
+  not at all. The frame is the camera's optical frame, for the body `Tank` it is `Tank/CAMERA_optical`.
+- Pictures of any size, any body that has such a camera, and any time step must work.
 - When the simulation stops, `stop` closes the camera. In `unconfigure`, the node destroys the publisher.
 
-Hint 1: Look at who does what: control only asks for a picture, in every two hundredth step. The function that gets
-the picture does the rest.
+Hint 1: Look at who does what. control only asks for a picture, five times per simulated second. The function that gets
+the picture does everything else.
 
-Hint 2: In control have the camera capture a picture; pass the function that gets it, and the simulated time. In that
-function, which gets the pixels and that time, fill the message: height and width from pixels.shape, one byte per
-pixel in each row.
+Hint 2: In control, have the camera capture a picture. Pass it the function that gets the picture, and the simulated
+time. That function gets the pixels and that time. It fills the message: height and width from pixels.shape, one byte
+per pixel in each row.
 
 Hint 3: self.camera.capture(self.publish, self.io.time_ns); then message.height, message.width, _ = pixels.shape;
 message.step = message.width; message.data = array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()); the stamp is
 Time(nanoseconds=time_ns).to_msg().
 
-Notice that the control loop never waits for a picture, and that gray, half as often, needs a sixth of the bytes per
-second that colour needs.
+Notice that the control loop never waits for a picture. And gray, half as often, needs a sixth of the bytes per second
+that colour needs.
 """
 
 from array import array
@@ -44,10 +47,10 @@ from tutorial.errors import TutorialError
 
 
 class GrayPublisher(SimpleController):
-    """Publish what the camera sees in gray, at 5 Hz: a third of the bytes, and half as often."""
+    """Publish what the camera sees in gray at 5 Hz."""
 
     def configure(self, config: ControllerConfig) -> None:
-        """Announce the topic, named after the body."""
+        """Create the publisher, on a topic named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(Image, f"{config.body.name}/camera/gray", 1)
 
@@ -58,12 +61,12 @@ class GrayPublisher(SimpleController):
         self.steps_per_picture = round(1 / (5 * io.time_step))
 
     def control(self) -> None:
-        """Have a picture taken, when it is time to."""
+        """Ask for a picture five times per simulated second."""
         if self.io.step % self.steps_per_picture == 0:
             self.camera.capture(self.publish, self.io.time_ns)
 
     def publish(self, pixels: NDArray[np.uint8], time_ns: int) -> None:
-        """Publish a picture, on the camera's thread."""
+        """Publish a picture. The camera's thread."""
         message = Image()
         message.header.stamp = Time(nanoseconds=time_ns).to_msg()
         message.header.frame_id = f"{self.io.body.name}/{self.camera.name}_optical"
@@ -74,57 +77,75 @@ class GrayPublisher(SimpleController):
         self.publisher.publish(message)
 
     def stop(self) -> None:
-        """Have no picture delivered any more."""
+        """Close the camera, which delivers no picture afterwards."""
         self.camera.close()
 
     def unconfigure(self) -> None:
-        """Take the topic back."""
+        """Destroy the publisher."""
         self.node.destroy_publisher(self.publisher)
 
 
 MISTAKES = """
-message.data is given an array with rows: it takes one byte after the other, array('B', ....tobytes()).
+you give message.data an array with rows. It takes one byte after the other: array('B', ....tobytes()).
     array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()) => pixels.mean(axis=2).astype(np.uint8)
 
-it is one colour, the sum or another mean, or is cut off or computed in bytes before: take pixels.mean(axis=2).
+you take one colour, the sum or another mean, or compute in bytes, which overflow and cut off: take pixels.mean(axis=2).
     pixels.mean(axis=2) => pixels[:, :, 0] => pixels[:, :, 1] => pixels[:, :, 2] => pixels.sum(axis=2)
     => (pixels.sum(axis=2, dtype=np.uint8) / 3) => (pixels//3).sum(axis=2) => pixels.max(axis=2) => pixels.min(axis=2)
     => (pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)
 
-it is weighted, as by the eye: here the plain mean is asked for, pixels.mean(axis=2).
+you average over rows or columns. The colours are the last axis: pixels.mean(axis=2).
+    pixels.mean(axis=2) => pixels.mean(axis=0) => pixels.mean(axis=1) => pixels.mean()
+
+you send three bytes per pixel. mono8 has one: take pixels.mean(axis=2), one row has message.width bytes.
+    pixels.mean(axis=2) => pixels.mean(axis=2).repeat(3) => pixels
+    message.step = message.width => message.step = 3 * message.width
+    "mono8" => "rgb8"
+
+you weight the colours, as the eye does. Here the plain mean is asked for: pixels.mean(axis=2).
     pixels.mean(axis=2) => (pixels @ [0.299, 0.587, 0.114]) => np.rint(pixels @ [0.299, 0.587, 0.114])
 
-it is divided by 255: mono8 goes from 0 to 255, as the pixels do.
+you divide by 255. In mono8, white is 255, as in the pixels.
     pixels.mean(axis=2) => (pixels.mean(axis=2) / 255)
 
-it is upside down or mirrored, or rows and columns are exchanged: the topmost row comes first, and begins on the left.
+you turn the picture upside down, mirror it, or swap rows and columns: the top row comes first, each from left to right.
     pixels.mean(axis=2) => pixels[::-1].mean(axis=2) => pixels[:, ::-1].mean(axis=2) => pixels[::-1, ::-1].mean(axis=2)
     => pixels.mean(axis=2).T
 
+you leave out a picture that equals an earlier one. It is still a message: publish each.
+    message = Image() => message, w = Image(), vars(self).setdefault("w", [])
+    self.publisher.publish(message) => message.data in w[-1:] or self.publisher.publish(message) // w.append(message.data)
+    => message.data in w or self.publisher.publish(message) // w.append(message.data)
+
 #
-Compare with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()): the last axis has the colours, and then each
-pixel is one byte, row by row.
+Compare your bytes with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()). The last axis holds the colours, and
+each pixel becomes one byte, row by row.
 
 # the size
-Width and height are exchanged, left out or typed: message.height, message.width, _ = pixels.shape.
+You probably swap width and height, leave them out or hard-code them: message.height, message.width, _ = pixels.shape.
 
 # the encoding
-The encoding is left out, or another: one byte for a pixel is called "mono8", in small letters.
+You probably leave out the encoding, or name another one: one byte per pixel is called "mono8", in lower case.
 
 # the row
-Most likely step is left out, or that of colours: a row has message.step = message.width bytes.
+You probably leave out step, or count three bytes per pixel: a row has message.step = message.width bytes.
 
 # the stamp
-Hand on the time of asking, self.camera.capture(self.publish, self.io.time_ns): the stamp is all of it, sec and nanosec.
+You probably don't pass the time of asking on, or not all of it: self.camera.capture(self.publish, self.io.time_ns), and
+then both sec and nanosec.
 
 # pictures that come late, or not at all
-Ask for each at its time, and hand that time on: self.camera.capture(self.publish, self.io.time_ns).
+You probably keep one time for all pictures, and asking for the next one changes it. Pass each picture's own time on:
+self.camera.capture(self.publish, self.io.time_ns).
 
 # the frame
-Most likely the body is typed, or it is no optical frame: it is f"{self.io.body.name}/{self.camera.name}_optical".
+You probably hard-code the body, or it isn't the optical frame: f"{self.io.body.name}/{self.camera.name}_optical".
 
 # after stop
-Most likely the camera is not closed, or closed too late: in stop, self.camera.close().
+You probably don't close the camera, or close it too late: stop calls self.camera.close().
+
+# nothing moves
+You probably leave out a picture that equals an earlier one. It is still a message: publish each.
 """
 
 Pixels = NDArray[np.uint8]  # (height, width, 3)
@@ -133,7 +154,7 @@ SIZES = {"Rover": (8, 6), "Lift": (5, 7)}  # [px]
 
 @cache
 def picture(number: int, width: int, height: int) -> Pixels:
-    """Make a picture of which no two pixels are alike, and whose means have a third behind the point."""
+    """Make a picture whose pixels all differ, and whose means are a third above a whole number."""
     random = np.random.default_rng(number)
     grays = random.permutation(width * height) * 3 + 60
     tints = random.permuted([[40, -10, -29]] * len(grays), axis=1)
@@ -142,12 +163,12 @@ def picture(number: int, width: int, height: int) -> Pixels:
 
 
 class Camera:
-    """Stands for a `tutorial.view.camera.Camera`.
+    """Stand for a `tutorial.view.camera.Camera`.
 
-    What a camera has not begins with an underscore, so that no learner is told of it.
+    Attributes that a real camera lacks begin with an underscore, so that no message suggests them to a learner.
 
     Args:
-        rig: what it belongs to.
+        rig: the rig that it belongs to.
         body: the body that it is on.
         name: must be ``"CAMERA"``.
     """
@@ -160,40 +181,42 @@ class Camera:
         rig.cameras.append(self)
 
     def capture(self, deliver: Any, *arguments: object) -> None:
-        """Take an order."""
+        """Note what to deliver, and when it was asked for."""
         if not callable(deliver):
             raise Misuse(f"capture is given {deliver!r} in place of a function", AT_ONCE.format("publish"))
-        pixels = picture(len(self._rig.orders), self.width, self.height)
+        pixels = picture(0 if self._rig.is_still else len(self._rig.orders), self.width, self.height)
         self._rig.orders.append((self._rig.io.step, self, pixels, partial(call, deliver, pixels.copy(), *arguments)))
 
     def close(self) -> None:
-        """Deliver nothing more."""
+        """Deliver no more pictures."""
         self._is_open = False
 
 
 class CameraRig(Rig):
-    """A rig with a camera, whose pictures come later, and on which some are missed.
+    """A rig with a camera. Its pictures may come later, and one of them not at all.
 
     Args:
         answer: the learner's class.
-        delay: how many steps a picture takes.
-        missed: the number of one that never comes.
-        options: of `Rig`.
+        delay: the steps from asking for a picture to its delivery.
+        missed: the number of a picture that never comes.
+        is_still: whether all pictures are equal.
+        options: the options of `Rig`.
 
     Attributes:
-        cameras: those that were asked for.
-        orders: the pictures that were asked for since the start: at which step, from which camera, the pixels, and what
-            delivers them.
-        delivered: those that have come, each with the step at which it was asked for.
+        cameras: the cameras that the learner has looked up.
+        orders: the pictures that were asked for since the start: at which step, from which camera, the pixels, and a
+            function that delivers them.
+        delivered: the pictures that have come, each with the step at which it was asked for.
     """
 
-    def __init__(self, answer: type, delay: int = 0, missed: int = -1, **options: Any) -> None:
+    def __init__(self, answer: type, delay: int = 0, missed: int = -1, is_still: bool = False, **options: Any) -> None:
+        self.is_still = is_still
         super().__init__(answer, after=self._deliver, **options)
         self._delay, self._missed, self.cameras = delay, missed, list[Camera]()
         self.body.find_camera = partial(Camera, self)
 
     def start(self, step: int = 0) -> None:
-        """Begin to simulate."""
+        """Start to simulate."""
         self.orders = list[tuple[int, Camera, Pixels, Callable[[], None]]]()
         self.delivered = list[tuple[int, Pixels]]()
         super().start(step)
@@ -206,14 +229,14 @@ class CameraRig(Rig):
 
 
 def pictures(rig: CameraRig, sent: list[Sent]) -> Any:
-    """Observe whether each message holds the picture that was delivered, in gray."""
+    """Observe whether each message holds the delivered picture in gray."""
     seen = [[*each.message.data] for each in sent]
     wanted = [pixels.mean(axis=2).astype(np.uint8).ravel().tolist() for _, pixels in rig.delivered]
     return compared([*zip_longest(seen, wanted, fillvalue=[])], "the pictures in gray", word)
 
 
 def word(data: list[int]) -> str:
-    """Put bytes into words."""
+    """Describe bytes by their number and the first six."""
     return f"{len(data)} bytes ({', '.join(map(str, data[:6]))}{', …' * (len(data) > 6)})"
 
 
@@ -221,22 +244,29 @@ PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "time_ns")
 
 
 def stamps(answer: type, **options: Any) -> Any:
-    """Observe the stamps, with steps of 7 ms, beside the times of asking."""
+    """Compare the stamps with the times of asking, with steps of 7 ms."""
     rig = PUBLISHING.play(answer, 1.6, 7, (1,), **options)
     if len(rig.orders) < 7:
-        return f"{len(rig.orders)} of 8 are asked for"
+        return f"{len(rig.orders)} of 8 pictures are asked for"
     pairs = zip(PUBLISHING.messages(rig), rig.delivered)
     return compared_stamps([(each.stamp_ns, step * 7_000_000) for each, (step, _) in pairs])
 
 
 def left_open(answer: type) -> str:
-    """Observe whether cameras are open after the simulation has stopped."""
+    """Observe how many cameras are open after the simulation has stopped."""
     number = sum(camera._is_open for camera in PUBLISHING.play(answer, 0.3).cameras)
-    return f"pictures of {number or 'no'} camera are still delivered"
+    return (
+        f"{number} cameras are still open" if number > 1 else "the camera is still open" if number else "it is closed"
+    )
+
+
+def still(answer: type) -> Any:
+    """Observe how often equal pictures are sent."""
+    return PUBLISHING.often(PUBLISHING.play(answer, 0.9, is_still=True))
 
 
 def frame(frame_id: str) -> str:
-    """Say in which frame a picture is; the camera's name alone counts, too."""
+    """Return a picture's frame. The camera's name alone counts as its optical frame."""
     return repr("Rover/CAMERA_optical" if frame_id == "CAMERA" else frame_id)
 
 
@@ -248,6 +278,7 @@ TRIED = {
     "the frame": PUBLISHING.sent(0.3, lambda _, sent: frame(sent[-1].message.header.frame_id)),
     "the stamp": stamps,
     "pictures that come late, or not at all": lambda answer: stamps(answer, delay=40, missed=2),
+    "nothing moves, so all pictures are equal": still,
     "after stop": left_open,
 }
 PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")

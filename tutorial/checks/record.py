@@ -130,7 +130,7 @@ class Surroundings:
     def configure(self) -> None:
         """Call the learner's own `configure`, with `begin` in place of the notebook's.
 
-        The notebook's is the first in the order of inheritance that calls no other. A learner's copy of it counts as it.
+        The notebook's is the first in the order of inheritance that calls no other; so is a learner's copy of it.
 
         Raises:
             Failure: it raised, has not called the notebook's, or starts a thread that is not ready.
