@@ -114,8 +114,8 @@ you turn the picture upside down, mirror it, or swap rows and columns: the top r
 
 you leave out a picture that equals an earlier one. It is still a message: publish each.
     message = Image() => message, w = Image(), vars(self).setdefault("w", [])
-    self.publisher.publish(message) => message.data in w[-1:] or self.publisher.publish(message) // w.append(message.data)
-    => message.data in w or self.publisher.publish(message) // w.append(message.data)
+    self.publisher.publish(message) => message.data in w[-1:] or self.publisher.publish(message) // w += [message.data]
+    => message.data in w or self.publisher.publish(message) // w += [message.data]
 
 #
 Compare your bytes with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()). The last axis holds the colours, and
@@ -256,7 +256,7 @@ def left_open(answer: type) -> str:
     """Observe how many cameras are open after the simulation has stopped."""
     number = sum(camera._is_open for camera in PUBLISHING.play(answer, 0.3).cameras)
     return (
-        f"{number} cameras are still open" if number > 1 else "the camera is still open" if number else "it is closed"
+        "the camera is closed" if number == 0 else "the camera is still open" if number == 1 else f"{number} are open"
     )
 
 

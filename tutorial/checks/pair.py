@@ -1,28 +1,28 @@
 """The exercise `pair`: two messages of one moment.
 
-Write the class `Pairs`, which brings together two topics' messages of one moment. The viewer calls its method
-`add(stream, message)` for each message as it comes; `stream` is `"joints"` or `"pose"`. It returns the two messages
-that have the same stamp, `joints, pose`, as soon as both are there, and otherwise `None`.
+Write the class `Pairs`. It brings together the messages of two topics that belong to the same moment. The viewer calls
+its method `add(stream, message)` with each message on arrival; `stream` is `"joints"` or `"pose"`. When both messages
+with one stamp are there, `add` returns them at once, `joints, pose`. Otherwise it returns `None`.
 
-- Either of them may come first, and one topic may be ahead of the other. Each topic comes in the order of its stamps.
-- When a pair is complete, everything that came before its first message is past: drop it, its partner would come too
-  late. Everything that came after that message may still find its partner.
-- Up to 50 messages wait, of each topic or of both together, as you like. If there are more, drop the one that *came*
-  first.
-- A publisher that starts again begins at 0. Pair its messages at once.
+- Either message may come first, and one topic may be ahead of the other. Each topic's messages come in the order of
+  their stamps.
+- When a pair is complete, everything that came before its first message is past: drop it, for its partner would come
+  too late. Everything that came after that message may still find its partner.
+- At most 50 messages wait. Count each topic by itself or both together, as you like. If there are more, drop the one
+  that *came* first.
+- A publisher that restarts begins at 0 again. Pair its messages at once, too.
 
-Hint 1: Look at what you have to find when a message comes: the one of the other stream that has the same stamp. What
-would you have to keep, and by which key, to find it at once?
+Hint 1: When a message comes, you have to find the other topic's message with the same stamp. What do you have to keep,
+and by which key, to find it at once?
 
-Hint 2: Keep a dict from stamps to the messages of that stamp, by stream. A dict remembers in which order its keys
-came, so its first key is the one that has waited longest: drop from there, up to the stamp of a pair, or when there
-are more than 50.
+Hint 2: Keep a dict from each stamp to its messages by stream. A dict remembers the order in which its keys came, so the
+first key has waited longest. Drop from there: up to the stamp of a complete pair, or one if more than 50 wait.
 
-Hint 3: The stamp is message.header.stamp.sec, message.header.stamp.nanosec. together: self.waiting.setdefault(stamp,
-{}), with together[stream] set to the message. If it has two, delete next(iter(self.waiting)) as long as the stamp is
-in there, and return both.
+Hint 3: The stamp is message.header.stamp.sec, message.header.stamp.nanosec. together is
+self.waiting.setdefault(stamp, {}), and together[stream] becomes the message. If together has two, delete
+next(iter(self.waiting)) as long as the stamp is in self.waiting, and return both.
 
-Notice that the order of arrival is enough to know what is past, also after a new start.
+Notice that the order of arrival is enough to know what is past, after a restart, too.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -36,13 +36,13 @@ from tutorial.checks.exercise import Cases, Exercise, Misuse, call, watch
 
 
 class Pairs:
-    """Finds the joint states and the pose of one stamp."""
+    """Pair the joint states and the pose with the same stamp."""
 
     def __init__(self) -> None:
         self.waiting: dict[tuple[int, int], dict[str, Any]] = {}
 
     def add(self, stream: str, message: Any) -> tuple[Any, Any] | None:
-        """Take a message; return the pair that it completes."""
+        """Take a message, and return the pair that it completes, if any."""
         stamp = message.header.stamp.sec, message.header.stamp.nanosec
         together = self.waiting.setdefault(stamp, {})
         together[stream] = message
@@ -56,66 +56,101 @@ class Pairs:
 
 
 MISTAKES = """
-the objects are compared, by `is` or id, and each message has a stamp of its own: compare its sec and nanosec.
+you compare the stamps as objects, with `is` or id. Every message has its own: compare their sec and nanosec.
     message.header.stamp.sec, message.header.stamp.nanosec => id(message.header.stamp)
 
-only the seconds are compared, or only nanosec: a stamp has both.
+you compare only sec, or only nanosec: a stamp is both.
     together = => stamp = stamp[0] // together = => stamp = stamp[1] // together =
 
-a pair drops all that waits: only what came before it is past.
+you drop everything that waits when a pair is complete: drop only what came before the pair's first message.
     while stamp in self.waiting: => self.waiting.clear() // while False:
 
-what came before a pair is not dropped: it is past, also where its partner still comes.
+you keep what came before a pair. It is past: drop it, even if its partner still comes.
     while stamp in self.waiting: => self.waiting.pop(stamp) // while False:
 
+you drop what came before a pair from one topic only: drop it from both.
+    while stamp in self.waiting: => self.waiting = dropped_by_half(self.waiting, stamp, stream) // while False:
+
+you keep only the newest message of each topic. One topic may be ahead of the other: keep up to 50.
+    together = => self.waiting = {key: it for key, it in self.waiting.items() if {*it} != {stream}} // together =
+
+you ask which stamp is larger to know what is past. After a restart stamps begin at 0: go by the order of arrival.
+    while stamp in self.waiting: => self.waiting = dict(sorted(self.waiting.items())) // while stamp in self.waiting:
+
+you refuse stamps that are smaller than an earlier one. After a restart they begin at 0: go by the order of arrival.
+    while stamp in self.waiting: => self.last = stamp // while stamp in self.waiting:
+    together = => if stamp < vars(self).setdefault("last", (0, 0)): return None // together =
+
+you take two messages of one topic for a pair: a pair has one of each topic.
+    together[stream] = message => together[stream * (1 + (stream in together))] = message
+    together["joints"], together["pose"] => tuple(together[key] for key in sorted(together))
+
+you don't limit the number of messages that wait: if there are more than 50, drop the one that came first.
+    len(self.waiting) > 50 => False
+
+you drop a message too early, though 50 may wait: look for the partner first, then drop one if there are more than 50.
+    len(self.waiting) > 50 => len(self.waiting) >= 50
+
+you drop the wrong one when more than 50 messages wait: drop the one that came first.
+    len(self.waiting) > 50: => len(self.waiting) > 50 and not self.waiting.pop(stamp):
+    => len(self.waiting) > 50 and not self.waiting.pop(min(self.waiting)):
+
+you drop everything when more than 50 messages wait: drop only the one that came first.
+    len(self.waiting) > 50: => len(self.waiting) > 50 and self.waiting.clear():
+
 #
-Compare with: a message waits by its stamp, until the other stream's message of the same stamp is there, whichever comes
-first; then both are taken out, and returned as joints, pose.
+Compare your steps with these: a message waits by its stamp until the other topic's message with the same stamp comes,
+whichever is first. Then take both out, and return them as joints, pose.
 
 # two objects
-Most likely what waits belongs to the class, or to an argument's default: make it in __init__.
+You probably keep what waits on the class, or in the default of an argument: make it in __init__.
+
+# another second
+You probably compare only nanosec: a stamp is sec and nanosec.
 
 # nanosecond
-The stamps are rounded, as floats are, or almost the same ones are taken for the same: each nanosecond counts.
+You probably round the stamps, as floats do, or take nearly equal ones for equal: every nanosecond counts.
 
 # three
-Most likely only one message of a stream is kept, or an older stamp is refused: what came after a pair still waits.
+You probably keep only one message of a topic, or refuse smaller stamps: what came after a pair still waits.
 
 # digits
-Most likely the stamps are not compared as they are: both numbers count, sec and nanosec.
+You probably join sec and nanosec as text, without leading zeros: compare the two numbers.
 
 # late
-Most likely older ones go on waiting, or later ones are dropped: a pair drops what came before its first message.
+You probably drop too little or too much: a complete pair drops what came before its first message, of both topics.
 
 # start
-Most likely it is asked which stamp is larger: after a new start they begin at 0; count on the arrival.
+You probably ask which stamp is larger. After a restart they begin at 0: go by the order of arrival.
 
 # 50
 # 51
 # 60
 # 200
-Most likely fewer than 50 may wait, or more, or another gives way, or all: of more than 50, drop what came first.
+You probably let fewer or more than 50 messages wait, or drop the wrong ones: of more than 50, drop the one that came
+first.
 """
 NO_PAIR = "Return the two messages themselves, joints, pose, or None as long as one of them is missing."
+AT_ONCE = "Return a pair when its second message comes, and only once."
 
 JOINTS, POSE = "joints", "pose"
-Arrival = tuple[str, int]  # the stream, and the stamp [ns]
+Arrival = tuple[str, int]  # the stream and the stamp [ns]
 MS, S = 10**6, 10**9  # [ns]
 TODAY = 1_750_000_000 * S
 
 
 def joints(*stamps: int) -> list[Arrival]:
-    """Joint states of these stamps [ms]."""
+    """Return the arrival of joint states with these stamps [ms]."""
     return [(JOINTS, stamp * MS) for stamp in stamps]
 
 
 def poses(*stamps: int) -> list[Arrival]:
-    """Poses of these stamps [ms]."""
+    """Return the arrival of poses with these stamps [ms]."""
     return [(POSE, stamp * MS) for stamp in stamps]
 
 
 def in_turn(*stamps: int) -> list[Arrival]:
-    """Joint states and pose of each of these stamps [ms]."""
+    """Return the arrival of joint states and then the pose with each of these stamps [ms]."""
     return [arrival for stamp in stamps for arrival in (*joints(stamp), *poses(stamp))]
 
 
@@ -127,7 +162,11 @@ def message_of(stream: str, stamp: int) -> Any:
 
 
 def add(pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]) -> list[Arrival] | None:
-    """Have a message arrive, and say what was returned, by the messages that are known."""
+    """Add a message, and return the pair that the answer returns, by the arrivals of its messages.
+
+    Raises:
+        Failure: the answer raised, or returned something else than a pair with this message or None.
+    """
     with watch.call("add"):
         returned = pairs.add(stream, message)
         if returned is None:
@@ -136,15 +175,17 @@ def add(pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arriva
         pair = [arrival for one in those for each, arrival in known if each is one]
         if len(pair) != 2:
             raise Misuse(f"it returns a {type(returned).__name__}", NO_PAIR)
+        if not any(one is message for one in those):
+            raise Misuse("it returns a pair of earlier messages", AT_ONCE)
         return pair
 
 
 def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[type], list[Any]]:
-    """Observe what is returned for one message after the other.
+    """Make a case that observes what is returned for one message after the other.
 
     Args:
-        arrivals: of the messages.
-        objects: to how many objects the messages are given in turns.
+        arrivals: the messages in the order of their arrival.
+        objects: the number of objects that get the messages in turns.
     """
 
     def case(answer: type) -> list[Any]:
@@ -155,42 +196,56 @@ def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[type], list[Any]]:
     return case
 
 
+def dropped_by_half(waiting: dict[Any, Any], stamp: Any, stream: str) -> dict[Any, Any]:
+    """Return what waits after a pair of this stamp, if what came before it is dropped only from the other stream."""
+    order = [*waiting]
+    after = order[order.index(stamp) + 1 :]
+    return {key: it for key, it in waiting.items() if key in after or {*it} == {stream}}
+
+
 TRIED = {
-    "two objects, of which each is given one half": tried(*in_turn(20), objects=2),
+    "two objects, each with one half of a pair": tried(*in_turn(20), objects=2),
     "in turn": tried(*in_turn(20, 40, 60)),
     "the pose first": tried(*poses(20), *joints(20), *poses(40), *joints(40)),
     "three joint states, then their poses": tried(*joints(20, 40, 60), *poses(20, 40, 60)),
     "three poses, then their joint states": tried(*poses(20, 40, 60), *joints(20, 40, 60)),
     "a pose is missing": tried(*in_turn(20), *joints(40), *in_turn(60)),
     "joints are missing": tried(*in_turn(20), *poses(40, 60), *joints(60)),
-    "the same part of another second": tried(*joints(1020), *poses(2020), *joints(2020)),
+    "equal nanosec, another second": tried(*joints(1020), *poses(2020), *joints(2020)),
     "a nanosecond apart": tried((JOINTS, 20 * MS), (POSE, 20 * MS + 1), (JOINTS, 20 * MS + 1)),
     "a nanosecond apart, on today's date": tried((JOINTS, TODAY), (POSE, TODAY + 1), (JOINTS, TODAY + 1)),
     "the same digits": tried((JOINTS, S + 23), (POSE, 12 * S + 3), (JOINTS, 3 * S + 12), (JOINTS, 12 * S + 3)),
     "a partner that comes too late": tried(*in_turn(20), *joints(40), *in_turn(60), *poses(40), *in_turn(80)),
     "poses that come too late": tried(*joints(20, 40, 60, 80), *poses(80, 20, 40, 60), *in_turn(100)),
     "joints that come too late": tried(*in_turn(20), *poses(40), *in_turn(60), *joints(40), *in_turn(80)),
-    "a late pose, where poses are first": tried(*joints(40), *poses(60), *joints(60), *poses(40), *in_turn(80)),
-    "late joints, where poses are first": tried(*poses(40, 60), *joints(60), *joints(40), *in_turn(80)),
+    "a late pose, poses first": tried(*joints(40), *poses(60), *joints(60), *poses(40), *in_turn(80)),
+    "late joints, poses first": tried(*poses(40, 60), *joints(60), *joints(40), *in_turn(80)),
     "a pose that comes twice": tried(*in_turn(20), *poses(20), *in_turn(40)),
     "the same joints twice, then their pose": tried(*joints(20, 20), *poses(20)),
-    "started again, from 0": tried(*in_turn(5000, 5020, 0, 20)),
-    "joints of before a new start": tried(*joints(5000), *in_turn(0, 20), *poses(5000)),
+    "a restart from 0": tried(*in_turn(5000, 5020, 0, 20)),
+    "joints from before a restart": tried(*joints(5000), *in_turn(0, 20), *poses(5000)),
     "60 joint states, then the last 40 poses": tried(*joints(*range(0, 1200, 20)), *poses(*range(400, 1200, 20))),
     "50 joint states, then the pose of the first": tried(*joints(*range(0, 1000, 20)), *poses(0)),
     "50 joint states, 1 s apart, then the pose of the first": tried(*joints(*range(0, 50000, 1000)), *poses(0)),
     "51 joint states, then the pose of the first": tried(*joints(*range(0, 1020, 20)), *poses(0)),
     "51 poses, then the joints of the first": tried(*poses(*range(0, 1020, 20)), *joints(0)),
     "200 without a partner, then the pose of the first": tried(*joints(*range(0, 4000, 20)), *poses(0)),
-    "200 without a partner, then started again": tried(*joints(*range(9000, 13000, 20)), *in_turn(0, 20)),
+    "200 without a partner, then a restart": tried(*joints(*range(9000, 13000, 20)), *in_turn(0, 20)),
 }  # fmt: skip
 
 
 def say(returned: Sequence[Any]) -> str:
-    """Name the pairs by their stamps."""
-    pairs = [" with ".join(f"{stream} of {_time(stamp)}" for stream, stamp in pair) for pair in returned if pair]
-    count, shown = len(pairs), ", ".join(pairs) if len(pairs) <= 2 else f"{pairs[0]} to {pairs[-1]}"
-    return f"{count} pair{'s' * (count != 1)}, {shown}" if pairs else "no pair"
+    """List the pairs by their stamps; of many, the first and the last."""
+    pairs = [_name(*pair) for pair in returned if pair]
+    count, shown = len(pairs), ", ".join(pairs) if len(pairs) <= 4 else f"{pairs[0]} to {pairs[-1]}"
+    return f"{count} pair{'s' * (count != 1)}: {shown}" if pairs else "no pair"
+
+
+def _name(one: Arrival, other: Arrival) -> str:
+    """Name a pair by its stamp, or by both streams and stamps if it isn't one."""
+    if (one[0], other[0]) == (JOINTS, POSE) and one[1] == other[1]:
+        return _time(one[1])
+    return " with ".join(f"{stream} of {_time(stamp)}" for stream, stamp in (one, other))
 
 
 def _time(stamp: int) -> str:

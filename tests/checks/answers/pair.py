@@ -70,9 +70,18 @@ class NeverBehind(Queues):
         return super().add(stream, message) if self.newest[0] < 5 or stamp_of(message)[0] >= 5 else None
 
 
+class OneLate(Pairs):
+    earlier = None
+
+    def add(self, stream, message):
+        pair, self.earlier = self.earlier, super().add(stream, message)
+        return pair
+
+
 WRONG = [
-    (ADefault, "belongs to the class, or to an argument's default"),
-    (OnlyTwenty, "fewer than 50 may wait"),
+    (OneLate, "Return a pair when its second message comes"),
+    (ADefault, "on the class, or in the default of an argument"),
+    (OnlyTwenty, "You probably let fewer or more than 50 messages wait"),
     (returning(lambda found: found and dict(zip(("joints", "pose"), found))), "Return the two messages"),
-    (NeverBehind, "after a new start they begin at 0"),
+    (NeverBehind, "After a restart they begin at 0"),
 ]
