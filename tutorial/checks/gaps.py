@@ -4,23 +4,23 @@ Write the function `find_gaps(messages)`. It takes a bag's messages of one topic
 in the order of receipt, each `message` a `JointState`. It returns a list of what happened, in the same order:
 
 - `("gap", before, after)` if a stamp is more than 0.1 s after the newest one so far;
-- `("restart", before, after)` if a stamp is more than 1 s before the newest one so far: the publisher has started
-  again, and the newest stamp begins anew.
+- `("restart", before, after)` if a stamp is more than 1 s before the newest one so far. The publisher has restarted,
+  and the newest stamp starts over with this one.
 
-`before` is the newest stamp so far and `after` that of the message, both in whole nanoseconds. If a message is a
-little late, or as old as the newest one, nothing has happened. The function never raises, and leaves the list as it
-is.
+`before` is the newest stamp so far and `after` the message's, both in whole nanoseconds. If a message is only a little
+late, or as old as the newest one, nothing has happened. Report everything that happened, also what equals an earlier
+gap or restart. The list may be empty: never raise an exception, and don't change the list.
 
-Hint 1: Look at what you compare each message with: not with the one before it, which may have been late, but with the
-newest stamp so far. And the bag's own times say nothing about when a message was made.
+Hint 1: What do you compare each stamp with? Not with the one before it, which may have been late, but with the newest
+so far. And the bag's own times don't say when a message was made.
 
-Hint 2: Keep the newest stamp in a variable, None before the first message. A stamp is whole nanoseconds:
-Time.from_msg of rclpy.time makes them. Then there are three cases: far ahead, far back, and all others.
+Hint 2: Keep the newest stamp in a variable, None before the first message. Time.from_msg of rclpy.time turns a stamp
+into whole nanoseconds. Then there are three cases: far ahead, far back, and everything else.
 
-Hint 3: In the loop: with no newest one yet, newest = stamp. If stamp - newest > 100_000_000, append a gap; if newest
-- stamp > 1_000_000_000, a restart; after either, newest = stamp. Else newest = max(newest, stamp).
+Hint 3: In the loop: without a newest stamp yet, newest = stamp. If stamp - newest > 100_000_000, append a gap; if
+newest - stamp > 1_000_000_000, append a restart; after either, newest = stamp. Otherwise newest = max(newest, stamp).
 
-Notice that you did not need the bag's own times: a slow computer is no gap.
+Notice that you did not need the bag's own times: a slow computer is not a gap.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -33,7 +33,7 @@ from tutorial.checks.exercise import Cases, Exercise, Misuse, ask
 
 
 def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int, int]]:
-    """Find where a stream was interrupted, and where its publisher was started again."""
+    """Return where a stream was interrupted, and where its publisher restarted."""
     found = []
     newest = None
     for _, message in messages:
@@ -52,71 +52,131 @@ def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int
 
 
 MISTAKES = """
-the messages are sorted first: then no restart is seen. Take them as they come.
+you sort the messages, which hides a restart: take them in the bag's order.
     in messages: => in sorted(messages, key=lambda pair: stamps_of([pair])):
 
-after a restart newest becomes 0, or stays as it is: it is the stamp of the new message.
+you start with a newest stamp of 0, so the first message already counts as a gap: start with None.
+    newest = None => newest = 0
+
+you compare each stamp with the one before it, which may have been late: compare it with the newest so far.
+    newest = max(newest, stamp) => newest = stamp
+
+you take every step back for a restart: up to 1 s before the newest stamp, a message is only late.
+    newest - stamp > 1_000_000_000 => newest - stamp > 0
+
+you use 0.1 s as the limit for restarts, too: it is 1 s, 1_000_000_000 ns.
+    newest - stamp > 1_000_000_000 => newest - stamp > 100_000_000
+
+you swap the two limits: a gap is more than 0.1 s ahead, a restart more than 1 s back.
+    newest - stamp > 1_000_000_000 => newest - stamp > 100_000_000
+    stamp - newest > 100_000_000 => stamp - newest > 1_000_000_000
+
+you write the limits in another unit than the stamps: 0.1 s are 100_000_000 ns, and 1 s is 1_000_000_000 ns.
+    stamp - newest > 100_000_000 => 1_000 * (stamp - newest) > 100_000_000
+    newest - stamp > 1_000_000_000 => 1_000 * (newest - stamp) > 1_000_000_000
+
+you write the limits in another unit than the stamps: 0.1 s are 100_000_000 ns, and 1 s is 1_000_000_000 ns.
+    stamp - newest > 100_000_000 => stamp - newest > 0.1
+    newest - stamp > 1_000_000_000 => newest - stamp > 1
+
+you compute seconds as floats, which are rounded: count and return whole nanoseconds.
+    Time.from_msg(message.header.stamp).nanoseconds => Time.from_msg(message.header.stamp).nanoseconds / 1e9
+    stamp - newest > 100_000_000 => stamp - newest > 0.1
+    newest - stamp > 1_000_000_000 => newest - stamp > 1.0
+
+you compute seconds as floats, which are rounded: count and return whole nanoseconds.
+    stamp - newest > 100_000_000 => stamp / 1e9 - newest / 1e9 > 0.1
+    newest - stamp > 1_000_000_000 => newest / 1e9 - stamp / 1e9 > 1.0
+
+you subtract unsigned integers, which become huge below 0: subtract Python's own, int(...).
+    stamp - newest > => (stamp - newest) % 2**64 >
+    newest - stamp > => (newest - stamp) % 2**64 >
+
+you compare with >=. Exactly 0.1 s ahead, or exactly 1 s back, is nothing yet: compare with >.
+    stamp - newest > => stamp - newest >=
+
+you compare with >=. Exactly 0.1 s ahead, or exactly 1 s back, is nothing yet: compare with >.
+    newest - stamp > => newest - stamp >=
+
+you swap the two stamps: the newest so far comes first, then the message's.
+    newest, stamp)) => stamp, newest))
+
+you return gaps and restarts apart from each other: keep the bag's order.
+    return found => return sorted(found, key=lambda each: each[0])
+    => return sorted(found, key=lambda each: each[0], reverse=True)
+
+you leave out what equals an earlier gap or restart. It has happened again: report it again.
+    return found => return [*dict.fromkeys(found)]
+
+after a restart, you set newest to 0 or leave it unchanged: set it to the new message's stamp.
     "restart", newest, stamp)) => "restart", newest, stamp)) // stamp = 0 => "restart", newest, stamp)) // continue
 
-nothing is told: compare the stamps with the newest so far, in nanoseconds, and let no `try` hide what goes wrong.
+you always return an empty list: compare each stamp with the newest so far, and let no `try` hide an error.
     return found => return []
 
 #
-Compare with: newest is the newest stamp since the last restart, in nanoseconds. Each stamp is compared with it; what
-has happened is appended, in the bag's order, as ("gap", newest, stamp) or ("restart", newest, stamp); then it moves on.
+Compare your steps with these: newest is the newest stamp since the last restart, in nanoseconds. Compare each stamp
+with it, append ("gap", newest, stamp) or ("restart", newest, stamp) if one has happened, and then move newest on.
 
 # 20 ms apart
-Nothing has happened: before the first message there is no newest stamp, and 20 ms are no gap; np.uint64 has no sign.
+Nothing has happened here. You probably start with a newest stamp, or have limits in another unit: before the first
+message there is none, and 0.1 s are 100_000_000 ns.
 
 # a gap after 0 s
-0 is a stamp like any other: ask whether newest `is None`.
+You probably take the stamp 0 for no stamp: ask whether newest `is None`.
 
 # the bag
-the bag's times are compared: they say when a message was received, not made.
+you compare the bag's own times. They say when a message was received, not when it was made: compare the stamps.
     Time.from_msg(message.header.stamp).nanoseconds => _
 
 # s without a message
-If it is more than 100_000_000 ns, append ("gap", newest, stamp), in this order, in nanoseconds, before newest = stamp.
+You probably have another limit, or append something else. If a stamp is more than 100_000_000 ns ahead, append
+("gap", newest, stamp), in nanoseconds, and only then set newest = stamp.
 
 # full second
-nanosec or sec is left out: a stamp is both together, and nanosec begins anew with every second.
+You probably use only sec or only nanosec, which starts at 0 again with every second: a stamp is both together.
 
-# milliseconds
+# fraction
 # robot's
-Most likely seconds are computed as floating point numbers, which are rounded: count in whole nanoseconds.
+You probably compute seconds as floats, which are rounded: count in whole nanoseconds.
 
 # exactly
-Exactly 0.1 s ahead, or exactly 1 s back, is nothing yet: ask with >, in whole nanoseconds, for floats are rounded.
+You probably compare with >=, or compare floats, which are rounded. Exactly 0.1 s ahead, or exactly 1 s back, is nothing
+yet: compare whole nanoseconds with >.
 
-# , from 0
+# restart from 0
 # s back
 # half a second late
-The limit of a restart is another, or seconds are compared with seconds: it is more than 1_000_000_000 ns back.
+You probably have another limit for a restart: it is more than 1_000_000_000 ns before the newest stamp.
 
 # late
-Most likely each stamp is compared with the last one, or any step back is a restart: compare it with the newest so far.
+You probably compare each stamp with the one before it, or take any step back for a restart: compare it with the newest
+so far.
 
 # no message
-Most likely a bag without a message is not expected: return an empty list.
+You probably expect at least one message: return an empty list for an empty bag.
 
 # two bags
-Most likely the list is kept from call to call: make a new one in every call.
+You probably keep the list from call to call: make a new one in each call.
 """
-A_LIST = 'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), an empty one for nothing.'
-WORDS = 'The words are "gap" and "restart". A late message says nothing.'
+A_LIST = (
+    'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), or an empty list if nothing has happened.'
+)
+WORDS = 'The only words are "gap" and "restart". A late message is not reported.'
 
+HALF_A_LINE = 80  # characters
 SINCE_1970 = 1_750_000_000  # [s]
 
-Found = list[tuple[str | float, ...]]  # what happened, and the stamps [ns]: a text if whole, as no digit may be lost
+Found = list[tuple[str | float, ...]]  # what happened, and the stamps [ns]: whole ones as text, which keeps every digit
 
 
 def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Iterator[tuple[int, JointState]]:
-    """Make what a bag holds.
+    """Make the messages of a bag.
 
     Args:
-        stamps: of its messages [s].
-        since: what is added to all stamps [s].
-        every: how long after the one before a message was received [s].
+        stamps: the stamps of its messages [s].
+        since: the time that is added to all stamps [s].
+        every: the time between two receipts [s].
     """
     for i, stamp in enumerate(stamps):
         message = JointState(name=["TURRET_Y"], position=[0.1])
@@ -125,60 +185,69 @@ def recorded(*stamps: float, since: int = 0, every: float = 0.02) -> Iterator[tu
 
 
 def stamps_of(messages: Sequence[tuple[int, JointState]]) -> list[int]:
-    """Return when they were made [ns]."""
+    """Return the stamps of messages [ns]."""
     return [Time.from_msg(message.header.stamp).nanoseconds for _, message in messages]
 
 
 def bag(*stamps: float, **how: Any) -> Callable[[Any], Found]:
-    """Observe what is found in a bag with these stamps [s], recorded in some way."""
+    """Make a case that observes what is found in a bag with these stamps [s].
+
+    Args:
+        stamps, how: as for `recorded`.
+    """
     return lambda answer: ask(answer, list(recorded(*stamps, **how)), read=read, wanted=A_LIST)
 
 
 def two(answer: Any) -> Found:
-    """Observe what is found in two bags; what was found in the first is looked at after the second."""
+    """Observe what is found in two bags. The first result is read after the second call."""
     bags = (list(recorded(*stamps)) for stamps in ((1.0, 1.5), (2.0, 2.5)))
     both = [ask(answer, bag, read=lambda found: found, wanted=A_LIST) for bag in bags]
     return [each for found in both for each in read(found)]
 
 
 def read(returned: Sequence[tuple[Any, ...]]) -> Found:
-    """Return what was found in a form that can be compared."""
+    """Return what was found in a form that can be compared.
+
+    Raises:
+        Misuse: something else than a gap or a restart was found.
+    """
     if not {what for what, *_ in returned} <= {"gap", "restart"}:
-        raise Misuse("it tells something else", WORDS)
+        raise Misuse("it names something else than a gap or a restart", WORDS)
     return [(what, *map(whole, stamps)) for what, *stamps in returned]
 
 
 def whole(number: Any) -> str | float:
-    """Return a whole number as a text, with all its digits; any other, or a float too large for them, as it is."""
+    """Return a whole number as text with all its digits. Return any other number, or too large a float, as a float."""
     is_exact = number % 1 == 0 and (not isinstance(number, float) or abs(number) < 2**53)
     return f"{int(number):_}" if is_exact else float(number)
 
 
 TRIED = {
     "20 ms apart": bag(1.0, 1.02, 1.04, 1.06, 1.08, 1.1, 1.12, 1.14),
-    "the bag waits 3 s, the stamps do not": bag(1.0, 1.02, 1.04, every=3.0),
+    "the bag's times are 3 s apart, the stamps 20 ms": bag(1.0, 1.02, 1.04, every=3.0),
     "0.09 s without a message": bag(1.0, 1.02, 1.11, 1.13),
     "0.3 s without a message": bag(1.0, 1.02, 1.32, 1.34),
-    "the bag receives all at once": bag(1.0, 1.02, 1.32, 1.34, every=0.0),
+    "the bag's times are equal, the stamps 0.3 s apart": bag(1.0, 1.02, 1.32, 1.34, every=0.0),
     "a gap across a full second": bag(2.9, 2.95, 3.08, 3.1),
     "a full second, and no gap": bag(2.96, 2.98, 3.0, 3.02),
-    "stamps of no whole milliseconds": bag(1.000000137, 1.019999861, 1.290000449, 1.310000071),
-    "started again, from 0": bag(3.96, 3.98, 0.0, 0.02),
-    "late, and no gap": bag(1.0, 1.08, 1.02, 1.14, 1.16),
-    "late after a gap": bag(1.0, 1.6, 1.1, 1.62),
-    "late before a gap": bag(1.0, 1.02, 1.01, 1.14),
+    "stamps with a fraction of a millisecond": bag(1.000000137, 1.019999861, 1.290000449, 1.310000071),
+    "a restart from 0": bag(3.96, 3.98, 0.0, 0.02),
+    "a late message, no gap": bag(1.0, 1.08, 1.02, 1.14, 1.16),
+    "a late message after a gap": bag(1.0, 1.6, 1.1, 1.62),
+    "a late message before a gap": bag(1.0, 1.02, 1.01, 1.14),
     "half a second late": bag(1.0, 1.02, 0.52, 1.04),
-    "late, and later": bag(5.0, 4.2, 3.9, 3.92),
+    "a late message, then a restart": bag(5.0, 4.2, 3.9, 3.92),
     "equal stamps": bag(1.0, 1.0, 1.02, 1.02),
     "exactly 0.1 s apart": bag(0.8, 0.9, 1.0, 1.1),
     "exactly 1 s back": bag(2.0, 1.0, 2.02),
     "1 s and 1 ns back": bag(2.0, 0.999999999),
     "1.8 s back": bag(3.9, 2.1, 2.12),
     "a gap after 0 s": bag(0.0, 0.5, 0.52),
-    "started again, then a gap": bag(3.98, 0.0, 0.02, 0.42, 0.44),
-    "started again twice": bag(3.98, 0.0, 2.0, 2.02, 0.5, 0.52),
-    "started again, not from 0": bag(100.0, 100.02, 50.0, 50.02),
-    "two gaps alike": bag(1.0, 1.2, 1.4),
+    "a restart, then a gap": bag(3.98, 0.0, 0.02, 0.42, 0.44),
+    "two restarts": bag(3.98, 0.0, 2.0, 2.02, 0.5, 0.52),
+    "a restart from 50 s": bag(100.0, 100.02, 50.0, 50.02),
+    "the same restart twice, and the same gap": bag(5.0, 0.0, 5.0, 0.0, 5.0),
+    "two gaps of equal length": bag(1.0, 1.2, 1.4),
     "half a minute without a message": bag(1.0, 1.02, 31.02, 31.04),
     "a robot's stamps, exactly 0.1 s apart": bag(0.826, 0.926, 0.946, since=SINCE_1970),
     "a robot's stamps, 0.1 s and 1 ns apart": bag(0.028000037, 0.128000038, since=SINCE_1970),
@@ -189,9 +258,12 @@ TRIED = {
 
 
 def say(found: Found) -> str:
-    """Put what was found into words."""
-    said = [" ".join(map(str, each)) for each in found]
-    return ", ".join(said[:4]) + f" and {len(said) - 4} more" * (len(said) > 4) or "nothing"
+    """List what was found, as far as a line has room for it beside what is expected."""
+    said = [f"{what} {' to '.join(map(str, stamps))}" for what, *stamps in found]
+    count = len(said)
+    while count > 1 and len(", ".join(said[:count])) > HALF_A_LINE:
+        count -= 1
+    return ", ".join(said[:count]) + f" and {len(said) - count} more" * (count < len(said)) or "nothing"
 
 
 CASES = Cases(find_gaps, TRIED, MISTAKES, say, ["no message"])
