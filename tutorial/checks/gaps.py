@@ -108,6 +108,19 @@ you return gaps and restarts apart from each other: keep the bag's order.
 you leave out what equals an earlier gap or restart. It has happened again: report it again.
     return found => return [*dict.fromkeys(found)]
 
+you leave out what equals an earlier gap or restart. It has happened again: report it again.
+    found.append(("restart" => ("restart", newest, stamp) in found or found.append(("restart"
+
+you report only the first restart, or only the first gap: report every one.
+    found.append(("restart", => any("restart" in each for each in found) or found.append(("restart",
+
+you report only the first restart, or only the first gap: report every one.
+    found.append(("gap", => any("gap" in each for each in found) or found.append(("gap",
+
+you return how much time has passed: return the two stamps, before and after.
+    "gap", newest, stamp)) => "gap", newest, stamp - newest))
+    "restart", newest, stamp)) => "restart", newest, newest - stamp)) => "restart", newest, stamp - newest))
+
 after a restart, you set newest to 0 or leave it unchanged: set it to the new message's stamp.
     "restart", newest, stamp)) => "restart", newest, stamp)) // stamp = 0 => "restart", newest, stamp)) // continue
 
@@ -132,6 +145,11 @@ you compare the bag's own times. They say when a message was received, not when 
 # s without a message
 You probably have another limit, or append something else. If a stamp is more than 100_000_000 ns ahead, append
 ("gap", newest, stamp), in nanoseconds, and only then set newest = stamp.
+
+# full second
+you use only sec or only nanosec, which starts at 0 again with every second: a stamp is both together.
+    Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.nanosec
+    => message.header.stamp.sec * 1_000_000_000
 
 # full second
 You probably use only sec or only nanosec, which starts at 0 again with every second: a stamp is both together.

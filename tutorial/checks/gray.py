@@ -112,6 +112,18 @@ you turn the picture upside down, mirror it, or swap rows and columns: the top r
     pixels.mean(axis=2) => pixels[::-1].mean(axis=2) => pixels[:, ::-1].mean(axis=2) => pixels[::-1, ::-1].mean(axis=2)
     => pixels.mean(axis=2).T
 
+you stamp each picture with the time of its delivery: pass the time of asking on, as an argument of capture.
+    Time(nanoseconds=time_ns) => Time(nanoseconds=self.io.time_ns)
+
+you keep one time for all pictures, and asking for the next one changes it: pass each one's time on, through capture.
+    self.camera.capture( => self.asked = self.io.time_ns // self.camera.capture(
+    Time(nanoseconds=time_ns) => Time(nanoseconds=self.asked)
+
+you ask for the next picture only after the last one has come, and one may never come: ask at every due time.
+    self.steps_per_picture == 0: => self.steps_per_picture == 0 and not vars(self).get("waits"):
+    self.camera.capture( => self.waits = True // self.camera.capture(
+    message = Image() => self.waits = False // message = Image()
+
 you leave out a picture that equals an earlier one. It is still a message: publish each.
     message = Image() => message, w = Image(), vars(self).setdefault("w", [])
     self.publisher.publish(message) => message.data in w[-1:] or self.publisher.publish(message) // w += [message.data]
@@ -135,14 +147,15 @@ You probably don't pass the time of asking on, or not all of it: self.camera.cap
 then both sec and nanosec.
 
 # pictures that come late, or not at all
-You probably keep one time for all pictures, and asking for the next one changes it. Pass each picture's own time on:
+You probably don't ask at every due time, or don't stamp each picture with the time of asking for it. Pass that time on:
 self.camera.capture(self.publish, self.io.time_ns).
 
 # the frame
-You probably hard-code the body, or it isn't the optical frame: f"{self.io.body.name}/{self.camera.name}_optical".
+You probably hard-code or leave out the body, or name another frame: f"{self.io.body.name}/{self.camera.name}_optical".
 
 # after stop
-You probably don't close the camera, or close it too late: stop calls self.camera.close().
+You probably don't close the camera in stop, or have looked up several: look it up in initialize, and let stop call
+self.camera.close().
 
 # nothing moves
 You probably leave out a picture that equals an earlier one. It is still a message: publish each.
@@ -255,9 +268,8 @@ def stamps(answer: type, **options: Any) -> Any:
 def left_open(answer: type) -> str:
     """Observe how many cameras are open after the simulation has stopped."""
     number = sum(camera._is_open for camera in PUBLISHING.play(answer, 0.3).cameras)
-    return (
-        "the camera is closed" if number == 0 else "the camera is still open" if number == 1 else f"{number} are open"
-    )
+    is_or_are = "camera is" if number == 1 else "cameras are"
+    return f"{number} {is_or_are} open" if number else "the camera is closed"
 
 
 def still(answer: type) -> Any:

@@ -85,6 +85,9 @@ you take two messages of one topic for a pair: a pair has one of each topic.
     together[stream] = message => together[stream * (1 + (stream in together))] = message
     together["joints"], together["pose"] => tuple(together[key] for key in sorted(together))
 
+you return the two messages in the order of arrival: return joints, pose.
+    together["joints"], together["pose"] => tuple(together.values())
+
 you don't limit the number of messages that wait: if there are more than 50, drop the one that came first.
     len(self.waiting) > 50 => False
 
@@ -101,6 +104,9 @@ you drop everything when more than 50 messages wait: drop only the one that came
 #
 Compare your steps with these: a message waits by its stamp until the other topic's message with the same stamp comes,
 whichever is first. Then take both out, and return them as joints, pose.
+
+# the pose first
+You probably expect the joint states first: either message may come first. Always return joints, pose, in this order.
 
 # two objects
 You probably keep what waits on the class, or in the default of an argument: make it in __init__.

@@ -85,6 +85,19 @@ you leave out a message that says the same as an earlier one. It is still a mess
     => received[1] in vars(self).setdefault("w", [])[-1:] or self.w.append(received[1]) or self.bag.write(
     => received in vars(self).setdefault("w", []) or self.w.append(received) or self.bag.write(
 
+you leave out a message with an empty payload: write every entry.
+    self.bag.write( => received[1] and self.bag.write(
+
+you leave out a message with the time of the one before it. Two may come at once: write every entry.
+    self.bag.write( => received[0] <= vars(self).get("t", 0) or setattr(self, "t", received[0]) or self.bag.write(
+
+you write only one entry: repeat it until None comes.
+    while received := => if received :=
+
+you take entries and write in unconfigure, too, beside the thread: leave both to the thread.
+    self.received.put( => while not self.received.empty(): self.bag.write(THE_REST) // self.received.put(
+    THE_REST => self.connection, *self.received.get()
+
 # one by one
 You probably don't end at None, or change an entry: take one, leave the loop if it is None, and otherwise write it as it
 is, with self.bag.write(self.connection, time_ns, payload).
@@ -97,6 +110,7 @@ NEVER = "You probably put None after join, or not at all: put it before, so that
 PAST_NONE = "You probably go on after None: leave the loop when you take it."
 STOLEN = "You probably take None out of the queue outside of the thread: only write, on the thread, calls get."
 BUSY = "That keeps the processor busy: self.received.get() waits for an entry, and self.writer.join() for the thread."
+THE_NODE = "The node belongs to the whole program: destroy only self.subscription, self.node.destroy_subscription(...)."
 NO_SUPER = "Call it: it makes the queue, the bag, the thread and the subscription."
 TOO_EARLY = "super().configure(config) starts the thread: set what write needs before that line."
 OFTEN = 100  # times that an answer may ask whether the queue is empty
@@ -124,7 +138,7 @@ class Surroundings:
         self.begun, self.turn = SimpleQueue[None](), SimpleQueue[None]()
         self.thread = Thread(target=self.run, daemon=True)
         clock = Namespace(now=lambda: Time(nanoseconds=9))
-        self.node = Namespace(destroy_subscription=self.destroy, get_clock=lambda: clock)
+        self.node = Namespace(destroy_subscription=self.destroy, destroy_node=destroy_node, get_clock=lambda: clock)
         self.node.get_logger = partial(get_logger, "tank")
 
     def configure(self) -> None:
@@ -231,6 +245,11 @@ class Surroundings:
     def close(self) -> None:
         """Close the bag."""
         self.is_open = False
+
+
+def destroy_node() -> None:
+    """Refuse to destroy the program's node."""
+    raise Misuse("it destroys the program's node", THE_NODE)
 
 
 def _calls_configure(function: Any) -> bool:

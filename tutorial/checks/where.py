@@ -89,6 +89,10 @@ you add the translation before the turn, so it is turned, too: turn first, then 
     turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) +
 
 you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.
+    [t.x, t.y, t.z]) => [t.x, t.y, t.z]) // point = np.round(point, 3)
+    => [t.x, t.y, t.z]) // point = np.round(point, 2)
+
+you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.
     return point => return np.round(point, 3) => return np.round(point, 2) => return np.round(point, 1)
 
 you return nothing if the list is empty: return the point unchanged then.
@@ -100,7 +104,7 @@ its translation, x, y and z.
 
 # only moved
 Nothing is turned here: x, y and z of the quaternion are 0 and w is 1. You probably read w from another place (in ROS it
-comes last), or you don't add all of the translation.
+comes last), don't add all of the translation, or look for a certain frame.
 
 # a quarter of a turn to the left
 You probably have a mistake in the turn itself: compare with turned(q, point). ROS has x, y, z, w, with w last.
