@@ -132,8 +132,8 @@ Compare your steps with these: newest is the newest stamp since the last restart
 with it, append ("gap", newest, stamp) or ("restart", newest, stamp) if one has happened, and then move newest on.
 
 # 20 ms apart
-Nothing has happened here. You probably start with a newest stamp, or have limits in another unit: before the first
-message there is none, and 0.1 s are 100_000_000 ns.
+Nothing has happened here. You probably have a newest stamp before the first message, or limits in another unit: start
+with None, and 0.1 s are 100_000_000 ns.
 
 # a gap after 0 s
 You probably take the stamp 0 for no stamp: ask whether newest `is None`.

@@ -102,7 +102,7 @@ you send three bytes per pixel. mono8 has one: take pixels.mean(axis=2), one row
     message.step = message.width => message.step = 3 * message.width
     "mono8" => "rgb8"
 
-you weight the colours, as the eye does. Here the plain mean is asked for: pixels.mean(axis=2).
+you weight the colours, as the eye does. This exercise wants the plain mean, pixels.mean(axis=2).
     pixels.mean(axis=2) => (pixels @ [0.299, 0.587, 0.114]) => np.rint(pixels @ [0.299, 0.587, 0.114])
 
 you divide by 255. In mono8, white is 255, as in the pixels.
@@ -137,7 +137,7 @@ each pixel becomes one byte, row by row.
 You probably swap width and height, leave them out or hard-code them: message.height, message.width, _ = pixels.shape.
 
 # the encoding
-You probably leave out the encoding, or name another one: one byte per pixel is called "mono8", in lower case.
+You probably leave out the encoding, or name a different one: one byte per pixel is called "mono8", in lower case.
 
 # the row
 You probably leave out step, or count three bytes per pixel: a row has message.step = message.width bytes.
@@ -194,7 +194,7 @@ class Camera:
         rig.cameras.append(self)
 
     def capture(self, deliver: Any, *arguments: object) -> None:
-        """Note what to deliver, and when it was asked for."""
+        """Note the request, and what to deliver for it."""
         if not callable(deliver):
             raise Misuse(f"capture is given {deliver!r} in place of a function", AT_ONCE.format("publish"))
         pixels = picture(0 if self._rig.is_still else len(self._rig.orders), self.width, self.height)
@@ -217,9 +217,9 @@ class CameraRig(Rig):
 
     Attributes:
         cameras: the cameras that the learner has looked up.
-        orders: the pictures that were asked for since the start: at which step, from which camera, the pixels, and a
-            function that delivers them.
-        delivered: the pictures that have come, each with the step at which it was asked for.
+        orders: the requests since the start, each with its step, its camera, the pixels, and a function that delivers
+            them.
+        delivered: the delivered pictures, each with the step of its request.
     """
 
     def __init__(self, answer: type, delay: int = 0, missed: int = -1, is_still: bool = False, **options: Any) -> None:
@@ -260,7 +260,7 @@ def stamps(answer: type, **options: Any) -> Any:
     """Compare the stamps with the times of asking, with steps of 7 ms."""
     rig = PUBLISHING.play(answer, 1.6, 7, (1,), **options)
     if len(rig.orders) < 7:
-        return f"{len(rig.orders)} of 8 pictures are asked for"
+        return f"{len(rig.orders)} of 8 pictures are requested"
     pairs = zip(PUBLISHING.messages(rig), rig.delivered)
     return compared_stamps([(each.stamp_ns, step * 7_000_000) for each, (step, _) in pairs])
 

@@ -14,8 +14,8 @@ Write the two methods of `MyRecorder` that `QueueRecorder` lacks:
 Hint 1: Go through unconfigure line by line. After each line: may a message still come, does one still wait in the
 queue, may the thread still write?
 
-Hint 2: First stop listening, so that nothing more comes. Then put an entry behind all others that ends the thread, wait
-for the thread's end, and only then close the bag. In write, a loop takes one entry after the other, until None.
+Hint 2: First stop listening, so that nothing more comes. Then put a last entry that ends the thread, wait for the
+thread's end, and only then close the bag. In write, a loop takes one entry after the other, until None.
 
 Hint 3: while received := self.received.get(): self.bag.write(self.connection, *received). And unconfigure has four
 lines: self.node.destroy_subscription(self.subscription), self.received.put(None), self.writer.join() and
@@ -73,7 +73,7 @@ you call get twice for one entry, and each call takes one out: call it once, kee
 you end the thread when the queue is empty, as with `while not empty()` or get(timeout=...): let get() wait for more.
     while received := self.received.get(): => while not self.received.empty() and (received := self.received.get()):
 
-you end the thread before it has written what waits in the queue: let only None end it, which comes behind all others.
+you end the thread before it has written what waits in the queue: let only None end it, as the last entry.
     received := self.received.get() => not vars(self).get("ends") and (received := self.received.get())
     self.received.put(None) => self.ends = True // self.received.put(None)
 
@@ -99,8 +99,8 @@ you take entries and write in unconfigure, too, beside the thread: leave both to
     THE_REST => self.connection, *self.received.get()
 
 # one by one
-You probably don't end at None, or change an entry: take one, leave the loop if it is None, and otherwise write it as it
-is, with self.bag.write(self.connection, time_ns, payload).
+You probably don't end at None, or change an entry: take one, leave the loop if it is None, and otherwise write it
+unchanged, with self.bag.write(self.connection, time_ns, payload).
 
 #
 Compare your steps with these: stop listening, put None, join, close. Only the thread takes entries and writes, and only
