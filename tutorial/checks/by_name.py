@@ -1,27 +1,28 @@
-"""The exercise `by_name`: find out which joint a message moves where.
+"""The exercise `by_name`: match a message's positions to the body's joints by name.
 
-Write the function `match_by_name(joint_names, message)`. It returns a dict from joint names to positions: what the
-`JointState` `message` says about the joints of the body, whose names are in `joint_names`.
+Write the function `match_by_name(joint_names, message)`. It returns a new dict from joint names to positions: what the
+`JointState` `message` says about the joints of the body. `joint_names` holds their names.
 
-- The i-th position belongs to the i-th name of the message, in whatever order, and however many there are.
+- The i-th position belongs to the i-th name of the message. The names may come in any order, and any number of them.
 - Leave out names that the body does not have.
-- If there are fewer positions than names, use those that are there; if there are none, the dict is empty.
-- Leave out a position for which `math.isfinite` says no: NaN, or an infinity.
-- If a name comes twice, the last finite number counts.
+- If there are fewer positions than names, or more, use the names that have a position. Without positions the dict is
+  empty.
+- Leave out a position for which `math.isfinite` returns False: NaN or an infinity.
+- If a name comes twice, use its last finite position.
 
-It never raises, never invents a number, and leaves the message as it is.
+It never raises, never invents a number, and does not change the message.
 
-Hint 1: Look at the message's names and positions as pairs, in the message's order: each pair either counts or not,
-and none says anything about another.
+Hint 1: Look at the message's names and positions as pairs, in the message's order. Each pair counts or doesn't, whatever
+the other pairs say.
 
-Hint 2: Go through both together with zip, which ends with the shorter. Leave out a pair whose name is not in
-joint_names, or whose position is not finite. Put the others into a new dict, one after the other: of equal names the
-last wins by itself.
+Hint 2: Go through both together with zip, which stops at the end of the shorter one. Leave out a pair if its name is not
+in joint_names or its position is not finite. Put the others into a new dict, in order: if a name comes again, its new
+position replaces the earlier one.
 
-Hint 3: One dict comprehension does it all: {name: position for name, position in zip(message.name, message.position)
-if ...}, with name in joint_names and isfinite(position).
+Hint 3: One dict comprehension is enough: {name: position for name, position in zip(message.name, message.position)
+if ...}. The condition is name in joint_names and isfinite(position).
 
-Notice that a short array, an unknown name and a name that comes twice needed no line of their own.
+Notice that zip takes care of a short array, and the dict of a name that comes twice: neither needs a line of its own.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,7 +36,7 @@ from tutorial.checks.exercise import Cases, Exercise, Misuse, ask
 
 
 def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, float]:
-    """Find out which joint a message moves where."""
+    """Match a message's positions to the body's joints."""
     return {
         name: position
         for name, position in zip(message.name, message.position)
@@ -44,74 +45,136 @@ def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, 
 
 
 MISTAKES = """
-unknown names or NaN are left out before zip, so positions move to other names: zip both as they come, leave out pairs.
+you filter names or positions before zip, so what is left goes to the wrong names. First zip both, then drop pairs.
     message.name, message.position => [n for n in message.name if n in joint_names], message.position
     => message.name, [*filter(isfinite, message.position)] => message.name, [q for q in message.position if q == q]
 
+you swap names and positions: in {name: position} the name comes first.
+    name: position => position: name
+
+you return inside the loop, after the first pair. Return after the loop.
+    zip(message.name, message.position) => [*zip(message.name, message.position)][:1]
+    => [each for each in zip(message.name, message.position) if each[0] in joint_names and isfinite(each[1])][:1]
+
+you convert the positions. Pass them on unchanged: they are in rad or m on both sides.
+    name: position => name: degrees(position) => name: radians(position)
+
+you give the i-th position to the i-th joint of the body. It belongs to the i-th name of the message.
+    zip(message.name, message.position) => zip(joint_names, message.position)
+
+you use a position only if its name is in the same place in the message and in joint_names. The order may differ.
+    zip(message.name, message.position)
+    => [(n, q) for n, m, q in zip(message.name, joint_names, message.position) if n == m]
+
+you give every joint a value, also one that the message does not name. Leave that joint out.
+    return { => return dict.fromkeys(joint_names) | { => return dict.fromkeys(joint_names, 0.0) | {
+    => return dict.fromkeys(joint_names, nan) | {
+
+you stop at the first pair that doesn't count. Skip only that pair, and go on with the next one.
+    zip(message.name, message.position)
+    => takewhile(lambda each: each[0] in joint_names and isfinite(each[1]), zip(message.name, message.position))
+    => takewhile(lambda each: each[0] in joint_names, zip(message.name, message.position))
+    => takewhile(lambda each: isfinite(each[1]), zip(message.name, message.position))
+
+you give names without a position the value 0. Leave them out.
+    zip(message.name, message.position) => zip_longest(message.name, message.position, fillvalue=0.0)
+
+you drop the whole message if names and positions differ in number. Use the names that have a position.
+    return { => if len(message.name) != len(message.position): return dict() // return {
+    => if len(message.name) > len(message.position): return dict() // return {
+
+you drop the whole message for one position that isn't finite, or one unknown name. Leave out only that pair.
+    return { => if not all(map(isfinite, message.position)): return dict() // return {
+    => if any(n not in joint_names for n in message.name): return dict() // return {
+
+you keep the first position of a name that comes twice. The last finite one counts.
+    zip(message.name, message.position) => [*zip(message.name, message.position)][::-1]
+
+you first take the last position of each name and then test it, so NaN replaces a good number. Test each pair first.
+    zip(message.name, message.position) => dict(zip(message.name, message.position)).items()
+
+you leave out a position of 0, as `if position` does. 0 is a position like any other.
+    isfinite(position) => position and isfinite(position)
+
+you sort the pairs, so another position of a name comes last. Keep the message's order.
+    zip(message.name, message.position) => sorted(zip(message.name, message.position))
+
+you leave out a name that comes twice. Its last finite position counts.
+    name in joint_names and => name in joint_names and message.name.count(name) == 1 and
+
+you test only for NaN. An infinity isn't finite either: use math.isfinite.
+    isfinite(position) => position == position
+
+you don't test the positions. Leave out NaN and infinities: math.isfinite returns False for them.
+    isfinite(position) => True
+
+you keep names that the body does not have. Leave out a pair if its name is not in joint_names.
+    name in joint_names => True
+
 #
-Compare with: the i-th position belongs to the i-th name, if the body has that name and it is finite.
+You probably take the wrong pairs: keep each pair whose name is in joint_names and whose position is finite.
 
 # all joints, in order
-Return a dict from names to positions, {name: position}, with all pairs: return comes behind the loop.
+You probably return something other than {name: position} with all pairs. Fill one dict, return it after the loop.
 
-# another order
-Most likely the order of the body is expected in the message: go by the message's names, wherever each stands.
+# joints in another order
+You probably expect the message to have the body's order. Take each position's joint from the message's names.
 
 # only HATCH
-Most likely every joint is expected in every message: a joint without a name in it is left out, and not given a number.
+You probably expect every joint in every message. Leave out a joint that the message does not name.
 
 # an unknown name
-Most likely an unknown name is kept, or spoils the others: leave out a pair whose name is not in joint_names, and go on.
+You probably look up unknown names, or stop at the first one. Leave out that pair, and go on with the next one.
 
 # 3 names
-Most likely a name without a position is given one, or spoils the message: zip leaves out that name, the others count.
+You probably expect a position for every name. Use zip: it leaves out names without a position.
 
 # 2 names
-Most likely more positions than names are not expected: those without a name say nothing.
+You probably expect a name for every position. Use zip: it leaves out positions without a name.
 
 # no positions
 # an empty message
-Most likely an empty array is not expected: it says nothing about the pose, so return {}.
+You probably expect at least one position. If there are none, return {}.
 
 # NaN for
-Most likely NaN is not left out, or spoils the message: only that joint is left out, and math.isfinite tells.
+You probably keep NaN, or let it affect the other joints. Leave out only that pair; math.isfinite finds it.
 
 # infinity
-Most likely infinity is not left out, as NaN is: ask math.isfinite, isnan does not tell.
+You probably test only for NaN. An infinity isn't finite either: use math.isfinite.
 
 # twice
-Most likely the wrong one counts of a name that comes twice, or none: the last one that is a number does.
+You probably use a wrong position of a name that comes twice, or none. Use its last finite position.
 
 # almost right
-Most likely names are compared in part, or changed first: a joint's name is the whole of it.
+You probably change names before you compare them, or compare parts. A name counts only if it equals a joint's name.
 
 # HATCH below
-Most likely 0.0 is taken for nothing, as in `if position`, or what is below 0: both are positions.
+You probably leave out 0, as `if position` does, or negative numbers. Both are positions like any other.
 
 # many digits
-Most likely positions are converted, rounded or lose their sign: they are rad on both sides, pass them on as they are.
+You probably convert or round positions, or drop their sign. Pass them on unchanged.
 
-# the crane
-Most likely the joints' names are typed: those of the body are in joint_names.
+# for the crane
+You probably hard-code the tank's joint names. Use joint_names: it holds the body's.
 
 # one joint
-Most likely only as many names are looked at as the body has joints: look at all of the message's.
+You probably read only as many names as the body has joints. Go through all names of the message.
 """
-A_DICT = "Return a dict from names to positions, an empty one when there is nothing to tell; dict(pairs) makes one."
-KEPT = "Most likely the dict is kept from call to call: make a new one in every call, and not as a default argument."
+A_DICT = "Return a dict from names to positions; if nothing counts, an empty one. dict(pairs) makes a dict from pairs."
+KEPT = "You probably keep one dict from call to call. Make a new one in every call, not as a default argument."
 
 
 BODY = ("TURRET_Y", "TURRET_P", "HATCH")
 CRANE = ("SLEW", "BRIDGE", "LUFF")
 ALMOST = ("turret_y", "Tank/TURRET_P", " HATCH", "TURRET", "", "HATCH_2")
-EARLIER = 0.777  # [rad], where all joints are in the message that comes before the one that is looked at
+EARLIER = 0.777  # [rad]: where all joints are in an earlier message, which must not show in what is returned
 
 
 def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] = BODY) -> Callable[[Any], str]:
-    """Make a case of a message: what is returned for it, as a text, after another one which names all joints.
+    """Make a case: what is returned for a message, as a text, after an earlier message that names all joints.
 
     Args:
-        names, positions: what the message says [rad].
+        names, positions: what the message holds [rad].
         body: the names of the body's joints.
     """
 
@@ -120,31 +183,31 @@ def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] 
         for said in (body, [EARLIER] * len(body)), (names, positions):
             message = JointState(name=list(said[0]), position=list(said[1]))
             kept.append(ask(answer, list(body), message, read=lambda found: (found, pairs(found)), wanted=A_DICT))
-        (found, before), (_, told) = kept
+        (found, before), (_, now) = kept
         if pairs(found) != before:
-            raise Misuse("what it has returned before is not the same afterwards", KEPT)
-        return "{" + ", ".join(told) + "}"
+            raise Misuse("a later call changes the dict that an earlier call returned", KEPT)
+        return "{" + ", ".join(now) + "}"
 
     return case
 
 
 def pairs(found: dict[Any, Any]) -> list[str]:
-    """Put what was returned into words, positions to six digits."""
+    """Format what was returned, with six digits per position."""
     numbers = {name: f"{q + 0.0:.6g}" if isinstance(q, Real) else repr(q) for name, q in found.items()}
     return sorted(f"{name}: {number}" for name, number in numbers.items())
 
 
 TRIED = {
     "all joints, in order": heard(BODY, (0.1, 0.2, 0.3)),
-    "another order": heard(BODY[::-1], (0.3, 0.2, 0.1)),
-    "only HATCH": heard(("HATCH",), (0.3,)),
+    "joints in another order": heard(BODY[::-1], (0.3, 0.2, 0.1)),
+    "a message with only HATCH": heard(("HATCH",), (0.3,)),
     "an unknown name, ANTENNA": heard(("ANTENNA", "TURRET_P", "HATCH"), (0.9, 0.2, 0.3)),
     "3 names, 2 positions": heard(BODY, (0.1, 0.2)),
     "no positions": heard(BODY, ()),
     "NaN for TURRET_P": heard(BODY, (0.1, nan, 0.3)),
     "TURRET_Y twice": heard(("TURRET_Y", "TURRET_P", "TURRET_Y"), (0.1, 0.2, 0.3)),
     "TURRET_Y twice, and smaller": heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2)),
-    "TURRET_Y at 0, HATCH below": heard(BODY, (0.0, 0.2, -0.3)),
+    "TURRET_Y at 0, HATCH below 0": heard(BODY, (0.0, 0.2, -0.3)),
     "an unknown name in the middle": heard(("HATCH", "ANTENNA", "TURRET_Y"), (0.3, 0.9, 0.1)),
     "NaN for HATCH, the last": heard(BODY, (0.1, 0.2, nan)),
     "TURRET_Y twice, at first NaN": heard(("TURRET_Y", "HATCH", "TURRET_Y"), (nan, 0.3, 0.1)),
@@ -153,7 +216,7 @@ TRIED = {
     "2 names, 3 positions": heard(BODY[:2], (0.1, 0.2, 0.3)),
     "names that are almost right": heard(ALMOST, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)),
     "a position with many digits": heard(BODY, (0.123456, -9.23456, 0.3)),
-    "the crane's joints": heard(("LUFF", "HATCH", "SLEW"), (0.3, 0.9, 0.1), CRANE),
+    "a message for the crane": heard(("LUFF", "HATCH", "SLEW"), (0.3, 0.9, 0.1), CRANE),
     "infinity for HATCH": heard(BODY, (0.1, 0.2, inf)),
     "a body with one joint": heard(("TURRET_P", "HATCH"), (0.2, 0.3), ("HATCH",)),
 }

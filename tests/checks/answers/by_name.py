@@ -59,9 +59,9 @@ def in_whole_thousandths(joint_names, message):
 
 WRONG = [
     (yields, "Return a dict from names to positions"),
-    (makes_one_dict, "the dict is kept from call to call"),
-    (looks_up_all, "every joint is expected in every message"),
-    (filters_first, ["left out before zip", "infinity is not left out"]),
-    (in_whole_thousandths, ["converted, rounded", "infinity is not left out"]),
-    (partial(usable, lambda q: q == q), "infinity is not left out"),
+    (makes_one_dict, "keep one dict from call to call"),
+    (looks_up_all, "expect every joint in every message"),
+    (filters_first, ["before zip", "only for NaN"]),
+    (in_whole_thousandths, ["convert or round", "only for NaN"]),
+    (partial(usable, lambda q: q == q), "only for NaN"),
 ]
