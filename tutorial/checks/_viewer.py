@@ -29,29 +29,42 @@ Step = Callable[[Any], str | None]
 PATIENCE = 1.0  # [s], after which a callback that has not returned waits for something
 
 KEY = "call_latest takes a key first: self.call_latest(self.body.name, self.update, message)."
-SECONDS = "config.call_later takes no seconds: the loop's does, asyncio.get_running_loop().call_later(0.5, self.land)."
-PARENTHESES = "Most likely the parentheses call it at once: give the function itself first, then its arguments."
-TOUCHED = "Most likely the callback moves the body itself: post all that touches it; a lock does not help."
-BESIDE = "Most likely a timer or a thread of its own posts: the callback itself posts, once for each message."
-COROUTINE = "It has to be a plain function, def: to wait, it makes a task of a coroutine, asyncio.create_task(...)."
-ENDLESS = "Most likely what is posted posts itself: post the method that shows the message, such as self.update."
+SECONDS = "config.call_later takes no seconds. The loop's does: asyncio.get_running_loop().call_later(0.5, self.land)."
+PARENTHESES = "You probably call it at once, with parentheses. Pass the function itself, then its arguments."
+TOUCHED = "You probably move the body in the callback. Post everything that uses the body; a lock does not help."
+BESIDE = "You probably post from a timer or a thread of your own. Post in the callback, once for each message."
+COROUTINE = "Write def, not async def. To wait, let it start a task: asyncio.create_task(...)."
+ENDLESS = "The posted call probably posts itself again. Post the method that shows the message, such as self.update."
 
 AT_ONCE = "a message as soon as there is a subscription"
 SHARED = """
 #
-Most likely what is kept belongs to the class: make it in configure, self.place = ...
+You probably keep something on the class, which all viewers share. Set it on self, in configure.
 
 # on the body Rover
-Write config.node.create_subscription($kind, f"{config.body.name}/$topic", ...) in configure; nobody calls initialize.
+you leave out the body's name: the topic is f"{config.body.name}/$topic".
+    {self.body.name}/$topic => $topic
+you hard-code the body's name: the topic is f"{config.body.name}/$topic".
+    {self.body.name}/$topic => Tank/$topic
+
+You probably subscribe to another topic or type, or outside of configure. In configure write
+config.node.create_subscription($kind, f"{config.body.name}/$topic", ...).
 
 # messages come
-Most likely the callback posts nothing, or drops messages by time or by count: $post, whenever one comes.
+You probably skip messages, by time or by count, or post none at all. Post a call for each one: $post.
 
-# the news of it
-calc_forward_kinematics() or notify_change() is missing, or comes too early: after each move first one, then the other.
+# after each move
+you don't call calc_forward_kinematics, so the links stay behind. Call it after each move, before notify_change.
+    self.body.calc_forward_kinematics() => pass
+you don't call notify_change, so nobody draws the move. Call it after each move, as the last step.
+    self.body.notify_change => str
 
-# one that waits when the controller leaves
-it goes to the event loop by itself: $post is asked for, and drops what still waits when the controller leaves its body.
+You probably call calc_forward_kinematics or notify_change too early, or not after every move. First move the body, then
+call these two, in this order.
+
+# a call that waits when the controller leaves
+you post to the event loop yourself, so the call still runs after the controller has left its body. Use $post: it drops
+such calls.
     self.node = config.node => self.node, self.loop = config.node, get_running_loop()
     $post => self.loop.call_soon_threadsafe(self.update, message)
 """
@@ -134,7 +147,7 @@ class Viewer:
         self.loop.advance(seconds)
         self._tell()
         if len(self.calls) and not watch.interleaved:  # the turn of another thread may come late, and post
-            raise Failure("what is posted", Misuse("it posts another call whenever it runs, without end", ENDLESS))
+            raise Failure("the posted call", Misuse("it posts another call each time it runs, without end", ENDLESS))
 
     def leaves(self, *messages: Any) -> str:
         """Have the controller leave its body, and say where the body is then. What waits does not run any more.
@@ -152,7 +165,7 @@ class Viewer:
 
         self.loop.call_soon(leave)
         self.drain()
-        return "a timer goes on" if self.loop.timers else self.where()
+        return "a timer is still running" if self.loop.timers else self.where()
 
     def left(self) -> str:
         """Say that the controller has left nothing behind at the node."""
@@ -164,8 +177,8 @@ class Viewer:
 
     def news(self) -> str:
         """Say whether everything follows the last move."""
-        told = f"observers are told{' too early' * (self.shown[-1] != (self.where(), True))}" if self.shown else ""
-        return f"its links {'follow' if self._links_follow() else 'stay behind'}, {told or 'nobody is told'}"
+        told = f"observers are notified{' too early' * (self.shown[-1] != (self.where(), True))}" if self.shown else ""
+        return f"its links {'follow' if self._links_follow() else 'stay behind'}, {told or 'nobody is notified'}"
 
     def close(self) -> None:
         """Drop what waits."""
@@ -212,7 +225,7 @@ class Viewer:
             if "touch" not in watch.noted or isinstance(failure.error, Misuse):
                 raise failure
         if "touch" in watch.noted:
-            touched = Misuse("the body is touched on another thread", TOUCHED)
+            touched = Misuse("it uses the body outside of the main thread", TOUCHED)
             raise Failure("the callback", touched, watch.noted["touch"])
 
 
@@ -235,10 +248,10 @@ def hands_over(*messages: Any) -> Step:
         for message in messages:
             viewer.receive(message)
             if place := watch.noted.get("thread") or watch.noted.get("timer"):
-                raise Failure(place.function, Misuse("a timer or a thread goes on beside it", BESIDE), place)
+                raise Failure(place.function, Misuse("it starts a timer or a thread", BESIDE), place)
             viewer.drain()
         posted = viewer.loop.posted - before
-        return "none is posted" if not posted else "some are posted" if posted < len(messages) else "all are posted"
+        return f"a call is posted for {'each' if posted >= len(messages) else 'some' if posted else 'none'}"
 
     return step
 
@@ -262,7 +275,7 @@ def _check_callable(function: Any) -> None:
     """
     if not callable(function):
         cause = SECONDS if isinstance(function, Real) else PARENTHESES
-        raise Misuse(f"what is posted is no function: {function!r:.40}", cause)
+        raise Misuse(f"it posts something that cannot be called: {function!r:.40}", cause)
 
 
 def viewing(

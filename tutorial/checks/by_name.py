@@ -12,12 +12,12 @@ Write the function `match_by_name(joint_names, message)`. It returns a new dict 
 
 It never raises, never invents a number, and does not change the message.
 
-Hint 1: Look at the message's names and positions as pairs, in the message's order. Each pair counts or doesn't, whatever
-the other pairs say.
+Hint 1: Look at the message's names and positions as pairs, in the message's order. Each pair counts or doesn't, no
+matter what the other pairs say.
 
-Hint 2: Go through both together with zip, which stops at the end of the shorter one. Leave out a pair if its name is not
-in joint_names or its position is not finite. Put the others into a new dict, in order: if a name comes again, its new
-position replaces the earlier one.
+Hint 2: Go through both together with zip, which stops at the end of the shorter one. Leave out a pair if its name is
+not in joint_names or its position is not finite. Put the others into a new dict, in order: if a name comes again, its
+new position replaces the earlier one.
 
 Hint 3: One dict comprehension is enough: {name: position for name, position in zip(message.name, message.position)
 if ...}. The condition is name in joint_names and isfinite(position).

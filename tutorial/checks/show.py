@@ -1,25 +1,28 @@
-"""The exercise `show`: a displayed body moves as messages say. What it asks for, `keep_up` asks for, too.
+"""The exercise `show`: a displayed body moves as messages say. `keep_up` has the same requirements and more.
 
-Write the controller `MyViewer`. It listens to the topic `joint_state` of its body, which for the body `Tank` is
-`/Tank/joint_state` (type `JointState`), and shows on the displayed body what it hears.
+Write the controller `MyViewer`. It subscribes to the topic `joint_state` of its body, which for the body `Tank` is
+`Tank/joint_state` (type `JointState`), and shows on the displayed body what it receives. The node has no namespace, so
+the topic may also begin with a slash.
 
-- The displayed body belongs to the main thread: the callback only posts, with `config.call_later`.
-- The posted call matches by name (`match_joints`), sets the positions, computes the kinematics, and notifies
-  (`notify_change`).
-- It works on any body. In `unconfigure`, when it leaves the body, the node destroys its subscription.
+- The displayed body belongs to the main thread. The callback only posts, with `config.call_later`, and returns.
+- The posted call matches by name, sets the positions, computes the kinematics (`calc_forward_kinematics`), and notifies
+  (`notify_change`). To match, use your `match_by_name`, or the library's `match_joints` or `JointMatcher`.
+- It shows every message, also one that is equal to the one before, and those with smaller stamps after a restart of the
+  publisher. It may drop a message that is only late, as `JointMatcher` does.
+- It works on any body. In `unconfigure`, when the controller leaves the body, the node destroys its subscription.
 
-Hint 1: Look at the two threads: the callback runs on the executor's, and the displayed body belongs to the main
-thread. Code that moves the body may only run there.
+Hint 1: Look at the two threads. The callback runs on the executor's thread, but the displayed body belongs to the main
+thread: code that moves the body may run only there.
 
-Hint 2: In configure keep config.body and config.call_later, and then subscribe to a topic made from the body's name:
-the callback may run at once. The callback has one line: it posts a method, with the message. That method matches,
-sets the positions, computes the kinematics and notifies, in this order.
+Hint 2: In configure keep config.body, config.node and config.call_later. Subscribe last, to a topic made from the
+body's name: the callback may run at once. The callback has one line, which posts a method together with the message.
+That method matches, sets the positions, computes the kinematics and notifies, in this order.
 
-Hint 3: The callback: self.call_later(self.update, message), without parentheses after update. In update: positions,
+Hint 3: The callback is self.call_later(self.update, message), without parentheses after update. In update: positions,
 report = match_joints(self.body.joint_names, message), then set_joint_positions, calc_forward_kinematics and
 notify_change. In unconfigure: self.node.destroy_subscription(self.subscription).
 
-Notice that the body's name and its joints come from the body, so the crane needed no other line.
+Notice that the topic's name and the joints come from the body, so the same code shows a crane.
 """
 
 from collections.abc import Sequence
@@ -33,7 +36,7 @@ from tutorial.checks.exercise import Exercise, Step, Viewer, hands_over, heard, 
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
-TRIES = 12  # messages, of which each is to be shown
+TRIES = 12  # messages that differ; the last one comes once more
 LATER = count(100_000, 20)  # [ms]
 
 
@@ -65,7 +68,7 @@ class MyViewer(SimpleController):
 
 
 def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_000) -> JointState:
-    """Make a message, with a stamp in milliseconds; Y and P stand for the tank's joints."""
+    """Make a message with a stamp [ms]. In `names`, Y and P stand for the tank's joints."""
     short = {"Y": "TURRET_Y", "P": "TURRET_P"}
     message = JointState(name=[short.get(name, name) for name in names.split()], position=list(positions))
     message.header.stamp.sec, rest = divmod(milliseconds, 1000)
@@ -74,21 +77,21 @@ def joint_state(names: str, positions: Sequence[float], milliseconds: int = 100_
 
 
 def state(names: str, positions: Sequence[float]) -> Step:
-    """Make a step: a message comes, later than those before, and is shown."""
+    """Make a step: a message arrives, with a later stamp than those before, and the posted call runs."""
     return heard(joint_state(names, positions, next(LATER)))
 
 
 def wait_together(viewer: Viewer) -> str:
-    """Observe where the joints are after five messages that wait together."""
+    """Observe where the joints are after five messages whose calls wait together."""
     for i, (name, position) in enumerate((("Y", 0.12), ("P", 0.13), ("Y", 0.14), ("Y", 0.15), ("P", 0.16))):
         viewer.receive(joint_state(name, [position], 100_000 + 20 * i))
     viewer.drain()
     right = viewer.where() == "TURRET_Y at 0.15, TURRET_P at 0.16"
-    return viewer.where() + ("" if right else f", drawn {len(viewer.shown)} times")
+    return viewer.where() + ("" if right else f", number of draws: {len(viewer.shown)}")
 
 
 def while_drawn(viewer: Viewer) -> None:
-    """Have a message come while the next one is drawn."""
+    """Deliver a message while an earlier one is drawn."""
     late = [joint_state("Y P", (0.22, 0.22), 100_020)]
 
     def observe(_report: object) -> None:
@@ -99,12 +102,20 @@ def while_drawn(viewer: Viewer) -> None:
 
 
 def its_own(viewer: Viewer) -> None:
-    """Have a message come for a body that nobody else is to show."""
+    """Deliver a message that only this viewer may show."""
     first, second = (0.2, 0.4) if viewer.body.name == "Rover" else (0.6, 0.8)
     viewer.receive(joint_state("Y P LUFF BRIDGE", (first, second, first, second)))
 
 
-MESSAGES = [joint_state("Y P", (0.01 * i, 0.02 * i), 100_000 + 20 * i) for i in range(1, TRIES + 1)]
+def repeated(viewer: Viewer) -> str:
+    """Observe what follows a message that is equal to the one before, as a robot at rest sends it."""
+    for _ in range(2):
+        viewer.shown.clear()
+        heard(joint_state("Y P", (0.1, 0.2)))(viewer)
+    return viewer.news()
+
+
+MESSAGES = [joint_state("Y P", (0.01 * min(i, TRIES), 0.02), 100_000 + 20 * i) for i in range(1, TRIES + 3)]
 STAMPS = (100_020, 100_000, 100_040, 5, 5)  # [ms]
 LATE = [joint_state("Y P", (0.1 + 0.01 * i, 0.2 + 0.01 * i), ms) for i, ms in enumerate(STAMPS)]
 
@@ -112,14 +123,15 @@ FIRST: dict[str, Sequence[Step]] = {
     "messages come": [hands_over(*MESSAGES)],
     "a message": [state("Y P", (0.1, 0.2)), Viewer.where],
     "its joints in another order": [state("P Y", (0.2, 0.1)), Viewer.where],
-    "the news of it": [state("Y P", (0.1, 0.2)), Viewer.news] * 2,
+    "after each move": [state("Y P", (0.1, 0.2)), Viewer.news] * 2,
+    "an equal message again": [repeated],
     "only TURRET_P, then TURRET_Y": [state("Y P", (0.2, 0.3)), state("P", [-0.1]), state("Y", [0.0]), Viewer.where],
     "the unknown name ANTENNA": [state("ANTENNA", [1.0]), state("ANTENNA Y", (1.0, 0.2)), Viewer.where],
     "NaN for one joint": [state("Y P", (nan, 0.07)), state("Y P", (0.06, nan)), Viewer.where],
     "two names, one position or none": [state("P Y", [0.11]), state("Y P", []), Viewer.where],
-    "a late message, then a new start": [heard(*LATE), Viewer.where],
+    "a late message, then a restart of the publisher": [heard(*LATE), Viewer.where],
     "a message that comes while the body is drawn": [while_drawn, state("Y P", (0.21, 0.21)), Viewer.news],
-    "one that waits when the controller leaves": [lambda viewer: viewer.leaves(MESSAGES[0])],
+    "a call that waits when the controller leaves": [lambda viewer: viewer.leaves(MESSAGES[0])],
 }
 LAST: dict[str, Sequence[Step]] = {
     "two viewers at once, one of the crane": [side_by_side(its_own, Viewer.drain, Viewer.where)],
@@ -127,47 +139,68 @@ LAST: dict[str, Sequence[Step]] = {
 }
 
 MISTAKES = """
+# messages come
+you skip a message that repeats the one before. Post a call for each one: a robot at rest sends equal messages.
+    $post => if message.position == getattr(self, "before", None): return // self.before = message.position // $post
+
 # a message
-The positions are not set, or changed on the way, as to degrees: self.body.set_joint_positions(positions), in rad.
+you don't set the positions: self.body.set_joint_positions(positions).
+    self.body.set_joint_positions(positions) => pass
+you convert the positions. Pass them on unchanged: they are in rad on both sides.
+    positions(positions) => positions({name: degrees(position) for name, position in positions.items()})
+
+You probably don't set the positions, or change them on the way: self.body.set_joint_positions(positions), in rad.
 
 # its joints in another order
-positions are matched by their place in the message: match them by name, wherever it is, with match_joints.
+you match positions by their place in the message. Match them by name, wherever it is, as match_joints does.
     positions(positions) => positions(dict(zip(self.body.joint_names, message.position)))
+    => positions({n: q for n, m, q in zip(message.name, self.body.joint_names, message.position) if n == m})
+
+# an equal message again
+you leave out a message that repeats the positions of the one before. Show every message, and notify after it.
+    self.body.notify => self.old, old = positions, vars(self).get("old") // if positions != old: self.body.notify
 
 # only TURRET_P, then TURRET_Y
-a joint that the message does not name is set to 0 or looked up, the message is dropped, or a position of 0 or below is
-left out: show the joints that it names, as they are, and leave the others where they are.
+you set a joint to 0 if the message does not name it. Leave that joint where it is.
     positions(positions) => positions({name: positions.get(name, 0.0) for name in self.body.joint_names})
+you leave out a position of 0, as `if position` does. 0 is a position like any other.
+    positions(positions) => positions({name: position for name, position in positions.items() if position})
+
+You probably expect every joint in every message, or leave out positions of 0 or below. Set the joints that the message
+names, and leave the others where they are.
 
 # the unknown name ANTENNA
-a name that the body does not have is looked up, or spoils the message: match_joints leaves such names out.
+you use a name that the body does not have. Leave it out, and show the other joints, as match_joints does.
     positions(positions) => positions(dict(zip(message.name, message.position)))
 
 # NaN for one joint
-NaN is set as a position: leave out that joint, and it stays where it is. match_joints does.
+you set NaN as a position. Leave that joint where it is, as match_joints does.
     positions(positions) => positions({n: q for n, q in zip(message.name, message.position) if n != "ANTENNA"})
 
 # two names, one position or none
-an index goes beyond the end: there may be fewer positions than names. match_joints knows that.
+you use an index beyond the end: there may be fewer positions than names. match_joints takes care of that.
     positions, report = => _ = [message.position[i] for i in range(len(message.name))] // positions, report =
 
-# a late message, then a new start
-a message is dropped for its stamp: it may be equal or older, as when the publisher is started again.
+# a late message, then a restart
+you drop a message because of its stamp. After a restart of the publisher, stamps are smaller, and they may be equal.
     positions, report = => if message.header.stamp.sec < 1: return // positions, report =
 
 # a message that comes while the body is drawn
-Most likely a lock is held while the body is drawn, so the callback waits for that: hold it only to take the message.
+You probably hold a lock while you draw, so the callback waits. Hold it only while you take the message.
 
 # two viewers at once, one of the crane
-Most likely the body's name or its joints are typed: take them from config.body.
+You probably hard-code the body's name or its joints. Take them from config.body.
 """
 
 MORE = """
 # five messages that wait together
-the posted call takes the message from self, where the next one has replaced it: give it along, $post.
+you read the message from self, where the next one has replaced it. Pass it along: $post.
     $post => self.message = message // $post
     positions, report = => message = self.message // positions, report =
-Not all are shown, in the order in which they came: post each one, with call_later, which keeps every call.
+you post with call_latest, which replaces a call that still waits. Post with call_later, which keeps every call.
+    config.call_later => partial(config.call_latest, "joints")
+
+You probably lose messages, or change their order. Post one call for each message, with call_later.
 """
 viewing_joints = partial(
     viewing,
