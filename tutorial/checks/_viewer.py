@@ -51,9 +51,13 @@ You probably subscribe to another topic or type, or outside of configure. In con
 config.node.create_subscription($kind, f"{config.body.name}/$topic", ...).
 
 # messages come
-You probably skip messages, by time or by count, or post none at all. Post a call for each one: $post.
+You probably skip messages, by time or by count, or post none at all. Post a call for each one, $post, and
+show it.
 
 # after each move
+you call neither calc_forward_kinematics nor notify_change. Call both after each move, in this order.
+    self.body.calc_forward_kinematics() => pass
+    self.body.notify_change => str
 you don't call calc_forward_kinematics, so the links stay behind. Call it after each move, before notify_change.
     self.body.calc_forward_kinematics() => pass
 you don't call notify_change, so nobody draws the move. Call it after each move, as the last step.
@@ -251,7 +255,7 @@ def hands_over(*messages: Any) -> Step:
                 raise Failure(place.function, Misuse("it starts a timer or a thread", BESIDE), place)
             viewer.drain()
         posted = viewer.loop.posted - before
-        return f"a call is posted for {'each' if posted >= len(messages) else 'some' if posted else 'none'}"
+        return f"a call is posted for {min(posted, len(messages))} of {len(messages)}"
 
     return step
 

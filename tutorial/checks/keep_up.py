@@ -1,17 +1,20 @@
 """The exercise `keep_up`: a viewer that shows the newest message, and lets at most one call wait.
 
-Write the controller `CalmViewer`, for messages that are whole states. It does what `MyViewer` does, but keeps up with
-any publisher: while the main thread is busy, at most one call waits for it, and then it shows the newest message. It
-always shows the last message before the publisher falls silent.
+Write the controller `CalmViewer`, for messages that are whole states. It does what `MyViewer` does, with one
+difference, so that it keeps up with any publisher:
 
-Hint 1: Look at what waits while the main thread is busy: with MyViewer a call for every message, although you will
-see only the newest. What would have to happen to a call that still waits when the next message comes?
+- While the main thread is busy, at most one call waits for it. When this call runs, it draws once: the newest message.
+- So messages that came before the newest one are not shown. But the last message always is, also if the publisher then
+  falls silent, and also if it comes while another message is drawn.
 
-Hint 2: ControllerConfig has two ways to post. With one of them a new call replaces a waiting one, if you post both
-under the same key: the key says what the call is about. All else stays as in MyViewer.
+Hint 1: Look at what waits while the main thread is busy. With MyViewer it is a call for every message, although you
+will see only the newest. What has to happen to a call that still waits when the next message comes?
 
-Hint 3: In configure keep config.call_latest in place of config.call_later. It takes a key first, which has to be the
-same for every message and may be the body's name; then the function and the message, as before.
+Hint 2: ControllerConfig has two ways to post. With one of them a new call replaces a waiting one if you post both under
+the same key. The key says what the call is about. Everything else stays as in MyViewer.
+
+Hint 3: In configure keep config.call_latest instead of config.call_later. Its first argument is a key, which has to be
+the same for every message, for example the body's name. Then come the function and the message, as before.
 
 Notice what you lose: a call that is replaced never runs, so every message has to name all joints.
 """
@@ -28,8 +31,8 @@ from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
 BURST = 50
-MOST = 10_000  # instructions of a method
-EACH = "TURRET_Y at {0}, TURRET_P at {0}"
+MOST = 10_000  # instructions of a method, at which the other thread has a turn
+BOTH = "TURRET_Y at {:g}, TURRET_P at {:g}"
 
 
 class CalmViewer(SimpleController):
@@ -44,7 +47,7 @@ class CalmViewer(SimpleController):
         self.subscription = self.node.create_subscription(JointState, topic, self.on_joint_state, 1)
 
     def on_joint_state(self, message: JointState) -> None:
-        """Hand the message to the main thread, in the place of one that still waits there."""
+        """Hand the message to the main thread, and replace one that still waits there."""
         self.call_latest(self.body.name, self.update, message)
 
     def update(self, message: JointState) -> None:
@@ -60,23 +63,27 @@ class CalmViewer(SimpleController):
 
 
 def burst(begin: int) -> Step:
-    """Make a step: say what waits, and what is shown, when many messages come while the main thread is busy."""
+    """Make a step: say what waits and what is drawn when many messages come while the main thread is busy."""
 
     def step(viewer: Viewer) -> str:
         viewer.shown.clear()
-        for i in range(begin, begin + BURST):
-            viewer.receive(joint_state("Y P", (0.001 * i, 0.002 * (i - begin)), 100_000 + 401 * i))
+        sent = [(0.001 * i, 0.002 * (i - begin)) for i in range(begin, begin + BURST)]
+        for i, positions in enumerate(sent):
+            viewer.receive(joint_state("Y P", positions, 100_000 + 401 * (begin + i)))
         waiting = len(viewer.calls)
         viewer.drain()
         if waiting > 1:
             return "more than one call waits" + ", under different keys" * (len(set(viewer.keys)) > 1)
-        return f"one call waits, and draws{' more than once' * (len(viewer.shown) > 1)}: {viewer.where()}"
+        if len(viewer.shown) > 1:
+            return f"one call waits, and draws {len(viewer.shown)} times"
+        names = {BOTH.format(*positions): f"message {i} of {BURST}" for i, positions in enumerate(sent, 1)}
+        return f"one call waits, and draws {names.get(viewer.where(), viewer.where())}"
 
     return step
 
 
 def in_any_order(viewer: Viewer) -> str:
-    """Observe what is shown when the turn of one thread comes at any instruction of the other."""
+    """Observe what is shown if one thread is interrupted by the other at any instruction."""
     stamps = count(100_000, 20)
     for interrupts_drawing in (True, False):
         for at in range(MOST):
@@ -86,13 +93,13 @@ def in_any_order(viewer: Viewer) -> str:
             turns = (viewer.drain, second) if interrupts_drawing else (second, viewer.drain)
             more = interleave(turns[0], turns[1], at)
             viewer.drain()
-            if {where for where, _ in viewer.shown} - {EACH.format(0.3), EACH.format(0.4)}:
-                return "half of each is shown"
+            if {where for where, _ in viewer.shown} - {BOTH.format(q, q) for q in (0.3, 0.4)}:
+                return "a mix of both is shown"
             if not more:
                 break
-            if viewer.where() != EACH.format(0.4):
-                return "the second is never shown"
-    return "the second is shown in the end"
+            if viewer.where() != BOTH.format(0.4, 0.4):
+                return "it is never shown"
+    return "it is shown in the end"
 
 
 OWN: dict[str, Sequence[Step]] = {
@@ -102,16 +109,35 @@ OWN: dict[str, Sequence[Step]] = {
 
 MORE = """
 # 50 messages while the main thread is busy, twice
-the first of them is kept: the newest is what counts, and call_latest keeps that.
+you post with call_later, which keeps every call. Post with call_latest, which replaces a call that still waits.
+    self.call_latest = config.call_latest => self.call_latest = lambda _, *call: config.call_later(*call)
+you post each message under a key of its own, so no call replaces another. Use one key, such as the body's name.
+    $post => self.call_latest(id(message), self.update, message)
+you keep the first of the messages that wait, and drop the newer ones. Keep the newest, as call_latest does.
     self.node = config.node => self.node, self.busy = config.node, False
     $post => if self.busy: return // self.busy = True // $post
     self.body.calc_f => self.busy = False // self.body.calc_f
-Most likely each is posted with call_later, which keeps every call, or under a key of its own, or more are drawn than
-the newest: call_latest keeps one call, the newest, of those with the same key, the body's name.
+you draw the oldest message of a queue. Draw the newest one, and drop the others.
+    self.node = config.node => self.node, self.queue = config.node, []
+    $post => self.queue.append(message) // $post
+    positions, report = => message = self.queue.pop(0) // positions, report =
+you draw every message of a queue. Draw only the newest one, and drop the others.
+    self.node = config.node => self.node, self.queue = config.node, []
+    self.update, message) => lambda: [self.update(self.queue.pop(0)) for _ in self.queue[:]])
+    self.call_latest( => self.queue.append(message) // self.call_latest(
+
+You probably let more than one call wait, or draw another message than the newest one. call_latest with one key, such as
+the body's name, keeps one call, with the newest message.
 
 # a message that comes while another is drawn
-Most likely what says that a call waits is cleared after the message is taken, or the message is kept piece by piece:
-leave the first to call_latest, and hand the message over as a whole, with the call.
+you clear the flag of a waiting call after you take the message, so one that comes in between gets no call. Clear it
+first.
+    self.node = config.node => self.node, self.busy = config.node, False
+    self.update, message) => lambda: [self.update(self.message), setattr(self, "busy", False)])
+    self.call_latest( => self.message = message // if self.busy: return // self.busy = True // self.call_latest(
+
+You probably clear the flag of a waiting call too late, or keep a message in several parts. Pass the whole message with
+the call, and leave the rest to call_latest.
 """
 POST = "self.call_latest(self.body.name, self.update, message)"
 CASES = viewing_joints(CalmViewer, tried={**FIRST, **OWN, **LAST}, table=MISTAKES + MORE, post=POST)

@@ -124,12 +124,12 @@ FIRST: dict[str, Sequence[Step]] = {
     "a message": [state("Y P", (0.1, 0.2)), Viewer.where],
     "its joints in another order": [state("P Y", (0.2, 0.1)), Viewer.where],
     "after each move": [state("Y P", (0.1, 0.2)), Viewer.news] * 2,
-    "an equal message again": [repeated],
     "only TURRET_P, then TURRET_Y": [state("Y P", (0.2, 0.3)), state("P", [-0.1]), state("Y", [0.0]), Viewer.where],
     "the unknown name ANTENNA": [state("ANTENNA", [1.0]), state("ANTENNA Y", (1.0, 0.2)), Viewer.where],
     "NaN for one joint": [state("Y P", (nan, 0.07)), state("Y P", (0.06, nan)), Viewer.where],
     "two names, one position or none": [state("P Y", [0.11]), state("Y P", []), Viewer.where],
     "a late message, then a restart of the publisher": [heard(*LATE), Viewer.where],
+    "an equal message again": [repeated],
     "a message that comes while the body is drawn": [while_drawn, state("Y P", (0.21, 0.21)), Viewer.news],
     "a call that waits when the controller leaves": [lambda viewer: viewer.leaves(MESSAGES[0])],
 }
@@ -156,10 +156,6 @@ you match positions by their place in the message. Match them by name, wherever 
     positions(positions) => positions(dict(zip(self.body.joint_names, message.position)))
     => positions({n: q for n, m, q in zip(message.name, self.body.joint_names, message.position) if n == m})
 
-# an equal message again
-you leave out a message that repeats the positions of the one before. Show every message, and notify after it.
-    self.body.notify => self.old, old = positions, vars(self).get("old") // if positions != old: self.body.notify
-
 # only TURRET_P, then TURRET_Y
 you set a joint to 0 if the message does not name it. Leave that joint where it is.
     positions(positions) => positions({name: positions.get(name, 0.0) for name in self.body.joint_names})
@@ -184,6 +180,10 @@ you use an index beyond the end: there may be fewer positions than names. match_
 # a late message, then a restart
 you drop a message because of its stamp. After a restart of the publisher, stamps are smaller, and they may be equal.
     positions, report = => if message.header.stamp.sec < 1: return // positions, report =
+
+# an equal message again
+you leave out a message that repeats the positions of the one before. Show every message, and notify after it.
+    self.body.notify => self.old, old = positions, vars(self).get("old") // if positions != old: self.body.notify
 
 # a message that comes while the body is drawn
 You probably hold a lock while you draw, so the callback waits. Hold it only while you take the message.

@@ -53,7 +53,21 @@ class TakesBeforeItLetsTheNextCome(CalmViewer):
         self.waits = False
 
 
+class TakesTheOldest(CalmViewer):
+    def configure(self, config):
+        self.queue = []
+        super().configure(config)
+
+    def on_joint_state(self, message):
+        self.queue.append(message)
+        self.call_latest("joints", self.draw)
+
+    def draw(self):
+        self.update(self.queue.pop(0))
+
+
 WRONG = [
     (WithoutAKey, "takes a key first"),
-    (TakesBeforeItLetsTheNextCome, "cleared after the message is taken"),
+    (TakesTheOldest, "you draw the oldest message of a queue"),
+    (TakesBeforeItLetsTheNextCome, "clear the flag of a waiting call after you take the message"),
 ]
