@@ -1,23 +1,29 @@
 """The exercise `gyro`: publish averages of what a sensor measures.
 
 Write the controller `GyroPublisher`, for a robot that has a gyroscope and no accelerometer. It publishes an `Imu` on
-the topic `gyro` of its body, 10 times per simulated second, as nearly as whole steps allow. For the body `Tank` the
-topic is `Tank/gyro`, without a slash in front, so it is in the namespace of the node.
+the topic `gyro` of its body. For the body `Tank` that is `Tank/gyro`, without a slash in front, so the topic is in the
+node's namespace.
 
-- Its angular velocity is the average of what the sensor `GYRO` has measured, one value per step, since the last
-  message. The first message goes out at the first step, with one value, or a period later.
-- It marks what is not measured: -1 is the first number in the covariances of orientation and linear acceleration.
-- Its stamp is the simulated time at which it is sent.
-- Its frame is the sensor's own, `Tank/GYRO`, with the body's name. On the tank the chassis, `Tank/base_link`, is
-  right, too: the sensor is fixed to it, with the same axes. (The crane's sensor is at the tip of its jib.)
-- It works on any body that has such a sensor, and with any time step.
-- In `unconfigure`, when it leaves the body, the node destroys its publisher.
+- It publishes 10 times per simulated second: one message every `round(1 / (10 * io.time_step))` steps. You may also
+  publish at the steps nearest to the multiples of 1/10 s, so that the rate is exact on average. The first message comes
+  at any step within 1/10 s after the start, also at the first step, with a single value.
+- It publishes each message even if nothing has changed, as on a robot that doesn't turn.
+- The angular velocity is the average of what the sensor `GYRO` has measured since the last message: one value per step,
+  also that of the step in which the message is published.
+- It marks what is not measured: -1 is the first number in the covariances of orientation and linear acceleration
+  (`message.orientation_covariance[0] = -1.0`), but not in that of the angular velocity.
+- Its stamp is the simulated time at which it is published.
+- Its frame is the sensor's own, `Tank/GYRO`, with the body's name. On the tank you may also use the chassis,
+  `Tank/base_link`: the sensor is fixed to it, with the same axes. (The crane's sensor is at the tip of its jib.)
+- It works on any body that has such a sensor, and with any time step. After a restart of the simulation, steps and time
+  go on: step 0 doesn't come again.
+- In `unconfigure`, when the controller leaves the body, the node destroys its publisher.
 
-Hint 1: Look at what happens how often: you measure in every step, and send in every hundredth. Keep what you measure
-until you send it.
+Hint 1: Look at what happens how often. You measure in every step, but with steps of 1 ms you publish only in every
+hundredth. Keep what you measure until you publish.
 
-Hint 2: In initialize look up the sensor, and begin with an empty list. In control append the sensor's value, in every
-step; when it is time to, send the average of the list, and empty it. Mark what is not measured.
+Hint 2: In initialize look up the sensor, and start with an empty list. In control append the sensor's value, in every
+step. When a message is due, publish the average of the list, and empty it. Mark what is not measured.
 
 Hint 3: self.samples.append(self.sensor.value); then, if self.io.step % self.steps_per_message == 0, x, y, z =
 np.mean(self.samples, axis=0).tolist() go into message.angular_velocity, -1.0 into both covariances,
@@ -27,6 +33,8 @@ Notice that the average of many measurements shakes less than any of them, and y
 """
 
 from collections.abc import Iterable
+from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -40,22 +48,22 @@ from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 
 class GyroPublisher(SimpleController):
-    """Publish the angular velocity at 10 Hz, the mean of the steps since the last message."""
+    """Publish the angular velocity at 10 Hz, averaged over the steps since the last message."""
 
     def configure(self, config: ControllerConfig) -> None:
-        """Announce the topic, named after the body."""
+        """Create the publisher; its topic is named after the body."""
         self.node = config.node
         self.publisher = self.node.create_publisher(Imu, f"{config.body.name}/gyro", 1)
 
     def initialize(self, io: ControllerIO) -> None:
-        """Begin with nothing measured."""
+        """Look up the sensor, and start without measurements."""
         self.io = io
         self.sensor = io.body.sensor("GYRO")
         self.samples: list[NDArray[np.float64]] = []
         self.steps_per_message = round(1 / (10 * io.time_step))
 
     def control(self) -> None:
-        """Note what is measured; publish the mean, when it is time to."""
+        """Keep what is measured, and publish the average when a message is due."""
         self.samples.append(self.sensor.value)
         if self.io.step % self.steps_per_message == 0:
             message = Imu()
@@ -69,61 +77,76 @@ class GyroPublisher(SimpleController):
             self.samples.clear()
 
     def unconfigure(self) -> None:
-        """Take the topic back."""
+        """Destroy the publisher."""
         self.node.destroy_publisher(self.publisher)
 
 
 MISTAKES = """
-the sensor is read once, in initialize, and its value is a copy: ask for self.sensor.value in every step.
+you read the sensor only once, in initialize. Its value is a copy: read self.sensor.value in every step.
     self.sensor = io.body.sensor("GYRO") => self.sensor = io.body.sensor("GYRO") // self.once = self.sensor.value
     self.sensor.value) => self.once)
 
-one measurement alone is sent, the newest or the oldest: note one in every step, and take their mean.
+you send a single measurement, the newest or the oldest. Keep one from every step, and send their average.
     np.mean(self.samples, axis=0) => self.samples[-1] => self.samples[0]
 
-the sum is sent, or it is divided by the steps between two messages: divide it by how many measurements it has.
+you send the sum, or divide it by the wrong number. Divide it by the number of measurements in it.
     np.mean(self.samples, axis=0) => np.sum(self.samples, axis=0) => (np.sum(self.samples, axis=0) * self.io.time_step)
     => (np.sum(self.samples, axis=0) / self.steps_per_message)
 
-each value is averaged with the mean so far, or it is the median, or the mean of two: add up all, divide by how many.
+you average only two values at a time, or take the median. Add up all measurements, and divide by their number.
     np.mean(self.samples, axis=0) => [*accumulate(self.samples, lambda a, b: (a + b) / 2)][-1]
     => np.median(self.samples, axis=0) => ((self.samples[0] + self.samples[-1]) / 2)
 
-the mean is taken over all numbers at once, or over x, y and z: axis=0 takes it component by component.
+you average over all numbers at once, or over x, y and z. Average each component by itself, with axis=0.
     np.mean(self.samples, axis=0) => np.full(3, np.mean(self.samples)) => np.mean(self.samples, axis=1)
 
-the sum or the count goes on: begin with both anew after a message, the sum with a new array, which += changes in place.
+you don't start again after a message, so older measurements still count. Empty the list, or set sum and count to 0.
+    self.samples.clear() => pass
+
+you reset only the sum or only the count after a message. Reset both; for a sum make a new
+array, because += changes the old one.
     self.samples: list[NDArray[np.float64]] = [] => self.samples, self.all = [], []
     self.samples.append(self.sensor.value) => self.samples.append(self.sensor.value) // self.all += self.samples[-1:]
     np.mean(self.samples, axis=0) => (sum(self.all) / len(self.samples)) => (sum(self.samples) / len(self.all))
 
-the step's own measurement comes too late: note it before the message is sent.
+you publish before you add the step's own measurement. Add it first.
     self.samples: list[NDArray[np.float64]] = [] => self.samples, self.late = [], []
     self.samples.append(self.sensor.value) => self.samples += self.late // self.late = [self.sensor.value]
     if self.io.step % => if self.io.step % => if self.samples and self.io.step %
     np.mean(self.samples, => np.mean(self.samples, => np.mean(self.samples or [np.zeros(3)],
 
-x, y and z are exchanged, or only z is sent: the sensor's value has all three, in this order.
+you mix up x, y and z, or send only z. The sensor's value has all three, in this order.
     velocity.x, velocity.y, velocity.z = => velocity.z, velocity.y, velocity.x = => velocity.y, velocity.x, velocity.z =
     => velocity.x, velocity.z, velocity.y = => _, _, velocity.z =
 
-the frame is that of the chassis: on the crane the sensor is at the tip of the jib, so take the sensor's own, "/GYRO".
+you use the frame of the chassis. The crane's sensor is at the tip of its jib: use the sensor's own frame, ".../GYRO".
     {self.sensor.name}" => base_link"
 
-the sign is turned round, or it is converted from or to degrees: send what the sensor says, which is in rad/s.
-    np.mean( => -np.mean( => 180 / np.pi * np.mean( => np.pi / 180 * np.mean(
+you change the sign. Send what the sensor measures.
+    self.sensor.value) => -self.sensor.value)
+
+you convert the angular velocity. Send it unchanged: the sensor measures in rad/s, and the message has rad/s, too.
+    self.sensor.value) => np.degrees(self.sensor.value)) => np.radians(self.sensor.value))
+
+you publish nothing while the robot doesn't turn. Publish every message: receivers can't tell rest from a lost
+connection.
+    self.publisher.publish(message) => velocity != vars(self).get("last") and PUB // self.last = velocity
+    => velocity != Imu().angular_velocity and PUB
+    PUB => self.publisher.publish(message)
 
 #
-Most likely some measurements are left out, or older ones still count: each message has the mean of all since the last.
+You probably leave out measurements, count some twice, or weight them. Publish the plain average of all since the last
+message, one from each step.
 
 # the frame
-Most likely the body or the sensor is missing, or another: message.header.frame_id = f"{self.io.body.name}/GYRO".
+You probably leave out the name of the body or the sensor: message.header.frame_id = f"{self.io.body.name}/GYRO".
 
 # what is not measured
-These two are not measured: put -1.0 into orientation_covariance[0] and linear_acceleration_covariance[0], nowhere else.
+You probably mark too little or too much. Put -1.0 into orientation_covariance[0] and linear_acceleration_covariance[0],
+and nowhere else.
 
 # on a robot with a gyroscope alone
-Most likely the accelerometer is asked for, too, which not every robot has: what is sent is what the gyroscope measures.
+You probably use the accelerometer, too, and this robot has none. Send only what the gyroscope measures.
 """
 
 SIGNAL = np.random.default_rng(4).exponential((0.2, 0.3, 0.5), (700, 3)) - (0.1, 0.4, 0.2)  # [rad/s], at each step
@@ -135,12 +158,12 @@ GYROSCOPE_ALONE = """
 """.strip()
 
 
-def shaken(answer: type, **options: Any) -> Rig:
-    """Make a rig whose gyroscope measures the signal, and the accelerometer something else."""
+def shaken(answer: type, signal: NDArray[np.float64] = SIGNAL, **options: Any) -> Rig:
+    """Make a rig whose gyroscope measures a signal, and the accelerometer something else."""
 
     def measure() -> None:
         for sensor, scale in zip(sensors, (1, 10)):
-            sensor.value = scale * SIGNAL[rig.io.step % len(SIGNAL)]
+            sensor.value = scale * signal[rig.io.step % len(signal)]
 
     rig = Rig(answer, measure, **options)
     rig.displayed.sensor("GYRO").value = (0.7, 0.8, 0.9)
@@ -150,38 +173,40 @@ def shaken(answer: type, **options: Any) -> Rig:
 
 
 def means(rig: Rig, sent: list[Sent]) -> Any:
-    """Observe whether each message holds the mean of what was measured since the one before."""
+    """Observe whether each message has the average of what was measured since the message before."""
     seen = [(v.x, v.y, v.z) for v in (each.message.angular_velocity for each in sent)]
     windows = pairwise([rig.begun - 1, *(each.step for each in sent)])
     wanted = (SIGNAL[min(before + 1, step) : step + 1].mean(axis=0).tolist() for before, step in windows)
-    return compared([*zip(seen, wanted)], "the means of what was measured", word)
+    return compared([*zip(seen, wanted)], "the averages of what was measured", word)
 
 
 def word(velocity: Iterable[float]) -> str:
-    """Put an angular velocity [rad/s] into words."""
+    """Format an angular velocity [rad/s]."""
     return ", ".join(f"{axis} {number:z.3f}" for axis, number in zip("xyz", velocity)) + " rad/s"
 
 
 def marks(_rig: Rig, sent: list[Sent]) -> str:
-    """Observe what the last message says is not measured."""
+    """Observe which fields the last message marks as not measured."""
     fields = ("orientation", "angular_velocity", "linear_acceleration")
     marked = [field for field in fields if getattr(sent[-1].message, f"{field}_covariance")[0] == -1]
     return f"-1 marks {' and '.join(marked) or 'nothing'}"
 
 
 def frame(_rig: Rig, sent: list[Sent]) -> str:
-    """Observe the frame of the last message; of the tank Rover, that of its chassis is as good as the sensor's own."""
+    """Observe the frame of the last message. For the tank Rover, its chassis counts as the sensor's own frame."""
     frame_id = sent[-1].message.header.frame_id
     return repr("Rover/GYRO" if frame_id == "Rover/base_link" else frame_id)
 
 
 PUBLISHING = Publishing(Imu, "gyro", 10, shaken, means)
+RESTING = replace(PUBLISHING, scene=partial(shaken, signal=np.zeros((1, 3))))
 TRIED = {
     "what is sent": PUBLISHING.sent(0.45, ms=2),
     "what is not measured": PUBLISHING.sent(0.25, look=marks),
     "the frame": PUBLISHING.sent(0.25, look=frame),
     "the frame, on the crane Lift": PUBLISHING.sent(0.25, look=frame, model="crane", name="Lift"),
     "on the crane, 20 ms a step": PUBLISHING.sent(0.45, model="crane", ms=20),
+    "on a robot that doesn't turn": RESTING.rate(10),
     "on a robot with a gyroscope alone": PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
 }
 gyro = Exercise("gyro", __doc__, PUBLISHING.cases(GyroPublisher, TRIED, MISTAKES))
