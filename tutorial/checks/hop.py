@@ -1,22 +1,23 @@
 """The exercise `hop`: a timer on the main thread, and state that ends with the controller.
 
-Write the controller `HopViewer`. It listens to the topic `imu` of its body, which for the body `Tank` is `/Tank/imu`
-(type `Imu`). When it hears of a blow, the displayed body hops:
+Write the controller `HopViewer`. It subscribes to the topic `imu` of its body, which for the body `Tank` is `Tank/imu`
+(type `Imu`). The node has no namespace, so the topic may also begin with a slash. When a message reports a blow, the
+displayed body hops:
 
-- A blow is a horizontal acceleration, x and y together, of more than 20 m/s².
-- The body stands 0.1 m higher than it stood, and 0.5 s after the blow exactly where it stood before.
-- If another blow comes while the body is up, it stays up for 0.5 s from then; it goes no higher. A harmless message
-  changes nothing.
-- No blow gets lost among other messages, however busy the threads are.
+- A blow is a horizontal acceleration, the length of x and y together, of more than 20 m/s².
+- At a blow the body goes up at once, to 0.1 m above where it stood. 0.5 s later it is back exactly where it stood.
+- If another blow comes while the body is up, it stays up until 0.5 s after that blow, and goes no higher. Other
+  messages change nothing.
+- No blow gets lost if up to five messages come while the executor's thread and the main thread are busy.
 - The timer is asyncio's, on the main thread. After each move come `calc_forward_kinematics` and `notify_change`.
-- When the controller leaves the body, no timer is left, the body stands where it stood, and nothing listens.
+- When the controller leaves the body, no timer is left, the body stands where it stood, and the node has destroyed the
+  subscription.
 
 Hint 1: Look at what you have to remember between two calls: where the body stood, and the timer. Whether there is a
 timer also says whether the body is up.
 
-Hint 2: Begin with self.timer = None. Landing, if there is a timer, cancels it, sets it to None and puts the body
-back. A blow lands first; then it notes the position, moves the body up, and makes a new timer. unconfigure lands,
-too.
+Hint 2: Start with self.timer = None. To land, if there is a timer, cancel it, set it to None and put the body back. At
+a blow land first; then note the position, move the body up, and start a new timer. Land in unconfigure, too.
 
 Hint 3: self.place = self.body.position, whose x, y, z become x, y, z + 0.1; then calc_forward_kinematics and
 notify_change. self.timer = asyncio.get_running_loop().call_later(0.5, self.land), without parentheses after land. Put
@@ -41,7 +42,7 @@ from tutorial.controller import ControllerConfig, SimpleController
 Vector = tuple[float, float, float]
 
 HEIGHT = 0.1  # [m]
-PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # [m]; what is added to it and taken off again does not bring these numbers back
+PLACE = (0.1 + 0.2, -1 / 3, 0.105)  # [m]; if you add 0.1 and subtract it, rounding changes these numbers
 OTHER_PLACE = (-1.1, 0.7, 0.3)
 BLOW, HARMLESS = (25.0, 25.0, 9.8), (1.0, 2.0, 9.8)  # [m/s^2]
 STOOD = "where it stood"
@@ -49,7 +50,7 @@ UP = "0.1 m higher"
 
 
 class HopViewer(SimpleController):
-    """Lift the displayed body for half a second when another program's has hit something."""
+    """Lift the displayed body for half a second when its robot has hit something."""
 
     def configure(self, config: ControllerConfig) -> None:
         """Subscribe to the topic that is named after the body."""
@@ -64,7 +65,7 @@ class HopViewer(SimpleController):
         self.call_later(self.update, message)
 
     def update(self, message: Imu) -> None:
-        """Hop, if it was a blow; from the ground, even if it is up."""
+        """Hop at a blow. If the body is up, land first."""
         a = message.linear_acceleration
         if hypot(a.x, a.y) > 20:
             self.land()
@@ -74,14 +75,14 @@ class HopViewer(SimpleController):
             self.timer = asyncio.get_running_loop().call_later(0.5, self.land)
 
     def land(self) -> None:
-        """Stand where it stood, if it is up."""
+        """Put the body back where it stood, if it is up."""
         timer, self.timer = self.timer, None
         if timer is not None:
             timer.cancel()
             self.move(self.place)
 
     def move(self, position: ArrayLike) -> None:
-        """Stand there, and have it drawn."""
+        """Put the body there, and have it drawn."""
         self.body.position = position
         self.body.calc_forward_kinematics()
         self.body.notify_change()
@@ -102,7 +103,7 @@ class Hall(Viewer):
         self.stand(PLACE if self.body.name == "Rover" else OTHER_PLACE)
 
     def stand(self, place: Vector) -> None:
-        """Put the body somewhere [m]."""
+        """Put the body at a place [m]."""
         self.place = self.body.position = place
         self.body.calc_forward_kinematics()
         self.shown.clear()
@@ -117,7 +118,7 @@ class Hall(Viewer):
         return "somewhere else" if x or y else f"{z:.3g} m higher"
 
     def falls(self) -> str:
-        """Say when it is not up any more, however far away that is."""
+        """Say when the body is down again, however long that takes."""
         self.shown.clear()
         began, timers = self.loop.time(), len(self.loop.timers)
         for _ in range(1000):
@@ -131,7 +132,7 @@ class Hall(Viewer):
             self.drain(min(rings, default=1 / 64))
         kinds = ("a timer on another thread", "a timer that moves it", "a timer", "no timer")
         there = ("timer" in watch.noted or "thread" in watch.noted, self.shown, timers, True)
-        return f"up for ever, with {next(kind for kind, is_there in zip(kinds, there) if is_there)}"
+        return f"never down, with {next(kind for kind, is_there in zip(kinds, there) if is_there)}"
 
 
 def imu(x: float, y: float, z: float) -> Imu:
@@ -143,17 +144,17 @@ blow, harmless = heard(imu(*BLOW)), heard(imu(*HARMLESS))
 
 
 def land(hall: Hall) -> None:
-    """Let it come down."""
+    """Let the body come down."""
     hall.falls()
 
 
 def wait(hall: Hall) -> None:
-    """Let pass what is less than the half second."""
+    """Let less than half a second pass."""
     hall.drain(0.375)
 
 
 def move_it(hall: Hall) -> None:
-    """Have the body moved by somebody else."""
+    """Move the body, as other code would."""
     hall.stand(OTHER_PLACE)
 
 
@@ -164,97 +165,154 @@ ACCELERATIONS: tuple[Vector, ...] = (
 
 
 def mistaken(hall: Hall) -> str:
-    """Observe which accelerations are mistaken for blows, and which blows are not taken for such."""
-    odd = []
+    """Observe which accelerations are wrongly taken for blows, and which blows are missed."""
+    odd: dict[bool, list[str]] = {True: [], False: []}
     for x, y, z in ACCELERATIONS:
         with closing(hall.another()) as other:
             heard(imu(x, y, z))(other)
             moved = any(where != STOOD for where in (other.where(), *(where for where, _ in other.shown)))
             taken = bool(watch.noted.pop("timer", None) or moved or other.loop.timers)
             if taken != (hypot(x, y) > 20):
-                odd.append(f"{x:g} {y:g} {z:g}{' is one' * taken}")
-    return ", ".join(odd) if odd else "none is mistaken"
+                odd[taken].append(f"{x:g} {y:g} {z:g}")
+    words = {True: "taken for a blow", False: "missed"}
+    return "; ".join(f"{words[taken]}: {', '.join(each)}" for taken, each in odd.items() if each) or "all are right"
 
 
 def in_a_crowd(hall: Hall) -> str:
-    """Observe what comes of a blow among harmless messages, which come while both threads are busy."""
-    crowd = (HARMLESS, BLOW, BLOW, HARMLESS)
+    """Observe what becomes of a blow among harmless messages that come while both threads are busy."""
+    crowd = (BLOW, *[HARMLESS] * 4)
     kept = crowd[-hall.node.subscriptions[-1].depth :]
     for each in kept:
         hall.receive(imu(*each))
     calls = len(hall.calls)
     hall.drain()
-    lost = f"{len(kept)} of 4 have come, {calls} have waited{' under a key' * bool(hall.keys)}"
+    lost = f"{len(kept)} of 5 messages arrived, calls waiting: {calls}{' under a key' * bool(hall.keys)}"
     return "" if hall.where() == UP else lost
 
 
-THEN = Hall.where, Hall.falls, Hall.where  # what is asked after a message
+THEN = Hall.where, Hall.falls, Hall.where  # observed after a message
 TRIED: dict[str, Sequence[Step]] = {
     "messages come": [harmless, hands_over(imu(*BLOW))],
-    "of accelerations x, y, z that are blows or not": [mistaken],
-    "a blow puts the body": [blow, Hall.where],
-    "the body is": [blow, Hall.falls],
-    "then it stands": [blow, land, Hall.where],
-    "the news of it": [blow, Hall.news, land, Hall.news],
-    "a second blow, when it has landed and been moved elsewhere": [blow, land, move_it, blow, *THEN],
+    "accelerations x y z [m/s²]": [mistaken],
+    "after a blow": [blow, Hall.where],
+    "the hop ends": [blow, Hall.falls],
+    "after the hop": [blow, land, Hall.where],
+    "after each move": [blow, Hall.news, land, Hall.news],
+    "a second blow, after it has landed and been moved elsewhere": [blow, land, move_it, blow, *THEN],
     "a second blow while it is up": [blow, wait, blow, *THEN],
     "a harmless message while it is up": [blow, wait, harmless, *THEN],
-    "blows between harmless messages, both threads being busy": [in_a_crowd, Hall.where, Hall.falls],
+    "a blow and four harmless messages while both threads are busy": [in_a_crowd, Hall.where, Hall.falls],
     "the tank and the crane Lift": [side_by_side(blow, Hall.where, land, Hall.where)],
-    "unconfigure, while it is up, leaves it": [blow, wait, Hall.leaves, Hall.left],
-    "the news of it then": [blow, wait, Hall.leaves, Hall.news],
-    "unconfigure, when no blow has come, leaves it": [move_it, Hall.leaves],
-    "unconfigure, when it has landed and been moved elsewhere, leaves it": [blow, land, move_it, Hall.leaves],
-    "one that waits when the controller leaves": [lambda hall: hall.leaves(imu(*BLOW))],
+    "after unconfigure while it is up": [blow, wait, Hall.leaves, Hall.left],
+    "after the move in unconfigure": [blow, wait, Hall.leaves, Hall.news],
+    "after unconfigure without a blow": [move_it, Hall.leaves],
+    "after unconfigure, landed and moved elsewhere": [blow, land, move_it, Hall.leaves],
+    "a call that waits when the controller leaves": [lambda hall: hall.leaves(imu(*BLOW))],
 }
 MISTAKES = """
-# of accelerations x, y, z that are blows or not
-only x counts, only y, or the larger of the two: it is hypot(a.x, a.y), whichever way it is hit.
-    hypot(a.x, a.y) => a.x => abs(a.x) => a.y => abs(a.y) => max(a.x, a.y) => max(abs(a.x), abs(a.y))
-z counts, too: gravity is in it, and a hard landing. Only x and y are horizontal.
+# accelerations x y z [m/s²]
+you use only x or only y. A blow may come from any side: use the length of both, hypot(a.x, a.y).
+    hypot(a.x, a.y) => a.x => abs(a.x) => a.y => abs(a.y)
+you use the larger of x and y. Use the length of both, hypot(a.x, a.y).
+    hypot(a.x, a.y) => max(a.x, a.y) => max(abs(a.x), abs(a.y))
+you add x and y. Use the length of both, hypot(a.x, a.y).
+    hypot(a.x, a.y) => (a.x + a.y) => (abs(a.x) + abs(a.y))
+you use z, too, and gravity is in z. Only x and y are horizontal: hypot(a.x, a.y).
     hypot(a.x, a.y) => hypot(a.x, a.y, a.z)
-The condition is another: hypot(a.x, a.y) > 20, where a is message.linear_acceleration, and 20 itself is no blow.
+you take exactly 20 m/s² for a blow. A blow has more than 20.
+    > 20 => >= 20
 
-# a blow puts the body
-It is put elsewhere, as to 0.1 m in the world, or a copy is changed: note self.body.position when the blow comes, and
+You probably test another condition. With a = message.linear_acceleration it is hypot(a.x, a.y) > 20.
+
+# after a blow
+you don't move the body: self.body.position = x, y, z + 0.1.
+    self.move((x, y, z + 0.1)) => pass
+you put the body at a height of 0.1 m. Put it 0.1 m higher than it stands: z + 0.1.
+    z + 0.1 => 0.1
+you move the body sideways. z points up: x, y, z + 0.1.
+    (x, y, z + 0.1) => (x + 0.1, y, z) => (x, y + 0.1, z)
+you note the position in configure, and the body may have been moved since. Note it when the blow comes.
+    self.node = config.node => self.node, self.home = config.node, self.body.position
+    self.place = self.body.position => self.place = self.home
+
+You probably put the body somewhere else, or change a copy of its position. Note self.body.position when the blow comes,
 then set self.body.position to its x, y and z + 0.1.
 
-# the body is
-Most likely the timer is not asyncio.get_running_loop().call_later(0.5, self.land), or what it calls takes the body for
-one that is down, or the place was noted after the move up.
+# the hop ends
+you start no timer: asyncio.get_running_loop().call_later(0.5, self.land).
+    self.timer = asyncio.get_running_loop().call_later(0.5, self.land) => pass
+your timer calls on another thread, but the body belongs to the main thread. Use asyncio's timer:
+asyncio.get_running_loop().call_later(0.5, self.land).
+    asyncio.get_running_loop().call_later( => self.node.create_timer(
+you note the position after the body went up, so it is put back up there. Note it before you move the body.
+    x, y, z = self.place => x, y, z = self.body.position
+    self.place = self.body.position => pass
+    self.timer = asyncio => self.place = self.body.position // self.timer = asyncio
 
-# then it stands
-it is not put back to the very place that was noted when the blow came: one is typed, or 0.1 taken off, which rounds.
+You probably use another timer or time, or what the timer calls does not put the body back. In update write
+asyncio.get_running_loop().call_later(0.5, self.land).
+
+# after the hop
+you subtract 0.1 m again, and rounding leaves a rest. Set the position that you noted when the blow came.
     self.move(self.place) => self.move(self.body.position - (0, 0, 0.1))
 
-# a second blow, when it has landed and been moved elsewhere
-what says that the body is up, or its place, is kept from the hop before: set self.timer = None on landing.
+You probably compute or hard-code the place to land. Set the position that you noted when the blow came.
+
+# a second blow, after it has landed and been moved elsewhere
+you take the body for up after it has landed, so the second blow does nothing. On landing set self.timer = None.
     > 20 => > 20 and not hasattr(self, "place")
+you note the position only at the first blow. Note it at each blow to a body that is down.
+    self.place = self.body.position => self.place = getattr(self, "place", self.body.position)
+
+You probably keep something from the hop before. On landing set self.timer = None, and note the position at each blow.
 
 # a second blow while it is up
-a blow that comes while the body is up is ignored: it counts, and its 0.5 s begin anew.
+you ignore a blow that comes while the body is up. It counts: from then on the body stays up for 0.5 s.
     > 20 => > 20 and not self.timer
-Most likely it lifts the body or notes the place once more, or the first timer goes on: such a blow cancels the timer,
-and makes a new one of 0.5 s; place and height stay.
+you don't cancel the first timer, so it brings the body down too early. Cancel it, and start a new one of 0.5 s.
+    timer.cancel() => timer.when()
+you lift the body again while it is up. Only start the timer again: position and height stay.
+    self.land() => self.land
+you lift the body again while it is up. Only start the timer again: position and height stay.
+    self.land() => up = bool(self.timer) and not self.timer.cancel()
+    self.place = self.body.position => self.place = self.place if up else self.body.position
+    x, y, z = self.place => x, y, z = self.body.position
+you note the position while the body is up, so it is put back up there. Note it only if the body is down.
+    self.land() => up = bool(self.timer) and not self.timer.cancel()
+    z + 0.1 => z + 0.1 * (not up)
+
+You probably lift the body again, note its position while it is up, or let the first timer go on. Cancel the first timer
+and start a new one of 0.5 s; position and height stay.
 
 # a harmless message while it is up
-a harmless message is not left alone while the body is up: ask first whether it is a blow; only that touches the timer.
+you react to a harmless message while the body is up. First test for a blow: only a blow may touch the timer.
     a = message. => if self.timer: self.timer.cancel() // a = message.
 
-# blows between harmless messages, both threads being busy
-a blow is lost among others: keep ten in the subscription, 10, post each with call_later, and give the message along.
-    self.on_imu, 10) => self.on_imu, 1)
+# a blow and four harmless messages while both threads are busy
+your subscription keeps too few messages. Let it keep ten: the last argument of create_subscription.
+    self.on_imu, 10) => self.on_imu, 1) => self.on_imu, 2)
+you post with call_latest, which replaces a call that still waits, also that of a blow. Post with call_later.
+    self.call_later = config.call_later => self.call_later = lambda *call: config.call_latest("imu", *call)
+you read the message from self, where the next one has replaced it. Pass it along: $post.
+    $post => self.message = message // $post
+    a = message. => a = self.message.
 
-# unconfigure, while it is up, leaves it
-unconfigure has to do what the timer would: cancel that, put the body back where it stood, and tell who draws.
+You probably lose messages. Keep ten in the subscription, post each with call_later, and pass the message along.
 
-# unconfigure, when
-unconfigure puts it back although it is down: ask first whether it is up, if self.timer is not None.
-    self.node.destroy => self.move(getattr(self, "place", (0.0, 0.0, 0.0))) // self.node.destroy
-    => if hasattr(self, "place"): self.move(self.place) // self.node.destroy
+# after unconfigure while it is up
+You probably don't land in unconfigure. Do what the timer would do: cancel it, put the body back and notify.
 
-# the news of it then
-the way back does not end as the way up: with self.body.calc_forward_kinematics(), and then self.body.notify_change().
+# after the move in unconfigure
+you put the body back in unconfigure, but don't call self.body.calc_forward_kinematics() and
+self.body.notify_change() after that.
     self.node.destroy => self.timer.cancel() // self.timer, self.body.position = None, self.place // self.node.destroy
+
+# after unconfigure without a blow
+you put the body back in unconfigure even if it is down. First test if it is up: self.timer is not None.
+    self.node.destroy => self.move(getattr(self, "place", (0.0, 0.0, 0.0))) // self.node.destroy
+
+# after unconfigure, landed and moved elsewhere
+you put the body back in unconfigure even if it is down. First test if it is up: self.timer is not None.
+    self.node.destroy => if hasattr(self, "place"): self.move(self.place) // self.node.destroy
 """
 hop = Exercise("hop", __doc__, viewing(HopViewer, "imu", imu(*BLOW), TRIED, MISTAKES, viewer=Hall, clock=""))

@@ -177,7 +177,7 @@ you set NaN as a position. Leave that joint where it is, as match_joints does.
 you use an index beyond the end: there may be fewer positions than names. match_joints takes care of that.
     positions, report = => _ = [message.position[i] for i in range(len(message.name))] // positions, report =
 
-# a late message, then a restart
+# a late message, then a restart of the publisher
 you drop a message because of its stamp. After a restart of the publisher, stamps are smaller, and they may be equal.
     positions, report = => if message.header.stamp.sec < 1: return // positions, report =
 

@@ -82,14 +82,21 @@ async def fails(self):
     raise LookupError
 
 
+def keeps_four(self, config):
+    HopViewer.configure(self, config)
+    self.node.destroy_subscription(self.subscription)
+    self.subscription = self.node.create_subscription(Imu, f"{self.body.name}/imu", self.on_imu, 4)
+
+
 def posts_after_seconds(self, message):
     self.call_later(0.5, self.land)
 
 
 WRONG = [
-    (changed(land=lambda self: time.monotonic()), "what it calls takes the body for"),
+    (changed(configure=keeps_four), "Keep ten in the subscription"),
+    (changed(land=lambda self: time.monotonic()), "does not put the body back"),
     (changed(update=posts_after_seconds), "config.call_later takes no seconds"),
-    (changed(update=never_awaited), "a plain function, def"),
+    (changed(update=never_awaited), "Write def, not async def"),
     (changed(update=lambda self, _: asyncio.get_running_loop().call_later(0.5, self.land())), "parentheses call"),
     (changed(update=lambda self, _: setattr(self, "timer", asyncio.create_task(fails(self)))), "Mend this line first"),
     (changed(__setattr__=lambda self, *each: setattr(type(self), *each)), "is shared by all objects of the class"),
