@@ -19,7 +19,7 @@ the same for every message, for example the body's name. Then come the function 
 Notice what you lose: a call that is replaced never runs, so every message has to name all joints.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import count
 
@@ -62,24 +62,37 @@ class CalmViewer(SimpleController):
         self.node.destroy_subscription(self.subscription)
 
 
-def burst(begin: int) -> Step:
-    """Make a step: say what waits and what is drawn when many messages come while the main thread is busy."""
+def burst(begin: int, look: Callable[[Viewer, Sequence[str]], str]) -> Step:
+    """Make a step: observe something when many messages have come while the main thread is busy.
+
+    Args:
+        begin: the number of the first message, of all that the viewer gets.
+        look: makes the observation, from the viewer and the places of the joints in the messages.
+    """
 
     def step(viewer: Viewer) -> str:
         viewer.shown.clear()
         sent = [(0.001 * i, 0.002 * (i - begin)) for i in range(begin, begin + BURST)]
-        for i, positions in enumerate(sent):
-            viewer.receive(joint_state("Y P", positions, 100_000 + 401 * (begin + i)))
-        waiting = len(viewer.calls)
+        for i, positions in enumerate(sent, begin):
+            viewer.receive(joint_state("Y P", positions, 100_000 + 401 * i))
+        seen = look(viewer, [BOTH.format(*positions) for positions in sent])
         viewer.drain()
-        if waiting > 1:
-            return "more than one call waits" + ", under different keys" * (len(set(viewer.keys)) > 1)
-        if len(viewer.shown) > 1:
-            return f"one call waits, and draws {len(viewer.shown)} times"
-        names = {BOTH.format(*positions): f"message {i} of {BURST}" for i, positions in enumerate(sent, 1)}
-        return f"one call waits, and draws {names.get(viewer.where(), viewer.where())}"
+        return seen
 
     return step
+
+
+def waiting(viewer: Viewer, _places: Sequence[str]) -> str:
+    """Observe how many calls wait."""
+    return f"calls that wait: {len(viewer.calls)}" + ", under different keys" * (len(set(viewer.keys)) > 1)
+
+
+def drawn(viewer: Viewer, places: Sequence[str]) -> str:
+    """Observe what is drawn when the calls run."""
+    viewer.drain()
+    where = viewer.where()
+    message = f"message {places.index(where) + 1} of {BURST}" if where in places else where
+    return f"{len(viewer.shown)} draws, the last one is {message}" if len(viewer.shown) > 1 else f"it draws {message}"
 
 
 def in_any_order(viewer: Viewer) -> str:
@@ -103,16 +116,22 @@ def in_any_order(viewer: Viewer) -> str:
 
 
 OWN: dict[str, Sequence[Step]] = {
-    "50 messages while the main thread is busy, twice": [burst(0), burst(500)],
+    "50 messages while the main thread is busy": [burst(0, waiting), burst(500, waiting)],
+    "then the main thread draws": [burst(0, drawn), burst(500, drawn)],
     "a message that comes while another is drawn": [in_any_order],
 }
 
 MORE = """
-# 50 messages while the main thread is busy, twice
+# 50 messages while the main thread is busy
 you post with call_later, which keeps every call. Post with call_latest, which replaces a call that still waits.
     self.call_latest = config.call_latest => self.call_latest = lambda _, *call: config.call_later(*call)
 you post each message under a key of its own, so no call replaces another. Use one key, such as the body's name.
     $post => self.call_latest(id(message), self.update, message)
+
+You probably post a call for each message with call_later, or under different keys. Post with call_latest and one key,
+such as the body's name: a new call replaces a waiting one.
+
+# then the main thread draws
 you keep the first of the messages that wait, and drop the newer ones. Keep the newest, as call_latest does.
     self.node = config.node => self.node, self.busy = config.node, False
     $post => if self.busy: return // self.busy = True // $post
@@ -126,8 +145,7 @@ you draw every message of a queue. Draw only the newest one, and drop the others
     self.update, message) => lambda: [self.update(self.queue.pop(0)) for _ in self.queue[:]])
     self.call_latest( => self.queue.append(message) // self.call_latest(
 
-You probably let more than one call wait, or draw another message than the newest one. call_latest with one key, such as
-the body's name, keeps one call, with the newest message.
+You probably draw an older message, or more than one. Draw only the newest one: pass it with call_latest.
 
 # a message that comes while another is drawn
 you clear the flag of a waiting call after you take the message, so one that comes in between gets no call. Clear it
