@@ -9,14 +9,10 @@ from types import SimpleNamespace
 import pytest
 from steps import BESIDE
 
-from tutorial.checks import _cases
-from tutorial.checks._answer import is_empty
-from tutorial.checks._verdict import Finding, Verdict, right, wrong
-from tutorial.checks._watch import watch
-from tutorial.checks.aim import aim
 from tutorial.checks.by_name import by_name
 from tutorial.checks.catalogue import exercises
 from tutorial.checks.drive import GentleTank, drive
+from tutorial.checks.engine.verdict import right, wrong
 from tutorial.checks.exercise import Exercise, listing
 from tutorial.controller_files import controller_names
 from tutorial.paths import HOME, PACKAGE
@@ -55,10 +51,10 @@ TEXT = "Mend.\n\nMend it.\n\nHint 1: Look.\n\nHint 2: Think.\n\nHint 3: Write.\n
 
 
 @pytest.mark.parametrize(("rights", "wrongs", "number"), [(0, 1, 1), (2, 1, 2), (3, 1, 3), (3, 2, 2)])
-def test_a_wrong_answer_is_told_which_hint_fits(rights, wrongs, number):
+def test_a_wrong_answer_is_told_which_hint_fits(rights, wrongs, number, monkeypatch):
     findings = [right("a")] * rights + [wrong("b", f"Cause {i}.") for i in range(wrongs)]
-    cases = SimpleNamespace(solution=GentleTank, judge=lambda _: iter(findings))
-    exercise = Exercise("mending", TEXT, cases)
+    exercise = Exercise("mending", TEXT, SimpleNamespace(solution=GentleTank))
+    monkeypatch.setattr(exercise, "findings", lambda *_: findings)
     says = {1: "what to look at", 2: "how it is done", 3: "nearly the code"}[number]
     assert str(exercise.judge(GentleTank)).splitlines()[-1] == f"Stuck? mending.hint({number}) says {says}."
 
@@ -120,15 +116,6 @@ def test_what_cannot_be_run_is_said_at_once(exercise, answer, said, capsys):
     assert capsys.readouterr().out.startswith(said)
 
 
-def test_how_long_known_mistakes_take_and_what_they_print_is_not_the_answers_doing(monkeypatch, capsys):
-    seen = []
-    monkeypatch.setattr(_cases, "_alone", _cases._alone.__wrapped__)  # nothing of this is kept
-    monkeypatch.setattr(_cases, "with_mistakes", lambda *_: lambda *_: print(seen.append(watch.explaining)))
-    assert not aim.judge(Pushy).right
-    assert {*seen} == {True}
-    assert capsys.readouterr() == ("", "")
-
-
 @every_exercise
 def test_the_notebooks_own_cell_is_not_attempted(exercise, capsys):
     name = exercise.right_answer.__name__
@@ -140,35 +127,3 @@ def test_the_notebooks_own_cell_is_not_attempted(exercise, capsys):
     methods = ", ".join(exercise._parts)
     assert unwritten == f"Not attempted yet: {name} is still to be written{': ' * bool(methods)}{methods}."
     assert nothing.startswith(f"Not attempted yet: write {name}, then await {exercise.name}.check({name}). ")
-
-
-EMPTY = ("...", "'Yours.'", "raise NotImplementedError", "raise NotImplementedError('yours')", "return None")
-WRITTEN = ("return 1", "print()", "return {}")
-
-
-@pytest.mark.parametrize("body", EMPTY + WRITTEN)
-def test_what_counts_as_empty(body):
-    namespace = {}
-    exec(f"def f(self): {body}", namespace)
-    assert is_empty(namespace["f"]) == (body in EMPTY)
-
-
-def test_a_verdict_names_a_cause_once_and_two_at_most():
-    causes = ("First.", "First.", "Second.", "Third.")
-    verdict = Verdict((right("a"), *(wrong(f"b{i}", cause) for i, cause in enumerate(causes)), right("c")), "Notice.")
-    assert str(verdict).splitlines() == [
-        "✓ a",
-        *("✗ b0", "  First."),
-        *("✗ b2", "  Second."),
-        "✓ c",
-        "More is not right yet; mend this first.",
-    ]
-
-
-def test_a_verdict_bounds_what_was_printed():
-    stamped = "[INFO] [1700000000.123456789] [tank]: hello"
-    lines = str(Verdict((Finding(True, "a"),), "Notice.", (stamped, *["x" * 500] * 60))).splitlines()
-    assert lines[:4] == ["✓ a", "All right. Notice.", "Your code printed:", "  | [INFO] [tank]: hello"]
-    assert lines[-1] == "  | ... and more"
-    assert len(lines) == 24
-    assert max(map(len, lines)) < 210

@@ -8,7 +8,7 @@ from equivalent_mutants import EQUIVALENT, EXERCISES
 from mutation import mutants_of, rejects
 from programs import PATIENCE
 
-from tutorial.checks import _contain
+from tutorial.checks.engine import contain
 
 SAMPLE = 5  # mutants of each exercise
 JOBS = 2
@@ -27,7 +27,7 @@ def sample(exercise):
 @pytest.mark.process
 @pytest.mark.parametrize("name", EXERCISES)
 def test_mutants_are_rejected(name, monkeypatch):
-    monkeypatch.setattr(_contain, "_start", forks.start)
+    monkeypatch.setattr(contain, "_start", forks.start)
     exercise = EXERCISES[name]
     chosen = sample(exercise)
 

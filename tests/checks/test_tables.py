@@ -1,43 +1,44 @@
-"""The tables of the exercises: each mistake that is known can be made, is one, and is told from all others."""
+"""The tables of the exercises: each known mistake can be made, is a mistake, and is told from all others."""
 
-import inspect
 from dataclasses import replace
 from importlib import import_module
 from itertools import permutations
 
 import pytest
 
-from tutorial.checks._mistakes import another, missing, slips
 from tutorial.checks.catalogue import exercises
+from tutorial.checks.engine.slips import another, missing
+from tutorial.checks.engine.twins import Twins
 
-TABLES = {each: each.cases for those in exercises().values() for each in those}
-every_table = pytest.mark.parametrize(("exercise", "cases"), TABLES.items(), ids=[each.name for each in TABLES])
+TABLES = {each: Twins(each.cases) for those in exercises().values() for each in those}
+BY_NAME = {each.name: twins for each, twins in TABLES.items()}
+every_table = pytest.mark.parametrize("twins", TABLES.values(), ids=BY_NAME)
 
 
 @pytest.mark.parametrize(
-    ("exercise", "mistake"),
-    [pytest.param(each, row, id=each.name) for each, table in TABLES.items() for row in table.mistakes],
+    ("exercise", "fault"),
+    [pytest.param(each, fault, id=each.name) for each, twins in TABLES.items() for fault in twins.cases.faults],
 )
-def test_each_mistake_is_diagnosed_as_itself(exercise, mistake, domain):
-    twin = TABLES[exercise].mistaken(mistake)
-    assert twin is not None, f"the solution has nothing that {mistake.edits} could change"
+def test_each_mistake_is_diagnosed_as_itself(exercise, fault, domain):
+    twin = TABLES[exercise].make(fault)
+    assert twin is not None, f"the solution has nothing that {fault.edits} could change"
     verdict = exercise.judge(twin)
-    assert not verdict.right, f"this is no mistake: {mistake}"
-    assert verdict.causes == (f"Most likely {mistake.cause}",), str(verdict)
+    assert not verdict.right, f"this is no mistake: {fault}"
+    assert verdict.causes == (f"Most likely {fault.cause}",), str(verdict)
 
 
-VIEWERS = {each: cases for each, cases in TABLES.items() if cases.one_by_one}
+VIEWERS = {each: twins for each, twins in TABLES.items() if twins.cases.one_by_one}
 
 
 def test_each_requirement_of_a_viewer_refuses_something(domain):
     refusing = set()
-    for exercise, cases in VIEWERS.items():
-        made = [*cases.mistakes, *slips(missing, cases.solution)]
+    for exercise, twins in VIEWERS.items():
+        made = [*twins.cases.faults, *twins.slips(missing)]
         wrong = [answer for answer, _ in import_module(f"answers.{exercise.name}").WRONG]
-        for twin in [*filter(None, map(cases.mistaken, made)), *wrong]:
+        for twin in [*filter(None, map(twins.make, made)), *wrong]:
             *_, last = exercise.judge(twin).findings
-            refusing |= {each for each in cases.cases if not last.right and last.text.startswith(f"{each}: ")}
-    assert {each for cases in VIEWERS.values() for each in cases.cases} == refusing
+            refusing |= {each.label for each in twins.cases.cases if last.text.startswith(f"{each.label}: ")}
+    assert {case.label for twins in VIEWERS.values() for case in twins.cases.cases} == refusing
 
 
 SLIPS = {
@@ -50,33 +51,40 @@ SLIPS = {
 }
 
 
+def told(name, cases, answer, monkeypatch):
+    exercise = next(each for each in TABLES if each.name == name)
+    monkeypatch.setattr(exercise, "cases", cases)
+    monkeypatch.setattr(exercise, "_seen", {})
+    return exercise.judge(answer).causes
+
+
 @pytest.mark.parametrize(("cause", "name"), SLIPS.items(), ids=SLIPS.values())
-def test_what_is_missing_or_another_is_told_without_a_row(cause, name):
-    cases = next(table for each, table in TABLES.items() if each.name == name)
-    alone = replace(cases, table="#\nSomething else.")
-    slip = next(each for kind in (missing, another) for each in slips(kind, cases.solution) if each.cause == cause)
-    told = [finding.cause for finding in alone.judge(cases.mistaken(slip)) if not finding.right]
-    assert told == [f"Most likely {cause}"]
+def test_what_is_missing_or_another_is_told_without_a_row(cause, name, monkeypatch):
+    twins = BY_NAME[name]
+    plain = [replace(case, meaning="", mistakes=()) for case in twins.cases.cases]
+    slip = next(each for kind in (missing, another) for each in twins.slips(kind) if each.cause == cause)
+    without = replace(twins.cases, cases=plain, mistakes=[], meaning="Something else.")
+    assert told(name, without, twins.make(slip), monkeypatch) == (f"Most likely {cause}",)
 
 
 def test_what_is_missing_is_told_beside_a_known_mistake():
-    cases = next(table for each, table in TABLES.items() if each.name == "gyro")
-    slip = next(each for each in slips(missing, cases.solution) if "linear" in each.cause)
-    both = slip, next(each for each in cases.mistakes if "chassis" in each.cause)
-    told = [finding.cause for finding in cases.judge(cases.mistaken(*both)) if not finding.right]
-    assert told == [f"Most likely {each.cause}" for each in both]
+    twins = BY_NAME["gyro"]
+    slip = next(each for each in twins.slips(missing) if "linear" in each.cause)
+    both = slip, next(each for each in twins.cases.faults if "chassis" in each.cause)
+    exercise = next(each for each in TABLES if each.name == "gyro")
+    assert exercise.judge(twins.make(*both)).causes == tuple(f"Most likely {each.cause}" for each in both)
 
 
 @pytest.mark.filterwarnings("ignore::SyntaxWarning")
 @every_table
-def test_any_two_mistakes_compile_at_once(exercise, cases):
-    source = "\n\n".join(map(inspect.getsource, (*cases.beside, cases.solution)))
-    for one, two in permutations(cases.mistakes, 2):
-        compile(two.made_in(one.made_in(source) or source) or source, one.cause, "exec")
+def test_any_two_mistakes_compile_at_once(twins):
+    for one, two in permutations(twins.cases.faults, 2):
+        source = one.made_in(twins.source) or twins.source
+        compile(two.made_in(source) or source, one.cause, "exec")
 
 
 @every_table
-def test_what_no_known_mistakes_explain_names_a_case_of_the_table(exercise, cases):
-    assert "" in cases.otherwise, "the table has no section # alone"
-    parts = [*cases.otherwise, *cases.crashes, *(each.fails for each in cases.mistakes)]
-    assert [part for part in parts if not any(part in label for label in cases.cases)] == []
+def test_no_two_cases_have_a_label(twins):
+    labels = [case.label for case in twins.cases.cases]
+    assert len({*labels}) == len(labels)
+    assert twins.cases.meaning, "what a case means that has no meaning of its own is missing"

@@ -8,7 +8,8 @@ from controlled import Node
 from sensor_msgs.msg import Imu
 
 from tutorial.body import Body
-from tutorial.checks._clock import ClockedLoop
+from tutorial.checks.engine.clock import ClockedLoop
+from tutorial.checks.engine.trial import Trial
 from tutorial.controller import ControllerConfig
 from tutorial.controllers.imu_subscriber import ImuSubscriber
 from tutorial.paths import HOME
@@ -28,7 +29,7 @@ class Viewer:
     """A controller on a displayed body, on an event loop whose clock stands still."""
 
     def __init__(self, model):
-        self.loop, self.node = ClockedLoop(), Node()
+        self.loop, self.node = ClockedLoop(Trial(ImuSubscriber)), Node()
         self.body = Body.displayed(Placement("Robot", HOME / "project" / "models" / f"{model}.xml", PLACE))
         self.places = []
         self.body.on_change(lambda _: self.places.append(self.body.data.xpos[1].tolist()))

@@ -18,7 +18,7 @@ from equivalent_mutants import EQUIVALENT, EXERCISES
 from mutation import Mutant, mutants_of, rejects
 from tables import console, show
 
-from tutorial.checks import _contain
+from tutorial.checks.engine import contain
 from tutorial.checks.exercise import Exercise
 
 REQUIRED = 0.98  # of an exercise's mutants are rejected or equivalent
@@ -68,7 +68,7 @@ def show_all(outcomes: dict[str, Outcome]) -> int:
 @click.argument("names", metavar="[EXERCISE]...", nargs=-1, type=click.Choice(list(EXERCISES)))
 def main(names: tuple[str, ...]) -> None:
     """Do what the command line asks for, and exit with its status."""
-    _contain._start = forks.start  # type: ignore[assignment]
+    contain._start = forks.start  # type: ignore[assignment]
     sys.exit(show_all(asyncio.run(judge_all([EXERCISES[name] for name in names or EXERCISES]))))
 
 

@@ -15,16 +15,19 @@ from io import TextIOWrapper
 from multiprocessing.connection import Connection
 from typing import Any
 
-from tutorial.checks import _child
-from tutorial.checks._cases import Cases
+from tutorial.checks import exercise
 from tutorial.checks.catalogue import exercises
+from tutorial.checks.engine import child
+from tutorial.checks.engine.diagnose import Diagnosis, Why
+from tutorial.checks.engine.observe import Observations
+from tutorial.checks.engine.twins import Twins
 
 _server = multiprocessing.get_context("forkserver")
-_server.set_forkserver_preload([_child.__name__, *{each.module for those in exercises().values() for each in those}])
+_server.set_forkserver_preload([child.__name__, *{each.module for those in exercises().values() for each in those}])
 
 
 class Process:
-    """As much of asyncio's process as `tutorial.checks._contain` asks for, which is given `start` for its own."""
+    """As much of asyncio's process as `tutorial.checks.engine.contain` asks for, which is given `start` for its own."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
         pipes = [os.pipe() for _ in range(3)]
@@ -72,5 +75,9 @@ def _judge(environment: Mapping[str, str], *given: Connection) -> None:
     os.environ.clear()
     os.environ.update(environment)
     random.seed()
-    Cases.explain = lambda *_: ()  # whether it is wrong is the question, not why
-    _child.main()
+    exercise.diagnose = _without_a_cause  # whether it is wrong is the question, not why
+    child.main()
+
+
+def _without_a_cause(seen: Observations, _twins: Twins) -> Diagnosis:
+    return Diagnosis({each.case.label: Why.MEANING for each in seen.odd[:1]})

@@ -15,7 +15,7 @@ from functools import cache
 from itertools import pairwise, takewhile
 from typing import Any
 
-from tutorial.checks._verdict import Verdict
+from tutorial.checks.engine.verdict import Verdict
 from tutorial.checks.exercise import Exercise, listing
 
 ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)

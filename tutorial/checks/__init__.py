@@ -1,26 +1,15 @@
-"""Self-checks of the exercises, one file per exercise set, called like the controller that the step builds.
+"""Self-checks of the exercises. `README.md` in this folder says how to add one.
 
 In a notebook::
 
     from tutorial.checks.tank_controller import drive
-    await drive.check(GentleTank)   # says what was right, and for what is wrong the most likely cause
+    await drive.check(GentleTank)   # says what is right, and for what is wrong the most likely cause
     drive.hint()
     drive.solution()
 
-A further step adds its own file. The answer is run in a process of its own, in a ROS domain of its own, on simulated
-time: whatever it does, the learner's own programs go on undisturbed.
+Each exercise is a module of its own name; each step's module, such as `tank_controller`, lists the exercises of its
+notebook. The answer runs in a process of its own, in a ROS domain of its own, on simulated time, so it cannot disturb
+the learner's own programs.
 
-The modules that all exercises share, one at a time:
-
-- `exercise`, `catalogue`: an exercise as the learner meets it, and the list of all.
-- `_answer`: whether something was written that can be run.
-- `_contain`, `_child`: the process that judges an answer, from outside and from inside.
-- `_watch`: which of the learner's methods runs, what it raises, and how it uses time and threads.
-- `_verdict`, `_diagnose`: what was found, and how it is said; what most likely led to an exception.
-- `_mistakes`: known mistakes, as edits of the solution.
-- `_cases`: what an answer is tried in, and which mistake explains what is observed; `_publishing`: what is tried of all
-  controllers that publish at a rate.
-- `_rig`: what a simulated body's controller is tried on, and any controller's node; `_viewer`: what a displayed
-  body's is, and what is tried of all such. `_clock`: its event loop.
-- `_interleave`, `_shared`: two threads in every order, and what objects share that should not.
+`exercise` is an exercise as the learner meets it, `catalogue` the list of all, and `engine` what all of them share.
 """

@@ -28,8 +28,12 @@ from math import isnan, nan
 from typing import Any
 
 from tutorial.body import Joint
-from tutorial.checks.exercise import Cases, Exercise, Failure, Misuse, Rig, call
-from tutorial.controller import SimpleController
+from tutorial.checks.engine.bodies import bodies
+from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 
 
 class HeldJoint:
@@ -184,33 +188,33 @@ Calls = tuple[float, float, int]  # the stick, the joint's speed [rad/s], and fo
 
 
 def play(
-    answer: type, *calls: Calls, dt: float = 0.001, begin: float = 0.1, limits: Range = NARROW, name: str = "Rover"
+    trial: Trial, *calls: Calls, dt: float = 0.001, begin: float = 0.1, limits: Range = NARROW, name: str = "Rover"
 ) -> Iterator[float]:
     """Hold a joint of a body of this name, and yield the torque [N.m] after each call, NaN if it set no torque."""
-    body = Rig(SimpleController, name=name).body
+    _, body = bodies(trial, "tank", name)
     joint, motor = body.joint("TURRET_P"), body.actuator("TURRET_P")
     joint.position, joint.range = begin, limits
-    held = call(answer, joint, dt)
+    held = trial.call(trial.answer, joint, dt)
     for stick, speed, count in calls:
         body.data.qvel[:] = speed
         for _ in range(count):
             motor.ctrl = nan
             joint.position = position = joint.position + joint.velocity * dt
-            call(held.aim, stick)
+            trial.call(held.aim, stick)
             if joint.position != position:
                 raise Failure("aim", Misuse("it sets the joint's position", POSITION))
             body.data.qfrc_actuator[:] = motor.ctrl  # what joint.effort will be in the next call
             yield motor.ctrl
 
 
-def last(*calls: Calls, **how: Any) -> Callable[[type], float]:
+def last(*calls: Calls, **how: Any) -> Callable[[Trial], float]:
     """Observe the torque [N.m] after the last call."""
-    return lambda answer: list(play(answer, *calls, **how))[-1]
+    return lambda trial: list(play(trial, *calls, **how))[-1]
 
 
-def two(answer: type) -> tuple[float, ...]:
+def two(trial: Trial) -> tuple[float, ...]:
     """Observe the torques [N.m] of two joints that are held in turns."""
-    first, second = play(answer, (1.0, 0.0, 10), (0.0, 0.0, 10)), play(answer, STILL, (-0.5, -1.0, 19), name="Tank")
+    first, second = play(trial, (1.0, 0.0, 10), (0.0, 0.0, 10)), play(trial, STILL, (-0.5, -1.0, 19), name="Tank")
     return list(zip(first, second))[-1]
 
 
@@ -241,4 +245,5 @@ def say(torque: Any) -> str:
     return "no torque" if isnan(torque) else f"{torque:.1f} N.m".replace("-0.0", "0.0")
 
 
-aim = Exercise("aim", __doc__, Cases(HeldJoint, TRIED, MISTAKES, say))
+TABLE = read_table(TRIED, MISTAKES)
+aim = Exercise("aim", __doc__, Cases(HeldJoint, TABLE.cases, TABLE.mistakes, TABLE.meaning, say))

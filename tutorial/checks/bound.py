@@ -31,7 +31,12 @@ from typing import Any
 
 from sensor_msgs.msg import Joy
 
-from tutorial.checks.exercise import Case, Cases, Exercise, Misuse, ask, call, traced
+from tutorial.checks.engine.cases import Cases, Run
+from tutorial.checks.engine.failure import Misuse
+from tutorial.checks.engine.interleave import traced
+from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 
 
 def four_axes(message: Joy) -> list[float]:
@@ -126,9 +131,9 @@ MILLION = 1_000_000
 BYTES = MILLION // 2  # of memory that an answer may use at once: less than a byte for each axis
 
 
-def given(*axes: float) -> Case:
+def given(*axes: float) -> Run:
     """Observe what is returned for a message with these axes."""
-    return lambda answer: ask(answer, Joy(axes=axes), read=numbers, wanted=A_LIST)
+    return lambda trial: trial.ask(Joy(axes=axes), read=numbers, wanted=A_LIST)
 
 
 def numbers(returned: Any) -> list[float]:
@@ -136,9 +141,9 @@ def numbers(returned: Any) -> list[float]:
     return [float(each + 0.0) for each in returned]
 
 
-def twice(answer: Any) -> list[float]:
+def twice(trial: Trial) -> list[float]:
     """Observe the numbers of two returned lists, and read them after the second call."""
-    both = [call(answer, Joy(axes=axes)) for axes in (FOUR, FOUR[::-1])]
+    both = [trial.call(trial.answer, Joy(axes=axes)) for axes in (FOUR, FOUR[::-1])]
     return [number for returned in both for number in numbers(returned)]
 
 
@@ -158,7 +163,7 @@ class Million(array):  # type: ignore[type-arg]
         return filter(lambda _: self.step(), super().__iter__())
 
 
-def million(answer: Any) -> list[float]:
+def million(trial: Trial) -> list[float]:
     """Observe what is returned for a million axes.
 
     Raises:
@@ -168,8 +173,8 @@ def million(answer: Any) -> list[float]:
     message._axes = axes  # the property would make a plain array of them
     tracemalloc.start()
     try:
-        with traced(axes.step):
-            returned = call(answer, message)
+        with traced(trial, axes.step):
+            returned = trial.call(trial.answer, message)
         if axes.steps > STEPS or tracemalloc.get_traced_memory()[1] > BYTES:
             raise Misuse(LONG, ALL)
     finally:
@@ -197,5 +202,10 @@ TRIED = {
     "a million axes": million,
 }
 
-CASES = Cases(four_axes, TRIED, MISTAKES, str, crashes=[""])
-bound = Exercise("bound", __doc__, CASES, imports=("from math import isfinite",))
+TABLE = read_table(TRIED, MISTAKES, crashes=[""])
+bound = Exercise(
+    "bound",
+    __doc__,
+    Cases(four_axes, TABLE.cases, TABLE.mistakes, TABLE.meaning),
+    imports=("from math import isfinite",),
+)

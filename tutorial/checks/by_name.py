@@ -32,7 +32,11 @@ from typing import Any
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.exercise import Cases, Exercise, Misuse, ask
+from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.failure import Misuse
+from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 
 
 def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, float]:
@@ -170,7 +174,7 @@ ALMOST = ("turret_y", "Tank/TURRET_P", " HATCH", "TURRET", "", "HATCH_2")
 EARLIER = 0.777  # [rad]: where all joints are in an earlier message, which must not show in what is returned
 
 
-def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] = BODY) -> Callable[[Any], str]:
+def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] = BODY) -> Callable[[Trial], str]:
     """Make a case: what is returned for a message, as a text, after an earlier message that names all joints.
 
     Args:
@@ -178,11 +182,11 @@ def heard(names: Sequence[str], positions: Sequence[float], body: Sequence[str] 
         body: the names of the body's joints.
     """
 
-    def case(answer: Any) -> str:
+    def case(trial: Trial) -> str:
         kept = list[tuple[dict[Any, Any], list[str]]]()
         for said in (body, [EARLIER] * len(body)), (names, positions):
             message = JointState(name=list(said[0]), position=list(said[1]))
-            kept.append(ask(answer, list(body), message, read=lambda found: (found, pairs(found)), wanted=A_DICT))
+            kept.append(trial.ask(list(body), message, read=lambda found: (found, pairs(found)), wanted=A_DICT))
         (found, before), (_, now) = kept
         if pairs(found) != before:
             raise Misuse("a later call changes the dict that an earlier call returned", KEPT)
@@ -221,5 +225,10 @@ TRIED = {
     "a body with one joint": heard(("TURRET_P", "HATCH"), (0.2, 0.3), ("HATCH",)),
 }
 
-CASES = Cases(match_by_name, TRIED, MISTAKES, str, crashes=[""])
-by_name = Exercise("by_name", __doc__, CASES, imports=("from math import isfinite",))
+TABLE = read_table(TRIED, MISTAKES, crashes=[""])
+by_name = Exercise(
+    "by_name",
+    __doc__,
+    Cases(match_by_name, TABLE.cases, TABLE.mistakes, TABLE.meaning),
+    imports=("from math import isfinite",),
+)

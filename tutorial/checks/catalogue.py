@@ -1,4 +1,4 @@
-"""The exercises that there are."""
+"""The catalogue of all exercises."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def exercise_names(step: int | None = None) -> dict[str, list[str]]:
     Each exercise has a module of its own name. Nothing is imported here, so this works without rclpy.
     """
     notebooks = {path.stem.partition("_")[2]: path.stem for path in (HOME / "notebooks").glob("[0-9]*_*.ipynb")}
-    modules = [each.name for each in pkgutil.iter_modules(checks.__path__) if each.name[0] != "_"]
+    modules = [each.name for each in pkgutil.iter_modules(checks.__path__) if not each.ispkg]
     listed = {notebooks.get(name, name): _listed(name) for name in modules}
     found = {title: [name for name in listed[title] if name in modules] for title in sorted(listed)}
     prefix = "" if step is None else f"{step}_"

@@ -35,7 +35,12 @@ from typing import Any
 from sensor_msgs.msg import Joy
 
 from tutorial.checks.bound import four_axes
-from tutorial.checks.exercise import Cases, Exercise, Rig, early, interleave, watch
+from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.interleave import early, interleave
+from tutorial.checks.engine.rig import Rig
+from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 from tutorial.checks.fire import over_ros
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.handoff import Latest
@@ -195,30 +200,30 @@ def speeds(rig: Rig) -> str:
     return f"left {left:+z.2f}, right {right:+z.2f} m/s{more}"
 
 
-def played(answer: type, *script: Any, **options: Any) -> Rig:
+def played(trial: Trial, *script: Any, **options: Any) -> Rig:
     """Make a tank, and play a script: messages with these axes, numbers of steps, and names of methods to call."""
-    rig = Rig(answer, **options)
+    rig = Rig(trial, **options)
     rig.displayed.data.ctrl[:] = 0.0
     for each in script:
         if isinstance(each, str):
             rig.body.data.ctrl[:] = 0.0
             getattr(rig, each)()
         elif isinstance(each, int):
-            with watch.clocks_stand(ahead=each):  # as if a step took a second
+            with trial.clocks_stand(ahead=each):  # as if a step took a second
                 rig.advance(each)
         else:
             rig.hear(Joy(axes=each))
     return rig
 
 
-def after(*script: Any) -> Callable[[type], str]:
+def after(*script: Any) -> Callable[[Trial], str]:
     """Observe the speeds after that."""
-    return lambda answer: speeds(played(answer, *script))
+    return lambda trial: speeds(played(trial, *script))
 
 
-def second_step(answer: type) -> str:
+def second_step(trial: Trial) -> str:
     """Observe whether a second step without a message commands what the first one does."""
-    one, both = (after("start", DRIVES, steps)(answer) for steps in (1, 2))
+    one, both = (after("start", DRIVES, steps)(trial) for steps in (1, 2))
     return "yes" if one == both else f"no, first {one}, then {both}"
 
 
@@ -229,9 +234,9 @@ def stepped(rig: Rig) -> str:
     return speeds(rig)
 
 
-def two(answer: type) -> str:
+def two(trial: Trial) -> str:
     """Observe two tanks at the same time, each with a stick of its own."""
-    first, second = played(answer, "start"), played(answer, "start", name="Tank", time_step=0.002)
+    first, second = played(trial, "start"), played(trial, "start", name="Tank", time_step=0.002)
     first.hear(Joy(axes=DRIVES))
     second.hear(Joy(axes=AHEAD))
     for each in (second, first):
@@ -239,9 +244,9 @@ def two(answer: type) -> str:
     return f"{speeds(first)}; {speeds(second)}"
 
 
-def halved(answer: type, in_callback: bool) -> str:
+def halved(trial: Trial, in_callback: bool) -> str:
     """Observe whether half of a message is used, in every order in which the callback and `control` can run."""
-    rig, seen = played(answer, "start"), list[str]()
+    rig, seen = played(trial, "start"), list[str]()
     first, second, _ = (partial(rig.hear, Joy(axes=axes)) for axes in WHOLE)
 
     def control() -> None:
@@ -251,37 +256,40 @@ def halved(answer: type, in_callback: bool) -> str:
     function, between = (second, control) if in_callback else (control, second)
     for turn in (None,) if in_callback else count():
         first()
-        if not interleave(function, between, turn):
+        if not interleave(trial, function, between, turn):
             break
-    whole = {after("start", axes, 1)(answer) for axes in WHOLE}
+    whole = {after("start", axes, 1)(trial) for axes in WHOLE}
     return "half of the message is used" if set(seen) - whole else "the message is used as a whole, or not yet"
 
 
-CASES = Cases(
-    GentleTank,
-    {
-        "the topic, in the namespace /lab": lambda answer: Rig(answer, namespace="/lab").node.on(Joy, "joy"),
-        "a message, before the next step": after("start", DRIVES),
-        "before the first message": after("start", 1),
-        "a second step does the same": second_step,
-        **{f"left_x {x:g}, left_y {y:g}": after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1) for x, y in STICKS},
-        "all sticks rest": after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1),
-        "all sticks almost rest": after("start", DRIVES, 1, (0.1, -0.1, 0.2, 0.1), 1),
-        **{f"a message with {len(axes)} axes": after("start", DRIVES, 1, axes, 1) for axes in MESSAGES},
-        "300 steps without a message": after("start", DRIVES, 300),
-        "four messages between two steps": after("start", DRIVES, AHEAD, DRIVES, AHEAD, 1),
-        "a message that comes before the start": after(DRIVES, "start", 1),
-        "after a restart": after("start", DRIVES, 1, "stop", "start", 1),
-        "two tanks": two,
-        "control between the callback's instructions": lambda answer: halved(answer, True),
-        "a message between control's instructions": lambda answer: halved(answer, False),
-        "a message as soon as the subscription exists": early(Rig, Joy(axes=DRIVES)),
-        "after unconfigure": lambda answer: Rig(answer).leave(),
-    },
-    MISTAKES,
-    str,
-    crashes=["before the first message", " axes"],
-    clock="300 steps without a message",
-    on_ros=lambda answer: over_ros(answer, Joy(axes=DRIVES), stepped),
+TRIED = {
+    "the topic, in the namespace /lab": lambda answer: Rig(answer, namespace="/lab").node.on(Joy, "joy"),
+    "a message, before the next step": after("start", DRIVES),
+    "before the first message": after("start", 1),
+    "a second step does the same": second_step,
+    **{f"left_x {x:g}, left_y {y:g}": after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1) for x, y in STICKS},
+    "all sticks rest": after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1),
+    "all sticks almost rest": after("start", DRIVES, 1, (0.1, -0.1, 0.2, 0.1), 1),
+    **{f"a message with {len(axes)} axes": after("start", DRIVES, 1, axes, 1) for axes in MESSAGES},
+    "300 steps without a message": after("start", DRIVES, 300),
+    "four messages between two steps": after("start", DRIVES, AHEAD, DRIVES, AHEAD, 1),
+    "a message that comes before the start": after(DRIVES, "start", 1),
+    "after a restart": after("start", DRIVES, 1, "stop", "start", 1),
+    "two tanks": two,
+    "control between the callback's instructions": lambda answer: halved(answer, True),
+    "a message between control's instructions": lambda answer: halved(answer, False),
+    "a message as soon as the subscription exists": early(Rig, Joy(axes=DRIVES)),
+    "after unconfigure": lambda answer: Rig(answer).leave(),
+}
+TABLE = read_table(TRIED, MISTAKES, crashes=["before the first message", " axes"])
+CLOCK = next(case.meaning for case in TABLE.cases if case.label == "300 steps without a message")
+
+
+def on_ros(trial: Trial) -> str:
+    """Observe the speeds after a message from another node."""
+    return over_ros(trial, Joy(axes=DRIVES), stepped)
+
+
+drive = Exercise(
+    "drive", __doc__, Cases(GentleTank, TABLE.cases, TABLE.mistakes, TABLE.meaning, clock=CLOCK, on_ros=on_ros)
 )
-drive = Exercise("drive", __doc__, CASES)

@@ -1,31 +1,27 @@
-"""An exercise: its statement, its check, its hints and its solution; with it comes what an exercise's module needs."""
+"""An exercise, as the learner meets it: its statement, its check, its hints and its solution."""
 
 import ast
 import inspect
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from typing import Any
 
-from tutorial.checks._answer import check_has, misfit, name_of, unwritten
-from tutorial.checks._cases import Case, Cases, ask, call, same
-from tutorial.checks._contain import contain
-from tutorial.checks._diagnose import AT_ONCE
-from tutorial.checks._interleave import interleave, traced
-from tutorial.checks._publishing import Publishing, compared, compared_stamps
-from tutorial.checks._rig import Rig, Sent, early, ros_node, send
-from tutorial.checks._verdict import Finding, Verdict, wrong
-from tutorial.checks._viewer import Step, Viewer, hands_over, heard, side_by_side, viewing
-from tutorial.checks._watch import Failure, Misuse, instrumented, watch
+from tutorial.checks.engine.answer import check_has, misfit, name_of, unwritten
+from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.contain import contain
+from tutorial.checks.engine.diagnose import diagnose
+from tutorial.checks.engine.failure import Failure
+from tutorial.checks.engine.instruments import Instruments
+from tutorial.checks.engine.observe import observe
+from tutorial.checks.engine.report import finding_of, report
+from tutorial.checks.engine.twins import Twins
+from tutorial.checks.engine.verdict import Finding, Verdict, right, wrong
 from tutorial.controller import SimpleController
 from tutorial.errors import TutorialError
 from tutorial.progress import remember
 
-__all__ = ["AT_ONCE", "NOT_YET", "Case", "Cases", "Exercise", "Failure", "Misuse", "ask", "call", "listing", "same"]
-__all__ += ["Publishing", "Rig", "Sent", "compared", "compared_stamps", "early", "interleave", "ros_node", "send"]
-__all__ += ["Step", "Viewer", "hands_over", "heard", "side_by_side", "traced", "viewing", "watch"]
-
 NOT_YET = "Not attempted yet"
-"""What the text begins with that says that nothing is written yet."""
+"""How the text begins that says that nothing is written yet."""
 
 _PARTS = re.compile(r"\n\n(?:Hint \d: |(?=Notice ))")
 SAYS = ("what to look at", "how it is done", "nearly the code")  # what each hint does, the weakest first
@@ -35,16 +31,14 @@ class Exercise:
     """One exercise of a notebook.
 
     Args:
-        name: what it is called in its module, which has this name, too. The answer has another: it would hide the
-            exercise.
-        text: the module's docstring: a title, the statement, which is the exercise's docstring, too, then paragraphs
-            that begin with ``Hint 1: ``, what to look at, ``Hint 2: ``, how, ``Hint 3: ``, nearly the code, and
-            ``Notice``, about an answer that is right.
-        cases: what an answer is tried in, with the solution, whose source is shown in the notebooks' style. Their
-            `judge` may raise `Failure` or `TutorialError`.
-        parts: the methods that are to be written; if none are given, what a controller overrides of its base, or all
-            of another class.
-        imports: what the solution needs and the notebook has not imported, each an import statement.
+        name: its name, which is that of its module, too. The answer has another name: it would hide the exercise.
+        text: the module's docstring: a title, then the statement, which is the exercise's docstring, too, then
+            paragraphs that begin with ``Hint 1: ``, what to look at, ``Hint 2: ``, how it is done, ``Hint 3: ``,
+            nearly the code, and ``Notice``, about a right answer.
+        cases: what an answer is tried in, with the solution, whose source is shown in the notebooks' style.
+        parts: the methods that the learner has to write; by default those of the solution that override a
+            controller's, or all methods of another class.
+        imports: the import statements that the solution needs and the notebook lacks.
     """
 
     def __init__(
@@ -55,21 +49,19 @@ class Exercise:
         *self._hints, self._notice = (" ".join(each.split()) for each in prose)
         self.name, self.cases, self.right_answer = name, cases, cases.solution
         self.module, self._imports = self.right_answer.__module__, imports
-        self._base: type | None = None
-        if isinstance(cases.solution, type):
-            self._base = SimpleController if issubclass(cases.solution, SimpleController) else object
-        written = [each for each in vars(cases.solution) if each[0] != "_"]
-        own = [each for each in written if self._base is object or hasattr(SimpleController, each)]
+        self._base = _base_of(cases.solution)
+        own = _own_methods(cases.solution, self._base)
         self._parts = parts or own
         self._requires = [each for each in own if self._base is object or each in ("configure", "initialize")]
+        self._seen = dict[Hashable, Any]()  # of the solution and its twins
 
     async def check(self, answer: Any = None) -> None:
-        """Run an answer in a process of its own, and print what was right and what was not.
+        """Run an answer in a process of its own, and print what is right and what is not.
 
-        It takes a few seconds, in which the loop goes on: views move, and an interrupt ends it.
+        This takes a few seconds, while the event loop goes on: views move, and an interrupt ends the check.
 
         Args:
-            answer: the class or function itself; None for none yet.
+            answer: the class or function itself; None if there is none yet.
         """
         seen = await self.examine(answer)
         if isinstance(seen, Verdict) and seen.right:
@@ -77,33 +69,44 @@ class Exercise:
         _say(str(seen))
 
     async def examine(self, answer: Any) -> Verdict | str:
-        """Run an answer in a process of its own; where there is nothing to run, a text says why."""
+        """Run an answer in a process of its own and return the verdict; if it cannot be run, a text says why."""
         return self._first_look(answer) or self._verdict(*await contain(self.module, self.name, answer))
 
     def judge(self, answer: Any) -> Verdict:
-        """Judge an answer in this process, without containing it. It takes a ROS domain from the environment."""
-        return self._verdict(tuple(self.findings(answer)))
+        """Judge an answer in this process, without containing it. The environment has to give it a ROS domain."""
+        with Instruments() as instruments:
+            return self._verdict(tuple(self.findings(answer, instruments)))
 
-    def findings(self, answer: Any) -> Iterator[Finding]:
-        """Judge an answer in this process, and yield what is found as it is found."""
-        watch.begin(answer)
+    def findings(self, answer: Any, instruments: Instruments) -> Iterator[Finding]:
+        """Judge an answer in this process, and yield each finding once it is known.
+
+        Args:
+            answer: the learner's class or function.
+            instruments: begin its trials. They have to be in place already.
+        """
         try:
-            with instrumented():
-                check_has(answer, *self._requires)
-                yield from self.cases.judge(answer)
+            check_has(answer, *self._requires)
+            yield from self._judge(answer, instruments)
         except Failure as failure:
-            yield failure.finding()
+            yield finding_of(failure, answer)
         except TutorialError as error:
             yield wrong(str(error), "The check could not go on from there.")
-        except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to, the learner is to hear of it
+        except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to, the learner has to know
             text = f"the check could not go on: {type(error).__name__}: {error}"
             yield wrong(text, f"Something unusual is in the way: compare with {self.name}.solution().")
+
+    def _judge(self, answer: Any, instruments: Instruments) -> Iterator[Finding]:
+        twins = Twins(self.cases, instruments.begin, self._seen)
+        seen = observe(self.cases, answer, instruments.begin, twins.expected)
+        yield from report(self.cases, answer, seen, diagnose(seen, twins))
+        if self.cases.on_ros and not seen.odd:
+            yield right(f"with another program: {self.cases.on_ros(instruments.begin(answer))}")
 
     def hint(self, number: int = 1) -> None:
         """Print a hint.
 
         Args:
-            number: which one, from 1; the later, the stronger.
+            number: which one, from 1; a later one says more.
         """
         count = len(self._hints)
         if number not in range(1, count + 1):
@@ -114,7 +117,7 @@ class Exercise:
         _say(f"Hint {number} of {count}: {self._hints[number - 1]} {more if number < count else last}")
 
     def solution(self) -> None:
-        """Print the source of a right answer, ready to be pasted into the notebook's cell."""
+        """Print the source of a right answer, ready to paste into the notebook's cell."""
         imports = ["\n".join(self._imports)] if self._imports else []
         _say("\n\n\n".join([*imports, listing(self.right_answer)]))
 
@@ -124,13 +127,13 @@ class Exercise:
         return Verdict(findings, self._notice, output, advice)
 
     def _first_look(self, answer: Any) -> str:
-        """Say what keeps an answer from being run; nothing if it can be."""
+        """Say why an answer cannot be run; return an empty text if it can."""
         name, call = self.right_answer.__name__, f"await {self.name}.check"
         if answer is None:
             return f"{NOT_YET}: write {name}, then {call}({name}). {self.name}.hint() gives a hint."
-        mend = misfit(answer, name, self._base, call)
-        if mend:
-            return mend
+        instead = misfit(answer, name, self._base, call)
+        if instead:
+            return instead
         if unwritten(answer, self._parts):
             what = ", ".join(self._parts)
             return f"{NOT_YET}: {name_of(answer)} is still to be written{': ' * bool(what)}{what}."
@@ -138,9 +141,9 @@ class Exercise:
 
 
 def listing(part: Any) -> str:
-    """Return the source of a class or function as a notebook has it: without annotations and docstrings.
+    """Return the source of a class or function in the notebooks' style: without annotations and docstrings.
 
-    So it needs no imports for them. Its comments stay, and so do its blank lines.
+    So it needs no imports for them. Comments and blank lines stay.
 
     Args:
         part: the class or function, written at the top level of its module.
@@ -157,8 +160,21 @@ def listing(part: Any) -> str:
     return re.sub(r":\n\n", ":\n", shown)
 
 
+def _base_of(solution: Any) -> type | None:
+    """Return the class that an answer has to inherit from; None if it is a function."""
+    if not isinstance(solution, type):
+        return None
+    return SimpleController if issubclass(solution, SimpleController) else object
+
+
+def _own_methods(solution: Any, base: type | None) -> list[str]:
+    """Return the public methods of a solution; of a controller only those that it overrides."""
+    written = [each for each in vars(solution) if each[0] != "_"]
+    return [each for each in written if base is object or hasattr(SimpleController, each)]
+
+
 def _fitting(findings: tuple[Finding, ...]) -> int:
-    """Choose a hint: the more of an answer is right already, the closer to the code it may be."""
+    """Choose a hint: the more of an answer is right already, the more the hint may say."""
     rights = sum(finding.right for finding in findings)
     causes = len({finding.cause for finding in findings if not finding.right})
     return 1 if rights == 0 else 2 if rights <= 2 * causes else 3

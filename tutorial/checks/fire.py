@@ -24,7 +24,14 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import Joy
 
-from tutorial.checks.exercise import Cases, Exercise, Failure, Misuse, Rig, early, ros_node, send
+from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.interleave import early
+from tutorial.checks.engine.real_dds import ros_node, send
+from tutorial.checks.engine.rig import Rig
+from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.handoff import Latest
 
@@ -148,21 +155,21 @@ def held(rig: Rig, *states: tuple[int, ...]) -> bool:
     return bool(value)
 
 
-def after(*states: tuple[int, ...]) -> Callable[[type[SimpleController]], bool]:
+def after(*states: tuple[int, ...]) -> Callable[[Trial], bool]:
     """Observe what `fire` holds after messages with these buttons."""
-    return lambda answer: held(Rig(answer), *states)
+    return lambda trial: held(Rig(trial), *states)
 
 
-def two(answer: type[SimpleController]) -> list[bool]:
+def two(trial: Trial) -> list[bool]:
     """Observe what two tanks hold after a message to the first one only, with its button pressed."""
-    first, second = Rig(answer), Rig(answer, name="Tank")
+    first, second = Rig(trial), Rig(trial, name="Tank")
     return [held(first, (1,)), held(second)]
 
 
-def over_ros(answer: type[SimpleController], message: Joy, look: Callable[[Rig], str]) -> str:
+def over_ros(trial: Trial, message: Joy, look: Callable[[Rig], str]) -> str:
     """Observe something after a message from another node, with rclpy's own node."""
     with ros_node() as node:
-        rig = Rig(answer, node=node)
+        rig = Rig(trial, node=node)
         before = look(rig)
         send(node, "/joy", message, lambda: look(rig) != before)
         return look(rig)
@@ -192,11 +199,16 @@ def say(seen: Any) -> str:
     return f"self.fire holds {seen}" if isinstance(seen, bool) else str(seen)
 
 
-def on_ros(answer: type[SimpleController]) -> str:
+def on_ros(trial: Trial) -> str:
     """Observe what `fire` holds after a message from another node."""
-    return over_ros(answer, Joy(buttons=[1]), lambda rig: say(held(rig)))
+    return over_ros(trial, Joy(buttons=[1]), lambda rig: say(held(rig)))
 
 
 CRASHES = ["without buttons", "only one button"]
-CASES = Cases(FireButton, TRIED, MISTAKES, say, crashes=CRASHES, clock=NO_CLOCK, on_ros=on_ros)
-fire = Exercise("fire", __doc__, CASES, parts=("on_joy",))
+TABLE = read_table(TRIED, MISTAKES, crashes=CRASHES)
+fire = Exercise(
+    "fire",
+    __doc__,
+    Cases(FireButton, TABLE.cases, TABLE.mistakes, TABLE.meaning, say, clock=NO_CLOCK, on_ros=on_ros),
+    parts=("on_joy",),
+)

@@ -29,7 +29,11 @@ from typing import Any
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.exercise import Cases, Exercise, Misuse, ask
+from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.failure import Misuse
+from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 
 
 def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int, int]]:
@@ -207,19 +211,19 @@ def stamps_of(messages: Sequence[tuple[int, JointState]]) -> list[int]:
     return [Time.from_msg(message.header.stamp).nanoseconds for _, message in messages]
 
 
-def bag(*stamps: float, **how: Any) -> Callable[[Any], Found]:
+def bag(*stamps: float, **how: Any) -> Callable[[Trial], Found]:
     """Make a case that observes what is found in a bag with these stamps [s].
 
     Args:
         stamps, how: as for `recorded`.
     """
-    return lambda answer: ask(answer, list(recorded(*stamps, **how)), read=read, wanted=A_LIST)
+    return lambda trial: trial.ask(list(recorded(*stamps, **how)), read=read, wanted=A_LIST)
 
 
-def two(answer: Any) -> Found:
+def two(trial: Trial) -> Found:
     """Observe what is found in two bags. The first result is read after the second call."""
     bags = (list(recorded(*stamps)) for stamps in ((1.0, 1.5), (2.0, 2.5)))
-    both = [ask(answer, bag, read=lambda found: found, wanted=A_LIST) for bag in bags]
+    both = [trial.ask(bag, read=lambda found: found, wanted=A_LIST) for bag in bags]
     return [each for found in both for each in read(found)]
 
 
@@ -284,5 +288,10 @@ def say(found: Found) -> str:
     return ", ".join(said[:count]) + f" and {len(said) - count} more" * (count < len(said)) or "nothing"
 
 
-CASES = Cases(find_gaps, TRIED, MISTAKES, say, ["no message"])
-gaps = Exercise("gaps", __doc__, CASES, imports=("from rclpy.time import Time",))
+TABLE = read_table(TRIED, MISTAKES, crashes=["no message"])
+gaps = Exercise(
+    "gaps",
+    __doc__,
+    Cases(find_gaps, TABLE.cases, TABLE.mistakes, TABLE.meaning, say),
+    imports=("from rclpy.time import Time",),
+)

@@ -41,7 +41,13 @@ from rclpy.time import Time
 from sensor_msgs.msg import Image
 
 from tutorial.body import Body
-from tutorial.checks.exercise import AT_ONCE, Exercise, Misuse, Publishing, Rig, Sent, call, compared, compared_stamps
+from tutorial.checks.engine.exceptions import AT_ONCE
+from tutorial.checks.engine.failure import Misuse
+from tutorial.checks.engine.publishing import Publishing, compared, compared_stamps
+from tutorial.checks.engine.rig import Rig, Sent
+from tutorial.checks.engine.tables import read_publisher_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 from tutorial.errors import TutorialError
 
@@ -198,7 +204,9 @@ class Camera:
         if not callable(deliver):
             raise Misuse(f"capture is given {deliver!r} in place of a function", AT_ONCE.format("publish"))
         pixels = picture(0 if self._rig.is_still else len(self._rig.orders), self.width, self.height)
-        self._rig.orders.append((self._rig.io.step, self, pixels, partial(call, deliver, pixels.copy(), *arguments)))
+        self._rig.orders.append(
+            (self._rig.io.step, self, pixels, partial(self._rig.trial.call, deliver, pixels.copy(), *arguments))
+        )
 
     def close(self) -> None:
         """Deliver no more pictures."""
@@ -209,7 +217,7 @@ class CameraRig(Rig):
     """A rig with a camera. Its pictures may come later, and one of them not at all.
 
     Args:
-        answer: the learner's class.
+        trial: the trial that the rig belongs to.
         delay: the steps from asking for a picture to its delivery.
         missed: the number of a picture that never comes.
         is_still: whether all pictures are equal.
@@ -222,9 +230,9 @@ class CameraRig(Rig):
         delivered: the delivered pictures, each with the step of its request.
     """
 
-    def __init__(self, answer: type, delay: int = 0, missed: int = -1, is_still: bool = False, **options: Any) -> None:
+    def __init__(self, trial: Trial, delay: int = 0, missed: int = -1, is_still: bool = False, **options: Any) -> None:
         self.is_still = is_still
-        super().__init__(answer, after=self._deliver, **options)
+        super().__init__(trial, after=self._deliver, **options)
         self._delay, self._missed, self.cameras = delay, missed, list[Camera]()
         self.body.find_camera = partial(Camera, self)
 
@@ -256,25 +264,25 @@ def word(data: list[int]) -> str:
 PUBLISHING = Publishing(Image, "camera/gray", 5, CameraRig, pictures, "time_ns")
 
 
-def stamps(answer: type, **options: Any) -> Any:
+def stamps(trial: Trial, **options: Any) -> Any:
     """Compare the stamps with the times of asking, with steps of 7 ms."""
-    rig = PUBLISHING.play(answer, 1.6, 7, (1,), **options)
+    rig = PUBLISHING.play(trial, 1.6, 7, (1,), **options)
     if len(rig.orders) < 7:
         return f"{len(rig.orders)} of 8 pictures are requested"
     pairs = zip(PUBLISHING.messages(rig), rig.delivered)
     return compared_stamps([(each.stamp_ns, step * 7_000_000) for each, (step, _) in pairs])
 
 
-def left_open(answer: type) -> str:
+def left_open(trial: Trial) -> str:
     """Observe how many cameras are open after the simulation has stopped."""
-    number = sum(camera._is_open for camera in PUBLISHING.play(answer, 0.3).cameras)
+    number = sum(camera._is_open for camera in PUBLISHING.play(trial, 0.3).cameras)
     is_or_are = "camera is" if number == 1 else "cameras are"
     return f"{number} {is_or_are} open" if number else "the camera is closed"
 
 
-def still(answer: type) -> Any:
+def still(trial: Trial) -> Any:
     """Observe how often equal pictures are sent."""
-    return PUBLISHING.often(PUBLISHING.play(answer, 0.9, is_still=True))
+    return PUBLISHING.often(PUBLISHING.play(trial, 0.9, is_still=True))
 
 
 def frame(frame_id: str) -> str:
@@ -294,4 +302,5 @@ TRIED = {
     "after stop": left_open,
 }
 PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")
-gray = Exercise("gray", __doc__, PUBLISHING.cases(GrayPublisher, TRIED, MISTAKES), PARTS)
+TABLE = read_publisher_table(PUBLISHING, TRIED, MISTAKES)
+gray = Exercise("gray", __doc__, PUBLISHING.cases(GrayPublisher, TABLE.cases, TABLE.mistakes, TABLE.meaning), PARTS)

@@ -32,8 +32,8 @@ message.orientation_covariance[0] = -1.0, and so on. Publish, then self.samples.
 Notice that the average of many measurements shakes less than any of them, and you lose nothing between them.
 """
 
+import dataclasses
 from collections.abc import Iterable
-from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import Any
@@ -43,7 +43,11 @@ from numpy.typing import NDArray
 from rclpy.time import Time
 from sensor_msgs.msg import Imu
 
-from tutorial.checks.exercise import Exercise, Publishing, Rig, Sent, compared
+from tutorial.checks.engine.publishing import Publishing, compared
+from tutorial.checks.engine.rig import Rig, Sent
+from tutorial.checks.engine.tables import read_publisher_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 
@@ -158,14 +162,14 @@ GYROSCOPE_ALONE = """
 """.strip()
 
 
-def shaken(answer: type, signal: NDArray[np.float64] = SIGNAL, **options: Any) -> Rig:
+def shaken(trial: Trial, signal: NDArray[np.float64] = SIGNAL, **options: Any) -> Rig:
     """Make a rig whose gyroscope measures a signal, and the accelerometer something else."""
 
     def measure() -> None:
         for sensor, scale in zip(sensors, (1, 10)):
             sensor.value = scale * signal[rig.io.step % len(signal)]
 
-    rig = Rig(answer, measure, **options)
+    rig = Rig(trial, measure, **options)
     rig.displayed.sensor("GYRO").value = (0.7, 0.8, 0.9)
     sensors = [rig.body.sensor(name) for name in ("GYRO", "ACCEL_SENSOR")[: rig.body.model.nsensor]]
     measure()
@@ -199,7 +203,7 @@ def frame(_rig: Rig, sent: list[Sent]) -> str:
 
 
 PUBLISHING = Publishing(Imu, "gyro", 10, shaken, means)
-RESTING = replace(PUBLISHING, scene=partial(shaken, signal=np.zeros((1, 3))))
+RESTING = dataclasses.replace(PUBLISHING, scene=partial(shaken, signal=np.zeros((1, 3))))
 TRIED = {
     "what is sent": PUBLISHING.sent(0.45, ms=2),
     "what is not measured": PUBLISHING.sent(0.25, look=marks),
@@ -209,4 +213,5 @@ TRIED = {
     "on a robot that doesn't turn": RESTING.rate(10),
     "on a robot with a gyroscope alone": PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
 }
-gyro = Exercise("gyro", __doc__, PUBLISHING.cases(GyroPublisher, TRIED, MISTAKES))
+TABLE = read_publisher_table(PUBLISHING, TRIED, MISTAKES)
+gyro = Exercise("gyro", __doc__, PUBLISHING.cases(GyroPublisher, TABLE.cases, TABLE.mistakes, TABLE.meaning))

@@ -36,7 +36,11 @@ from geometry_msgs.msg import Vector3
 from numpy.typing import ArrayLike
 from sensor_msgs.msg import Imu
 
-from tutorial.checks.exercise import Exercise, Step, Viewer, hands_over, heard, side_by_side, viewing, watch
+from tutorial.checks.engine.tables import read_viewer_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.engine.viewer import Viewer
+from tutorial.checks.engine.viewing import Step, hands_over, heard, side_by_side, viewing
+from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 
 Vector = tuple[float, float, float]
@@ -98,8 +102,8 @@ class Hall(Viewer):
 
     place: Vector
 
-    def __init__(self, answer: type, *body: Any, **how: Any) -> None:
-        super().__init__(answer, *body, **how)
+    def __init__(self, trial: Trial, *body: Any, **how: Any) -> None:
+        super().__init__(trial, *body, **how)
         self.stand(PLACE if self.body.name == "Rover" else OTHER_PLACE)
 
     def stand(self, place: Vector) -> None:
@@ -131,7 +135,7 @@ class Hall(Viewer):
                 break
             self.drain(min(rings, default=1 / 64))
         kinds = ("a timer on another thread", "a timer that moves it", "a timer", "no timer")
-        there = ("timer" in watch.noted or "thread" in watch.noted, self.shown, timers, True)
+        there = ("timer" in self.trial.noted or "thread" in self.trial.noted, self.shown, timers, True)
         return f"never down, with {next(kind for kind, is_there in zip(kinds, there) if is_there)}"
 
 
@@ -171,7 +175,7 @@ def mistaken(hall: Hall) -> str:
         with closing(hall.another()) as other:
             heard(imu(x, y, z))(other)
             moved = any(where != STOOD for where in (other.where(), *(where for where, _ in other.shown)))
-            taken = bool(watch.noted.pop("timer", None) or moved or other.loop.timers)
+            taken = bool(hall.trial.noted.pop("timer", None) or moved or other.loop.timers)
             if taken != (hypot(x, y) > 20):
                 odd[taken].append(f"{x:g} {y:g} {z:g}")
     words = {True: "taken for a blow", False: "missed"}
@@ -322,4 +326,5 @@ you put the body back in unconfigure even if it is down. First test if it is up:
 you put the body back in unconfigure even if it is down. First test if it is up: self.timer is not None.
     self.node.destroy => if hasattr(self, "place"): self.move(self.place) // self.node.destroy
 """
-hop = Exercise("hop", __doc__, viewing(HopViewer, "imu", imu(*BLOW), TRIED, MISTAKES, viewer=Hall, clock=""))
+CASES = read_viewer_table(TRIED, MISTAKES, viewer=Hall)
+hop = Exercise("hop", __doc__, viewing(HopViewer, "imu", imu(*BLOW), CASES, viewer=Hall, clock=""))

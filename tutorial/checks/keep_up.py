@@ -25,8 +25,12 @@ from itertools import count
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.exercise import Exercise, Step, Viewer, interleave
-from tutorial.checks.show import FIRST, LAST, MISTAKES, joint_state, viewing_joints
+from tutorial.checks.engine.interleave import interleave
+from tutorial.checks.engine.tables import read_viewer_table
+from tutorial.checks.engine.viewer import Viewer
+from tutorial.checks.engine.viewing import NOT_POSTED, Step, viewing
+from tutorial.checks.exercise import Exercise
+from tutorial.checks.show import CRASHES, FIRST, LAST, MISTAKES, SWAPPED, joint_state
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
@@ -104,7 +108,7 @@ def in_any_order(viewer: Viewer) -> str:
             viewer.shown.clear()
             first()
             turns = (viewer.drain, second) if interrupts_drawing else (second, viewer.drain)
-            more = interleave(turns[0], turns[1], at)
+            more = interleave(viewer.trial, turns[0], turns[1], at)
             viewer.drain()
             if {where for where, _ in viewer.shown} - {BOTH.format(q, q) for q in (0.3, 0.4)}:
                 return "a mix of both is shown"
@@ -158,5 +162,7 @@ You probably clear the flag of a waiting call too late, or keep a message in sev
 the call, and leave the rest to call_latest.
 """
 POST = "self.call_latest(self.body.name, self.update, message)"
-CASES = viewing_joints(CalmViewer, tried={**FIRST, **OWN, **LAST}, table=MISTAKES + MORE, post=POST)
-keep_up = Exercise("keep_up", __doc__, CASES)
+CASES = read_viewer_table({**FIRST, **OWN, **LAST}, MISTAKES + MORE, POST, CRASHES)
+keep_up = Exercise(
+    "keep_up", __doc__, viewing(CalmViewer, "joint_state", SWAPPED, CASES, clock=NOT_POSTED.format(POST))
+)

@@ -32,7 +32,11 @@ from typing import Any
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.exercise import Cases, Exercise, Misuse, call, watch
+from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.failure import Misuse
+from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 
 
 class Pairs:
@@ -167,13 +171,15 @@ def message_of(stream: str, stamp: int) -> Any:
     return message
 
 
-def add(pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]) -> list[Arrival] | None:
+def add(
+    trial: Trial, pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arrival]]
+) -> list[Arrival] | None:
     """Add a message, and return the pair that the answer returns, by the arrivals of its messages.
 
     Raises:
         Failure: the answer raised, or returned something else than a pair with this message or None.
     """
-    with watch.call("add"):
+    with trial.calling("add"):
         returned = pairs.add(stream, message)
         if returned is None:
             return None
@@ -186,7 +192,7 @@ def add(pairs: Any, stream: str, message: Any, known: Iterable[tuple[Any, Arriva
         return pair
 
 
-def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[type], list[Any]]:
+def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[Trial], list[Any]]:
     """Make a case that observes what is returned for one message after the other.
 
     Args:
@@ -194,10 +200,10 @@ def tried(*arrivals: Arrival, objects: int = 1) -> Callable[[type], list[Any]]:
         objects: the number of objects that get the messages in turns.
     """
 
-    def case(answer: type) -> list[Any]:
+    def case(trial: Trial) -> list[Any]:
         messages = [message_of(*arrival) for arrival in arrivals]
-        known, those = list(zip(messages, arrivals)), cycle([call(answer) for _ in range(objects)])
-        return [add(pairs, stream, message, known) for pairs, (message, (stream, _)) in zip(those, known)]
+        known, those = list(zip(messages, arrivals)), cycle([trial.call(trial.answer) for _ in range(objects)])
+        return [add(trial, pairs, stream, message, known) for pairs, (message, (stream, _)) in zip(those, known)]
 
     return case
 
@@ -258,4 +264,5 @@ def _time(stamp: int) -> str:
     return f"{stamp // MS}" + f".{stamp % MS:06}" * (stamp % MS > 0) + " ms"
 
 
-pair = Exercise("pair", __doc__, Cases(Pairs, TRIED, MISTAKES, say))
+TABLE = read_table(TRIED, MISTAKES)
+pair = Exercise("pair", __doc__, Cases(Pairs, TABLE.cases, TABLE.mistakes, TABLE.meaning, say))

@@ -36,7 +36,12 @@ import numpy as np
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.exercise import Exercise, Publishing, Rig, Sent, same
+from tutorial.checks.engine.observe import same
+from tutorial.checks.engine.publishing import Publishing
+from tutorial.checks.engine.rig import Rig, Sent
+from tutorial.checks.engine.tables import read_publisher_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 
@@ -136,7 +141,7 @@ you put milliseconds or microseconds into nanosec. Time(nanoseconds=self.io.time
 UNITS = {"position": "rad", "velocity": "rad/s", "effort": "N.m"}
 
 
-def moving(answer: type, speed: int = 1, **options: Any) -> Rig:
+def moving(trial: Trial, speed: int = 1, **options: Any) -> Rig:
     """Make a rig whose joints move, each differently, so that no two numbers are equal; or rest, with ``speed`` 0."""
 
     def move() -> None:
@@ -144,7 +149,7 @@ def moving(answer: type, speed: int = 1, **options: Any) -> Rig:
         for values, scale in ((data.qpos, 0.00123), (data.qvel, 0.0123 * speed), (data.qfrc_actuator, -0.123)):
             values[:] = scale * (speed * rig.io.step + 1) * np.arange(1, len(values) + 1)
 
-    rig = Rig(answer, move, **options)
+    rig = Rig(trial, move, **options)
     rig.displayed.set_joint_positions({name: 0.3 + 0.1 * i for i, name in enumerate(rig.body.joint_names)})
     move()
     return rig
@@ -163,9 +168,9 @@ def numbers(_rig: Rig, sent: list[Sent], field: str) -> dict[str, list[Any]]:
     return {f"{text} {UNITS[field]} per step": changed}
 
 
-def at_rest(answer: type) -> Any:
+def at_rest(trial: Trial) -> Any:
     """Observe how often a message is sent while nothing moves."""
-    return PUBLISHING.often(PUBLISHING.play(answer, 0.2, speed=0))
+    return PUBLISHING.often(PUBLISHING.play(trial, 0.2, speed=0))
 
 
 def joints(rig: Rig, sent: list[Sent]) -> list[Any]:
@@ -180,4 +185,5 @@ TRIED = {
     "while nothing moves": at_rest,
     "on the crane Lift": PUBLISHING.sent(0.2, model="crane", name="Lift"),
 }
-publish = Exercise("publish", __doc__, PUBLISHING.cases(SlowPublisher, TRIED, MISTAKES))
+TABLE = read_publisher_table(PUBLISHING, TRIED, MISTAKES)
+publish = Exercise("publish", __doc__, PUBLISHING.cases(SlowPublisher, TABLE.cases, TABLE.mistakes, TABLE.meaning))

@@ -35,7 +35,11 @@ from unittest.mock import patch
 from rclpy.logging import get_logger
 from rclpy.time import Time
 
-from tutorial.checks.exercise import Case, Cases, Exercise, Failure, Misuse, call, watch
+from tutorial.checks.engine.cases import Cases, Run
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 from tutorial.controller import SimpleController
 
 
@@ -122,13 +126,14 @@ class Surroundings:
     The thread therefore pauses there, or when the queue is empty, until something waits for its end.
 
     Args:
-        recorder: the learner's object.
+        trial: the trial of the learner's recorder.
         waiting: the entries in the queue.
         coming: entries that come one by one when the queue is empty, or all at once when the recorder stops listening.
     """
 
-    def __init__(self, recorder: Any, waiting: Sequence[Any], coming: Sequence[Any]) -> None:
-        self.recorder, self.entries, self.coming = recorder, [*waiting], [*coming]
+    def __init__(self, trial: Trial, waiting: Sequence[Any], coming: Sequence[Any]) -> None:
+        self.trial, self.recorder = trial, trial.call(trial.answer)
+        self.entries, self.coming = [*waiting], [*coming]
         self.written: list[str] = []
         self.taken = self.asked = 0
         self.keeps = self.hurries = False
@@ -151,7 +156,7 @@ class Surroundings:
         """
         kinds = [each for each in type(self.recorder).__mro__ if "configure" in vars(each)]
         base = next((each for each in kinds if not _calls_configure(vars(each)["configure"])), SimpleController)
-        with patch.object(base, "configure", self.begin), watch.call("configure"):
+        with patch.object(base, "configure", self.begin), self.trial.calling("configure"):
             self.recorder.configure(Namespace(body=Namespace(name="Tank"), node=self.node))
             if not self.thread.ident:
                 raise Misuse("it does not call super().configure(config)", NO_SUPER)
@@ -176,7 +181,7 @@ class Surroundings:
     def run(self) -> None:
         """Run the learner's `write` on its thread."""
         try:
-            with watch.call("write"):
+            with self.trial.calling("write"):
                 self.recorder.write()
         except Failure as failure:
             self.failure = failure
@@ -257,7 +262,7 @@ def _calls_configure(function: Any) -> bool:
     return code is not None and "configure" in code.co_names
 
 
-def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Case:
+def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
     """Make a case that observes what is written, and what is left of a recorder after `unconfigure`.
 
     If the thread takes None by itself, `unconfigure` is not called.
@@ -266,13 +271,13 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Case:
         waiting, coming: as for `Surroundings`.
     """
 
-    def case(answer: Any) -> str:
-        scene = Surroundings(call(answer), waiting, coming)
+    def case(trial: Trial) -> str:
+        scene = Surroundings(trial, waiting, coming)
         also, leaves = list[str](), None not in coming
         try:
             scene.configure()
             if leaves:
-                with watch.call("unconfigure"):
+                with trial.calling("unconfigure"):
                     scene.recorder.unconfigure()
                 also += ["the node still listens"] * scene.listens
                 also += ["the thread still runs"] * scene.thread.is_alive()
@@ -294,5 +299,7 @@ TRIED = {
     "equal messages wait in the queue": tried(A, B, B, (9, b"A")),
     "a message comes while it stops listening": tried(A, coming=[B]),
 }
-CASES = Cases(MyRecorder, TRIED, MISTAKES, str, crashes=["one by one"])
-record = Exercise("record", __doc__, CASES, ("write", "unconfigure"))
+TABLE = read_table(TRIED, MISTAKES, crashes=["one by one"])
+record = Exercise(
+    "record", __doc__, Cases(MyRecorder, TABLE.cases, TABLE.mistakes, TABLE.meaning), ("write", "unconfigure")
+)

@@ -26,13 +26,15 @@ Notice that the topic's name and the joints come from the body, so the same code
 """
 
 from collections.abc import Sequence
-from functools import partial
 from itertools import count
 from math import nan
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.exercise import Exercise, Step, Viewer, hands_over, heard, side_by_side, viewing
+from tutorial.checks.engine.tables import read_viewer_table
+from tutorial.checks.engine.viewer import Viewer
+from tutorial.checks.engine.viewing import Step, hands_over, heard, side_by_side, viewing
+from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
 from tutorial.joints import match_joints
 
@@ -202,11 +204,8 @@ you post with call_latest, which replaces a call that still waits. Post with cal
 
 You probably lose messages, or change their order. Post one call for each message, with call_later.
 """
-viewing_joints = partial(
-    viewing,
-    topic="joint_state",
-    message=joint_state("P Y", (0.2, 0.1)),
-    crashes=("order", "only TURRET_P", "ANTENNA", "NaN", "two names", "late", "two viewers"),
-)
+CRASHES = ("order", "only TURRET_P", "ANTENNA", "NaN", "two names", "late", "two viewers")
+SWAPPED = joint_state("P Y", (0.2, 0.1))
 TRIED = {**FIRST, "five messages that wait together": [wait_together], **LAST}
-show = Exercise("show", __doc__, viewing_joints(MyViewer, tried=TRIED, table=MISTAKES + MORE))
+CASES = read_viewer_table(TRIED, MISTAKES + MORE, crashes=CRASHES)
+show = Exercise("show", __doc__, viewing(MyViewer, "joint_state", SWAPPED, CASES))

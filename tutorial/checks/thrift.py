@@ -32,7 +32,12 @@ from typing import Any
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.exercise import Case, Exercise, Publishing, Rig, Sent
+from tutorial.checks.engine.cases import Run
+from tutorial.checks.engine.publishing import Publishing
+from tutorial.checks.engine.rig import Rig, Sent
+from tutorial.checks.engine.tables import read_publisher_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
 
 
@@ -140,7 +145,7 @@ REST: Move = (0.0, 0.0, 0.0)
 SLEW: Move = (0.0, 0.05, 0.0)
 
 
-def moving(answer: type, moves: Sequence[Move] = (), **options: Any) -> Rig:
+def moving(trial: Trial, moves: Sequence[Move] = (), **options: Any) -> Rig:
     """Make a rig whose joints jump between looks, from the second one on; without moves, they turn at every step."""
 
     def move() -> None:
@@ -149,7 +154,7 @@ def moving(answer: type, moves: Sequence[Move] = (), **options: Any) -> Rig:
         for joint, distance in zip(rig.body.joints, at_once if moves else (0.01, 0.01, 0.01)):
             joint.position += distance
 
-    rig = Rig(answer, move, **options)
+    rig = Rig(trial, move, **options)
     rig.body.data.qvel[:] = 0.0 if moves else 10.0
     rig.displayed.set_joint_positions({name: 0.3 + 0.1 * i for i, name in enumerate(rig.body.joint_names)})
     return rig
@@ -178,7 +183,7 @@ def positions(_rig: Rig, sent: list[Sent]) -> dict[str, list[Any]]:
 PUBLISHING = Publishing(JointState, "joint_state", 50, moving, looks, namespaces=False)
 
 
-def moved(*moves: Move, look: Any = None, **options: Any) -> Case:
+def moved(*moves: Move, look: Any = None, **options: Any) -> Run:
     """Observe what is sent of a crane that moves."""
     return PUBLISHING.sent(LOOK * (len(moves) + 2), look, ms=1, moves=moves, **{"model": "crane", **options})
 
@@ -198,4 +203,5 @@ TRIED = {
     "two robots in turns": lambda answer: PUBLISHING.two(answer, moves=(REST,), model="crane"),
     "after a restart": lambda answer: PUBLISHING.restarted(answer, moves=(REST,), model="crane"),
 }
-thrift = Exercise("thrift", __doc__, PUBLISHING.cases(ThriftyPublisher, TRIED, MISTAKES))
+TABLE = read_publisher_table(PUBLISHING, TRIED, MISTAKES)
+thrift = Exercise("thrift", __doc__, PUBLISHING.cases(ThriftyPublisher, TABLE.cases, TABLE.mistakes, TABLE.meaning))

@@ -27,7 +27,11 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import Joy
 
-from tutorial.checks.exercise import Case, Cases, Exercise, Misuse, call, watch
+from tutorial.checks.engine.cases import Cases, Run
+from tutorial.checks.engine.failure import Misuse
+from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 
 
 class CommandTimeout:
@@ -114,7 +118,7 @@ You probably count calls. A step may take any time: subtract seconds, seconds - 
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 
 
-def tried(calls: str, objects: int = 1) -> Case:
+def tried(calls: str, objects: int = 1) -> Run:
     """Observe what is returned in calls such as ``"A 0, A 0.5"``, with the message A at 0 s and at 0.5 s.
 
     Args:
@@ -123,19 +127,19 @@ def tried(calls: str, objects: int = 1) -> Case:
         objects: how many objects take turns in being called.
     """
 
-    def case(answer: type) -> list[bool]:
+    def case(trial: Trial) -> list[bool]:
         messages = {letter: Joy(axes=[ord(letter.lower()) / 128]) for letter in "AaBC"}
         messages["C"].header.stamp.sec, messages["C"].axes = 6, []
-        turns = cycle([call(answer) for _ in range(objects)])
+        turns = cycle([trial.call(trial.answer) for _ in range(objects)])
         each_call = [*map(str.split, calls.split(","))]  # split first, so that nothing gets N's place in memory
-        return [fresh(next(turns), messages.get(each) or Joy(), float(at)) for each, at in each_call]
+        return [fresh(trial, next(turns), messages.get(each) or Joy(), float(at)) for each, at in each_call]
 
     return case
 
 
-def fresh(timeout: Any, message: Joy, seconds: float) -> bool:
+def fresh(trial: Trial, timeout: Any, message: Joy, seconds: float) -> bool:
     """Call the answer's `fresh`."""
-    with watch.call("fresh"):
+    with trial.calling("fresh"):
         returned = timeout.fresh(message, seconds)
         if not isinstance(returned, (bool, np.bool_)):
             raise Misuse(f"it returns a {type(returned).__name__}", TRUTH)
@@ -165,4 +169,5 @@ def say(seen: list[bool]) -> str:
     return ", ".join(map(str, seen))
 
 
-timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, TRIED, MISTAKES, say))
+TABLE = read_table(TRIED, MISTAKES)
+timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, TABLE.cases, TABLE.mistakes, TABLE.meaning, say))

@@ -30,7 +30,10 @@ import numpy as np
 from geometry_msgs.msg import Quaternion, TransformStamped
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial.checks.exercise import Cases, Exercise, ask
+from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.exercise import Exercise
 
 
 def turned(q: Quaternion, point: ArrayLike) -> NDArray[np.float64]:
@@ -167,7 +170,7 @@ def messages(chain: Chain) -> Iterator[TransformStamped]:
         yield stamped
 
 
-def tried(chain: Chain, point: Any, kind: Any = tuple) -> Callable[[Any], list[float]]:
+def tried(chain: Chain, point: Any, kind: Any = tuple) -> Callable[[Trial], list[float]]:
     """Make a case that observes the returned numbers.
 
     Args:
@@ -175,7 +178,7 @@ def tried(chain: Chain, point: Any, kind: Any = tuple) -> Callable[[Any], list[f
         point: a point in the innermost frame [m].
         kind: the type that the point has for the answer.
     """
-    return lambda answer: ask(answer, list(messages(chain)), kind(point), read=three, wanted=XYZ)
+    return lambda trial: trial.ask(list(messages(chain)), kind(point), read=three, wanted=XYZ)
 
 
 def three(returned: Any) -> list[float]:
@@ -205,5 +208,5 @@ def say(numbers: Sequence[float]) -> str:
     return ", ".join(f"{round(number, 4):zg}" for number in numbers)
 
 
-CASES = Cases(where_is, TRIED, MISTAKES, say, crashes=["transform", "of ints"], beside=(turned,))
-where = Exercise("where", __doc__, CASES)
+TABLE = read_table(TRIED, MISTAKES, crashes=["transform", "of ints"])
+where = Exercise("where", __doc__, Cases(where_is, TABLE.cases, TABLE.mistakes, TABLE.meaning, say, beside=(turned,)))

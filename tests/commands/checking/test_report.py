@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tutorial.checks._verdict import Verdict, right, wrong
+from tutorial.checks.engine.verdict import Verdict, right, wrong
 from tutorial.checks.tank_controller import aim
 from tutorial.commands.check import _names
 from tutorial.commands.checking._child import _judge

@@ -15,8 +15,8 @@ from typing import NoReturn
 
 import msgspec
 
-from tutorial.checks._verdict import Verdict
 from tutorial.checks.catalogue import exercises
+from tutorial.checks.engine.verdict import Verdict
 from tutorial.checks.exercise import NOT_YET, Exercise
 from tutorial.commands.checking.answers import Answer, cells_of, find_answers
 from tutorial.commands.checking.messages import Judged, Opened, Outcome

@@ -1,11 +1,11 @@
-"""What a check has found, and how it is said."""
+"""Verdicts: what a check has found, and how it prints that."""
 
 import linecache
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-WRONG_SHOWN = 2  # one thing after the other; what is wrong further down often follows from the first
+WRONG_SHOWN = 2  # causes; what is wrong further down often follows from the first
 OUTPUT_SHOWN = 20  # lines
 WIDTH = 200  # characters of a line
 
@@ -33,13 +33,13 @@ class Place:
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at.
+    """What one case has shown.
 
     Attributes:
-        right: whether it was as it should be.
-        text: what was looked at, and what was seen.
-        cause: for what is wrong, the most likely cause, as a sentence.
-        place: the line to look at, where there is one.
+        right: whether the answer did what it should.
+        text: what was tried, and what was observed.
+        cause: if it is wrong, the most likely cause, as a sentence.
+        place: the learner's line that is responsible, if it is known.
     """
 
     right: bool
@@ -48,7 +48,7 @@ class Finding:
     place: Place | None = None
 
     def lines(self) -> Iterator[str]:
-        """Say it."""
+        """Yield the lines that the learner reads."""
         yield f"{'✓' if self.right else '✗'} {self.text}"
         if self.place is not None:
             yield f"  {cut(str(self.place))}"
@@ -58,13 +58,13 @@ class Finding:
 
 @dataclass(frozen=True)
 class Verdict:
-    """All that a check has found.
+    """Everything that a check has found.
 
     Attributes:
-        findings: in the order of their looking, the root cause before what follows from it.
-        notice: what to notice about an answer that is right.
+        findings: in the order of the cases; a root cause comes before what follows from it.
+        notice: what to notice about a right answer.
         output: the lines that the learner's code has printed.
-        advice: what to do about an answer that is wrong; the last line.
+        advice: the last line for a wrong answer.
     """
 
     findings: tuple[Finding, ...]
@@ -74,12 +74,12 @@ class Verdict:
 
     @property
     def right(self) -> bool:
-        """Whether everything was as it should be."""
+        """Whether every finding is right, and there is one."""
         return bool(self.findings) and all(finding.right for finding in self.findings)
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """The causes named, in order, each once."""
+        """The causes of what is wrong, in order, each once."""
         return tuple(dict.fromkeys(finding.cause for finding in self.findings if not finding.right))
 
     def __str__(self) -> str:
@@ -101,18 +101,18 @@ class Verdict:
 
 
 def cut(text: str) -> str:
-    """Shorten a text to one line's width; an ellipsis shows it. What UTF-8 has no bytes for is spelled out."""
+    """Shorten a text to the width of a line, with an ellipsis, and escape the characters that UTF-8 cannot encode."""
     shown = text[: WIDTH + 1].encode(errors="backslashreplace").decode()
     return shown if len(shown) <= WIDTH else f"{shown[: WIDTH - 1]}…"
 
 
 def right(text: str) -> Finding:
-    """Make the finding that something is as it should be."""
+    """Make the finding of a case in which the answer did what it should."""
     return Finding(True, cut(text))
 
 
 def wrong(text: str, cause: str, place: Place | None = None) -> Finding:
-    """Make the finding that something is not as it should be."""
+    """Make the finding of a case in which it did not."""
     return Finding(False, cut(text), cause, place)
 
 

@@ -1,6 +1,6 @@
-"""What most likely led to an exception in the learner's code, by its kind and by CPython's sentence about it.
+"""Exceptions in the learner's code: their most likely causes, by their types and by CPython's messages.
 
-These sentences are no interface. Where one is another, an exception speaks for itself.
+CPython may change its messages. An exception whose message has no entry here is shown without a specific cause.
 """
 
 import dis
@@ -22,7 +22,7 @@ _RETURNS = {
     "update": "{} runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
     "callback": "{} is a callback: it puts the message away, or posts a call, and returns; it never waits or repeats.",
 }
-"""Why a method returns at once, by its name."""
+"""Why a method has to return at once, by its name."""
 _PROGRAMS = "Leave it out: the program has called rclpy.init, spins its node, config.node, and shuts rclpy down."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
@@ -49,10 +49,10 @@ _CAUSES = {
 
 
 def likely_cause(error: BaseException, answer: Any) -> str:
-    """Name the most likely cause of an exception.
+    """Return the most likely cause of an exception, as a sentence.
 
     Args:
-        error: what was raised.
+        error: the exception.
         answer: the learner's class or function.
     """
     frames = [frame for frame, _ in walk_tb(error.__traceback__)]
@@ -73,12 +73,12 @@ def likely_cause(error: BaseException, answer: Any) -> str:
 
 
 def slept(method: str) -> str:
-    """Say what is wrong about a method that sleeps."""
+    """Say what to change in a method that sleeps."""
     return f"Leave out what sleeps or waits: {_returns(method) or 'nothing else goes on until it returns.'}"
 
 
 def endless(method: str) -> str:
-    """Say what is wrong about a method that does not return."""
+    """Say why a method probably does not return."""
     return _returns(method) or "Most likely the condition of a loop never becomes false, or it waits for something."
 
 
@@ -88,7 +88,7 @@ def _returns(method: str) -> str:
 
 
 def _no_self(function: Any) -> str:
-    """Say how a method begins that has forgotten ``self``; nothing of another."""
+    """Say how to begin a method whose ``self`` is missing; return an empty text for any other method."""
     code = function.__code__
     arguments = code.co_varnames[: code.co_argcount]
     if code.co_flags & inspect.CO_VARARGS or arguments[:1] == ("self",):
@@ -97,7 +97,7 @@ def _no_self(function: Any) -> str:
 
 
 def _unset(answer: type, name: str) -> str:
-    """Say why the learner's object does not have an attribute."""
+    """Say why the learner's object probably lacks an attribute."""
     codes = {each: value.__code__ for each, value in vars(answer).items() if inspect.isfunction(value)}
     for method, code in codes.items():
         if name in code.co_varnames[code.co_argcount :]:

@@ -1,4 +1,4 @@
-"""What is read from Python's own sentences, on each version that the tutorial is for."""
+"""What CPython's messages mean, on each supported version."""
 
 import asyncio
 import gc
@@ -6,7 +6,7 @@ import gc
 import pytest
 import rclpy
 
-from tutorial.checks._diagnose import likely_cause
+from tutorial.checks.engine.exceptions import likely_cause
 from tutorial.controller import SimpleController
 
 

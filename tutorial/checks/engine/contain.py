@@ -1,4 +1,4 @@
-"""Running an answer in a process of its own, so that whatever it does ends with that process."""
+"""Containment: an answer runs in a process of its own, so that whatever it does ends with that process."""
 
 import asyncio
 import contextlib
@@ -13,31 +13,31 @@ from typing import Any
 
 import msgspec
 
-from tutorial.checks._shared import outside, pickled
-from tutorial.checks._verdict import Finding, Place, wrong
-from tutorial.checks._watch import files_of
+from tutorial.checks.engine.answer import files_of
+from tutorial.checks.engine.shared_state import outside, pickled
+from tutorial.checks.engine.verdict import Finding, Place, wrong
 from tutorial.parent_watch import signal_group
 from tutorial.paths import PACKAGE
 from tutorial.ros.domains import reserved_domain
 
 DONE = b"done\n"
-LIMIT = 120.0  # [s] of a whole check, whose watchdog ends what takes long far earlier
+LIMIT = 120.0  # [s] for a whole check; the watchdog ends what takes long far earlier
 OUTPUT_KEPT = 20_000  # bytes
-REST = 1.0  # [s] in which what was printed is read to its end, if something that was started still has the pipe
+REST = 1.0  # [s] for reading what was printed, if a process that the answer has started still holds the pipe
 CLINGS = "The answer is run in a process of its own: let it take what it needs from config, io or its arguments."
 _FRAME = re.compile(r'File "(.+)", line (\d+) in (\S+)')
 
 
 async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, ...], tuple[str, ...]]:
-    """Have an answer judged in a process of its own, while the loop goes on with whatever else there is.
+    """Judge an answer in a process of its own, while the event loop goes on.
 
     Args:
-        module: where the exercise is.
-        name: what it is called there.
+        module: the exercise's module.
+        name: the exercise's name in it.
         answer: the learner's class or function.
 
     Returns:
-        What was found, and the lines that the learner's code has printed.
+        The findings, and the lines that the learner's code has printed.
 
     Raises:
         TutorialError: no ROS domain is free.
@@ -53,11 +53,11 @@ async def contain(module: str, name: str, answer: Any) -> tuple[tuple[Finding, .
 
 
 async def _run(job: bytes, domain: int) -> tuple[list[bytes], bytearray, int | None]:
-    """Run the process to its end. Returns the lines that it has told, what was printed, and the exit status."""
+    """Run the process to its end. Return the lines that it has reported, what was printed, and the exit status."""
     home = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     kept = {name: value for name, value in os.environ.items() if name != "ROS_STATIC_PEERS"}
     ros = {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
-    # Nothing is drawn there, so MuJoCo need not look for OpenGL, which takes long.
+    # The process draws nothing, so MuJoCo need not search for OpenGL, which takes long.
     process = await _start({**kept, **ros, "PYTHONPATH": home, "PYTHONUTF8": "1", "MUJOCO_GL": "disable"})
     assert process.stdin is not None
     assert process.stdout is not None
@@ -81,29 +81,29 @@ async def _run(job: bytes, domain: int) -> tuple[list[bytes], bytearray, int | N
 
 
 async def _start(environment: Mapping[str, str]) -> Process:
-    """Start the process. Its stdout is for what is found; what the learner's code prints comes by stderr."""
-    command = sys.executable, "-P", "-u", "-m", "tutorial.checks._child"
+    """Start the process. It reports the findings on stdout; what the learner's code prints goes to stderr."""
+    command = sys.executable, "-P", "-u", "-m", "tutorial.checks.engine.child"
     return await asyncio.create_subprocess_exec(
         *command, stdin=PIPE, stdout=PIPE, stderr=PIPE, start_new_session=True, env=environment
     )
 
 
 async def _keep(printed: Any, output: bytearray) -> None:
-    """Read what is printed, and keep the beginning."""
+    """Read everything that is printed, and keep the beginning."""
     while piece := await printed.read(OUTPUT_KEPT):
         output += piece[: OUTPUT_KEPT - len(output)]
 
 
 def _findings(told: Sequence[bytes], files: Collection[str], status: int | None) -> tuple[Finding, ...]:
-    """Return what was found; if the process came to a bad end, that is the last of it.
+    """Return the findings; if the process crashed or was ended, the last one says so.
 
     Args:
-        told: the lines that it has told.
-        files: where the learner's code is.
-        status: of its end.
+        told: the lines that it has reported.
+        files: the files of the learner's code.
+        status: the exit status.
     """
     findings = [msgspec.json.decode(line, type=Finding) for line in told if line.startswith(b"{")]
-    if DONE not in told:  # other lines are what Python itself has said when it died
+    if DONE not in told:  # the other lines are what Python itself wrote when it died
         findings.append(_bad_end(b"".join(told).decode(errors="replace"), files, status or 0))
     return tuple(findings)
 
@@ -123,7 +123,7 @@ def _bad_end(trace: str, files: Collection[str], status: int) -> Finding:
 
 
 def _clinging(answer: Any, error: Exception) -> Finding:
-    """Say which name refers to something that cannot leave the notebook's process."""
+    """Name the object that cannot leave the notebook's process."""
     for name, value in outside(answer):
         try:
             pickled(None if value is answer else value)

@@ -1,39 +1,41 @@
-"""What was handed in: the right kind of thing or not, attempted or not."""
+"""An answer: whether it is the right kind of thing, whether anything is written yet, and what it is made of."""
 
 import dis
 import inspect
 from collections.abc import Iterable
 from difflib import get_close_matches
 from functools import partial
-from types import EllipsisType
+from types import EllipsisType, FunctionType
 from typing import Any
 
-from tutorial.checks._diagnose import NO_ARGUMENTS
-from tutorial.checks._watch import Failure, Misuse
+from tutorial.checks.engine.exceptions import NO_ARGUMENTS
+from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.controller import SimpleController
 
 _EMPTY = {
     *("RESUME", "NOP", "CACHE", "LOAD_CONST", "POP_TOP", "RETURN_VALUE", "RETURN_CONST", "PUSH_NULL"),
     *("PRECALL", "CALL", "RAISE_VARARGS", "COPY_FREE_VARS", "LOAD_GLOBAL"),
 }
-"""The instructions of a function that does nothing, or raises something."""
+"""The instructions of a function that does nothing, or only raises an exception."""
+
+_OURS = ("builtins", "tutorial.controller")
 
 
 def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
-    """Say what to do if something else was given than a class, or a function.
+    """Say what to give instead, if an answer is not a class, or not a function, as the exercise needs.
 
     Args:
         answer: what was given.
-        name: what the answer is called in the exercise.
-        base: the class that it has to be made from, `object` for any; None where it is a function.
-        call: how the check is called, for instance ``"drive.check"``.
+        name: the answer's name in the exercise.
+        base: the class that it has to inherit from, `object` for any class; None if it is a function.
+        call: the call of the check, for instance ``"await drive.check"``.
 
     Returns:
-        The mend as a sentence, empty when the kind is right.
+        A sentence, empty if the answer is of the right kind.
     """
-    mend = f"Give the {'function' if base is None else 'class'} itself: {call}({name})."
+    instead = f"Give the {'function' if base is None else 'class'} itself: {call}({name})."
     if isinstance(answer, type) != (base is not None) or not callable(answer):
-        return f"{getattr(answer, '__name__', f'An object of the class {type(answer).__name__}')} was given. {mend}"
+        return f"{getattr(answer, '__name__', f'An object of the class {type(answer).__name__}')} was given. {instead}"
     if base is not None and not issubclass(answer, base):
         return f"{answer.__name__} is not made from {base.__name__}. Begin it with: class {name}({base.__name__}):"
     return ""
@@ -53,7 +55,7 @@ def unwritten(answer: Any, parts: Iterable[str]) -> bool:
 
     Args:
         answer: the class or function.
-        parts: the methods that are to be written.
+        parts: the methods that the learner has to write.
     """
     if not isinstance(answer, type):
         return is_empty(answer if hasattr(answer, "__code__") else type(answer).__call__)
@@ -64,30 +66,48 @@ def unwritten(answer: Any, parts: Iterable[str]) -> bool:
 
 
 def name_of(answer: Any) -> str:
-    """Return what a callable is called: a function's name, that of a partial's, or that of an object's class."""
+    """Return the name of a callable: of the function, of the function in a `partial`, or of the object's class."""
     inner = answer.func if isinstance(answer, partial) else answer
     return str(getattr(inner, "__name__", type(inner).__name__))
 
 
 def has(answer: type, name: str) -> bool:
-    """Whether a class has a method of its own, or from a class that is not the common base."""
+    """Whether a class has a method of its own, or inherits it from a class other than the common base."""
     return any(name in vars(each) for each in answer.__mro__ if each is not SimpleController)
 
 
 def check_has(answer: type, *methods: str) -> None:
-    """Look whether methods of a learner's class are there that have to be written.
+    """Check that a learner's class has the methods that the learner has to write.
 
     Raises:
-        Failure: one is missing, or empty.
+        Failure: a method is missing or empty.
     """
     for method in methods:
         if not has(answer, method):
-            raise Failure(method, Misuse(f"{answer.__name__} has no such method", _mend(answer, method)))
+            raise Failure(method, Misuse(f"{answer.__name__} has no such method", _what_to_write(answer, method)))
         if is_empty(inspect.getattr_static(answer, method)):
             raise Failure(method, Misuse("it is still empty", f"Write the method {method}."))
 
 
-def _mend(answer: type, part: str) -> str:
+def classes_of(answer: Any) -> list[type]:
+    """Return the learner's classes in an answer: the class itself, or that of an object, and the inherited ones."""
+    kind = answer if isinstance(answer, type) else type(answer)
+    return [each for each in kind.__mro__ if each.__module__ not in _OURS]
+
+
+def functions_of(answer: Any) -> list[FunctionType]:
+    """Return the functions in an answer, such as the methods of a class."""
+    members = (member for each in classes_of(answer) for member in vars(each).values())
+    found = (getattr(each, "__func__", each) for each in (answer, *members))
+    return [each for each in found if isinstance(each, FunctionType)]
+
+
+def files_of(answer: Any) -> set[str]:
+    """Return the files, or notebook cells, in which an answer's functions are written."""
+    return {function.__code__.co_filename for function in functions_of(answer)}
+
+
+def _what_to_write(answer: type, part: str) -> str:
     others = [name for name in vars(answer) if not (name.startswith("__") or hasattr(SimpleController, name))]
     near = get_close_matches(part, others, n=1)
     if near:

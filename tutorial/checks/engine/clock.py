@@ -1,4 +1,4 @@
-"""An event loop whose clock stands still, so that what a timer does can be looked at, however busy the machine is."""
+"""An event loop on a simulated clock, so that timers can be tested however busy the machine is."""
 
 import asyncio
 import threading
@@ -7,36 +7,41 @@ from contextvars import Context
 from selectors import DefaultSelector
 from typing import Any
 
-from tutorial.checks._watch import Misuse, watch
+from tutorial.checks.engine.failure import Misuse
+from tutorial.checks.engine.trial import Trial
 
 BEGAN = 1024.0  # [s] on the clock; with times of powers of two every sum is exact
-TURN = 2.0**-17  # [s] that a turn of the loop takes: time passes also for what asks for another turn for ever
-TURNS = 20  # of the loop after a timer: what it calls, and what that calls
+TURN = 2.0**-17  # [s] that each turn of the loop takes, so that time also passes for code that asks for turns for ever
+TURNS = 20  # of the loop after a timer: for what the timer calls, and for what that calls
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # as asyncio says it
 AT_ONCE = "Most likely the parentheses call it at once: give call_later the function itself, self.land."
 
 
 class ClockedLoop(asyncio.SelectorEventLoop):
-    """An event loop whose time passes only in `advance`, and then at once; so does that of the learner's clocks.
+    """An event loop whose time passes only in `advance`, and then at once. The learner's clocks agree with it.
+
+    Args:
+        trial: the trial whose clocks it puts ahead.
 
     Attributes:
-        wrap: what a function of the learner's becomes before it is kept, with the function's arguments unchanged.
-        posted: how many calls other threads have posted to it.
+        wrap: wraps each function of the learner's that is to be called later.
+        posted: how many calls other threads have posted to the loop.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, trial: Trial) -> None:
+        self._trial = trial
         self._now, self._timers = BEGAN, list[asyncio.TimerHandle]()
         self.wrap: Callable[[Callable[..., object]], Callable[..., object]] = lambda function: function
         self.posted, self._thread = 0, threading.get_ident()
         super().__init__(_Selector(self._wait))
 
     def time(self) -> float:
-        """Return what the clock says [s]."""
+        """Return the simulated time [s]."""
         return self._now
 
     def call_at(self, when: float, callback: Any, *args: Any, context: Context | None = None) -> asyncio.TimerHandle:  # type: ignore[override]
-        """Keep a timer, as asyncio does; `call_later` comes this way, too."""
+        """Keep a timer, as asyncio does; `call_later` calls this, too."""
         self._check()
         if not callable(callback):
             raise Misuse(f"the timer is given {callback} in place of a function", AT_ONCE)
@@ -55,13 +60,13 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         return super().call_soon_threadsafe(self.wrap(callback), *args, context=context)
 
     def create_task(self, coro: Coroutine[Any, Any, Any], **options: Any) -> asyncio.Task[Any]:  # type: ignore[override]
-        """Make a task, and say at once what it raises, even where somebody keeps it."""
+        """Make a task whose exception is reported at once, even if the learner keeps the task."""
         task = super().create_task(coro, **options)
         task.add_done_callback(lambda done: done.cancelled() or done.result())
         return task
 
     def close(self) -> None:
-        """Close it; tasks that still wait are cancelled before."""
+        """Cancel the tasks that still wait, and close the loop."""
         for task in asyncio.all_tasks(self):
             task.cancel()
         self.advance()
@@ -69,11 +74,11 @@ class ClockedLoop(asyncio.SelectorEventLoop):
 
     @property
     def timers(self) -> list[asyncio.TimerHandle]:
-        """The timers that are still to come."""
+        """The timers that have not fired yet."""
         return [timer for timer in self._timers if not timer.cancelled() and timer.when() > self._now]
 
     def advance(self, seconds: float = 0.0) -> None:
-        """Let time pass [s], and run what is due, the earliest first, and what is posted meanwhile."""
+        """Let time pass [s], and run what is due, the earliest first, and what is posted in the meantime."""
 
         async def pass_time() -> None:
             await asyncio.sleep(seconds)
@@ -83,19 +88,19 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         self.run_until_complete(pass_time())
 
     def _wait(self, seconds: float) -> None:
-        """Let time pass in place of waiting."""
+        """Let time pass instead of waiting."""
         passed = max(seconds, TURN)
         self._now += passed
-        watch.ahead += passed
+        self._trial.ahead += passed
 
     def _check(self) -> None:
-        """Refuse other threads, as asyncio does where it debugs; else a call of theirs may never run."""
-        if threading.get_ident() != self._thread and not watch.interleaved:
+        """Refuse calls from other threads, as asyncio does in debug mode; without that they might never run."""
+        if threading.get_ident() != self._thread and not self._trial.is_interleaved:
             raise RuntimeError(OTHER_THREAD)
 
 
 class _Selector(DefaultSelector):
-    """Waits as it is told to, rather than for something to happen."""
+    """A selector that lets simulated time pass instead of waiting for events."""
 
     def __init__(self, wait: Callable[[float], None]) -> None:
         super().__init__()

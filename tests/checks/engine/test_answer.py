@@ -1,0 +1,19 @@
+"""What counts as an answer."""
+
+import pytest
+
+from tutorial.checks.engine.answer import is_empty, name_of
+
+EMPTY = ("...", "'Yours.'", "raise NotImplementedError", "raise NotImplementedError('yours')", "return None")
+WRITTEN = ("return 1", "print()", "return {}")
+
+
+@pytest.mark.parametrize("body", EMPTY + WRITTEN)
+def test_what_counts_as_empty(body):
+    namespace = {}
+    exec(f"def f(self): {body}", namespace)
+    assert is_empty(namespace["f"]) == (body in EMPTY)
+
+
+def test_names():
+    assert [name_of(each) for each in (len, int, 1)] == ["len", "int", "int"]

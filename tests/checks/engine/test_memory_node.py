@@ -1,0 +1,44 @@
+"""A node in memory."""
+
+import pytest
+from sensor_msgs.msg import Imu, Joy
+
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.memory_node import MemoryNode
+from tutorial.checks.engine.trial import Trial
+
+
+def made(**options):
+    return MemoryNode(Trial(test_topics), **options)
+
+
+def test_topics():
+    node = made(namespace="/lab")
+    subscription = node.create_subscription(Joy, "joy", print, 3)
+    node.create_publisher(Imu, "/imu", 1)
+    assert node.on(Joy, "joy") == "Joy on /lab/joy"
+    assert node.on(Imu, "imu") == "Imu on /imu"
+    assert (node.listeners(Joy()), node.listeners(Imu()), subscription.depth) == ([print], [], 3)
+
+
+def test_what_is_left():
+    node = made()
+    publisher = node.create_publisher(Imu, "imu", 1)
+    publisher.destroy()
+    with pytest.raises(Failure, match="unconfigure") as info:
+        node.check_left()
+    assert str(info.value.error) == "the node still has 1 of 1 topics and was not told of its end"
+    assert node.destroy_publisher(publisher)
+    assert node.check_left() == "nothing is left"
+    with pytest.raises(Misuse, match="with a publisher that is destroyed"):
+        publisher.publish(Imu())
+
+
+async def coroutine(message):
+    pass
+
+
+@pytest.mark.parametrize(("callback", "said"), [(None, "is given None in place"), (coroutine, "nobody awaits it")])
+def test_callbacks_that_cannot_work(callback, said):
+    with pytest.raises(Misuse, match=said):
+        made().create_subscription(Joy, "joy", callback, 1)

@@ -1,0 +1,26 @@
+"""What an answer keeps outside of its objects."""
+
+from tutorial.checks.engine.shared_state import SharedState, cause_of_sharing, outside, pickled
+
+KEPT = []
+
+
+class Keeps:
+    seen = []
+
+    def keep(self, where=KEPT):
+        self.seen.append(where)
+
+
+def test_what_changes_is_named():
+    state = SharedState(Keeps)
+    assert state.changed() == ""
+    Keeps().keep()
+    assert state.changed() == "Keeps.seen"
+    assert "self.seen = ..., and make it in __init__" in cause_of_sharing(Keeps, "Keeps.seen")
+    assert "within it" in cause_of_sharing(Keeps.keep, "KEPT")
+
+
+def test_what_is_outside():
+    assert {name for name, _ in outside(Keeps)} == {"Keeps.seen", "the default of the argument where"}
+    assert pickled(KEPT)

@@ -1,0 +1,27 @@
+"""Slips, which need no table."""
+
+import pytest
+
+from tutorial.checks.engine.slips import another, missing, slips
+
+SLIPS = {
+    "`y = x` is missing, or not reached.": (missing, "y = x", "pass"),
+    "`b` is missing, or always 0: it is `a - b`.": (another, "a - b", "a - (0)"),
+    "a sign is wrong: it is `a - b`.": (another, "a - b", "(-a) - b"),
+    "the comparison is another: it is `a > b`.": (another, "a > b", "(a >= b)"),
+    "`a` is not asked: it is `a and b`.": (another, "a and b", "(True) and b"),
+    "`a` is not asked.": (another, "if a: pass", "if (True): pass"),
+    "the condition is turned round: it is `a`.": (another, "[0 for a in b if a]", "[0 for a in b if (not a)]"),
+    "the number is another, or none: it is `a + 3`.": (another, "a + 3", "a + (3 * 10)"),
+}
+
+
+@pytest.mark.parametrize("cause", SLIPS)
+def test_slips(cause):
+    kind, before, after = SLIPS[cause]
+    assert after in [fault.made_in(before) for fault in slips(kind, before) if fault.cause == cause]
+
+
+def test_the_changed_line_is_the_right_one():
+    (_, fault) = slips(missing, "if a:\n    f()\nelse:\n    f()")
+    assert fault.made_in("if a:\n    f()\nelse:\n    f()") is not None

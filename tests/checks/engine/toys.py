@@ -1,0 +1,45 @@
+"""A toy exercise: a solution of three lines, what it is tried in, and which mistakes are known."""
+
+from tutorial.checks.engine.cases import Case, Cases, Mistake, replace
+from tutorial.checks.engine.diagnose import diagnose
+from tutorial.checks.engine.observe import observe
+from tutorial.checks.engine.report import report
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.engine.twins import Twins
+
+
+def scaled(x):
+    """Double a number, and add one."""
+    y = 2 * x
+    return y + 1
+
+
+def given(x):
+    return lambda trial: trial.call(trial.answer, x)
+
+
+MISTAKES = [Mistake("you add 2.", replace("2 * x", "2 + x")), Mistake("you multiply.", replace("y + 1", "y * 3"))]
+BELOW = Case(
+    "below 0",
+    given(-3),
+    "You probably drop the sign.",
+    mistakes=[Mistake("0.", replace("y + 1", "y + 1 if x > 0 else 0"))],
+)
+CASES = [Case("two", given(2)), Case("three", given(3)), BELOW, Case("nothing", given(None), "It is missing.", True)]
+TOY = Cases(scaled, CASES[:3], MISTAKES, "Compare with 2 * x + 1.")
+TWINS = Twins(TOY)
+
+
+def seen_of(answer, begin=Trial):
+    return observe(TOY, answer, begin, TWINS.expected)
+
+
+def causes_of(answer, begin=Trial):
+    """By case, what is diagnosed: the cause of a mistake, or the reason's name."""
+    causes = diagnose(seen_of(answer, begin), TWINS).causes
+    return {label: getattr(why, "cause", None) or why.name for label, why in causes.items()}
+
+
+def said_of(answer):
+    seen = seen_of(answer)
+    return [*report(TOY, answer, seen, diagnose(seen, TWINS))]

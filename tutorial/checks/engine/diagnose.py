@@ -1,0 +1,186 @@
+"""Diagnose: find out why an answer is wrong, by comparing it with the solution and with the solution's mistakes.
+
+The diagnosis is the smallest set of mistakes with which the solution does in every case what the answer did.
+"""
+
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum, auto
+from itertools import chain, combinations
+
+from tutorial.checks.engine.cases import Case, Fault
+from tutorial.checks.engine.observe import Observation, Observations, same
+from tutorial.checks.engine.slips import another, missing
+from tutorial.checks.engine.twins import Twins
+from tutorial.errors import TutorialError
+
+LONGEST = 20.0  # [s] in which mistakes are tried, so that the check also ends on a busy machine
+CRASHES = (LookupError, ValueError, ArithmeticError, TypeError, TutorialError, UnboundLocalError)
+
+
+class Why(Enum):
+    """Why an observation is wrong, if no known mistake explains it."""
+
+    CLOCK = auto()  # the answer asks the computer's clock
+    MEANING = auto()  # see `Case.meaning`
+    CRASH = auto()  # the answer raised an exception, and the case's meaning explains that, too; the check ends there
+    EXCEPTION = auto()  # the answer raised an exception, which has to say itself why; the check ends there
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Why an answer is wrong.
+
+    Attributes:
+        causes: by the label of the case that shows it, the mistake, or what else explains the case. A case that is
+            odd and not named here follows from one that is.
+    """
+
+    causes: Mapping[str, Fault | Why]
+
+
+# Mistakes that explain an answer, and the observations aside, which have to be explained by themselves
+_Explanation = tuple[Sequence[Fault], Sequence[Observation]]
+
+
+def diagnose(seen: Observations, twins: Twins) -> Diagnosis:
+    """Find the causes of what is odd about an answer.
+
+    Args:
+        seen: what the cases have shown of it.
+        twins: tries the solution with mistakes.
+    """
+    odd = seen.odd
+    if not odd:
+        return Diagnosis({})
+    if twins.cases.clock and any("clock" in each.noted for each in odd):
+        return Diagnosis({odd[0].case.label: Why.CLOCK})
+    found, aside = _explanation(seen, twins)
+    causes: dict[str, Fault | Why] = {**_shown(found, [each for each in odd if each not in aside], twins)}
+    for each in aside:
+        if not any(twins.shows(each.case, fault) for fault in found):
+            causes[each.case.label] = _own_cause(each, twins)
+    if not found and odd[0] not in aside:
+        causes[odd[0].case.label] = Why.MEANING
+    return Diagnosis(causes)
+
+
+def _own_cause(odd: Observation, twins: Twins) -> Why:
+    """Return why an observation is wrong that no mistake explains."""
+    if not odd.failed:
+        return Why.MEANING
+    is_crash = isinstance(odd.value.error, CRASHES) or "NoneType" in str(odd.value.error)
+    has_meaning = twins.cases.meaning_of(odd.case) != twins.cases.meaning
+    return Why.CRASH if is_crash and odd.case.crashes and has_meaning else Why.EXCEPTION
+
+
+def _explanation(seen: Observations, twins: Twins) -> _Explanation:
+    """Explain all observations, or all but those that have a meaning in common, or that raised an exception."""
+    failed = [each for each in seen.all if each.failed]
+    misused = [each for each in failed if each.is_misuse]
+    alike = _with_the_same_meaning(seen, twins)
+    for aside in _each_once([], misused, failed, *alike):
+        rest = [each for each in seen.all if each not in aside]
+        found = explain(rest, twins, most=1 if aside in alike else 2)
+        if found:
+            return found, aside
+    return (), failed
+
+
+def _with_the_same_meaning(seen: Observations, twins: Twins) -> list[list[Observation]]:
+    """Return the odd observations whose cases have a meaning of their own, grouped by meaning."""
+    groups = dict[str, list[Observation]]()
+    for each in seen.odd:
+        groups.setdefault(twins.cases.meaning_of(each.case), []).append(each)
+    groups.pop(twins.cases.meaning, None)
+    return [*groups.values()]
+
+
+def _each_once(*groups: list[Observation]) -> list[list[Observation]]:
+    return [group for i, group in enumerate(groups) if group not in groups[:i]]
+
+
+def _shown(found: Sequence[Fault], odd: Sequence[Observation], twins: Twins) -> dict[str, Fault]:
+    """Return by case the mistake that it shows: each mistake is shown by the first case that it makes wrong alone."""
+    shown, free = dict[str, Fault](), [*odd]
+    for fault in found:
+        first = next((each for each in free if twins.shows(each.case, fault)), next(iter(free), None))
+        if first is not None:
+            shown[first.case.label] = fault
+            free.remove(first)
+    return shown
+
+
+def explain(seen: Sequence[Observation], twins: Twins, most: int = 2) -> tuple[Fault, ...]:
+    """Return the fewest mistakes, one or two, that lead to exactly these observations; () if none are known.
+
+    Args:
+        seen: the observations.
+        twins: tries the solution with mistakes.
+        most: how many mistakes may be combined.
+    """
+    odd = [each for each in seen if each.is_odd]
+    if not odd:
+        return ()
+    search = _Search(seen, odd, twins)
+    pairs = search.pairs() if most == 2 else ()
+    deadline = time.monotonic() + LONGEST
+    for faults in chain(search.single(), search.wrong_parts(), pairs):
+        if time.monotonic() > deadline:
+            break
+        if search.leads_to_all(faults):
+            return faults
+    return ()
+
+
+class _Search:
+    """The candidates for an explanation, in the order in which they are tried.
+
+    A candidate is first tried in the last odd case, which shows the most. Slips are left out if only one case is odd
+    or an exception was raised: too many of them would fit.
+    """
+
+    def __init__(self, seen: Sequence[Observation], odd: Sequence[Observation], twins: Twins) -> None:
+        self._seen, self._twins, self._last = seen, twins, odd[-1]
+        self._has_slips = len(odd) > 1 and not any(each.failed for each in seen)
+        self._known = self._mistakes(self._last.case)
+        self._leading = [each for each in self._known if same(twins.alone(self._last.case, each), self._last.value)]
+        # The quickest cases are tried first. What is odd is preferred: a mistake most likely does something else there.
+        self._quickest = sorted(seen, key=lambda each: each.seconds * (1 if each.is_odd else 2))
+
+    def _mistakes(self, case: Case) -> list[Fault]:
+        """Return the known mistakes that may explain a case, and the statements that may be missing."""
+        cases = self._twins.cases
+        known = [each for each in cases.faults if not cases.one_by_one or each.case in ("", case.label)]
+        return [*known, *self._twins.slips(missing)] if self._has_slips else known
+
+    def single(self) -> Iterator[tuple[Fault, ...]]:
+        """Yield each mistake that alone leads to the last odd observation."""
+        return ((each,) for each in self._leading)
+
+    def wrong_parts(self) -> Iterator[tuple[Fault, ...]]:
+        """Yield each slip within a statement."""
+        return ((each,) for each in self._twins.slips(another)) if self._has_slips else iter(())
+
+    def pairs(self) -> Iterable[tuple[Fault, ...]]:
+        """Yield two mistakes at a time of which one leads to the last odd observation, or both show there.
+
+        There are none for an answer that failed in the first case or was tried in less than half of the cases: two
+        mistakes would only be a guess.
+        """
+        cases = self._twins.cases
+        if self._seen[0].failed or cases.one_by_one or 2 * len(self._seen) < len(cases.cases):
+            return
+        showing = {each for each in self._known if self._twins.shows(self._last.case, each)}
+        leading = {*self._leading}
+        for two in combinations(self._known, 2):
+            if showing.issuperset(two) or not leading.isdisjoint(two):
+                yield two
+
+    def leads_to_all(self, faults: tuple[Fault, ...]) -> bool:
+        """Whether the solution with these mistakes does in every case what the answer did."""
+        twin = self._twins.make(*faults)
+        return twin is not None and all(
+            same(self._twins.attempt(each.case, twin), each.value) for each in self._quickest
+        )

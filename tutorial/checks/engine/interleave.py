@@ -1,0 +1,100 @@
+"""Interleaving: run two threads in the worst order, by giving one a turn between any two instructions of the other."""
+
+import sys
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from types import FrameType
+from typing import Any
+
+from tutorial.checks.engine.cases import Run
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.memory_node import MemoryNode
+from tutorial.checks.engine.trial import Trial
+
+TURN = 0.05  # [s]; a thread that waits for a lock of the interrupted function would wait for ever
+MESSAGES = 100  # that arrive while a controller is configured, one at each instruction
+
+EARLY = "Most likely the subscription is created before what its callback uses, so it finds nothing: create it last."
+
+
+def interleave(trial: Trial, function: Callable[[], object], between: Callable[[], object], at: int | None) -> bool:
+    """Run a function on this thread, and interrupt the learner's code in it by another thread.
+
+    A scheduler interrupts at random; this tries every place, so it finds or excludes a race, rather than meeting it by
+    chance. A turn that cannot go on because the function holds a lock ends after the function.
+
+    Args:
+        trial: the trial whose code is interrupted.
+        function: what runs on this thread.
+        between: what the other thread runs.
+        at: the number of the instruction to interrupt, from 0; None for every instruction.
+
+    Returns:
+        Whether the function had so many instructions.
+
+    Raises:
+        Exception: whatever the function or the other thread raised.
+    """
+    count = 0
+    turns: list[Future[object]] = []
+
+    def step(_frame: FrameType, event: str, _argument: Any) -> Any:
+        nonlocal count
+        if event in ("opcode", "line"):
+            if at in (None, count) and (not turns or turns[-1].done()):
+                turns.append(other.submit(between))
+                wait(turns[-1:], TURN)
+            count += 1
+        return step
+
+    def enter(frame: FrameType, _event: str, _argument: Any) -> Any:
+        if frame.f_code.co_filename not in trial.watched:
+            return None
+        frame.f_trace = step  # Python 3.13 stops at instructions only if this is set already
+        frame.f_trace_opcodes = True
+        return step
+
+    with traced(trial, enter), ThreadPoolExecutor(1) as other:
+        function()
+    for turn in turns:
+        turn.result()  # raises what the other thread raised
+    return at is None or count > at
+
+
+@contextmanager
+def traced(trial: Trial, enter: Callable[[FrameType, str, Any], Any]) -> Iterator[None]:
+    """Trace this thread's code, instruction by instruction if a frame asks for that."""
+    before = sys.gettrace()
+    sys._getframe().f_trace_opcodes = True  # Python 3.12 checks only in settrace whether any frame asks for that
+    trial.is_interleaved = True
+    sys.settrace(enter)
+    try:
+        yield
+    finally:
+        sys.settrace(before)
+        trial.is_interleaved = False
+
+
+def early(make: Callable[..., Any], message: Any) -> Run:
+    """Observe whether the callback can run as soon as there is a subscription, while `configure` goes on.
+
+    Args:
+        make: makes a `Rig` or a `Viewer`, which configures the controller, from a trial and a node.
+        message: arrives again and again, between any two instructions of `configure`.
+    """
+
+    def run(trial: Trial) -> str:
+        def arrive() -> None:
+            for callback, _ in zip(node.listeners(message), left):
+                try:
+                    trial.call(callback, message)
+                except Failure as failure:
+                    text = f"the first message comes while configure runs: {failure.error}"
+                    raise Failure(failure.method, Misuse(text, EARLY), failure.place) from failure
+
+        node, left = MemoryNode(trial), iter(range(MESSAGES))
+        interleave(trial, lambda: make(trial, node=node), arrive, None)
+        return "it can be taken"
+
+    return run

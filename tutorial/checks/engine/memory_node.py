@@ -1,0 +1,156 @@
+"""A node in memory: as much of rclpy's node as a controller uses, without any middleware."""
+
+import inspect
+import sys
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from rclpy.clock import Clock
+from rclpy.expand_topic_name import expand_topic_name
+from rclpy.logging import get_logger
+
+from tutorial.checks.engine.exceptions import AT_ONCE
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.trial import Trial
+
+IN_STOP = "Most likely stop destroys what configure has made, and a restart finds none: do so in unconfigure."
+THE_NODE = "config.node belongs to the whole program: unconfigure destroys only the {0}, {1}."
+TOO_MANY = "Most likely one is made at every start, or by super().configure(config), too: make one {0}, in configure."
+LEFT = "Most likely unconfigure is missing, or lacks {1}: a flag, None or self.{0}.destroy() does not tell the node."
+
+
+class Endpoint:
+    """A publisher or a subscription of a `MemoryNode`.
+
+    Attributes:
+        kind: the class of its messages.
+        topic_name: the topic's full name.
+        callback: a subscription's callback; None for a publisher.
+        depth: how many messages a subscription keeps while its thread is busy.
+        destroyed: whether the learner has destroyed it.
+    """
+
+    def __init__(self, node: "MemoryNode", kind: type, topic: str, qos: Any, callback: Any = None) -> None:
+        self.topic_name = expand_topic_name(topic, "tank", node.namespace)
+        self.kind, self.callback, self.destroyed = kind, callback, False
+        self.depth = getattr(qos, "depth", qos)
+        self._node = node
+
+    def publish(self, message: Any) -> None:
+        """Hand a message to the node."""
+        if self.destroyed:
+            raise Misuse(f"it publishes on {self.topic_name} with a publisher that is destroyed", IN_STOP)
+        if not isinstance(message, self.kind):
+            raise TypeError(f"Expected {self.kind}, got {type(message)}")
+        self._node.publish(self, message)
+
+    def destroy(self) -> None:
+        """Destroy it without telling the node."""
+        self.destroyed = True
+
+    def get_subscription_count(self) -> int:
+        """Return 1, as if another program listened."""
+        return 1
+
+    get_publisher_count = get_subscription_count
+
+
+class MemoryNode:
+    """As much of rclpy's node as a controller uses. No message leaves it.
+
+    Args:
+        trial: notes that the answer makes a timer.
+        publish: takes a publisher and the message that it publishes.
+        namespace: the namespace of its topics.
+
+    Attributes:
+        get_clock, get_logger, get_name, get_namespace, destroy_publisher, destroy_subscription: as in rclpy.
+        made: all publishers and subscriptions that were ever made.
+        kept: those that the node still has, also if one was destroyed without telling the node.
+        destroyed: whether the learner has destroyed the node itself.
+    """
+
+    def __init__(
+        self, trial: Trial, publish: Callable[[Endpoint, Any], object] = lambda *_: None, namespace: str = "/"
+    ) -> None:
+        self.publish, self.namespace, self.destroyed = publish, namespace, False
+        self.made, self.kept = list[Endpoint](), list[Endpoint]()
+        self.get_clock, self.get_logger = Clock, partial(get_logger, "tank")
+        self.destroy_publisher, self.destroy_subscription = partial(self._drop, False), partial(self._drop, True)
+        self.get_name, self.get_namespace = (lambda: "tank"), (lambda: namespace)
+        self._trial = trial
+
+    def create_publisher(self, msg_type: type, topic: str, qos_profile: Any, **_: Any) -> Endpoint:
+        """Make a publisher."""
+        return self._keep(Endpoint(self, msg_type, topic, qos_profile))
+
+    def create_subscription(self, msg_type: type, topic: str, callback: Any, qos_profile: Any, **_: Any) -> Endpoint:
+        """Make a subscription.
+
+        Raises:
+            Misuse: the callback cannot work.
+        """
+        _check_callback(callback, msg_type)
+        return self._keep(Endpoint(self, msg_type, topic, qos_profile, callback))
+
+    def create_timer(self, *_: Any) -> None:
+        """Note ``"timer"``. The timer never fires."""
+        self._trial.note("timer", sys._getframe())
+
+    @property
+    def subscriptions(self) -> list[Endpoint]:
+        """The subscriptions that the node has."""
+        return [each for each in self.kept if each.callback]
+
+    def listeners(self, message: Any) -> list[Any]:
+        """Return the callbacks of the subscriptions to a message's class."""
+        return [each.callback for each in self.subscriptions if each.kind is type(message)]
+
+    def on(self, kind: type, topic: str) -> str:
+        """Say on which topics the answer sends or hears messages of a class; only this topic if it is one of them."""
+        made = [each.topic_name for each in self.made if each.kind is kind]
+        wanted = expand_topic_name(topic, "tank", self.namespace)
+        return f"{kind.__name__} on {wanted if wanted in made else ', '.join(made) or 'no topic'}"
+
+    def check_left(self) -> str:
+        """Say that the answer has left nothing behind.
+
+        Raises:
+            Failure: it has.
+        """
+        if not self.kept and not self.destroyed:
+            return "nothing is left"
+        alone = " and was not told of its end" * any(each.destroyed for each in self.kept)
+        left = f"the node still has {len(self.kept)} of {len(self.made)} topics{alone}"
+        cause = TOO_MANY if len(self.kept) < len(self.made) else LEFT
+        if self.destroyed:
+            left, cause = "the program's node is gone", THE_NODE
+        kind = "subscription" if self.subscriptions else "publisher"
+        raise Failure("unconfigure", Misuse(left, cause.format(kind, f"self.node.destroy_{kind}(self.{kind})")))
+
+    def destroy_node(self) -> None:
+        """Note that the learner destroys the whole node."""
+        self.destroyed = True
+
+    def _drop(self, has_callback: bool, endpoint: Endpoint) -> bool:
+        is_there = endpoint in self.kept and bool(endpoint.callback) == has_callback
+        if is_there:
+            self.kept.remove(endpoint)
+            endpoint.destroy()
+        return is_there
+
+    def _keep(self, endpoint: Endpoint) -> Endpoint:
+        self.made.append(endpoint)
+        self.kept.append(endpoint)
+        return endpoint
+
+
+def _check_callback(callback: Any, message_type: type) -> None:
+    name = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in message_type.__name__)
+    if not callable(callback):
+        text = f"create_subscription is given {callback!r} in place of a function"
+        raise Misuse(text, AT_ONCE.format(f"on{name}"))
+    if inspect.iscoroutinefunction(callback):
+        text = f"{callback.__name__} is a coroutine function, async def, and nobody awaits it"
+        raise Misuse(text, "A callback is a plain function: it puts the message away, or posts a call, and returns.")

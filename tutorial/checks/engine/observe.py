@@ -1,0 +1,122 @@
+"""Observe: try an answer in all cases, and keep what each has shown."""
+
+import time
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from math import isclose, isnan
+from numbers import Real
+from typing import Any
+
+from tutorial.checks.engine.answer import files_of, name_of
+from tutorial.checks.engine.cases import Case, Cases, Run
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.shared_state import SharedState
+from tutorial.checks.engine.trial import Trial
+from tutorial.checks.engine.verdict import Place
+
+TOLERANCE = 1e-4
+UNLIKE = "Most likely something has the wrong type, such as a number or an array in place of a list or a message."
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """What one case has shown of an answer.
+
+    Attributes:
+        case: the case.
+        value: what it has returned, or the `Failure` that ended it.
+        expected: what it returns for the solution.
+        seconds: how long it took [s].
+        noted: what the answer did besides its work, as in `Trial.noted`.
+    """
+
+    case: Case
+    value: Any
+    expected: Any
+    seconds: float = 0.0
+    noted: Mapping[str, Place | None] = field(default_factory=dict)
+
+    @property
+    def is_odd(self) -> bool:
+        """Whether the answer did something else than the solution."""
+        return not same(self.value, self.expected)
+
+    @property
+    def failed(self) -> bool:
+        """Whether the answer raised an exception, or did something that cannot work."""
+        return isinstance(self.value, Failure)
+
+    @property
+    def is_misuse(self) -> bool:
+        """Whether the answer did something that cannot work."""
+        return isinstance(self.value, Failure) and self.value.is_misuse
+
+
+@dataclass(frozen=True)
+class Observations:
+    """What the cases have shown of an answer.
+
+    Attributes:
+        all: by case, in the order in which they were tried. The last one may have ended the check early.
+        changed: the name of a shared object that has changed meanwhile, as `SharedState.changed` returns it.
+    """
+
+    all: tuple[Observation, ...]
+    changed: str = ""
+
+    @property
+    def odd(self) -> list[Observation]:
+        """Those that differ from what is expected."""
+        return [each for each in self.all if each.is_odd]
+
+    def place_of(self, what: str) -> Place | None:
+        """Return where the answer first did something, such as ``"clock"``, in a case that is odd."""
+        return next((each.noted[what] for each in self.odd if what in each.noted), None)
+
+
+def observe(
+    cases: Cases, answer: Any, begin: Callable[[Any, Collection[str]], Trial], expected: Callable[[Case], Any]
+) -> Observations:
+    """Try an answer in one case after the other, to the end or until the rest would say nothing more.
+
+    Args:
+        cases: what it is tried in.
+        answer: the learner's class or function.
+        begin: begins a trial, given the answer and the files whose code is watched.
+        expected: returns what a case shows of the solution.
+    """
+    shared, seen = SharedState(answer), list[Observation]()
+    watched = files_of(answer)  # at once, because the answer's class may later hold functions that are not its own
+    for case in cases.cases:
+        trial, began = begin(answer, watched), time.monotonic()
+        value = attempt(case.run, trial)
+        seconds = time.monotonic() - began
+        seen.append(Observation(case, value, expected(case), seconds, dict(trial.noted)))
+        if seen[-1].is_misuse or (cases.one_by_one and seen[-1].is_odd):
+            break
+    return Observations(tuple(seen), shared.changed())
+
+
+def attempt(run: Run, trial: Trial) -> Any:
+    """Run a case, and return what it observes, or the failure that ends it."""
+    try:
+        return run(trial)
+    except Failure as failure:
+        return failure
+    except Exception as error:  # noqa: BLE001 - an odd answer may lead to anything
+        text = f"what it has made cannot be read: {type(error).__name__}: {error}"
+        return Failure(name_of(trial.answer), error if isinstance(error, Misuse) else Misuse(text, UNLIKE))
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two observations are equal, apart from rounding and from the line of a failure."""
+    match a, b:
+        case Failure(), Failure():
+            return bool(a.kind == b.kind)
+        case Mapping(), Mapping():
+            return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
+        case ((list() | tuple()), (list() | tuple())):
+            return len(a) == len(b) and all(map(same, a, b))
+        case Real(), Real():
+            return isclose(a, b, rel_tol=TOLERANCE, abs_tol=TOLERANCE) or (isnan(a) and isnan(b))
+    return bool(a == b)

@@ -1,0 +1,235 @@
+"""Publishing: what all exercises about controllers try that publish at a rate, and the mistakes that they share."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from rclpy.qos import qos_profile_sensor_data
+
+from tutorial.checks.engine.cases import Case, Cases, Mistake, Run, both, replace
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.observe import same
+from tutorial.checks.engine.real_dds import ros_node, wait
+from tutorial.checks.engine.rig import APART, Rig, Sent
+from tutorial.checks.engine.trial import Trial
+
+NOTHING = "no message"
+TOGETHER = "Most likely each joint has a message of its own, or publish is called twice: send one message with all."
+SHARED_BY_ROBOTS = "Most likely what is kept belongs to the class: make it in initialize."
+RESTART = (
+    "Most likely something of the run before is kept, or steps or times are counted from 0: after stop, time goes on."
+)
+
+# Observes something, given the rig and the messages that were sent.
+Look = Callable[[Any, list[Sent]], Any]
+
+
+@dataclass(frozen=True)
+class Publishing:
+    """An exercise whose controller publishes at a rate.
+
+    Attributes:
+        kind: the class of the messages.
+        topic: the topic without the body's name.
+        hz: how many messages to send per simulated second.
+        scene: makes a rig, given a trial and options of `Rig`.
+        content: puts into words what messages hold, given the rig and what was sent.
+        time: the expression for the stamp in the solution [ns].
+        namespaces: whether the topic has to be in the node's namespace.
+    """
+
+    kind: type
+    topic: str
+    hz: int
+    scene: Callable[..., Any]
+    content: Look
+    time: str = "self.io.time_ns"
+    namespaces: bool = True
+
+    def cases(self, solution: type, own: Sequence[Case], mistakes: Sequence[Mistake], meaning: str) -> Cases:
+        """Put together what an exercise tries and knows, and what all exercises about publishers do.
+
+        Args:
+            solution: the right answer.
+            own: the exercise's own cases. They replace shared ones of the same label.
+            mistakes: the exercise's own mistakes.
+            meaning: what a case without a meaning of its own means: see `Cases`.
+        """
+        labels = {case.label for case in own}
+        last = [
+            Case("the stamp", self.stamps, self._stamp),
+            Case("two robots in turns", self.two, SHARED_BY_ROBOTS),
+            Case("after a restart", self.restarted, RESTART),
+            Case("after unconfigure", lambda trial: self.play(trial, 0.1).leave()),
+        ]
+        tried = [*self._first(), *own, *(case for case in last if case.label not in labels)]
+        return Cases(solution, tried, [*self._mistakes(), *mistakes], meaning, say, on_ros=self.on_ros)
+
+    def _first(self) -> list[Case]:
+        made = f'config.node.create_publisher({self.kind.__name__}, f"{{config.body.name}}/{self.topic}", 1)'
+        topic = f"Compare with {made}, in configure, no slash in front."
+        condition = f"Most likely the condition is another: one message comes when {self.when}."
+        return [
+            Case("on the body Rover", self.topics("/"), topic),
+            *[Case("on the body Rover, in the namespace /lab", self.topics("/lab"), topic)] * self.namespaces,
+            Case("with steps of 1 ms", self.rate(1), condition),
+            *(Case(f"with steps of {ms} ms", self.rate(ms), self.wrong_steps) for ms in (2, 3, 6)),
+        ]
+
+    def _mistakes(self) -> list[Mistake]:
+        return [
+            Mistake("it asks the displayed copy, config.body, on which nothing moves: what is simulated is io.body.",
+                    both(replace("self.node = config.node", "self.node, self.shown = config.node, config.body"),
+                         replace("self.io = io", "self.io, io.body = io, self.shown"))),
+            Mistake(f"control publishes at every step: it does so only if {self.when}.",
+                    replace("self.io.step %", "0 * self.io.step %")),
+        ]  # fmt: skip
+
+    @property
+    def when(self) -> str:
+        """The condition of the solution for publishing, in Python."""
+        return f"io.step % round(1 / ({self.hz} * io.time_step)) == 0"
+
+    @property
+    def wrong_steps(self) -> str:
+        """The meaning of a case in which messages come too often or too rarely."""
+        return (
+            "Most likely the number of steps is written down for another step, cut off or not rounded, or counted in a "
+            f"time: publish when {self.when}."
+        )
+
+    @property
+    def _stamp(self) -> str:
+        return (
+            "Most likely it is left out, counted, or another clock's, or sec and nanosec are exchanged, or one is "
+            f"missing: set both, for each message, with Time(nanoseconds={self.time}).to_msg()."
+        )
+
+    def messages(self, rig: Rig) -> list[Sent]:
+        """Return the messages that were sent on the topic; those on other topics if there are none."""
+        sent = [each for each in rig.sent if isinstance(each.message, self.kind)]
+        return [each for each in sent if each.topic.endswith(f"/{rig.body.name}/{self.topic}")] or sent
+
+    def play(self, trial: Trial, seconds: float, ms: float = 10, begins: Sequence[int] = (0, 1), **options: Any) -> Any:
+        """Simulate with steps of so many milliseconds, and return the rig.
+
+        If the first message is not sent at step 0, the simulation is repeated from step 1: then an answer that counts
+        steps sends when the solution does.
+        """
+        for begin in begins:
+            rig = self.scene(trial, time_step=ms / 1000, **options)
+            rig.start(begin)
+            rig.advance(round(seconds * 1000 / ms))
+            rig.stop()
+            if rig.sent and rig.sent[0].step == 0:
+                break
+        return rig
+
+    def sent(self, seconds: float, look: Look | None = None, **options: Any) -> Run:
+        """Observe what messages hold, or something else about them."""
+        return lambda trial: self.held(self.play(trial, seconds, **options), look)
+
+    def held(self, rig: Rig, look: Look | None = None) -> Any:
+        """Put into words what the messages of a rig hold."""
+        sent = self.messages(rig)
+        return (look or self.content)(rig, sent) if sent else NOTHING
+
+    def topics(self, namespace: str) -> Run:
+        """Observe the topic on a node with a namespace."""
+        return lambda trial: self.scene(trial, namespace=namespace).node.on(self.kind, f"Rover/{self.topic}")
+
+    def rate(self, ms: float) -> Run:
+        """Observe how often a message is sent, with steps of so many milliseconds."""
+        return lambda trial: self.often(self.play(trial, 4.3 / self.hz, ms))
+
+    def often(self, rig: Rig) -> Any:
+        """Put into words how often a message was sent, together with the number of steps between messages."""
+        time_step, steps = rig.io.time_step, [each.step for each in self.messages(rig)]
+        if len(steps) < 2:
+            if rig.has_threads:
+                raise Failure("control", Misuse("it starts a thread of its own", APART), rig.trial.noted.get("thread"))
+            return f"{len(steps) or 'no'} message in {rig.io.time:.2g} s"
+        if len({*steps}) < len(steps) and not rig.has_threads:
+            raise Failure("control", Misuse("it publishes several messages in one step", TOGETHER))
+        if self._is_regular(rig, steps):
+            return f"{self.hz} times per simulated second"
+        periods = [b - a for a, b in pairwise(steps)]
+        rate, first = len(periods) / (sum(periods) * time_step or 1), steps[0] * time_step
+        return {f"{rate:.3g} times per simulated second, from {first:.3g} s on": periods}
+
+    def _is_regular(self, rig: Rig, steps: list[int]) -> bool:
+        """Whether messages were sent at the rate, as nearly as whole steps allow, and from the beginning."""
+        exact = 1 / (self.hz * rig.io.time_step)
+        late = max(abs(step - steps[0] - i * exact) for i, step in enumerate(steps))
+        is_even = {b - a for a, b in pairwise(steps)} == {round(exact)}
+        return len(steps) > 3 and steps[0] - rig.begun <= exact + 2 and (late <= 1 or is_even)
+
+    def stamps(self, trial: Trial) -> Any:
+        """Observe the stamps, with steps of 6 ms, beside the times of sending."""
+        sent = self.messages(self.play(trial, 1.3, 6, (1,)))
+        return compared_stamps([(each.stamp_ns, each.step * 6_000_000) for each in sent])
+
+    def restarted(self, trial: Trial, **options: Any) -> Any:
+        """Observe what is sent after a restart of the simulation, ten periods later."""
+        rig = self.scene(trial, time_step=0.01, **options)
+        for begin in (0, 1000 // self.hz):
+            rig.sent.clear()
+            rig.start(begin)
+            rig.advance(460 // self.hz)
+            rig.stop()
+        return [self.often(rig), self.held(rig)]
+
+    def two(self, trial: Trial, **options: Any) -> Any:
+        """Observe two robots in turns."""
+        rover = self.scene(trial, time_step=0.01, **options)
+        lift = self.scene(trial, time_step=0.02, **{"model": "crane", "name": "Lift", **options})
+        for rig in (rover, lift):
+            rig.start()
+        for rig in (rover, lift) * 3:
+            rig.advance(150 // self.hz)
+        for rig in (rover, lift):
+            rig.stop()
+        return [look(rig) for rig in (rover, lift) for look in (self.often, self.held)]
+
+    def on_ros(self, trial: Trial) -> str:
+        """Observe whether messages arrive, with rclpy's own node."""
+        with ros_node() as node:
+            rig, arrived = self.scene(trial, node=node, time_step=0.002), list[Any]()
+            node.create_subscription(self.kind, f"/Rover/{self.topic}", arrived.append, qos_profile_sensor_data)
+            rig.start()
+
+            def arrives() -> bool:
+                rig.advance(550 // self.hz)
+                return bool(arrived)
+
+            wait(arrives, "no message arrives")
+            rig.stop()
+            rig.do("unconfigure")
+        return "its messages arrive"
+
+
+def compared(pairs: Sequence[tuple[Any, Any]], right: str, word: Callable[[Any], str]) -> Any:
+    """Put into words the first value that differs from the wanted one, together with all values.
+
+    Args:
+        pairs: the values that were sent, each with the wanted one.
+        right: what to say if nothing differs.
+        word: puts a value into words.
+    """
+    odd = [f"{word(seen)} in place of {word(wanted)}" for seen, wanted in pairs if not same(seen, wanted)]
+    return {odd[0]: [seen for seen, _ in pairs]} if odd else right
+
+
+def compared_stamps(pairs: Sequence[tuple[int, int]]) -> Any:
+    """Put stamps [ns] into words, given with what they should be [ns]."""
+    if not pairs:
+        return NOTHING
+    if any(stamp > 10**18 for stamp, _ in pairs):
+        return "the wall clock's time"
+    return compared(pairs, "the simulated time", lambda ns: f"{ns / 1e9:g} s")
+
+
+def say(seen: Any) -> str:
+    """Put an observation into words; of a mapping only the keys."""
+    return "; ".join(map(say, seen)) if isinstance(seen, list | dict) else str(seen)

@@ -1,0 +1,141 @@
+"""A rig: a learner's controller on a simulated body on which nothing moves by itself."""
+
+import threading
+import time
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any, cast
+
+from builtin_interfaces.msg import Time
+
+from tutorial.checks.engine.answer import check_has, has
+from tutorial.checks.engine.bodies import bodies
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.memory_node import Endpoint, MemoryNode
+from tutorial.checks.engine.trial import Trial
+from tutorial.controller import ControllerConfig, ControllerIO
+
+QUIET = 0.05  # [s] after which a thread of the learner's has published everything
+
+APART = "Most likely a timer or a thread publishes, by the wall clock: publish in control, and count steps, io.step."
+
+
+@dataclass(frozen=True)
+class Sent:
+    """A published message.
+
+    Attributes:
+        topic: the topic's full name.
+        step: the simulation's step at which it was published; if another thread published it, that of its stamp.
+        stamp_ns: its stamp [ns]; 0 if it has none.
+        message: a copy of it.
+    """
+
+    topic: str
+    step: int
+    stamp_ns: int
+    message: Any
+
+
+class Rig:
+    """Run a learner's controller on a simulated body on which nothing moves by itself.
+
+    Args:
+        trial: the trial that the rig belongs to.
+        before, after: called before and after `control`, at each step.
+        model: the body's model file without ``.xml``, or the model itself, as MJCF.
+        name: the body's name.
+        time_step: the duration of a simulation step [s].
+        namespace: the node's namespace.
+        node: a real node; None for one in memory.
+
+    Attributes:
+        trial: the trial that the rig belongs to.
+        learner: the learner's controller.
+        io: what the controller is initialized with; it knows the step.
+        displayed, body: the displayed body and the simulated one.
+        node: the learner's node.
+        sent: the published messages.
+        begun: the step of the last start.
+        has_threads: whether threads of the learner's were running at the last stop.
+
+    Raises:
+        Failure: one of the learner's methods raised an exception. So does every method.
+    """
+
+    def __init__(
+        self,
+        trial: Trial,
+        before: Callable[[], None] = lambda: None,
+        after: Callable[[], None] = lambda: None,
+        model: str = "tank",
+        name: str = "Rover",
+        time_step: float = 0.001,
+        namespace: str = "/",
+        node: Any = None,
+    ) -> None:
+        self.trial = trial
+        self.displayed, self.body = bodies(trial, model, name)
+        self.before, self.after, self.sent = before, after, list[Sent]()
+        self.io = ControllerIO(self.body, time_step)
+        self.node = node or cast("Any", MemoryNode(trial, self._publish, namespace))
+        self._thread, self._threads = threading.current_thread(), set(threading.enumerate())
+        with trial.calling("__init__"):
+            self.learner = trial.answer()
+        self.do("configure", ControllerConfig(self.displayed, self.node, _drop, _drop))
+
+    def do(self, method: str, *arguments: Any) -> None:
+        """Call one of the learner's methods."""
+        with self.trial.calling(method):
+            getattr(self.learner, method)(*arguments)
+
+    def start(self, step: int = 0) -> None:
+        """Start the simulation at a step, also again after `stop`."""
+        self.begun = self.io.step = step
+        self.do("initialize", self.io)
+        noted = self.trial.noted
+        if place := noted.pop("timer", None):
+            raise Failure(place.function, Misuse("it makes a timer", APART), place)
+        if not has(self.trial.answer, "control") and (place := noted.get("thread")):
+            raise Failure(place.function, Misuse("it starts a thread of its own", APART), place)
+
+    def advance(self, steps: int) -> None:
+        """Simulate some steps."""
+        check_has(self.trial.answer, "control")
+        for _ in range(steps):
+            self.before()
+            self.do("control")
+            self.after()
+            self.io.step += 1
+
+    def hear(self, message: Any) -> None:
+        """Call the callbacks of the subscriptions to a message's class."""
+        for callback in self.node.listeners(message):
+            self.trial.call(callback, message)
+
+    def stop(self) -> None:
+        """Stop the simulation, and wait for what threads of the learner's still publish."""
+        self.has_threads = bool(set(threading.enumerate()) - self._threads)
+        self.do("stop")
+        before = -1
+        while len(self.sent) > before and set(threading.enumerate()) - self._threads:
+            before = len(self.sent)
+            time.sleep(QUIET)
+
+    def leave(self) -> str:
+        """Call `unconfigure`, and say that the controller has left nothing behind."""
+        self.do("unconfigure")
+        return str(self.node.check_left())
+
+    def _publish(self, publisher: Endpoint, message: Any) -> None:
+        stamp = message.header.stamp if hasattr(message, "header") else Time()
+        # Whole seconds in nanosec count twice, so that they show.
+        stamp_ns = (stamp.sec + stamp.nanosec // 10**9) * 10**9 + stamp.nanosec
+        is_here = threading.current_thread() is self._thread
+        step = self.io.step if is_here else round(stamp_ns / 1e9 / self.io.time_step)
+        self.sent.append(Sent(publisher.topic_name, step, stamp_ns, deepcopy(message)))
+
+
+def _drop(*_: object) -> None:
+    pass

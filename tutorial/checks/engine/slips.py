@@ -1,0 +1,87 @@
+"""Slips: mistakes that need no table, made from the solution's source: a statement is missing, a number differs."""
+
+import ast
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from tutorial.checks.engine.cases import Edit, Fault
+
+COMPARISONS = (ast.Gt, ast.GtE, ast.Lt, ast.LtE, ast.Eq, ast.NotEq)
+FACTORS = (10, 0.1, 2, 0.5, 5)  # by which a number is wrong
+
+Slips = Iterator[tuple[str, Any, ast.AST]]  # of each the cause, the part that it changes, and the new part
+Kind = Callable[[ast.AST], Slips]
+
+
+def slips(kind: Kind, source: str) -> Iterator[Fault]:
+    """Make all slips of a kind in a source, the smallest parts first.
+
+    Args:
+        kind: `missing` for missing statements, `another` for wrong parts of statements.
+        source: the solution's source.
+    """
+    for node in reversed([*ast.walk(ast.parse(source))]):
+        for cause, part, other in kind(node):
+            yield Fault(cause, (_changed_lines(source, part, other),))
+
+
+def missing(node: ast.AST) -> Slips:
+    """Leave out a statement."""
+    if isinstance(node, ast.Expr | ast.Assign | ast.AnnAssign | ast.Return):
+        yield f"`{ast.unparse(node)}` is missing, or not reached.", node, ast.Pass()
+
+
+def another(node: ast.AST) -> Slips:
+    """Change a part of an expression, or a condition."""
+    match node:
+        case ast.BinOp():
+            yield from _other_operands(node)
+        case ast.Compare(_, [op], [_]) if isinstance(op, COMPARISONS):
+            yield from _other_comparisons(node)
+        case ast.BoolOp():
+            yield from _missing_operands(node)
+        case ast.If(test) | ast.IfExp(test) | ast.comprehension(ifs=[test]):
+            yield f"`{ast.unparse(test)}` is not asked.", test, ast.Constant(True)
+            yield f"the condition is turned round: it is `{ast.unparse(test)}`.", test, ast.UnaryOp(ast.Not(), test)
+    yield from _other_numbers(node)
+
+
+def _other_operands(node: ast.BinOp) -> Slips:
+    code, is_sum = ast.unparse(node), isinstance(node.op, ast.Add | ast.Sub)
+    unit = 0 if is_sum else 1  # leaves the other operand unchanged
+    for each in (node.left, node.right):
+        yield f"`{ast.unparse(each)}` is missing, or always {unit}: it is `{code}`.", each, ast.Constant(unit)
+    for signed in (node.left, node.right, node) if is_sum else ():
+        yield f"a sign is wrong: it is `{code}`.", signed, ast.UnaryOp(ast.USub(), signed)
+
+
+def _other_comparisons(node: ast.Compare) -> Slips:
+    for kind in COMPARISONS:
+        if not isinstance(node.ops[0], kind):
+            other = ast.Compare(node.left, [kind()], node.comparators)
+            yield f"the comparison is another: it is `{ast.unparse(node)}`.", node, other
+
+
+def _missing_operands(node: ast.BoolOp) -> Slips:
+    neutral = ast.Constant(isinstance(node.op, ast.And))
+    for each in node.values:
+        yield f"`{ast.unparse(each)}` is not asked: it is `{ast.unparse(node)}`.", each, neutral
+
+
+def _other_numbers(node: ast.AST) -> Slips:
+    for number in ast.iter_child_nodes(node):
+        if isinstance(number, ast.Constant) and type(number.value) in (int, float):
+            for factor in map(ast.Constant, FACTORS):
+                cause = f"the number is another, or none: it is `{ast.unparse(node)}`."
+                yield cause, number, ast.BinOp(number, ast.Mult(), factor)
+
+
+def _changed_lines(source: str, part: Any, other: ast.AST) -> Edit:
+    """Replace the lines of a part, together with as many lines before it as make them unique in the source."""
+    lines = source.splitlines()
+    begin, end = part.lineno - 1, part.end_lineno
+    instead = f"({ast.unparse(other)})" if isinstance(part, ast.expr) else ast.unparse(other)
+    changed = lines[begin][: part.col_offset] + instead + lines[end - 1][part.end_col_offset :]
+    while source.count("\n".join(lines[begin:end])) > 1:
+        begin -= 1
+    return Edit("\n".join(lines[begin:end]), "\n".join([*lines[begin : part.lineno - 1], changed]))

@@ -1,0 +1,88 @@
+"""Twins: what the solution does in the cases, and what it does with mistakes in it."""
+
+from __future__ import annotations  # for the compiled twins, too: an edit may break an annotation
+
+import asyncio
+import inspect
+import itertools
+import math
+import sys
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import redirect_stderr, redirect_stdout, suppress
+from functools import cached_property
+from io import StringIO
+from typing import Any
+
+from tutorial.checks.engine.cases import Case, Cases, Fault
+from tutorial.checks.engine.observe import attempt, same
+from tutorial.checks.engine.slips import Kind, slips
+from tutorial.checks.engine.trial import Trial
+
+A_MISTAKE = "<a mistake>"  # the file of every twin
+
+
+class Twins:
+    """Try the solution, and its twins with mistakes.
+
+    Args:
+        cases: what they are tried in, with the solution and the known mistakes.
+        begin: begins a trial; its arguments are those of `Trial`.
+        seen: what was observed of the solution and of its twins with one mistake; new observations are added.
+    """
+
+    def __init__(
+        self, cases: Cases, begin: Callable[..., Trial] = Trial, seen: dict[Hashable, Any] | None = None
+    ) -> None:
+        self.cases = cases
+        self._begin, self._seen = begin, {} if seen is None else seen
+
+    def expected(self, case: Case) -> Any:
+        """Return what a case observes of the solution."""
+        if case.label not in self._seen:
+            # What the solution does with time and threads is of no interest, so none of its files is watched.
+            self._seen[case.label] = case.run(self._begin(self.cases.solution, ()))
+        return self._seen[case.label]
+
+    def alone(self, case: Case, fault: Fault) -> Any:
+        """Return what a case observes of the solution with one mistake; None if the mistake cannot be made."""
+        if (case.label, fault) not in self._seen:
+            twin = self.make(fault)
+            self._seen[case.label, fault] = twin and self.attempt(case, twin)
+        return self._seen[case.label, fault]
+
+    def shows(self, case: Case, fault: Fault) -> bool:
+        """Whether a mistake alone makes a case's observation wrong."""
+        return not same(self.alone(case, fault), self.expected(case))
+
+    def attempt(self, case: Case, twin: Any) -> Any:
+        """Return what a case observes of a twin. What the twin prints is dropped, for the learner did not write that.
+
+        Twins are watched only if the cases are tried one by one: there each case has few mistakes of its own, while
+        interrupting the twins for all known mistakes at each instruction would take too long.
+        """
+        trial = self._begin(twin, (A_MISTAKE,) if self.cases.one_by_one else (), False)
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+            return attempt(case.run, trial)
+
+    def slips(self, kind: Kind) -> Iterator[Fault]:
+        """Make all slips of a kind in the solution."""
+        return slips(kind, self.source)
+
+    def make(self, *faults: Fault) -> Any:
+        """Define the solution with mistakes in it; None if one of them leaves nothing for another one to change."""
+        source: str | None = self.source
+        for fault in faults:
+            source = source and fault.made_in(source)
+        if source is None:
+            return None
+        solution = self.cases.solution
+        names = {**vars(asyncio), **vars(math), **vars(itertools), **vars(sys.modules[solution.__module__])}
+        with suppress(SyntaxError):  # one mistake may leave half a statement to the next one
+            exec(compile(source, A_MISTAKE, "exec"), names)
+            return names[solution.__name__]
+        return None
+
+    @cached_property
+    def source(self) -> str:
+        """The source that mistakes change: the solution's, and before it that of the functions beside it."""
+        return "\n\n".join(map(inspect.getsource, (*self.cases.beside, self.cases.solution)))

@@ -1,0 +1,210 @@
+"""A viewer: a learner's controller on a displayed body, with messages on another thread and the main thread's queue."""
+
+import inspect
+import sys
+import threading
+from collections.abc import Callable, Hashable, Mapping
+from functools import partial
+from numbers import Real
+from typing import Any, Self, cast
+
+import mujoco
+import numpy as np
+
+from tutorial.checks.engine.answer import name_of
+from tutorial.checks.engine.bodies import displayed_body, scratch
+from tutorial.checks.engine.clock import ClockedLoop
+from tutorial.checks.engine.exceptions import slept
+from tutorial.checks.engine.failure import Failure, Misuse
+from tutorial.checks.engine.memory_node import MemoryNode
+from tutorial.checks.engine.trial import Trial
+from tutorial.controller import ControllerConfig
+from tutorial.handoff import CallQueue, ThreadGuard
+
+PATIENCE = 1.0  # [s], after which a callback that has not returned waits for something
+
+KEY = "call_latest takes a key first: self.call_latest(self.body.name, self.update, message)."
+SECONDS = "config.call_later takes no seconds. The loop's does: asyncio.get_running_loop().call_later(0.5, self.land)."
+PARENTHESES = "You probably call it at once, with parentheses. Pass the function itself, then its arguments."
+TOUCHED = "You probably move the body in the callback. Post everything that uses the body; a lock does not help."
+COROUTINE = "Write def, not async def. To wait, let it start a task: asyncio.create_task(...)."
+ENDLESS = "The posted call probably posts itself again. Post the method that shows the message, such as self.update."
+
+
+class _Guard(ThreadGuard):
+    """A guard that stops nobody, but notes ``"touch"`` if another thread than the main one touches the body.
+
+    So the check sees what such code does next, for example that it posts what a method has returned.
+    """
+
+    def __init__(self, name: str, trial: Trial) -> None:
+        super().__init__(name)
+        self._trial = trial
+
+    def check(self, _action: str) -> None:
+        """Note a call from another thread."""
+        if threading.get_ident() != self._ident and not self._trial.is_interleaved:
+            self._trial.note("touch", sys._getframe())
+
+
+class Viewer:
+    """Run a learner's controller on a displayed body. What it posts runs only in `drain`, on a simulated clock.
+
+    Args:
+        trial: the trial that the viewer belongs to.
+        model: the body's model file, without ``.xml``.
+        name: the body's name.
+        node: a real node; None for one in memory.
+
+    Attributes:
+        trial: the trial that the viewer belongs to.
+        node, body, loop: the learner's node, the displayed body, and the main thread's event loop.
+        calls: the main thread's queue. Its length is the number of waiting calls.
+        keys: the keys of the calls that were posted with `call_latest`.
+        shown: what observers of the body saw at each change: where it was, and whether its links were there.
+
+    Raises:
+        Failure: one of the learner's methods raised an exception. So does every method.
+    """
+
+    def __init__(self, trial: Trial, model: str = "tank", name: str = "Rover", node: Any = None) -> None:
+        self.trial, self._fresh = trial, scratch(trial, model, name)
+        self.body = displayed_body(trial, model, name, _Guard(f"the body {name!r}", trial))
+        self.body.calc_forward_kinematics()
+        self.body.on_change(lambda _: self.shown.append((self.where(), self._links_follow())))
+        self.node = node or cast("Any", MemoryNode(trial))
+        self.loop = ClockedLoop(trial)
+        self.loop.wrap = lambda function: partial(self._run, function)
+        self.loop.set_exception_handler(self._failed)
+        self.calls = CallQueue(self.loop)
+        self.keys, self.shown = list[Hashable](), list[tuple[str, bool]]()
+        self._scope, self._failures = self.calls.scope(name), list[Failure]()
+        post: tuple[Any, Any] = self._later, self._latest
+        try:
+            with trial.calling("__init__"):
+                self._learner = trial.answer()
+            self.loop.call_soon(self._run, self._learner.configure, ControllerConfig(self.body, self.node, *post))
+            self.drain()
+        except Failure:
+            self.close()
+            raise
+
+    def another(self, model: str = "tank", name: str = "Rover") -> Self:
+        """Make another viewer for the same answer."""
+        return type(self)(self.trial, model, name)
+
+    def receive(self, message: Any) -> None:
+        """Deliver a message on a thread of its own, and wait until the callbacks have returned."""
+        thread = threading.Thread(target=self.call_back, args=(message,), daemon=True)
+        thread.start()
+        thread.join(PATIENCE)
+        if thread.is_alive():
+            name = self.trial.running[thread.ident or 0][-1].method
+            raise Failure(name, Misuse("it waits", slept(name)), self.trial.noted.pop("sleep", None))
+        self._tell()
+
+    def call_back(self, message: Any) -> None:
+        """Deliver a message on this thread."""
+        for callback in self.node.listeners(message):
+            self._run(callback, message)
+
+    def drain(self, seconds: float = 0.0) -> None:
+        """Let time pass [s], and run the posted calls."""
+        self.loop.advance(seconds)
+        self._tell()
+        if len(self.calls) and not self.trial.is_interleaved:  # there, another thread may post late
+            raise Failure("the posted call", Misuse("it posts another call each time it runs, without end", ENDLESS))
+
+    def leaves(self, *messages: Any) -> str:
+        """Call `unconfigure`, and say where the body is then. Calls that still wait are dropped.
+
+        Args:
+            messages: arrive just before, while the main thread is busy with that.
+        """
+        self.shown.clear()
+
+        def leave() -> None:
+            for message in messages:
+                self.receive(message)
+            self._scope.close()
+            self._run(self._learner.unconfigure)
+
+        self.loop.call_soon(leave)
+        self.drain()
+        return "a timer is still running" if self.loop.timers else self.where()
+
+    def left(self) -> str:
+        """Say that the controller has left nothing behind on the node."""
+        return str(self.node.check_left())
+
+    def where(self) -> str:
+        """Say where the joints are [rad or m]."""
+        return ", ".join(f"{joint.name} at {round(joint.position, 6) + 0.0:g}" for joint in self.body.joints)
+
+    def news(self) -> str:
+        """Say whether the links and the observers follow the last move."""
+        told = f"observers are notified{' too early' * (self.shown[-1] != (self.where(), True))}" if self.shown else ""
+        return f"its links {'follow' if self._links_follow() else 'stay behind'}, {told or 'nobody is notified'}"
+
+    def close(self) -> None:
+        """Drop the calls that still wait, and close the loop."""
+        self.calls.close()
+        self.loop.close()
+
+    def _links_follow(self) -> bool:
+        """Whether the links are where the joints' positions put them."""
+        self._fresh.qpos[:] = self.body.data.qpos
+        mujoco.mj_kinematics(self.body.model, self._fresh)
+        return all(np.allclose(getattr(self._fresh, name), getattr(self.body.data, name)) for name in ("xpos", "xquat"))
+
+    def _run(self, function: Callable[..., object], *arguments: Any) -> None:
+        """Call a function of the learner's, and keep the failure that it raises."""
+        try:
+            with self.trial.calling(name_of(function)):
+                made = function(*arguments)
+                if inspect.iscoroutine(made):
+                    made.close()
+                    raise Misuse("it is a coroutine function, async def, and nobody awaits it", COROUTINE)
+        except Failure as failure:
+            self._failures.append(failure)
+
+    def _failed(self, _loop: object, context: Mapping[str, Any]) -> None:
+        """Keep the error that asyncio reports about code on the loop."""
+        error = context.get("exception") or RuntimeError(context["message"])
+        if not isinstance(error, Failure):
+            error = self.trial.failure("what runs on the loop", error)
+        self._failures.append(error)
+
+    def _later(self, function: Any, *arguments: Any) -> None:
+        _check_callable(function)
+        self._scope.call_later(self._run, function, *arguments)
+
+    def _latest(self, key: Any, function: Any = None, *arguments: Any) -> None:
+        if callable(key) and not callable(function):
+            raise Misuse("call_latest is called without a key", KEY)
+        self.keys.append(key)
+        _check_callable(function)
+        self._scope.call_latest(key, self._run, function, *arguments)
+
+    def _tell(self) -> None:
+        """Raise what the learner's code has raised meanwhile, or that it has touched the body on another thread."""
+        failures, self._failures = self._failures, []
+        noted = self.trial.noted
+        for failure in failures[:1]:
+            if "touch" not in noted or failure.is_misuse:
+                raise failure
+        if "touch" in noted:
+            raise Failure(
+                "the callback", Misuse("it uses the body outside of the main thread", TOUCHED), noted["touch"]
+            )
+
+
+def _check_callable(function: Any) -> None:
+    """Refuse to post what cannot be called.
+
+    Raises:
+        Misuse: it cannot be called.
+    """
+    if not callable(function):
+        cause = SECONDS if isinstance(function, Real) else PARENTHESES
+        raise Misuse(f"it posts something that cannot be called: {function!r:.40}", cause)
