@@ -14,7 +14,7 @@ from programs import until
 from tutorial.commands.tank import main
 
 SIGNALLED = ("terminal", "tank", "bag", "chaos", "launcher")
-"""The modules that have the process handle_signals signals, which are pytest's here."""
+"""The modules that install signal handlers. Here pytest has its own."""
 
 
 class Run:

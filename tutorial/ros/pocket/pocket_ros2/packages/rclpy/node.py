@@ -55,7 +55,7 @@ class Node(NodeGraph, NodeParameters):
         context: None takes the default one.
         cli_args: a command line for this node alone.
         namespace: put before its name and its topics' names.
-        use_global_arguments: handle_signals the process's command line.
+        use_global_arguments: also use the process's command line.
         enable_rosout: publish what it logs on ``/rosout``.
         start_parameter_services: without effect, for there are no services here.
         parameter_overrides: values that win over those of :meth:`declare_parameter`.
