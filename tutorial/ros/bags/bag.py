@@ -18,7 +18,7 @@ from tutorial.paths import is_file, is_folder
 from tutorial.ros.bags.file_kind import foreign, suffix_of
 from tutorial.ros.bags.mcap import McapReader
 from tutorial.ros.bags.sqlite import SqliteReader
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, RawMessage, Span, read_yaml
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, CorruptBagError, RawMessage, Span, read_yaml
 from tutorial.ros.topics.names import escape_name, message_class
 
 READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
@@ -206,10 +206,10 @@ class Bag:
         name = escape_name(file.name)
         try:
             if what := foreign(file):
-                raise Damaged(what)
+                raise CorruptBagError(what)
             return READERS[suffix_of(file)](file, lambda fault: self._say(f"{name}: {fault}"))
-        except Damaged as damaged:
-            self._say(f"{name}: {damaged}")
+        except CorruptBagError as error:
+            self._say(f"{name}: {error}")
         except OSError as error:
             self._say(f"{name} cannot be read: {error.strerror}")
         return None

@@ -22,7 +22,7 @@ from mcap.reader import FOOTER_SIZE
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, LONGEST_TEXT, MOST_TOPICS, Channel, Damaged, RawMessage
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, LONGEST_TEXT, MOST_TOPICS, Channel, CorruptBagError, RawMessage
 
 CHUNK_SIZE = 768 * 1024  # [bytes], as ros2 bag's
 LARGEST_RECORD = LARGEST_MESSAGE + 64  # with what stands before the messages [bytes]
@@ -103,7 +103,7 @@ class McapReader:
         channels: its topics by their ids, as far as it has been read.
 
     Raises:
-        Damaged: it is no such file.
+        CorruptBagError: it is no such file.
         OSError: it cannot be read.
     """
 
@@ -144,7 +144,7 @@ class McapReader:
         """Refuse a file of another kind. The header's profile does not matter, as some programs leave it out."""
         begin = file.read(len(MCAP0_MAGIC))
         if begin != MCAP0_MAGIC:
-            raise Damaged(f"it begins with {begin.hex(' ')!r}, not as an MCAP file does")
+            raise CorruptBagError(f"it begins with {begin.hex(' ')!r}, not as an MCAP file does")
 
     def _unpacked(self, chunk: records.Chunk) -> Iterator[records.McapRecord]:
         """Yield the records of a chunk, up to where it is cut off; none where it cannot be unpacked."""

@@ -10,7 +10,7 @@ from typing import Any
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, Damaged, RawMessage
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, CorruptBagError, RawMessage
 
 COLUMNS = {"id": "id", "name": "name", "type": "type", "serialization_format": "'cdr'", "offered_qos_profiles": "''"}
 """The columns that are read for each topic, and what replaces one that an older ros2 bag did not write."""
@@ -101,7 +101,7 @@ class SqliteReader:
             if path.stat().st_size % next(self._rows("PRAGMA page_size"))[0]:  # SQLite reads zeros there
                 say("its last page is incomplete, so messages there may be wrong")
         except UNREADABLE as error:
-            raise Damaged(f"SQLite says: {printable(str(error))}") from error
+            raise CorruptBagError(f"SQLite says: {printable(str(error))}") from error
         self.channels = {number: Channel(*map(str, words)) for number, *words in rows}
 
     def _topics(self) -> list[tuple[Any, ...]]:

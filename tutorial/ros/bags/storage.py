@@ -15,8 +15,8 @@ RawMessage = tuple[str, int, bytes]
 """Its topic, when it was received [ns], and its payload."""
 
 
-class Damaged(Exception):  # noqa: N818 - it describes a file, and is no error of a program
-    """Nothing in a file can be read; the text is the end of a sentence."""
+class CorruptBagError(Exception):
+    """Nothing in a file can be read. The text completes a sentence that begins with the file's name."""
 
 
 @dataclass
