@@ -22,7 +22,6 @@ from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, CorruptBagError,
 from tutorial.ros.topics.names import escape_name, message_class
 
 READERS: dict[str, type[McapReader | SqliteReader]] = {".mcap": McapReader, ".db3": SqliteReader}
-LARGEST_METADATA = 2**20  # bytes: a thousand topics have less
 MOST_FAULTS = 5  # of a bag, that are told
 CDR_HEAD = 4  # bytes that every payload begins with
 ZSTD_HEAD = b"\x28\xb5\x2f\xfd"  # of a payload that ros2 bag has compressed
@@ -242,8 +241,6 @@ class Bag:
             self._say("its metadata.yaml is missing, as of a recording that was killed")
             return _Information()
         try:
-            if path.stat().st_size > LARGEST_METADATA:
-                raise OSError("it has more than 1 MB")
             return msgspec.convert(read_yaml(path.read_bytes()), _Metadata).rosbag2_bagfile_information
         except (OSError, msgspec.ValidationError) as error:
             self._say(f"metadata.yaml: {printable(str(error))}")

@@ -22,7 +22,7 @@ from mcap.reader import FOOTER_SIZE
 from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from tutorial.errors import printable
-from tutorial.ros.bags.storage import LARGEST_MESSAGE, LONGEST_TEXT, MOST_TOPICS, Channel, CorruptBagError, RawMessage
+from tutorial.ros.bags.storage import LARGEST_MESSAGE, Channel, CorruptBagError, RawMessage
 
 CHUNK_SIZE = 768 * 1024  # [bytes], as ros2 bag's
 LARGEST_RECORD = LARGEST_MESSAGE + 64  # with what stands before the messages [bytes]
@@ -179,7 +179,7 @@ class McapReader:
         """Learn a topic, or what its messages are. What was learned first holds: the file may say it again, spoilt."""
         if isinstance(record, records.Schema):
             self._types.setdefault(record.id, record.name)
-        elif isinstance(record, records.Channel) and len(self.channels) < MOST_TOPICS:
+        elif isinstance(record, records.Channel):
             kind, qos = self._types.get(record.schema_id, ""), record.metadata.get("offered_qos_profiles", "")
             self.channels.setdefault(record.id, Channel(record.topic, kind, record.message_encoding, qos))
 
@@ -204,7 +204,7 @@ class McapReader:
 
 
 class _Words(ReadDataStream):
-    """The content of a record, whose texts may be made of any bytes; of a long one, the beginning."""
+    """The content of a record. Its texts may contain any bytes."""
 
     def read_prefixed_string(self) -> str:
-        return self.read(self.read4())[:LONGEST_TEXT].decode("utf-8", "backslashreplace")
+        return self.read(self.read4()).decode("utf-8", "backslashreplace")

@@ -9,7 +9,7 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 from rosbags.interfaces import Qos, QosTime
 from rosbags.rosbag2.metadata import dump_qos_v9, parse_qos
 
-from tutorial.ros.bags.storage import LONGEST_TEXT, read_yaml
+from tutorial.ros.bags.storage import read_yaml
 
 DEFAULT_DEPTH = 10
 FOREVER = 2**63 - 1  # [ns]
@@ -36,7 +36,7 @@ def offered(text: str) -> QoSProfile:
         text: of `qos_text`, or of an older ``ros2 bag``, which has numbers for words.
     """
     try:
-        kinds = [_profile(told) for told in parse_qos(read_yaml(text[:LONGEST_TEXT]))]
+        kinds = [_profile(told) for told in parse_qos(read_yaml(text))]
     except Exception:  # noqa: BLE001 - what a stranger has written may be anything
         kinds = []
     return kinds[0] if kinds and all(kind == kinds[0] for kind in kinds) else QoSProfile(depth=DEFAULT_DEPTH)

@@ -8,9 +8,6 @@ import yaml
 LARGEST_MESSAGE = 128 * 2**20
 """Of a message, or of a chunk of messages, when it is unpacked [bytes]: some five pictures of the largest cameras."""
 
-MOST_TOPICS = 10_000  # of a bag
-LONGEST_TEXT = 2**15  # that is kept of what a bag says of a topic: a hundred publishers' quality of service
-
 RawMessage = tuple[str, int, bytes]
 """Its topic, when it was received [ns], and its payload."""
 
