@@ -6,6 +6,8 @@ from contextlib import ExitStack
 from types import SimpleNamespace
 
 import pytest
+from ipykernel.comm.comm import BaseComm
+from ipykernel.kernelbase import Kernel
 from IPython.core.formatters import DisplayFormatter
 from kernels import kernel
 from programs import PATIENCE
@@ -61,6 +63,11 @@ def test_without_ipython_there_is_nothing_to_explain(prepare, monkeypatch):
     for shell in (None, SimpleNamespace(display_formatter=None)):
         monkeypatch.setattr(process, "get_ipython", lambda shell=shell: shell)
         prepare()
+
+
+def test_names_in_ipykernel():
+    assert callable(BaseComm._reply_subshell_for)
+    assert callable(Kernel()._main_asyncio_lock.locked)
 
 
 @pytest.mark.process

@@ -9,11 +9,14 @@ from contextlib import ExitStack
 from types import CoroutineType
 from typing import Any
 
+from ipykernel._version import version_info
 from ipykernel.comm.comm import BaseComm
 from IPython.core.getipython import get_ipython
 
 from tutorial.notebook.desk import close_all, logged
 from tutorial.ros.domains import reserved_domain
+
+FIRST_CONCURRENT = (7, 4)  # of ipykernel: the first version that handles comm messages while a cell runs
 
 _until_exit = ExitStack()
 
@@ -28,7 +31,7 @@ def prepare_process() -> None:
     - What the library logs is kept for `tutorial.notebook.log`, and goes nowhere else.
     - At the end everything that is open is closed.
     - In IPython, a coroutine that a cell would display says that it lacks its ``await``.
-    - In a kernel, what a page says comes on the thread that the page asks for; on the main one, after the cell.
+    - A kernel handles a page's messages on the thread that the page asks for, and on the main thread between cells.
     """
     if not os.environ.get("ROS_DOMAIN_ID"):
         os.environ["ROS_DOMAIN_ID"] = str(_until_exit.enter_context(reserved_domain()))
@@ -40,8 +43,9 @@ def prepare_process() -> None:
     shell = get_ipython()
     if shell is not None and shell.display_formatter is not None:
         shell.display_formatter.formatters["text/plain"].for_type(CoroutineType, _explain)
-    if lock := getattr(getattr(shell, "kernel", None), "_main_asyncio_lock", None):
-        _take_messages_in_turn(lock)
+    lock = getattr(getattr(shell, "kernel", None), "_main_asyncio_lock", None)
+    if lock is not None and version_info[:2] >= FIRST_CONCURRENT:
+        _handle_comms_between_cells(lock)
 
 
 def _explain(coroutine: CoroutineType[Any, Any, Any], printer: Any, _cycle: bool) -> None:
@@ -49,15 +53,18 @@ def _explain(coroutine: CoroutineType[Any, Any, Any], printer: Any, _cycle: bool
     coroutine.close()  # it cannot be awaited by its name any more; this keeps Python from complaining of it later
 
 
-def _take_messages_in_turn(lock: Any) -> None:
-    """Have messages of pages taken as ipykernel 7.3 does.
+def _handle_comms_between_cells(lock: Any) -> None:
+    """Have a kernel handle comm messages as ipykernel 7.3 does: on the main thread only after the running cell.
 
-    ipykernel 7.4 brings them to the thread that spoke to the page last, which is the main one, and takes them there
-    while a cell runs. If that cell ends meanwhile, the next one's output and end are told in its name: the page waits
-    for ever for the end.
+    ipykernel 7.4 handles them while an async cell runs, so that the cell can await a widget's reply
+    (https://github.com/ipython/ipykernel/issues/646). If the cell ends in the meantime, the next cell's output and its
+    "idle" are sent in the ended cell's name, and the page waits for them forever. ipykernel 7.4 also routes a page's
+    messages to the thread that wrote to the page last, usually the main thread, whichever thread the page asks for.
+    ipykernel has no setting for either, so this replaces private attributes. A test checks that they still exist.
 
     Args:
-        lock: what the kernel holds while a cell runs; it takes a message at once if this says that it is locked.
+        lock: the kernel's lock, held while a cell runs. If it says that it is locked, the kernel handles a comm message
+            at once.
     """
     BaseComm._reply_subshell_for = None  # type: ignore[assignment, method-assign]
     lock.locked = lambda: False
