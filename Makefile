@@ -14,6 +14,7 @@
 #   make install              install what these commands need into .venv, if it is not up to date
 #   make ros                  install a real ROS 2 beside .venv, on Linux on x86-64
 #   make steps                the tables of steps, in the README, CONTRIBUTING and the book, after a change to their list
+#   make comparison           the table of book/comparison.md
 #   make screenshots          the README's picture, which moves; it takes some minutes
 #   make soak [DURATION=60]   a thousand messages a second for a minute: losses, latency, memory and a bag; then floods that mean harm
 #   make mutants              every small fault in the exercises' solutions: does the check find it; about a minute
@@ -41,7 +42,7 @@ LESSON := tests/ros/pocket tests/controllers tests/checks tests/course/test_note
 export PYTHONDONTWRITEBYTECODE :=  # modules are compiled once, not by each of hundreds of processes
 unexport MAKEFLAGS  # ninja, which tests start, would take part in make's jobs
 
-.PHONY: book wheel demo ros test test-all test-slow test-ros2 ready-for-ros2 $(ON_ROS2) nightly nbval notebooks steps screenshots lab hub hub-load install bench soak mutants lint clean
+.PHONY: book wheel demo ros test test-all test-slow test-ros2 ready-for-ros2 $(ON_ROS2) nightly nbval notebooks steps comparison screenshots lab hub hub-load install bench soak mutants lint clean
 
 demo: install
 	@$(BIN)/tank demo $(if $(DURATION),--duration $(DURATION))
@@ -89,8 +90,11 @@ notebooks: install
 steps: install
 	$(BIN)/python book/step_tables.py
 
+comparison: install
+	$(BIN)/python book/comparison_table.py
+
 screenshots: install
-	TANK_SCREENSHOTS=book/images $(PYTEST) tests/course/test_moving_picture.py
+	@PYTHONPATH=tests/support $(BIN)/python tests/screenshots
 
 lab: install
 	@$(BIN)/tank lab

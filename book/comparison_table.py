@@ -1,6 +1,6 @@
-"""The table of `book/comparison.md`: what this viewer and others show of the same faulty stream.
+"""Write the table of `comparison.md`: how this tutorial's viewer and others show the same faulty stream.
 
-``python tests/support/comparison.py`` writes it anew into the page; a test says when that is needed.
+Run ``make comparison`` after a change to `tutorial/joints.py` or to a fault.
 """
 
 import re
@@ -17,8 +17,8 @@ from viewers import VIEWERS, Viewer
 from tutorial.ros.chaos import FAULTS, Action, Chaos
 from tutorial.ros.chaos.stream import swing
 
-PAGE = Path(__file__).parents[2] / "book" / "comparison.md"
-TABLE = re.compile(r"(?<=<!-- made by tests/support/comparison.py -->\n).*?(?=<!-- end -->)", re.DOTALL)
+PAGE = Path(__file__).with_name("comparison.md")
+TABLE = re.compile(r"(?<=<!-- made by book/comparison_table.py -->\n).*?(?=<!-- end -->)", re.DOTALL)
 
 MESSAGES = 2000
 RATE = 20  # [Hz], at which robot_state_publisher publishes, too
@@ -28,10 +28,10 @@ RANGES = {"TURRET_Y": (-6.29, 6.29), "TURRET_P": (-0.18, 0.79)}  # [rad]
 
 
 def judge(kind: type[Viewer], fault: str) -> str:
-    """Show a stream to a viewer; say how much of the time the pose was not right, and whether that was said.
+    """Show a stream to a viewer, and describe how often its pose was not right, and whether it reported that.
 
-    A pose is right if each joint is where the good stream has it; stale if those that are not are where they were
-    before; else wrong.
+    A pose is right if each joint is where the good stream has it. It is stale if the other joints are where they were
+    before, and wrong otherwise.
     """
     viewer = kind(RANGES)
     seen: dict[str, set[float]] = {joint: set() for joint in RANGES}
@@ -51,7 +51,7 @@ def judge(kind: type[Viewer], fault: str) -> str:
 
 @lru_cache(maxsize=1)
 def _stream(fault: str) -> list[tuple[Any, list[Action]]]:
-    """Make the good messages, each with what becomes of it. All viewers are shown the same ones, one after another."""
+    """Return the good messages, each with what a fault makes of it. All viewers are shown the same ones."""
     chaos = Chaos(seed=SEED)
     made = []
     for number in range(1, 1 + MESSAGES):
@@ -68,7 +68,7 @@ def _words(found: Counter[str], said: bool, ended: bool) -> str:
 
 
 def table() -> str:
-    """Make the table, fault by fault."""
+    """Return the table in Markdown, with a row for each fault."""
     names = [kind.name for kind in VIEWERS]
     rows = [["fault", *names], ["---"] * (len(names) + 1)]
     rows += [[f"`{fault}`", *(judge(kind, fault) for kind in VIEWERS)] for fault in FAULTS]

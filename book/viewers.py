@@ -1,7 +1,7 @@
-"""What others make of a joint state: small models of their handling of one message, in our words, after their sources.
+"""Small models of how this tutorial's viewer and other programs handle a joint state, written after their sources.
 
-Each holds a pose, takes one message after the other, and says whether anybody was told that something was wrong. What
-they do besides, such as mimic joints, is left out.
+A model holds a pose, takes one message after another, and returns whether the program reports that something is wrong.
+The rest of these programs, such as mimic joints, is not modelled.
 """
 
 from collections.abc import Mapping
@@ -13,10 +13,10 @@ from tutorial.ros.chaos.faults import SECOND_NS, stamp_ns
 
 
 class Viewer:
-    """What is common to all.
+    """A program that shows joint states.
 
     Args:
-        ranges: the robot's joints, in its order, and their ranges [rad].
+        ranges: the robot's joints, in the robot's order, and their ranges [rad].
 
     Attributes:
         pose: where each joint is shown [rad].
@@ -30,11 +30,11 @@ class Viewer:
         self.pose = dict.fromkeys(ranges, 0.0)
 
     def take(self, message: Any, publisher: str = "publish") -> bool:
-        """Show a message; return whether anything was said about it.
+        """Show a message, and return whether the program reports a problem with it.
 
         Args:
             message: the `sensor_msgs/JointState`.
-            publisher: which one has sent it, ``"publish"`` or ``"second"``.
+            publisher: which one sent it, ``"publish"`` or ``"second"``.
         """
         raise NotImplementedError
 
@@ -49,7 +49,7 @@ class TankTutorial(Viewer):
 
     def __init__(self, ranges: Mapping[str, tuple[float, float]]) -> None:
         super().__init__(ranges)
-        self._publishers = {"publish"}  # those that there are, as the graph of nodes tells
+        self._publishers = {"publish"}  # known from the node graph
         self._matcher = JointMatcher(ranges, lambda: len(self._publishers))
 
     def take(self, message: Any, publisher: str = "publish") -> bool:
@@ -60,7 +60,7 @@ class TankTutorial(Viewer):
 
 
 class ChoreonoidTutorial(Viewer):
-    """The original: the i-th entry moves the i-th joint, if the names agree.
+    """The original: the i-th entry moves the i-th joint if their names agree.
 
     Source: choreonoid/choreonoid_ros_tank_tutorial, `src/RttJointStateSubscriber.cpp`.
     """
@@ -75,11 +75,11 @@ class ChoreonoidTutorial(Viewer):
 
 
 class RobotStatePublisher(Viewer):
-    """robot_state_publisher at its default 20 Hz, and tf2, which keeps what it publishes.
+    """robot_state_publisher at its default 20 Hz, and tf2, which stores its transforms.
 
-    Messages of uneven lengths are refused. A message counts if it is an interval newer than what was published last of
-    the joint of which that is longest ago, and than now. Of a joint that comes twice the first counts: it is inserted
-    into a map. tf2 refuses what is no number, and shows what has the newest stamp.
+    It drops messages of uneven lengths. It also drops a message unless that is at least an interval newer than the last
+    published one of its joints; the joint that was published longest ago counts. For a repeated name it uses the first
+    position, because it inserts the positions into a map. tf2 refuses NaN and shows the transform of the newest stamp.
 
     Source: ros/robot_state_publisher, `src/robot_state_publisher.cpp`; ros2/geometry2, `tf2/src/buffer_core.cpp`.
     """
@@ -105,8 +105,8 @@ class RobotStatePublisher(Viewer):
         return any(complaints)
 
     def _transform(self, joint: str, position: float, ns: int) -> bool:
-        """What tf2 does with a transform; return whether it complains."""
-        if not isfinite(position):  # the sine of an infinite angle is no number, either
+        """Store a transform as tf2 does, and return whether tf2 complains."""
+        if not isfinite(position):  # the sine of an infinite angle is NaN, too
             return True
         if ns >= self._shown_ns.get(joint, 0):
             self._shown_ns[joint] = ns
@@ -115,9 +115,9 @@ class RobotStatePublisher(Viewer):
 
 
 class JointStatePublisher(Viewer):
-    """joint_state_publisher with a source_list: by name, and the position of the same index, if there are any.
+    """joint_state_publisher with a source_list: by name, with the position of the same index, if there are positions.
 
-    An index beyond the positions raises in the callback, which ends the program.
+    An index beyond the positions raises an error in the callback, which ends the program.
 
     Source: ros/joint_state_publisher, `joint_state_publisher/joint_state_publisher/joint_state_publisher.py`.
     """
@@ -135,7 +135,7 @@ class JointStatePublisher(Viewer):
 
 
 class Foxglove(Viewer):
-    """The 3D panel of Foxglove Studio: by name; what has no position is at 0. By the time of arrival, not the stamp.
+    """The 3D panel of Foxglove Studio: by name and by time of arrival. A joint without a position is at 0.
 
     Source: foxglove/studio, `packages/studio-base/src/panels/ThreeDeeRender/renderables/Urdfs.ts`.
     """
@@ -150,9 +150,9 @@ class Foxglove(Viewer):
 
 
 class PlotJuggler(Viewer):
-    """PlotJuggler, whose newest points are the pose: by name, up to the shorter length; what is no number is skipped.
+    """PlotJuggler, whose newest points are the pose: by name, up to the shorter length, without NaN and infinities.
 
-    By the time of arrival, which is its default.
+    It goes by the time of arrival, which is its default.
 
     Source: PlotJuggler/PlotJuggler, `plotjuggler_plugins/ParserROS/ros_parser.cpp` since pull request 927,
     `plotjuggler_base/include/PlotJuggler/plotdatabase.h`.
