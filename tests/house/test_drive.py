@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from behaviours import EXPRESSIONS, RECORD, prelude, snippets
+from behaviours import recorded
 from controlled import Node
 from sensor_msgs.msg import Joy
 
@@ -32,16 +32,6 @@ def drive_page(monkeypatch):
     return drive_page
 
 
-def recorded() -> list[tuple[str, str, dict[str, object]]]:
-    """Each snippet that a real rclpy has run, with its prelude and outcome."""
-    records = [json.loads(file.read_text()) for file in (RECORD.with_name("rclpy_behaviour.json"), RECORD)]
-    rows = [(record["prelude"], row["code"], row) for record in records for row in record["rows"]]
-    for group in json.loads(EXPRESSIONS.read_text(encoding="utf-8"))["groups"]:
-        printed = (f"{text}\n" for text in group["expressions"].values())
-        rows += [(prelude(), code, {"printed": text}) for code, text in zip(snippets(group), printed)]
-    return rows
-
-
 IN_THE_PAGE = """
 import json, sys
 from behaviours import outcome
@@ -58,7 +48,7 @@ def test_its_rclpy_does_what_a_real_one_did(drive_page, tmp_path, domain):
     rows = recorded()
     done = subprocess.run(
         [sys.executable, "-c", IN_THE_PAGE, str(tmp_path)],
-        input=json.dumps([row[:2] for row in rows]),
+        input=json.dumps([(row["prelude"], row["code"]) for row in rows]),
         env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(SUPPORT)]), "ROS_DOMAIN_ID": str(domain)},
         capture_output=True,
         text=True,
@@ -66,9 +56,9 @@ def test_its_rclpy_does_what_a_real_one_did(drive_page, tmp_path, domain):
         timeout=280,
     )
     assert done.returncode == 0, done.stderr
-    for (_, code, row), seen in zip(rows, json.loads(done.stdout), strict=True):
+    for row, seen in zip(rows, json.loads(done.stdout), strict=True):
         expected = {"printed": row["printed"], "raises": row.get("raises"), "logged": sorted(row.get("logged", ()))}
-        assert seen == expected, code
+        assert seen == expected, row["code"]
 
 
 def test_its_tank_drives_as_the_course_has_it(drive_page, tmp_path):

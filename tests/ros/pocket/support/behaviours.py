@@ -25,6 +25,9 @@ FOLDER = Path(__file__).parents[1] / "behaviours"
 RECORD = FOLDER.parent / "data/more_rclpy_behaviour.json"
 """What a real rclpy did with them; made by record_behaviours.py."""
 
+OLDER_RECORD = FOLDER.parent / "data/rclpy_behaviour.json"
+"""Older snippets, and what a real rclpy did with them."""
+
 EXPRESSIONS = FOLDER.parent / "data/rclpy_expressions.json"
 """Expressions, and what a real rclpy made of them, in groups that begin with the same lines."""
 
@@ -106,6 +109,20 @@ def behaviours() -> Iterator[tuple[str, str, str]]:
         for cell in cells:
             title, _, code = cell.partition("\n")
             yield file.stem, title, (opening.strip() + "\n" + code.strip()).strip()
+
+
+def recorded() -> list[dict[str, Any]]:
+    """Return a row for each snippet that a real rclpy has run: its prelude, its code, and its outcome."""
+    older = json.loads(OLDER_RECORD.read_text(encoding="utf-8"))
+    rows = [row | {"prelude": older["prelude"]} for row in older["rows"]]
+    codes = {(about, shows): code for about, shows, code in behaviours()}
+    for row in json.loads(RECORD.read_text(encoding="utf-8"))["rows"]:
+        rows.append(row | {"prelude": prelude(), "code": codes.get((row["about"], row["shows"]), "")})
+    for group in json.loads(EXPRESSIONS.read_text(encoding="utf-8"))["groups"]:
+        for (code, printed), snippet in zip(group["expressions"].items(), snippets(group), strict=True):
+            row = {"about": group["about"], "shows": code, "printed": f"{printed}\n"}
+            rows.append(row | {"prelude": prelude(), "code": snippet})
+    return rows
 
 
 def outcomes(prelude: str, snippets: Sequence[str]) -> list[dict[str, Any]]:

@@ -20,7 +20,7 @@ import pocket_ros2
 def record(about: str, shows: str, code: str) -> dict[str, Any]:
     """Run one snippet, and return its row."""
     (outcome,) = outcomes(prelude(), [code])
-    return {"about": about, "shows": shows, "code": code, **outcome}
+    return {"about": about, "shows": shows, **outcome}
 
 
 def main() -> None:
@@ -44,7 +44,7 @@ def main() -> None:
         "'raises' is the exception's type and text; 'logged' the log lines on stderr, sorted, with the time replaced "
         "by [T]. Paths are cut."
     )
-    _write(RECORD, {"note": note, "prelude": prelude(), "rows": rows})
+    _write(RECORD, {"note": note, "rows": rows})
     note = (
         "Expressions are written here by hand; their outcomes are recorded by support/record_behaviours.py on a "
         f"real ROS 2 Jazzy ({where}). The prelude, and the lines of the group's setup, come before each."
