@@ -14,7 +14,8 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import urlsplit
 
 import pytest
-from browser import Witness, chromium, open_browser, until
+from browser import Witness, chromium, open_browser
+from loops import until
 
 from tutorial.paths import HOME
 

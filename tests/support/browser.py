@@ -1,16 +1,15 @@
 """A browser for the tests that need to see what a learner sees."""
 
-import asyncio
 import io
 import os
 import re
 import shutil
-import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 
 import numpy as np
 import pytest
+from loops import until
 from PIL import Image
 from playwright.async_api import Page, async_playwright
 from red_box import DISTANCE
@@ -89,15 +88,6 @@ class Witness:
     def _take_down(self, complaint: str) -> None:
         if not OF_THE_MACHINE.search(complaint):
             self.complaints.append(complaint)
-
-
-async def until(condition: Callable[[], Awaitable[bool]], what: str, patience: float = PATIENCE) -> None:
-    """Wait until it is so, as long as it takes on a busy machine, and fail if it never is."""
-    deadline = time.monotonic() + patience
-    while not await condition():
-        if time.monotonic() > deadline:
-            pytest.fail(f"after {patience:.0f} s it still was not so: {what}")
-        await asyncio.sleep(0.05)
 
 
 async def pixels(page: Page, selector: str) -> np.ndarray:

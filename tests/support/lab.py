@@ -16,7 +16,8 @@ from typing import Any
 import nbformat
 import psutil
 import pytest
-from browser import PATIENCE, until
+from browser import PATIENCE
+from loops import until
 from playwright.async_api import Page
 
 TOKEN = "a-token-for-the-tests"

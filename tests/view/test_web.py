@@ -7,8 +7,8 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from browser import LIKE_A_CARD, Witness, chromium, open_browser, red_is_at, until
-from loops import in_a_loop
+from browser import LIKE_A_CARD, Witness, chromium, open_browser, red_is_at
+from loops import in_a_loop, until
 from red_box import RedBox
 from scenes import lines
 from tornado.websocket import websocket_connect

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 import red_box
-from browser import red_is_at, until
+from browser import red_is_at
 from desk import lab_desk
+from loops import until
 from sensor_msgs.msg import Joy
 
 from tutorial.ros.node_thread import NodeThread

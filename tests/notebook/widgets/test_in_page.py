@@ -6,7 +6,8 @@ from html import escape
 import mujoco
 import numpy as np
 import pytest
-from browser import chromium, open_browser, pixels, red_spot, until
+from browser import chromium, open_browser, pixels, red_spot
+from loops import until
 from sensor_msgs.msg import JointState
 
 from tutorial.controllers.camera_publisher import image
