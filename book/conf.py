@@ -26,7 +26,7 @@ author = "the authors of the tank tutorial"
 copyright = "the authors of the tank tutorial"
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
-exclude_patterns = ["_build", "shown"]
+exclude_patterns = ["_build", "shown", "README.md"]
 default_role = "code"
 nb_execution_mode = "off"
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}

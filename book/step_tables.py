@@ -1,4 +1,4 @@
-"""The tables of steps in the README, CONTRIBUTING and the book, made from one list: ``make steps`` writes them."""
+"""The tables of steps in the README and the book, made from one list: ``make steps`` writes them."""
 
 import re
 from pathlib import Path
@@ -21,7 +21,6 @@ STEPS = (
 
 PAGES = {
     "README.md": ("step", "notebook", "you build", "controller", "project", "launch file", "topic"),
-    "CONTRIBUTING.md": ("step", "notebook", "controller", "check", "project", "launch file"),
     "book/index.md": ("notebook on the page", "you build", "topic"),
 }
 """By page, what is in the columns."""
@@ -47,7 +46,6 @@ def _row(number: int, name: str, builds: str, topic: str) -> dict[str, str]:
         "notebook on the page": f"[Step {number}]({notebook})",
         "you build": builds,
         "controller": _files("tutorial/controllers", name, ".py"),
-        "check": _files("tutorial/checks", name, ".py"),
         "project": _files("project", f"step{number}", ".yaml"),
         "launch file": _files("launch_py", f"step{number}", ".launch.py"),
         "topic": topic,

@@ -17,18 +17,23 @@ from tutorial.commands.tank import tank
 from tutorial.paths import HOME, find_drive, find_launch_file, find_model, find_project
 
 NOTEBOOKS = sorted((HOME / "notebooks").glob("[0-9]_*.ipynb"))
-PAGES = [HOME / "README.md", HOME / "CONTRIBUTING.md", *sorted((HOME / "book").glob("*.md"))]
 POCKET = HOME / "tutorial/ros/pocket/README.md"
+PAGES = [HOME / name for name in ("README.md", "CONTRIBUTING.md", ".ci/README.md", "tests/README.md")]
+PAGES += sorted({*HOME.glob("book/*.md"), *HOME.glob("tutorial/**/README.md")} - {POCKET})
 FOREIGN = r"\.|bash|cd|colcon|curl|docker|export|helm|pixi|python3?|ros2|rviz2|source|sudo|uv|\.venv/bin/.*"
 """Programs that are not the tutorial's: of their commands only the files that they name are looked for."""
 FINDERS = {"project": find_project, "step": find_launch_file, "drive": find_drive, "model": find_model}
+
+
+def name(path):
+    return path.relative_to(HOME).as_posix()
 
 
 def read(path):
     return path.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=name)
 def test_commands_that_a_reader_is_told_to_type_are_understood(page, monkeypatch):
     monkeypatch.chdir(HOME)
     monkeypatch.setattr(click.Path, "convert", lambda self, path, *_: self.coerce_path_result(path))  # is the reader's
@@ -60,7 +65,7 @@ def is_understood(arguments):
             find(values[option])
 
 
-@pytest.mark.parametrize("page", [*PAGES, *NOTEBOOKS, POCKET], ids=lambda page: page.name)
+@pytest.mark.parametrize("page", [*PAGES, *NOTEBOOKS, POCKET], ids=name)
 def test_every_link_leads_somewhere(page):
     text = read(page)
     if page in NOTEBOOKS:
