@@ -29,9 +29,8 @@ from typing import Any
 
 from tutorial.body import Joint
 from tutorial.checks.engine.bodies import bodies
-from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.cases import Case, Cases, Mistake, both, replace
 from tutorial.checks.engine.failure import Failure, Misuse
-from tutorial.checks.engine.tables import read_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 
@@ -55,129 +54,93 @@ class HeldJoint:
         self.q_ref, self.q_prev = q_ref, q
 
 
-MISTAKES = """
-your reference begins at 0. Begin at the joint's angle, joint.position.
-    self.q_ref = self.q_prev = joint.position => self.q_ref, self.q_prev = 0.0, joint.position
-
-self.q_prev begins at 0, so the first speed is wrong. Begin at the joint's angle, joint.position.
-    self.q_ref = self.q_prev = joint.position => self.q_ref, self.q_prev = joint.position, 0.0
-
-you move on from joint.position. The reference moves on from where it was itself: self.q_ref.
-    self.q_ref + 0.002 * stick => self.joint.position + 0.002 * stick
-
-your reference goes back to joint.position while the stick rests. Keep it: it only moves by 0.002 * stick.
-    self.q_ref + 0.002 * stick => (self.q_ref + 0.002 * stick if stick else self.joint.position)
-
-you convert between radians and degrees. 0.002 is in rad already, as angles and ranges are.
-    0.002 => radians(0.002) => degrees(0.002)
-
-your reference moves by another amount. In each call it is 0.002 rad at full stick.
-    0.002 => 0.02 => 0.0002
-
-you multiply the move by time_step. The reference moves by 0.002 * stick rad in each call, however long a step is.
-    0.002 * stick => 0.002 * stick * self.time_step => 2 * self.time_step * stick
-
-you use only the sign of the stick. Half a stick moves the reference half as far: 0.002 * stick.
-    0.002 * stick => 0.002 * ((stick > 0) - (stick < 0))
-
-you round the stick to a whole number. Half a stick moves the reference half as far: 0.002 * stick.
-    0.002 * stick => 0.002 * round(stick) => 0.002 * int(stick)
-
-your answer ignores a stick near the middle. There is no dead zone here: the reference moves by 0.002 * stick.
-    0.002 * stick => 0.002 * (stick if abs(stick) > 0.15 else 0.0)
-
-you move against the stick. A positive stick moves the reference up: + 0.002 * stick.
-    self.q_ref + 0.002 * stick => self.q_ref - 0.002 * stick
-
-you limit the stick to joint.range. Limit the reference, which is an angle.
-    0.002 * stick => 0.002 * min(max(stick, self.joint.range[0]), self.joint.range[1])
-
-you take the stick for the angle. It moves the reference, by 0.002 * stick in each call.
-    self.q_ref + 0.002 * stick => stick
-
-you don't limit the reference at both ends. It stays between joint.range[0] and joint.range[1].
-    = self.joint.range => = -9.9, 9.9 => = -9.9, self.joint.range[1] => = self.joint.range[0], 9.9
-    => = -self.joint.range[1], self.joint.range[1]
-
-you take 0 for the lower end of the range. It is joint.range[0], which may be negative.
-    = self.joint.range => = 0.0, self.joint.range[1]
-
-you use the limited reference but don't keep it, so the stick has to bring it back first. Store the limited one.
-    min(max(self.q_ref + 0.002 * stick, lower), upper) => min(max(self.far, lower), upper)
-    self.joint = joint => self.far, self.joint = joint.position, joint
-    lower, upper = => self.far += 0.002 * stick // lower, upper =
-
-you exchange the two gains. 200 is for the angle, 50 for the speed.
-    200 * (q_ref - q) + 50 * => 50 * (q_ref - q) + 200 *
-
-you use one gain for both. 200 is for the angle, 50 for the speed.
-    200 * (q_ref - q) + 50 * => 200 * (q_ref - q) + 200 * => 50 * (q_ref - q) + 50 *
-
-you compute dq_ref from the stick. It is what the limited reference has moved: (q_ref - self.q_ref) / self.time_step.
-    (q_ref - self.q_ref) / => 0.002 * stick /
-
-you compute dq_ref from joint.position. It is what the reference has moved: (q_ref - self.q_ref) / self.time_step.
-    (q_ref - self.q_ref) / => (q_ref - self.joint.position) /
-
-your dq_ref is missing or 0. Compute (q_ref - self.q_ref) / self.time_step before you store the new q_ref.
-    (dq_ref - dq) => (0.0 - dq)
-
-your dq is missing or 0. Compute (q - self.q_prev) / self.time_step before you store the new q.
-    (dq_ref - dq) => (dq_ref - 0.0)
-
-you don't divide the speeds by time_step. A speed is a change divided by the time that it took.
-    / self.time_step => / 1.0
-
-you multiply the speeds by time_step. A speed is a change divided by the time that it took.
-    / self.time_step => * self.time_step
-
-you don't store q in self.q_prev. The next call needs it for dq.
-    self.q_ref, self.q_prev = q_ref, q => self.q_ref = q_ref
-
-you don't store q_ref in self.q_ref. The next call moves on from it.
-    self.q_ref, self.q_prev = q_ref, q => self.q_prev = q
-
-you set self.q_prev to the reference. Store q there, the joint's angle.
-    self.q_ref, self.q_prev = q_ref, q => self.q_ref = self.q_prev = q_ref
-
-both your speeds are missing or 0. Compute them while self.q_ref and self.q_prev still hold the old values.
-    (dq_ref - dq) => 0.0 * (dq_ref - dq)
-
-you limit the joint's angle. Limit the reference, after it has moved.
-    min(max(self.q_ref + 0.002 * stick, lower), upper) => self.q_ref + 0.002 * stick
-    q = self.joint.position => q = min(max(self.joint.position, lower), upper)
-
-you compute the torque with the old reference. Move the reference first.
-    (q_ref - q) => (self.q_ref - q)
-
-you add the torque to the last one with +=. Set it with =: joint.effort still holds the torque of the last step.
-    self.joint.effort = => self.joint.effort +=
-    200 * (q_ref - q) + 50 * (dq_ref - dq) => 200 * (q_ref - q) + 50 * (dq_ref - dq) => 50 * (dq_ref - dq)
-    => 200 * (q_ref - q)
-
-you set no torque while the stick rests. The joint has to be held then, too.
-    lower, upper = => if not stick: return // lower, upper =
-
-you set no torque at an end of the range. The joint has to be held there, too.
-    lower, upper =
-    => lower, upper = self.joint.range // if not lower <= self.q_ref + 0.002 * stick <= upper: return // lower, upper =
-
-#
-Compare yours: move and limit q_ref, then compute both speeds, then set 200 * (q_ref - q) + 50 * (dq_ref - dq), not
-limited.
-
-# a tenth of the stick
-You probably ignore small sticks, or use only the stick's sign. The reference moves by 0.002 * stick.
-
-# full stick at the end of the range
-You probably stop the reference too early or too late. Its ends are joint.range[0] and joint.range[1], in rad.
-
-# with steps of 5 ms
-You probably use a fixed time step. Use time_step.
-
-# a joint with another range
-You probably use fixed ends of the range. They are in joint.range.
-"""
+MISTAKES = [
+    Mistake("your reference begins at 0. Begin at the joint's angle, joint.position.",
+            replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = 0.0, joint.position")),
+    Mistake("self.q_prev begins at 0, so the first speed is wrong. Begin at the joint's angle, joint.position.",
+            replace("self.q_ref = self.q_prev = joint.position", "self.q_ref, self.q_prev = joint.position, 0.0")),
+    Mistake("you move on from joint.position. The reference moves on from where it was itself: self.q_ref.",
+            replace("self.q_ref + 0.002 * stick", "self.joint.position + 0.002 * stick")),
+    Mistake("your reference goes back to joint.position while the "
+            "stick rests. Keep it: it only moves by 0.002 * stick.",
+            replace("self.q_ref + 0.002 * stick", "(self.q_ref + 0.002 * stick if stick else self.joint.position)")),
+    Mistake("you convert between radians and degrees. 0.002 is in rad already, as angles and ranges are.",
+            replace("0.002", "radians(0.002)", "degrees(0.002)")),
+    Mistake("your reference moves by another amount. In each call it is 0.002 rad at full stick.",
+            replace("0.002", "0.02", "0.0002")),
+    Mistake("you multiply the move by time_step. The reference moves "
+            "by 0.002 * stick rad in each call, however long a step is.",
+            replace("0.002 * stick", "0.002 * stick * self.time_step", "2 * self.time_step * stick")),
+    Mistake("you use only the sign of the stick. Half a stick moves the reference half as far: 0.002 * stick.",
+            replace("0.002 * stick", "0.002 * ((stick > 0) - (stick < 0))")),
+    Mistake("you round the stick to a whole number. Half a stick moves the reference half as far: 0.002 * stick.",
+            replace("0.002 * stick", "0.002 * round(stick)", "0.002 * int(stick)")),
+    Mistake("your answer ignores a stick near the middle. There is "
+            "no dead zone here: the reference moves by 0.002 * stick.",
+            replace("0.002 * stick", "0.002 * (stick if abs(stick) > 0.15 else 0.0)")),
+    Mistake("you move against the stick. A positive stick moves the reference up: + 0.002 * stick.",
+            replace("self.q_ref + 0.002 * stick", "self.q_ref - 0.002 * stick")),
+    Mistake("you limit the stick to joint.range. Limit the reference, which is an angle.",
+            replace("0.002 * stick", "0.002 * min(max(stick, self.joint.range[0]), self.joint.range[1])")),
+    Mistake("you take the stick for the angle. It moves the reference, by 0.002 * stick in each call.",
+            replace("self.q_ref + 0.002 * stick", "stick")),
+    Mistake("you don't limit the reference at both ends. It stays between joint.range[0] and joint.range[1].",
+            replace("= self.joint.range", "= -9.9, 9.9", "= -9.9, self.joint.range[1]", "= self.joint.range[0], 9.9",
+                    "= -self.joint.range[1], self.joint.range[1]")),
+    Mistake("you take 0 for the lower end of the range. It is joint.range[0], which may be negative.",
+            replace("= self.joint.range", "= 0.0, self.joint.range[1]")),
+    Mistake("you use the limited reference but don't keep it, so the "
+            "stick has to bring it back first. Store the limited one.",
+            both(replace("min(max(self.q_ref + 0.002 * stick, lower), upper)", "min(max(self.far, lower), upper)"),
+                 replace("self.joint = joint", "self.far, self.joint = joint.position, joint"),
+                 replace("lower, upper =", "self.far += 0.002 * stick\nlower, upper ="))),
+    Mistake("you exchange the two gains. 200 is for the angle, 50 for the speed.",
+            replace("200 * (q_ref - q) + 50 *", "50 * (q_ref - q) + 200 *")),
+    Mistake("you use one gain for both. 200 is for the angle, 50 for the speed.",
+            replace("200 * (q_ref - q) + 50 *", "200 * (q_ref - q) + 200 *", "50 * (q_ref - q) + 50 *")),
+    Mistake("you compute dq_ref from the stick. It is what the limited "
+            "reference has moved: (q_ref - self.q_ref) / self.time_step.",
+            replace("(q_ref - self.q_ref) /", "0.002 * stick /")),
+    Mistake("you compute dq_ref from joint.position. It is what the "
+            "reference has moved: (q_ref - self.q_ref) / self.time_step.",
+            replace("(q_ref - self.q_ref) /", "(q_ref - self.joint.position) /")),
+    Mistake("your dq_ref is missing or 0. Compute (q_ref - self.q_ref) "
+            "/ self.time_step before you store the new q_ref.",
+            replace("(dq_ref - dq)", "(0.0 - dq)")),
+    Mistake("your dq is missing or 0. Compute (q - self.q_prev) / self.time_step before you store the new q.",
+            replace("(dq_ref - dq)", "(dq_ref - 0.0)")),
+    Mistake("you don't divide the speeds by time_step. A speed is a change divided by the time that it took.",
+            replace("/ self.time_step", "/ 1.0")),
+    Mistake("you multiply the speeds by time_step. A speed is a change divided by the time that it took.",
+            replace("/ self.time_step", "* self.time_step")),
+    Mistake("you don't store q in self.q_prev. The next call needs it for dq.",
+            replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = q_ref")),
+    Mistake("you don't store q_ref in self.q_ref. The next call moves on from it.",
+            replace("self.q_ref, self.q_prev = q_ref, q", "self.q_prev = q")),
+    Mistake("you set self.q_prev to the reference. Store q there, the joint's angle.",
+            replace("self.q_ref, self.q_prev = q_ref, q", "self.q_ref = self.q_prev = q_ref")),
+    Mistake("both your speeds are missing or 0. Compute them while "
+            "self.q_ref and self.q_prev still hold the old values.",
+            replace("(dq_ref - dq)", "0.0 * (dq_ref - dq)")),
+    Mistake("you limit the joint's angle. Limit the reference, after it has moved.",
+            both(replace("min(max(self.q_ref + 0.002 * stick, lower), upper)", "self.q_ref + 0.002 * stick"),
+                 replace("q = self.joint.position", "q = min(max(self.joint.position, lower), upper)"))),
+    Mistake("you compute the torque with the old reference. Move the reference first.",
+            replace("(q_ref - q)", "(self.q_ref - q)")),
+    Mistake("you add the torque to the last one with +=. Set it with "
+            "=: joint.effort still holds the torque of the last step.",
+            both(replace("self.joint.effort =", "self.joint.effort +="),
+                 replace("200 * (q_ref - q) + 50 * (dq_ref - dq)", "200 * (q_ref - q) + 50 * (dq_ref - dq)",
+                         "50 * (dq_ref - dq)", "200 * (q_ref - q)"))),
+    Mistake("you set no torque while the stick rests. The joint has to be held then, too.",
+            replace("lower, upper =", "if not stick: return\nlower, upper =")),
+    Mistake("you set no torque at an end of the range. The joint has to be held there, too.",
+            replace("lower, upper =",
+                    "lower, upper = self.joint.range\nif not lower <= "
+                    "self.q_ref + 0.002 * stick <= upper: return\nlower, upper =")),
+]  # fmt: skip
+MEANING = ("Compare yours: move and limit q_ref, then compute both speeds, "
+           "then set 200 * (q_ref - q) + 50 * (dq_ref - dq), not limited.")  # fmt: skip
 POSITION = "You probably set the result as joint.position. A motor takes a torque: set joint.effort."
 
 NARROW = (-0.1700001, 0.7800001)  # [rad]; a whole number of moves, and a trace more, away from where the cases begin
@@ -220,22 +183,27 @@ def two(trial: Trial) -> tuple[float, ...]:
 
 STILL: Calls = (0.0, 0.0, 1)
 UP: Calls = (1.0, 0.0, 60)
-TRIED = {
-    "10 calls at full stick, with the joint blocked": last((1.0, 0.0, 10)),
-    "3 calls with the stick at rest": last((0.0, 0.0, 3)),
-    "full stick for 10 calls, then at rest for 10": last((1.0, 0.0, 10), (0.0, 0.0, 10)),
-    "half stick down, the joint follows": last(STILL, (-0.5, -1.0, 20)),
-    "stick at rest, the joint is pushed": last((0.0, 0.0, 2), (0.0, 0.5, 20)),
-    "full stick at the end of the range": last(UP, begin=0.7),
-    "the stick reversed at that end": last(UP, (-1.0, 0.0, 1), begin=0.7),
-    "full stick down at the lower end of the range, then up": last((-1.0, 0.0, 60), (1.0, 0.0, 1), begin=-0.1),
-    "full stick, with steps of 5 ms": last(STILL, (1.0, 0.3, 9), dt=0.005),
-    "the first call, at full stick": last((1.0, 0.0, 1)),
-    "a tenth of the stick": last((0.1, 0.0, 10)),
-    "stick at rest, the joint is pushed beyond its range": last(STILL, (0.0, 0.5, 20), begin=0.778),
-    "full stick, a joint with another range": last(UP, begin=0.86, limits=(-1.5000001, 0.9000001)),
-    "two joints in turns": two,
-}
+CASES = [
+    Case("10 calls at full stick, with the joint blocked", last((1.0, 0.0, 10))),
+    Case("3 calls with the stick at rest", last((0.0, 0.0, 3))),
+    Case("full stick for 10 calls, then at rest for 10", last((1.0, 0.0, 10), (0.0, 0.0, 10))),
+    Case("half stick down, the joint follows", last(STILL, (-0.5, -1.0, 20))),
+    Case("stick at rest, the joint is pushed", last((0.0, 0.0, 2), (0.0, 0.5, 20))),
+    Case("full stick at the end of the range", last(UP, begin=0.7),
+         "You probably stop the reference too early or too late. "
+         "Its ends are joint.range[0] and joint.range[1], in rad."),
+    Case("the stick reversed at that end", last(UP, (-1.0, 0.0, 1), begin=0.7)),
+    Case("full stick down at the lower end of the range, then up", last((-1.0, 0.0, 60), (1.0, 0.0, 1), begin=-0.1)),
+    Case("full stick, with steps of 5 ms", last(STILL, (1.0, 0.3, 9), dt=0.005),
+         "You probably use a fixed time step. Use time_step."),
+    Case("the first call, at full stick", last((1.0, 0.0, 1))),
+    Case("a tenth of the stick", last((0.1, 0.0, 10)),
+         "You probably ignore small sticks, or use only the stick's sign. The reference moves by 0.002 * stick."),
+    Case("stick at rest, the joint is pushed beyond its range", last(STILL, (0.0, 0.5, 20), begin=0.778)),
+    Case("full stick, a joint with another range", last(UP, begin=0.86, limits=(-1.5000001, 0.9000001)),
+         "You probably use fixed ends of the range. They are in joint.range."),
+    Case("two joints in turns", two),
+]  # fmt: skip
 
 
 def say(torque: Any) -> str:
@@ -245,5 +213,4 @@ def say(torque: Any) -> str:
     return "no torque" if isnan(torque) else f"{torque:.1f} N.m".replace("-0.0", "0.0")
 
 
-TABLE = read_table(TRIED, MISTAKES)
-aim = Exercise("aim", __doc__, Cases(HeldJoint, TABLE.cases, TABLE.mistakes, TABLE.meaning, say))
+aim = Exercise("aim", __doc__, Cases(HeldJoint, CASES, MISTAKES, MEANING, say))

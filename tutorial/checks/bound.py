@@ -31,10 +31,9 @@ from typing import Any
 
 from sensor_msgs.msg import Joy
 
-from tutorial.checks.engine.cases import Cases, Run
+from tutorial.checks.engine.cases import Case, Cases, Mistake, Run, both, replace
 from tutorial.checks.engine.failure import Misuse
 from tutorial.checks.engine.interleave import traced
-from tutorial.checks.engine.tables import read_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 
@@ -45,81 +44,47 @@ def four_axes(message: Joy) -> list[float]:
     return [min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 for axis in axes]
 
 
-MISTAKES = """
-you limit an axis without checking that it is finite. NaN and infinities count as 0: check isfinite(axis) first.
-    min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0 => min(max(axis, -1.0), 1.0) => max(-1.0, min(1.0, axis))
-    => min(1.0, max(-1.0, axis))
-
-you check for NaN only. An infinity counts as 0, too: isfinite(axis) is False for both.
-    isfinite(axis) => not isnan(axis)
-
-you check for infinities only. NaN counts as 0, too: isfinite(axis) is False for both.
-    isfinite(axis) => not isinf(axis)
-
-you leave out a bad axis, so the next ones move forward. Keep its place: 0 if it isn't finite, else the limit.
-    *message.axes[:4], => *filter(isfinite, message.axes[:4]),
-    => *filter(lambda axis: -1.0 <= axis <= 1.0, message.axes[:4]),
-
-one bad axis sets all four to 0. Each axis counts by itself.
-    return [min => if not all(map(isfinite, axes)): return [0.0] * 4 // return [min
-    => if not all(-1.0 <= axis <= 1.0 for axis in axes): return [0.0] * 4 // return [min
-
-you set an axis outside of -1 to 1 to 0. Limit it to the nearer end: min(max(axis, -1.0), 1.0).
-    isfinite(axis) => -1.0 <= axis <= 1.0
-
-you lose the sign of negative axes. The range is -1 to 1: min(max(axis, -1.0), 1.0).
-    max(axis, -1.0) => max(axis, 0.0) => abs(axis)
-
-you don't limit an axis at both ends. 1.5 counts as 1, and -3 as -1: min(max(axis, -1.0), 1.0).
-    min(max(axis, -1.0), 1.0) => axis => min(axis, 1.0) => max(axis, -1.0)
-
-you divide all axes if one is too large. Limit that one, and leave the rest: min(max(axis, -1.0), 1.0).
-    return [min => size = max(1.0, *(abs(axis) for axis in axes if isfinite(axis))) // return [min
-    max(axis, => max(axis / size,
-
-a message with fewer than four axes gives only zeros. Keep the axes that it has, and append zeros.
-    axes = => if len(message.axes) < 4: return [0.0] * 4 // axes =
-
-you require exactly four axes. There may be more or fewer: begin with message.axes[:4], and append zeros.
-    axes = => if len(message.axes) != 4: return [0.0] * 4 // axes =
-
-you put the zeros in front of the axes. The first axis stays the first: append zeros.
-    [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4] => [0.0, 0.0, 0.0, 0.0, *message.axes[:4]][-4:]
-
-you return only as many numbers as the message has axes. Append zeros, so that there are four.
-    [*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4] => message.axes[:4]
-
-you return more than four numbers. Only the first four axes count: message.axes[:4].
-    [:4], 0.0, 0.0, 0.0, 0.0][:4] => , 0.0, 0.0, 0.0, 0.0][: max(4, len(message.axes))]
-
-you take the last four axes. The first four count: message.axes[:4].
-    message.axes[:4] => message.axes[-4:]
-
-#
-Compare yours: take the first four axes in their order; each by itself is 0 if missing or not finite, else limited.
-
-# six axes
-You probably require a certain number of axes. There may be more, and the first four count: message.axes[:4].
-
-# three axes
-# one axis
-# no axes
-You probably rely on four axes, or drop a shorter message. Keep the axes that it has; the missing ones are 0.
-
-# NaN for
-You probably leave NaN out, let it change the other axes, or limit it. It counts as 0: check isfinite(axis) first.
-
-# infinity
-You probably limit an infinity to 1 or -1. It counts as 0: check isfinite(axis) first. (isnan finds only NaN.)
-
-# 1.5 for
-# -3 for
-# 1e30 for
-You probably don't limit an axis beyond -1 or 1, set it to 0, or scale all. Limit it: min(max(axis, -1.0), 1.0).
-
-# two messages
-You probably return the same list from every call, and change it. Make a new list in each call.
-"""
+MISTAKES = [
+    Mistake("you limit an axis without checking that it is finite. NaN "
+            "and infinities count as 0: check isfinite(axis) first.",
+            replace("min(max(axis, -1.0), 1.0) if isfinite(axis) else 0.0", "min(max(axis, -1.0), 1.0)",
+                    "max(-1.0, min(1.0, axis))", "min(1.0, max(-1.0, axis))")),
+    Mistake("you check for NaN only. An infinity counts as 0, too: isfinite(axis) is False for both.",
+            replace("isfinite(axis)", "not isnan(axis)")),
+    Mistake("you check for infinities only. NaN counts as 0, too: isfinite(axis) is False for both.",
+            replace("isfinite(axis)", "not isinf(axis)")),
+    Mistake("you leave out a bad axis, so the next ones move forward. "
+            "Keep its place: 0 if it isn't finite, else the limit.",
+            replace("*message.axes[:4],", "*filter(isfinite, message.axes[:4]),",
+                    "*filter(lambda axis: -1.0 <= axis <= 1.0, message.axes[:4]),")),
+    Mistake("one bad axis sets all four to 0. Each axis counts by itself.",
+            replace("return [min", "if not all(map(isfinite, axes)): return [0.0] * 4\nreturn [min",
+                    "if not all(-1.0 <= axis <= 1.0 for axis in axes): return [0.0] * 4\nreturn [min")),
+    Mistake("you set an axis outside of -1 to 1 to 0. Limit it to the nearer end: min(max(axis, -1.0), 1.0).",
+            replace("isfinite(axis)", "-1.0 <= axis <= 1.0")),
+    Mistake("you lose the sign of negative axes. The range is -1 to 1: min(max(axis, -1.0), 1.0).",
+            replace("max(axis, -1.0)", "max(axis, 0.0)", "abs(axis)")),
+    Mistake("you don't limit an axis at both ends. 1.5 counts as 1, and -3 as -1: min(max(axis, -1.0), 1.0).",
+            replace("min(max(axis, -1.0), 1.0)", "axis", "min(axis, 1.0)", "max(axis, -1.0)")),
+    Mistake("you divide all axes if one is too large. Limit that one, and leave the rest: min(max(axis, -1.0), 1.0).",
+            both(replace("return [min",
+                         "size = max(1.0, *(abs(axis) for axis in axes if isfinite(axis)))\nreturn [min"),
+                 replace("max(axis,", "max(axis / size,"))),
+    Mistake("a message with fewer than four axes gives only zeros. Keep the axes that it has, and append zeros.",
+            replace("axes =", "if len(message.axes) < 4: return [0.0] * 4\naxes =")),
+    Mistake("you require exactly four axes. There may be more or fewer: begin with message.axes[:4], and append zeros.",
+            replace("axes =", "if len(message.axes) != 4: return [0.0] * 4\naxes =")),
+    Mistake("you put the zeros in front of the axes. The first axis stays the first: append zeros.",
+            replace("[*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]", "[0.0, 0.0, 0.0, 0.0, *message.axes[:4]][-4:]")),
+    Mistake("you return only as many numbers as the message has axes. Append zeros, so that there are four.",
+            replace("[*message.axes[:4], 0.0, 0.0, 0.0, 0.0][:4]", "message.axes[:4]")),
+    Mistake("you return more than four numbers. Only the first four axes count: message.axes[:4].",
+            replace("[:4], 0.0, 0.0, 0.0, 0.0][:4]", ", 0.0, 0.0, 0.0, 0.0][: max(4, len(message.axes))]")),
+    Mistake("you take the last four axes. The first four count: message.axes[:4].",
+            replace("message.axes[:4]", "message.axes[-4:]")),
+]  # fmt: skip
+MEANING = ("Compare yours: take the first four axes in their order; "
+           "each by itself is 0 if missing or not finite, else limited.")  # fmt: skip
 ALL = "You probably copy all axes, or go through all of them. Begin with message.axes[:4], which takes only four."
 A_LIST = "Return a list of four numbers: return [... for axis in axes], with square brackets."
 
@@ -182,30 +147,40 @@ def million(trial: Trial) -> list[float]:
     return numbers(returned)
 
 
-TRIED = {
-    "four axes": given(*FOUR),
-    "six axes": given(0.5, -0.625, 0.75, 0.4375, 1.0, 0.875),
-    "three axes": given(0.75, 0.5, -0.625),
-    "one axis": given(0.75),
-    "no axes": given(),
-    "NaN for the second axis": given(0.5, nan, 0.75, -0.625),
-    "infinity for the first axis": given(inf, -0.625, 0.75, 0.5),
-    "minus infinity for the last axis": given(0.625, 0.5, -0.75, -inf),
-    "1.5 for the first axis": given(1.5, 0.625, -0.75, 0.5),
-    "-3 for the third axis": given(0.625, 0.5, -3.0, -0.75),
-    "1e30 for the last axis": given(0.5, 0.625, -0.75, 1e30),
-    "minus infinity, 2 and NaN in one message": given(-inf, 2.0, nan, -0.5),
-    "sticks almost in the middle": given(0.0390625, -0.03515625, 0.02734375, 0.0),
-    "only one axis, which is NaN": given(nan),
-    "NaN and infinity after the fourth axis": given(*FOUR, nan, inf),
-    "two messages, both results read at the end": twice,
-    "a million axes": million,
-}
+SHORT = "You probably rely on four axes, or drop a shorter message. Keep the axes that it has; the missing ones are 0."
+INFINITE = ("You probably limit an infinity to 1 or -1. It counts as "
+            "0: check isfinite(axis) first. (isnan finds only NaN.)")  # fmt: skip
+BEYOND = ("You probably don't limit an axis beyond -1 or 1, set it "
+          "to 0, or scale all. Limit it: min(max(axis, -1.0), 1.0).")  # fmt: skip
+CASES = [
+    Case("four axes", given(*FOUR)),
+    Case("six axes", given(0.5, -0.625, 0.75, 0.4375, 1.0, 0.875),
+         "You probably require a certain number of axes. There "
+         "may be more, and the first four count: message.axes[:4].", crashes=True),
+    Case("three axes", given(0.75, 0.5, -0.625), SHORT, crashes=True),
+    Case("one axis", given(0.75), SHORT, crashes=True),
+    Case("no axes", given(), SHORT, crashes=True),
+    Case("NaN for the second axis", given(0.5, nan, 0.75, -0.625),
+         "You probably leave NaN out, let it change the other axes, "
+         "or limit it. It counts as 0: check isfinite(axis) first.", crashes=True),
+    Case("infinity for the first axis", given(inf, -0.625, 0.75, 0.5), INFINITE, crashes=True),
+    Case("minus infinity for the last axis", given(0.625, 0.5, -0.75, -inf), INFINITE, crashes=True),
+    Case("1.5 for the first axis", given(1.5, 0.625, -0.75, 0.5), BEYOND, crashes=True),
+    Case("-3 for the third axis", given(0.625, 0.5, -3.0, -0.75), BEYOND, crashes=True),
+    Case("1e30 for the last axis", given(0.5, 0.625, -0.75, 1e30), BEYOND, crashes=True),
+    Case("minus infinity, 2 and NaN in one message", given(-inf, 2.0, nan, -0.5), INFINITE, crashes=True),
+    Case("sticks almost in the middle", given(0.0390625, -0.03515625, 0.02734375, 0.0)),
+    Case("only one axis, which is NaN", given(nan), SHORT, crashes=True),
+    Case("NaN and infinity after the fourth axis", given(*FOUR, nan, inf), INFINITE, crashes=True),
+    Case("two messages, both results read at the end", twice,
+         "You probably return the same list from every call, and change it. Make a new list in each call.",
+         crashes=True),
+    Case("a million axes", million),
+]  # fmt: skip
 
-TABLE = read_table(TRIED, MISTAKES, crashes=[""])
 bound = Exercise(
     "bound",
     __doc__,
-    Cases(four_axes, TABLE.cases, TABLE.mistakes, TABLE.meaning),
+    Cases(four_axes, CASES, MISTAKES, MEANING),
     imports=("from math import isfinite",),
 )

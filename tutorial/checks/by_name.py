@@ -32,9 +32,8 @@ from typing import Any
 
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.cases import Case, Cases, Mistake, replace
 from tutorial.checks.engine.failure import Misuse
-from tutorial.checks.engine.tables import read_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 
@@ -48,122 +47,64 @@ def match_by_name(joint_names: Sequence[str], message: JointState) -> dict[str, 
     }
 
 
-MISTAKES = """
-you filter names or positions before zip, so what is left goes to the wrong names. First zip both, then drop pairs.
-    message.name, message.position => [n for n in message.name if n in joint_names], message.position
-    => message.name, [*filter(isfinite, message.position)] => message.name, [q for q in message.position if q == q]
-
-you swap names and positions: in {name: position} the name comes first.
-    name: position => position: name
-
-you return inside the loop, after the first pair. Return after the loop.
-    zip(message.name, message.position) => [*zip(message.name, message.position)][:1]
-    => [each for each in zip(message.name, message.position) if each[0] in joint_names and isfinite(each[1])][:1]
-
-you convert the positions. Pass them on unchanged: they are in rad or m on both sides.
-    name: position => name: degrees(position) => name: radians(position)
-
-you give the i-th position to the i-th joint of the body. It belongs to the i-th name of the message.
-    zip(message.name, message.position) => zip(joint_names, message.position)
-
-you use a position only if its name is in the same place in the message and in joint_names. The order may differ.
-    zip(message.name, message.position)
-    => [(n, q) for n, m, q in zip(message.name, joint_names, message.position) if n == m]
-
-you give every joint a value, also one that the message does not name. Leave that joint out.
-    return { => return dict.fromkeys(joint_names) | { => return dict.fromkeys(joint_names, 0.0) | {
-    => return dict.fromkeys(joint_names, nan) | {
-
-you stop at the first pair that doesn't count. Skip only that pair, and go on with the next one.
-    zip(message.name, message.position)
-    => takewhile(lambda each: each[0] in joint_names and isfinite(each[1]), zip(message.name, message.position))
-    => takewhile(lambda each: each[0] in joint_names, zip(message.name, message.position))
-    => takewhile(lambda each: isfinite(each[1]), zip(message.name, message.position))
-
-you give names without a position the value 0. Leave them out.
-    zip(message.name, message.position) => zip_longest(message.name, message.position, fillvalue=0.0)
-
-you drop the whole message if names and positions differ in number. Use the names that have a position.
-    return { => if len(message.name) != len(message.position): return dict() // return {
-    => if len(message.name) > len(message.position): return dict() // return {
-
-you drop the whole message for one position that isn't finite, or one unknown name. Leave out only that pair.
-    return { => if not all(map(isfinite, message.position)): return dict() // return {
-    => if any(n not in joint_names for n in message.name): return dict() // return {
-
-you keep the first position of a name that comes twice. The last finite one counts.
-    zip(message.name, message.position) => [*zip(message.name, message.position)][::-1]
-
-you first take the last position of each name and then test it, so NaN replaces a good number. Test each pair first.
-    zip(message.name, message.position) => dict(zip(message.name, message.position)).items()
-
-you leave out a position of 0, as `if position` does. 0 is a position like any other.
-    isfinite(position) => position and isfinite(position)
-
-you sort the pairs, so another position of a name comes last. Keep the message's order.
-    zip(message.name, message.position) => sorted(zip(message.name, message.position))
-
-you leave out a name that comes twice. Its last finite position counts.
-    name in joint_names and => name in joint_names and message.name.count(name) == 1 and
-
-you test only for NaN. An infinity isn't finite either: use math.isfinite.
-    isfinite(position) => position == position
-
-you don't test the positions. Leave out NaN and infinities: math.isfinite returns False for them.
-    isfinite(position) => True
-
-you keep names that the body does not have. Leave out a pair if its name is not in joint_names.
-    name in joint_names => True
-
-#
-You probably take the wrong pairs: keep each pair whose name is in joint_names and whose position is finite.
-
-# all joints, in order
-You probably return something other than {name: position} with all pairs. Fill one dict, return it after the loop.
-
-# joints in another order
-You probably expect the message to have the body's order. Take each position's joint from the message's names.
-
-# only HATCH
-You probably expect every joint in every message. Leave out a joint that the message does not name.
-
-# an unknown name
-You probably look up unknown names, or stop at the first one. Leave out that pair, and go on with the next one.
-
-# 3 names
-You probably expect a position for every name. Use zip: it leaves out names without a position.
-
-# 2 names
-You probably expect a name for every position. Use zip: it leaves out positions without a name.
-
-# no positions
-# an empty message
-You probably expect at least one position. If there are none, return {}.
-
-# NaN for
-You probably keep NaN, or let it affect the other joints. Leave out only that pair; math.isfinite finds it.
-
-# infinity
-You probably test only for NaN. An infinity isn't finite either: use math.isfinite.
-
-# twice
-You probably use a wrong position of a name that comes twice, or none. Use its last finite position.
-
-# almost right
-You probably change names before you compare them, or compare parts. A name counts only if it equals a joint's name.
-
-# HATCH below
-You probably leave out 0, as `if position` does, or negative numbers. Both are positions like any other.
-
-# many digits
-You probably convert or round positions, or drop their sign. Pass them on unchanged.
-
-# for the crane
-You probably hard-code the tank's joint names. Use joint_names: it holds the body's.
-
-# one joint
-You probably read only as many names as the body has joints. Go through all names of the message.
-"""
+MISTAKES = [
+    Mistake("you filter names or positions before zip, so what is left "
+            "goes to the wrong names. First zip both, then drop pairs.",
+            replace("message.name, message.position", "[n for n in message.name if n in joint_names], message.position",
+                    "message.name, [*filter(isfinite, message.position)]",
+                    "message.name, [q for q in message.position if q == q]")),
+    Mistake("you swap names and positions: in {name: position} the name comes first.",
+            replace("name: position", "position: name")),
+    Mistake("you return inside the loop, after the first pair. Return after the loop.",
+            replace("zip(message.name, message.position)", "[*zip(message.name, message.position)][:1]",
+                    "[each for each in zip(message.name, message.position) "
+                    "if each[0] in joint_names and isfinite(each[1])][:1]")),
+    Mistake("you convert the positions. Pass them on unchanged: they are in rad or m on both sides.",
+            replace("name: position", "name: degrees(position)", "name: radians(position)")),
+    Mistake("you give the i-th position to the i-th joint of the body. It belongs to the i-th name of the message.",
+            replace("zip(message.name, message.position)", "zip(joint_names, message.position)")),
+    Mistake("you use a position only if its name is in the same place "
+            "in the message and in joint_names. The order may differ.",
+            replace("zip(message.name, message.position)",
+                    "[(n, q) for n, m, q in zip(message.name, joint_names, message.position) if n == m]")),
+    Mistake("you give every joint a value, also one that the message does not name. Leave that joint out.",
+            replace("return {", "return dict.fromkeys(joint_names) | {", "return dict.fromkeys(joint_names, 0.0) | {",
+                    "return dict.fromkeys(joint_names, nan) | {")),
+    Mistake("you stop at the first pair that doesn't count. Skip only that pair, and go on with the next one.",
+            replace("zip(message.name, message.position)",
+                    "takewhile(lambda each: each[0] in joint_names and "
+                    "isfinite(each[1]), zip(message.name, message.position))",
+                    "takewhile(lambda each: each[0] in joint_names, zip(message.name, message.position))",
+                    "takewhile(lambda each: isfinite(each[1]), zip(message.name, message.position))")),
+    Mistake("you give names without a position the value 0. Leave them out.",
+            replace("zip(message.name, message.position)",
+                    "zip_longest(message.name, message.position, fillvalue=0.0)")),
+    Mistake("you drop the whole message if names and positions differ in number. Use the names that have a position.",
+            replace("return {", "if len(message.name) != len(message.position): return dict()\nreturn {",
+                    "if len(message.name) > len(message.position): return dict()\nreturn {")),
+    Mistake("you drop the whole message for one position that isn't "
+            "finite, or one unknown name. Leave out only that pair.",
+            replace("return {", "if not all(map(isfinite, message.position)): return dict()\nreturn {",
+                    "if any(n not in joint_names for n in message.name): return dict()\nreturn {")),
+    Mistake("you keep the first position of a name that comes twice. The last finite one counts.",
+            replace("zip(message.name, message.position)", "[*zip(message.name, message.position)][::-1]")),
+    Mistake("you first take the last position of each name and then test "
+            "it, so NaN replaces a good number. Test each pair first.",
+            replace("zip(message.name, message.position)", "dict(zip(message.name, message.position)).items()")),
+    Mistake("you leave out a position of 0, as `if position` does. 0 is a position like any other.",
+            replace("isfinite(position)", "position and isfinite(position)")),
+    Mistake("you sort the pairs, so another position of a name comes last. Keep the message's order.",
+            replace("zip(message.name, message.position)", "sorted(zip(message.name, message.position))")),
+    Mistake("you leave out a name that comes twice. Its last finite position counts.",
+            replace("name in joint_names and", "name in joint_names and message.name.count(name) == 1 and")),
+    Mistake("you test only for NaN. An infinity isn't finite either: use math.isfinite.",
+            replace("isfinite(position)", "position == position")),
+    Mistake("you don't test the positions. Leave out NaN and infinities: math.isfinite returns False for them.",
+            replace("isfinite(position)", "True")),
+    Mistake("you keep names that the body does not have. Leave out a pair if its name is not in joint_names.",
+            replace("name in joint_names", "True")),
+]  # fmt: skip
+MEANING = "You probably take the wrong pairs: keep each pair whose name is in joint_names and whose position is finite."
 A_DICT = "Return a dict from names to positions; if nothing counts, an empty one. dict(pairs) makes a dict from pairs."
 KEPT = "You probably keep one dict from call to call. Make a new one in every call, not as a default argument."
 
@@ -201,34 +142,60 @@ def pairs(found: dict[Any, Any]) -> list[str]:
     return sorted(f"{name}: {number}" for name, number in numbers.items())
 
 
-TRIED = {
-    "all joints, in order": heard(BODY, (0.1, 0.2, 0.3)),
-    "joints in another order": heard(BODY[::-1], (0.3, 0.2, 0.1)),
-    "a message with only HATCH": heard(("HATCH",), (0.3,)),
-    "an unknown name, ANTENNA": heard(("ANTENNA", "TURRET_P", "HATCH"), (0.9, 0.2, 0.3)),
-    "3 names, 2 positions": heard(BODY, (0.1, 0.2)),
-    "no positions": heard(BODY, ()),
-    "NaN for TURRET_P": heard(BODY, (0.1, nan, 0.3)),
-    "TURRET_Y twice": heard(("TURRET_Y", "TURRET_P", "TURRET_Y"), (0.1, 0.2, 0.3)),
-    "TURRET_Y twice, and smaller": heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2)),
-    "TURRET_Y at 0, HATCH below 0": heard(BODY, (0.0, 0.2, -0.3)),
-    "an unknown name in the middle": heard(("HATCH", "ANTENNA", "TURRET_Y"), (0.3, 0.9, 0.1)),
-    "NaN for HATCH, the last": heard(BODY, (0.1, 0.2, nan)),
-    "TURRET_Y twice, at first NaN": heard(("TURRET_Y", "HATCH", "TURRET_Y"), (nan, 0.3, 0.1)),
-    "TURRET_Y twice, at last NaN": heard(("TURRET_Y", "HATCH", "TURRET_Y"), (0.1, 0.3, nan)),
-    "an empty message": heard((), ()),
-    "2 names, 3 positions": heard(BODY[:2], (0.1, 0.2, 0.3)),
-    "names that are almost right": heard(ALMOST, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)),
-    "a position with many digits": heard(BODY, (0.123456, -9.23456, 0.3)),
-    "a message for the crane": heard(("LUFF", "HATCH", "SLEW"), (0.3, 0.9, 0.1), CRANE),
-    "infinity for HATCH": heard(BODY, (0.1, 0.2, inf)),
-    "a body with one joint": heard(("TURRET_P", "HATCH"), (0.2, 0.3), ("HATCH",)),
-}
+UNKNOWN = ("You probably look up unknown names, or stop at the first "
+           "one. Leave out that pair, and go on with the next one.")  # fmt: skip
+EMPTY = "You probably expect at least one position. If there are none, return {}."
+NOT_A_NUMBER = ("You probably keep NaN, or let it affect the other "
+                "joints. Leave out only that pair; math.isfinite finds it.")  # fmt: skip
+TWICE = "You probably use a wrong position of a name that comes twice, or none. Use its last finite position."
+CASES = [
+    Case("all joints, in order", heard(BODY, (0.1, 0.2, 0.3)),
+         "You probably return something other than {name: position} "
+         "with all pairs. Fill one dict, return it after the loop.", crashes=True),
+    Case("joints in another order", heard(BODY[::-1], (0.3, 0.2, 0.1)),
+         "You probably expect the message to have the body's order. "
+         "Take each position's joint from the message's names.", crashes=True),
+    Case("a message with only HATCH", heard(("HATCH",), (0.3,)),
+         "You probably expect every joint in every message. Leave out a joint that the message does not name.",
+         crashes=True),
+    Case("an unknown name, ANTENNA", heard(("ANTENNA", "TURRET_P", "HATCH"), (0.9, 0.2, 0.3)), UNKNOWN, crashes=True),
+    Case("3 names, 2 positions", heard(BODY, (0.1, 0.2)),
+         "You probably expect a position for every name. Use zip: it leaves out names without a position.",
+         crashes=True),
+    Case("no positions", heard(BODY, ()), EMPTY, crashes=True),
+    Case("NaN for TURRET_P", heard(BODY, (0.1, nan, 0.3)), NOT_A_NUMBER, crashes=True),
+    Case("TURRET_Y twice", heard(("TURRET_Y", "TURRET_P", "TURRET_Y"), (0.1, 0.2, 0.3)), TWICE, crashes=True),
+    Case("TURRET_Y twice, and smaller", heard(("TURRET_Y", "TURRET_Y", "HATCH"), (0.3, 0.1, 0.2)), TWICE, crashes=True),
+    Case("TURRET_Y at 0, HATCH below 0", heard(BODY, (0.0, 0.2, -0.3)),
+         "You probably leave out 0, as `if position` does, or negative numbers. Both are positions like any other.",
+         crashes=True),
+    Case("an unknown name in the middle", heard(("HATCH", "ANTENNA", "TURRET_Y"), (0.3, 0.9, 0.1)), UNKNOWN,
+         crashes=True),
+    Case("NaN for HATCH, the last", heard(BODY, (0.1, 0.2, nan)), NOT_A_NUMBER, crashes=True),
+    Case("TURRET_Y twice, at first NaN", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (nan, 0.3, 0.1)), TWICE,
+         crashes=True),
+    Case("TURRET_Y twice, at last NaN", heard(("TURRET_Y", "HATCH", "TURRET_Y"), (0.1, 0.3, nan)), TWICE, crashes=True),
+    Case("an empty message", heard((), ()), EMPTY, crashes=True),
+    Case("2 names, 3 positions", heard(BODY[:2], (0.1, 0.2, 0.3)),
+         "You probably expect a name for every position. Use zip: it leaves out positions without a name.",
+         crashes=True),
+    Case("names that are almost right", heard(ALMOST, (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)),
+         "You probably change names before you compare them, or compare "
+         "parts. A name counts only if it equals a joint's name.", crashes=True),
+    Case("a position with many digits", heard(BODY, (0.123456, -9.23456, 0.3)),
+         "You probably convert or round positions, or drop their sign. Pass them on unchanged.", crashes=True),
+    Case("a message for the crane", heard(("LUFF", "HATCH", "SLEW"), (0.3, 0.9, 0.1), CRANE),
+         "You probably hard-code the tank's joint names. Use joint_names: it holds the body's.", crashes=True),
+    Case("infinity for HATCH", heard(BODY, (0.1, 0.2, inf)),
+         "You probably test only for NaN. An infinity isn't finite either: use math.isfinite.", crashes=True),
+    Case("a body with one joint", heard(("TURRET_P", "HATCH"), (0.2, 0.3), ("HATCH",)),
+         "You probably read only as many names as the body has joints. Go through all names of the message.",
+         crashes=True),
+]  # fmt: skip
 
-TABLE = read_table(TRIED, MISTAKES, crashes=[""])
 by_name = Exercise(
     "by_name",
     __doc__,
-    Cases(match_by_name, TABLE.cases, TABLE.mistakes, TABLE.meaning),
+    Cases(match_by_name, CASES, MISTAKES, MEANING),
     imports=("from math import isfinite",),
 )

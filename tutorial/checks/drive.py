@@ -35,10 +35,9 @@ from typing import Any
 from sensor_msgs.msg import Joy
 
 from tutorial.checks.bound import four_axes
-from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.cases import Case, Cases, Mistake, both, replace
 from tutorial.checks.engine.interleave import early, interleave
 from tutorial.checks.engine.rig import Rig
-from tutorial.checks.engine.tables import read_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 from tutorial.checks.fire import over_ros
@@ -76,113 +75,65 @@ class GentleTank(SimpleController):
         self.node.destroy_subscription(self.subscription)
 
 
-MISTAKES = """
-control never gets the message, or sets no speed. Read self.joy.get(), and set self.track_l.ctrl, not self.track_l.
-    self.joy.put(message) => pass
-
-you set the tracks of config.body, the displayed copy. The simulated tank is io.body.
-    self.node = config.node => self.node, self.shown = config.node, config.body
-    io.body.actuator => self.shown.actuator
-
-you move the turret or the barrel, too. Set only the tracks: TankController's control, for one, also sets the turret.
-    self.track_l = => self.turret, self.turned = io.body.actuator("TURRET_Y"), 0.0 // self.track_l =
-    self.track_l.ctrl = 1 => self.turned += axes[2] // self.turret.ctrl = self.turned // self.track_l.ctrl = 1
-    => self.turret.ctrl = axes[2] // self.track_l.ctrl = 1 => self.turret.ctrl = 1.0 // self.track_l.ctrl = 1
-
-you set no speed while the stick rests, or drop that message, so the last speed stays. Set 0 then.
-    self.track_l.ctrl = 1 => if not left_x and not left_y: return // self.track_l.ctrl = 1
-
-you exchange left and right. With the stick to the left, left_x > 0, the left track slows down, the right one speeds up.
-    0.5 * left_x => -0.5 * left_x
-
-you exchange left_x and left_y. axes[0] is left_x, to the side, and axes[1] is left_y, ahead.
-    left_x, left_y = => left_y, left_x =
-
-you read an axis of the right stick. The left stick is axes[0] and axes[1].
-    axes[:2] => axes[2:] => axes[1:3] => [axes[2], axes[1]] => [axes[0], axes[3]]
-
-you use TankController's speeds, 2 y - x and 2 y + x. Here they are half as high: 1.0 * left_y and 0.5 * left_x.
-    1.0 * left_y => 2.0 * left_y
-    0.5 * left_x => 1.0 * left_x
-
-you limit the speeds to 1 m/s. They are the sums, unlimited.
-    1.0 * left_y - 0.5 * left_x => min(max(1.0 * left_y - 0.5 * left_x, -1.0), 1.0)
-    1.0 * left_y + 0.5 * left_x => min(max(1.0 * left_y + 0.5 * left_x, -1.0), 1.0)
-
-you have no dead zone. An axis counts as 0 unless abs(axis) > 0.3.
-    > 0.3 => > -1
-
-your dead zone has another width. Here it is 0.3 for each axis (TankController's is 0.2).
-    > 0.3 => > 0.03 => > 0.15 => > 0.2 => > 0.28 => > 0.32 => > 0.35 => > 0.45 => > 0.5
-
-you use one dead zone for both axes together. Check each axis by itself: abs(axis) > 0.3.
-    abs(axis) > 0.3 => max(map(abs, axes[:2])) > 0.3 => min(map(abs, axes[:2])) > 0.3 => abs(complex(*axes[:2])) > 0.3
-
-only one of your axes has a dead zone. Check both: abs(axis) > 0.3.
-    (axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2]) => (axes[0], axes[1] if abs(axes[1]) > 0.3 else 0.0)
-    => (axes[0] if abs(axes[0]) > 0.3 else 0.0, axes[1])
-
-you apply the dead zone to the speeds. Apply it to each axis, before you compute them.
-    axis if abs(axis) > 0.3 else 0.0 for => axis for
-    1.0 * left_y - 0.5 * left_x => (lambda v: v if abs(v) > 0.3 else 0.0)(1.0 * left_y - 0.5 * left_x)
-    1.0 * left_y + 0.5 * left_x => (lambda v: v if abs(v) > 0.3 else 0.0)(1.0 * left_y + 0.5 * left_x)
-
-your dead zone swallows negative axes. Compare the absolute value: abs(axis) > 0.3.
-    abs(axis) > 0.3 => axis > 0.3
-
-you subtract the dead zone from the axis, or stretch the rest. Outside of the dead zone an axis counts unchanged.
-    (axis if => (axis - 0.3 * axis / abs(axis) if => ((axis - 0.3 * axis / abs(axis)) / 0.7 if
-
-you square or cube the axis. Outside of the dead zone an axis counts unchanged.
-    (axis if => (axis * abs(axis) if => (axis**3 if
-
-you use only the sign of an axis. Outside of the dead zone an axis counts unchanged.
-    (axis if => (axis / abs(axis) if
-
-#
-Compare yours: in every step, TRACK_L of io.body runs at 1.0 * left_y - 0.5 * left_x, TRACK_R at 1.0 * left_y +
-0.5 * left_x, not limited, and nothing else moves. An axis counts as 0 unless abs(axis) > 0.3, each by itself.
-
-# the topic, in the namespace /lab
-You probably use "/joy" or another topic or type, or don't subscribe: create_subscription(Joy, "joy", ...) in configure.
-
-# a message, before the next step
-You probably set the tracks in the callback. Set them only in control, on the simulation's thread.
-
-# before the first message
-You probably rely on a message. There may be none yet: begin with an empty one, Latest(Joy()).
-
-# axes
-You probably rely on the axes, or drop a short message. Missing axes count as 0; four_axes(message) fills them in.
-
-# 8 axes
-You probably require a certain number of axes. There may be more: four_axes(message) returns the first four.
-
-# a second step does the same
-You probably smooth the speeds, or use a message for one step only. Set the speeds at once, and in every step.
-
-# all sticks
-You probably drop a message in which the sticks rest, so the tank drives on. Keep every message.
-
-# 300 steps without a message
-You probably let a message count for a limited time, or skip messages by time. The newest counts until the next comes.
-
-# four messages between two steps
-You probably queue the messages, or keep the first. Keep only the newest: put each into the same Latest.
-
-# a message that comes before the start
-# after a restart
-You probably create self.joy in initialize, which forgets the last message. Create it in configure.
-
-# two tanks
-You probably keep the message in the class, so all tanks share it. Create self.joy in configure.
-
-# control between the callback's instructions
-Your callback probably stores a message in several parts, and control runs in between. Put it into self.joy as a whole.
-
-# a message between control's instructions
-Your control probably reads self.joy twice, and a message arrives in between. Get it once, and read both axes from it.
-"""
+MISTAKES = [
+    Mistake("control never gets the message, or sets no speed. Read "
+            "self.joy.get(), and set self.track_l.ctrl, not self.track_l.",
+            replace("self.joy.put(message)", "pass")),
+    Mistake("you set the tracks of config.body, the displayed copy. The simulated tank is io.body.",
+            both(replace("self.node = config.node", "self.node, self.shown = config.node, config.body"),
+                 replace("io.body.actuator", "self.shown.actuator"))),
+    Mistake("you move the turret or the barrel, too. Set only the tracks: "
+            "TankController's control, for one, also sets the turret.",
+            both(replace("self.track_l =",
+                         'self.turret, self.turned = io.body.actuator("TURRET_Y"), 0.0\nself.track_l ='),
+                 replace("self.track_l.ctrl = 1",
+                         "self.turned += axes[2]\nself.turret.ctrl = self.turned\nself.track_l.ctrl = 1",
+                         "self.turret.ctrl = axes[2]\nself.track_l.ctrl = 1",
+                         "self.turret.ctrl = 1.0\nself.track_l.ctrl = 1"))),
+    Mistake("you set no speed while the stick rests, or drop that message, so the last speed stays. Set 0 then.",
+            replace("self.track_l.ctrl = 1", "if not left_x and not left_y: return\nself.track_l.ctrl = 1")),
+    Mistake("you exchange left and right. With the stick to the left, "
+            "left_x > 0, the left track slows down, the right one speeds up.",
+            replace("0.5 * left_x", "-0.5 * left_x")),
+    Mistake("you exchange left_x and left_y. axes[0] is left_x, to the side, and axes[1] is left_y, ahead.",
+            replace("left_x, left_y =", "left_y, left_x =")),
+    Mistake("you read an axis of the right stick. The left stick is axes[0] and axes[1].",
+            replace("axes[:2]", "axes[2:]", "axes[1:3]", "[axes[2], axes[1]]", "[axes[0], axes[3]]")),
+    Mistake("you use TankController's speeds, 2 y - x and 2 y + x. "
+            "Here they are half as high: 1.0 * left_y and 0.5 * left_x.",
+            both(replace("1.0 * left_y", "2.0 * left_y"), replace("0.5 * left_x", "1.0 * left_x"))),
+    Mistake("you limit the speeds to 1 m/s. They are the sums, unlimited.",
+            both(replace("1.0 * left_y - 0.5 * left_x", "min(max(1.0 * left_y - 0.5 * left_x, -1.0), 1.0)"),
+                 replace("1.0 * left_y + 0.5 * left_x", "min(max(1.0 * left_y + 0.5 * left_x, -1.0), 1.0)"))),
+    Mistake("you have no dead zone. An axis counts as 0 unless abs(axis) > 0.3.", replace("> 0.3", "> -1")),
+    Mistake("your dead zone has another width. Here it is 0.3 for each axis (TankController's is 0.2).",
+            replace("> 0.3", "> 0.03", "> 0.15", "> 0.2", "> 0.28", "> 0.32", "> 0.35", "> 0.45", "> 0.5")),
+    Mistake("you use one dead zone for both axes together. Check each axis by itself: abs(axis) > 0.3.",
+            replace("abs(axis) > 0.3", "max(map(abs, axes[:2])) > 0.3", "min(map(abs, axes[:2])) > 0.3",
+                    "abs(complex(*axes[:2])) > 0.3")),
+    Mistake("only one of your axes has a dead zone. Check both: abs(axis) > 0.3.",
+            replace("(axis if abs(axis) > 0.3 else 0.0 for axis in axes[:2])",
+                    "(axes[0], axes[1] if abs(axes[1]) > 0.3 else 0.0)",
+                    "(axes[0] if abs(axes[0]) > 0.3 else 0.0, axes[1])")),
+    Mistake("you apply the dead zone to the speeds. Apply it to each axis, before you compute them.",
+            both(replace("axis if abs(axis) > 0.3 else 0.0 for", "axis for"),
+                 replace("1.0 * left_y - 0.5 * left_x",
+                         "(lambda v: v if abs(v) > 0.3 else 0.0)(1.0 * left_y - 0.5 * left_x)"),
+                 replace("1.0 * left_y + 0.5 * left_x",
+                         "(lambda v: v if abs(v) > 0.3 else 0.0)(1.0 * left_y + 0.5 * left_x)"))),
+    Mistake("your dead zone swallows negative axes. Compare the absolute value: abs(axis) > 0.3.",
+            replace("abs(axis) > 0.3", "axis > 0.3")),
+    Mistake("you subtract the dead zone from the axis, or stretch the "
+            "rest. Outside of the dead zone an axis counts unchanged.",
+            replace("(axis if", "(axis - 0.3 * axis / abs(axis) if", "((axis - 0.3 * axis / abs(axis)) / 0.7 if")),
+    Mistake("you square or cube the axis. Outside of the dead zone an axis counts unchanged.",
+            replace("(axis if", "(axis * abs(axis) if", "(axis**3 if")),
+    Mistake("you use only the sign of an axis. Outside of the dead zone an axis counts unchanged.",
+            replace("(axis if", "(axis / abs(axis) if")),
+]  # fmt: skip
+MEANING = ("Compare yours: in every step, TRACK_L of io.body runs at 1.0 * left_y - 0.5 "
+           "* left_x, TRACK_R at 1.0 * left_y + 0.5 * left_x, not limited, and nothing "
+           "else moves. An axis counts as 0 unless abs(axis) > 0.3, each by itself.")  # fmt: skip
 DRIVES, AHEAD = (0.5, -0.8, 0.7, -0.9), (0.0, 1.0, 0.7, -0.9)
 STICKS = (
     *((0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-0.6, 0.8), (1.0, 1.0), (0.16, -0.1), (-0.16, 0.1), (0.02, 0.02)),
@@ -262,27 +213,49 @@ def halved(trial: Trial, in_callback: bool) -> str:
     return "half of the message is used" if set(seen) - whole else "the message is used as a whole, or not yet"
 
 
-TRIED = {
-    "the topic, in the namespace /lab": lambda answer: Rig(answer, namespace="/lab").node.on(Joy, "joy"),
-    "a message, before the next step": after("start", DRIVES),
-    "before the first message": after("start", 1),
-    "a second step does the same": second_step,
-    **{f"left_x {x:g}, left_y {y:g}": after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1) for x, y in STICKS},
-    "all sticks rest": after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1),
-    "all sticks almost rest": after("start", DRIVES, 1, (0.1, -0.1, 0.2, 0.1), 1),
-    **{f"a message with {len(axes)} axes": after("start", DRIVES, 1, axes, 1) for axes in MESSAGES},
-    "300 steps without a message": after("start", DRIVES, 300),
-    "four messages between two steps": after("start", DRIVES, AHEAD, DRIVES, AHEAD, 1),
-    "a message that comes before the start": after(DRIVES, "start", 1),
-    "after a restart": after("start", DRIVES, 1, "stop", "start", 1),
-    "two tanks": two,
-    "control between the callback's instructions": lambda answer: halved(answer, True),
-    "a message between control's instructions": lambda answer: halved(answer, False),
-    "a message as soon as the subscription exists": early(Rig, Joy(axes=DRIVES)),
-    "after unconfigure": lambda answer: Rig(answer).leave(),
-}
-TABLE = read_table(TRIED, MISTAKES, crashes=["before the first message", " axes"])
-CLOCK = next(case.meaning for case in TABLE.cases if case.label == "300 steps without a message")
+AT_REST = "You probably drop a message in which the sticks rest, so the tank drives on. Keep every message."
+MISSING = ("You probably rely on the axes, or drop a short message. "
+           "Missing axes count as 0; four_axes(message) fills them in.")  # fmt: skip
+NEWEST = ("You probably let a message count for a limited time, or skip "
+          "messages by time. The newest counts until the next comes.")  # fmt: skip
+KEPT = "You probably create self.joy in initialize, which forgets the last message. Create it in configure."
+CASES = [
+    Case("the topic, in the namespace /lab", lambda trial: Rig(trial, namespace="/lab").node.on(Joy, "joy"),
+         "You probably use \"/joy\" or another topic or type, or don't "
+         'subscribe: create_subscription(Joy, "joy", ...) in configure.'),
+    Case("a message, before the next step", after("start", DRIVES),
+         "You probably set the tracks in the callback. Set them only in control, on the simulation's thread."),
+    Case("before the first message", after("start", 1),
+         "You probably rely on a message. There may be none yet: begin with an empty one, Latest(Joy()).",
+         crashes=True),
+    Case("a second step does the same", second_step,
+         "You probably smooth the speeds, or use a message for one "
+         "step only. Set the speeds at once, and in every step."),
+    *(Case(f"left_x {x:g}, left_y {y:g}", after("start", DRIVES, 1, (x, y, 0.7, -0.9), 1)) for x, y in STICKS),
+    Case("all sticks rest", after("start", DRIVES, 1, (0.0, 0.0, 0.0, 0.0), 1), AT_REST),
+    Case("all sticks almost rest", after("start", DRIVES, 1, (0.1, -0.1, 0.2, 0.1), 1), AT_REST),
+    Case("a message with 2 axes", after("start", DRIVES, 1, (0.0, 1.0), 1), MISSING, crashes=True),
+    Case("a message with 0 axes", after("start", DRIVES, 1, (), 1), MISSING, crashes=True),
+    Case("a message with 1 axes", after("start", DRIVES, 1, (1.0,), 1), MISSING, crashes=True),
+    Case("a message with 8 axes", after("start", DRIVES, 1, (1.0, -1.0, 0.7, -0.9, 0.1, 0.1, 0.3, 0.4), 1),
+         "You probably require a certain number of axes. There may be more: four_axes(message) returns the first four.",
+         crashes=True),
+    Case("300 steps without a message", after("start", DRIVES, 300), NEWEST),
+    Case("four messages between two steps", after("start", DRIVES, AHEAD, DRIVES, AHEAD, 1),
+         "You probably queue the messages, or keep the first. Keep only the newest: put each into the same Latest."),
+    Case("a message that comes before the start", after(DRIVES, "start", 1), KEPT),
+    Case("after a restart", after("start", DRIVES, 1, "stop", "start", 1), KEPT),
+    Case("two tanks", two,
+         "You probably keep the message in the class, so all tanks share it. Create self.joy in configure."),
+    Case("control between the callback's instructions", lambda trial: halved(trial, True),
+         "Your callback probably stores a message in several parts, "
+         "and control runs in between. Put it into self.joy as a whole."),
+    Case("a message between control's instructions", lambda trial: halved(trial, False),
+         "Your control probably reads self.joy twice, and a message "
+         "arrives in between. Get it once, and read both axes from it."),
+    Case("a message as soon as the subscription exists", early(Rig, Joy(axes=DRIVES))),
+    Case("after unconfigure", lambda trial: Rig(trial).leave()),
+]  # fmt: skip
 
 
 def on_ros(trial: Trial) -> str:
@@ -290,6 +263,4 @@ def on_ros(trial: Trial) -> str:
     return over_ros(trial, Joy(axes=DRIVES), stepped)
 
 
-drive = Exercise(
-    "drive", __doc__, Cases(GentleTank, TABLE.cases, TABLE.mistakes, TABLE.meaning, clock=CLOCK, on_ros=on_ros)
-)
+drive = Exercise("drive", __doc__, Cases(GentleTank, CASES, MISTAKES, MEANING, clock=NEWEST, on_ros=on_ros))

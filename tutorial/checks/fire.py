@@ -24,12 +24,11 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import Joy
 
-from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.cases import Case, Cases, Mistake, both, replace
 from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.interleave import early
 from tutorial.checks.engine.real_dds import ros_node, send
 from tutorial.checks.engine.rig import Rig
-from tutorial.checks.engine.tables import read_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, SimpleController
@@ -66,72 +65,43 @@ class FireButton(Listener):
         self.fire.put(pressed)
 
 
-MISTAKES = """
-your configure doesn't subscribe, so no message arrives. Call super().configure(config) in it, or leave it out.
-    def on_joy(self, => def configure(self, config): self.node = config.node // def on_joy(self,
-    => def configure(self, config): pass // def unconfigure(self): pass // def on_joy(self,
-
-you never put True into self.fire. on_joy has to put message.buttons[0] == 1; a list never equals 1, and 1 is not True.
-    == 1 => is True
-
-you exchange pressed and released. A pressed button is 1: message.buttons[0] == 1.
-    == 1 => == 0 => != 1
-
-you don't put False when the button is released, or ignore a message that comes soon after another. Put each state.
-    self.fire.put(pressed) => pressed and self.fire.put(True)
-
-you put nothing if the message has no buttons, so the last value stays. Put False then.
-    self.fire.put(pressed) => message.buttons and self.fire.put(pressed)
-
-you put True only when the button goes down. Put True as long as it is pressed.
-    self.fire.put(pressed) => self.fire.put(pressed and not self.fire.get())
-
-you change the value each time the button goes down, like a switch. Put whether the button is pressed now.
-    self.fire = Latest(False) => self.down, self.fire = False, Latest(False)
-    self.fire.put(pressed) => self.fire.put(self.fire.get() != (pressed and not self.down)) // self.down = pressed
-
-you ignore messages that come soon after another (debouncing). Put what each message says, at once.
-    self.fire = Latest(False) => self.seen, self.fire = False, Latest(False)
-    self.fire.put(pressed) => self.seen or self.fire.put(pressed) // self.seen = True
-
-you wait for a second message that says the same (debouncing). Put what each message says, at once.
-    self.fire = Latest(False) => self.was, self.fire = None, Latest(False)
-    self.fire.put(pressed) => pressed == self.was and self.fire.put(pressed) // self.was = pressed
-
-you read the last button. The first one is message.buttons[0].
-    message.buttons[0] => message.buttons[-1]
-
-you accept any button. Only the first one counts: message.buttons[0].
-    message.buttons[0] == 1 => any(message.buttons) => 1 in message.buttons
-
-you require a second button. One is enough: len(message.buttons) > 0.
-    len(message.buttons) > 0 => len(message.buttons) > 1
-
-#
-Compare your condition with this one: the message has at least one button, and message.buttons[0] is 1.
-
-# the topic
-You probably wrote a configure that doesn't subscribe to "joy". Call super().configure(config) in it, or leave it out.
-
-# button 0 is pressed
-You probably read another button, or confuse True and False. The first button is message.buttons[0].
-
-# button 0 is held
-You probably put True only when the button goes down. Put True as long as it is pressed.
-
-# button 0 is released
-You probably don't put False after the release, or you ignore messages that come soon after another. Then True stays.
-
-# button 1 is pressed
-# both buttons are pressed
-You probably read another button, or all of them. Only the first one counts: message.buttons[0].
-
-# without buttons
-You probably read message.buttons[0] without checking that it exists, or you put nothing. Put False if len is 0.
-
-# only one button
-You probably require more than one button. One is enough: len(message.buttons) > 0.
-"""
+MISTAKES = [
+    Mistake("your configure doesn't subscribe, so no message arrives. "
+            "Call super().configure(config) in it, or leave it out.",
+            replace("def on_joy(self,", "def configure(self, config): self.node = config.node\ndef on_joy(self,",
+                    "def configure(self, config): pass\ndef unconfigure(self): pass\ndef on_joy(self,")),
+    Mistake("you never put True into self.fire. on_joy has to put "
+            "message.buttons[0] == 1; a list never equals 1, and 1 is not True.",
+            replace("== 1", "is True")),
+    Mistake("you exchange pressed and released. A pressed button is 1: message.buttons[0] == 1.",
+            replace("== 1", "== 0", "!= 1")),
+    Mistake("you don't put False when the button is released, or ignore "
+            "a message that comes soon after another. Put each state.",
+            replace("self.fire.put(pressed)", "pressed and self.fire.put(True)")),
+    Mistake("you put nothing if the message has no buttons, so the last value stays. Put False then.",
+            replace("self.fire.put(pressed)", "message.buttons and self.fire.put(pressed)")),
+    Mistake("you put True only when the button goes down. Put True as long as it is pressed.",
+            replace("self.fire.put(pressed)", "self.fire.put(pressed and not self.fire.get())")),
+    Mistake("you change the value each time the button goes down, "
+            "like a switch. Put whether the button is pressed now.",
+            both(replace("self.fire = Latest(False)", "self.down, self.fire = False, Latest(False)"),
+                 replace("self.fire.put(pressed)",
+                         "self.fire.put(self.fire.get() != (pressed and not self.down))\nself.down = pressed"))),
+    Mistake("you ignore messages that come soon after another (debouncing). Put what each message says, at once.",
+            both(replace("self.fire = Latest(False)", "self.seen, self.fire = False, Latest(False)"),
+                 replace("self.fire.put(pressed)", "self.seen or self.fire.put(pressed)\nself.seen = True"))),
+    Mistake("you wait for a second message that says the same (debouncing). Put what each message says, at once.",
+            both(replace("self.fire = Latest(False)", "self.was, self.fire = None, Latest(False)"),
+                 replace("self.fire.put(pressed)",
+                         "pressed == self.was and self.fire.put(pressed)\nself.was = pressed"))),
+    Mistake("you read the last button. The first one is message.buttons[0].",
+            replace("message.buttons[0]", "message.buttons[-1]")),
+    Mistake("you accept any button. Only the first one counts: message.buttons[0].",
+            replace("message.buttons[0] == 1", "any(message.buttons)", "1 in message.buttons")),
+    Mistake("you require a second button. One is enough: len(message.buttons) > 0.",
+            replace("len(message.buttons) > 0", "len(message.buttons) > 1")),
+]  # fmt: skip
+MEANING = "Compare your condition with this one: the message has at least one button, and message.buttons[0] is 1."
 NO_LATEST = "You probably assign self.fire. Keep the Latest that __init__ made: self.fire.put(...) replaces its value."
 NO_TRUTH = "Put True or False. bool(...) makes one of them from any value."
 NO_CLOCK = (
@@ -175,21 +145,32 @@ def over_ros(trial: Trial, message: Joy, look: Callable[[Rig], str]) -> str:
         return look(rig)
 
 
-TRIED = {
-    "the topic": lambda answer: Rig(answer).node.on(Joy, "joy"),
-    "button 0 is pressed": after((1, 0)),
-    "button 0 is held, in a second message": after((1, 0), (1, 0)),
-    "button 0 is released": after((1, 0), (0, 0)),
-    "button 0 is pressed, after a message with it released": after((0, 0), (1, 0)),
-    "button 0 is pressed again": after((1, 0), (0, 0), (1, 0)),
-    "button 1 is pressed": after((0, 1)),
-    "both buttons are pressed": after((1, 1)),
-    "a message without buttons, after one with button 0 pressed": after((1, 1), ()),
-    "a message with only one button, pressed": after((1,)),
-    "two tanks, and button 0 of the first one's joystick is pressed": two,
-    "a message as soon as the subscription exists": early(Rig, Joy(buttons=[1])),
-    "after unconfigure": lambda answer: Rig(answer).leave(),
-}
+BUTTON_0_IS_PRESSED = ("You probably read another button, or confuse True "
+                       "and False. The first button is message.buttons[0].")  # fmt: skip
+BUTTON_1_IS_PRESSED = "You probably read another button, or all of them. Only the first one counts: message.buttons[0]."
+CASES = [
+    Case("the topic", lambda trial: Rig(trial).node.on(Joy, "joy"),
+         "You probably wrote a configure that doesn't subscribe to "
+         '"joy". Call super().configure(config) in it, or leave it out.'),
+    Case("button 0 is pressed", after((1, 0)), BUTTON_0_IS_PRESSED),
+    Case("button 0 is held, in a second message", after((1, 0), (1, 0)),
+         "You probably put True only when the button goes down. Put True as long as it is pressed."),
+    Case("button 0 is released", after((1, 0), (0, 0)),
+         "You probably don't put False after the release, or you ignore "
+         "messages that come soon after another. Then True stays."),
+    Case("button 0 is pressed, after a message with it released", after((0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
+    Case("button 0 is pressed again", after((1, 0), (0, 0), (1, 0)), BUTTON_0_IS_PRESSED),
+    Case("button 1 is pressed", after((0, 1)), BUTTON_1_IS_PRESSED),
+    Case("both buttons are pressed", after((1, 1)), BUTTON_1_IS_PRESSED),
+    Case("a message without buttons, after one with button 0 pressed", after((1, 1), ()),
+         "You probably read message.buttons[0] without checking "
+         "that it exists, or you put nothing. Put False if len is 0.", crashes=True),
+    Case("a message with only one button, pressed", after((1,)),
+         "You probably require more than one button. One is enough: len(message.buttons) > 0.", crashes=True),
+    Case("two tanks, and button 0 of the first one's joystick is pressed", two),
+    Case("a message as soon as the subscription exists", early(Rig, Joy(buttons=[1]))),
+    Case("after unconfigure", lambda trial: Rig(trial).leave()),
+]  # fmt: skip
 
 
 def say(seen: Any) -> str:
@@ -204,11 +185,9 @@ def on_ros(trial: Trial) -> str:
     return over_ros(trial, Joy(buttons=[1]), lambda rig: say(held(rig)))
 
 
-CRASHES = ["without buttons", "only one button"]
-TABLE = read_table(TRIED, MISTAKES, crashes=CRASHES)
 fire = Exercise(
     "fire",
     __doc__,
-    Cases(FireButton, TABLE.cases, TABLE.mistakes, TABLE.meaning, say, clock=NO_CLOCK, on_ros=on_ros),
+    Cases(FireButton, CASES, MISTAKES, MEANING, say, clock=NO_CLOCK, on_ros=on_ros),
     parts=("on_joy",),
 )

@@ -29,9 +29,8 @@ from typing import Any
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.cases import Case, Cases, Mistake, both, replace
 from tutorial.checks.engine.failure import Misuse
-from tutorial.checks.engine.tables import read_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 
@@ -55,132 +54,72 @@ def find_gaps(messages: Sequence[tuple[int, JointState]]) -> list[tuple[str, int
     return found
 
 
-MISTAKES = """
-you sort the messages, which hides a restart: take them in the bag's order.
-    in messages: => in sorted(messages, key=lambda pair: stamps_of([pair])):
-
-you start with a newest stamp of 0, so the first message already counts as a gap: start with None.
-    newest = None => newest = 0
-
-you compare each stamp with the one before it, which may have been late: compare it with the newest so far.
-    newest = max(newest, stamp) => newest = stamp
-
-you take every step back for a restart: up to 1 s before the newest stamp, a message is only late.
-    newest - stamp > 1_000_000_000 => newest - stamp > 0
-
-you use 0.1 s as the limit for restarts, too: it is 1 s, 1_000_000_000 ns.
-    newest - stamp > 1_000_000_000 => newest - stamp > 100_000_000
-
-you swap the two limits: a gap is more than 0.1 s ahead, a restart more than 1 s back.
-    newest - stamp > 1_000_000_000 => newest - stamp > 100_000_000
-    stamp - newest > 100_000_000 => stamp - newest > 1_000_000_000
-
-you write the limits in another unit than the stamps: 0.1 s are 100_000_000 ns, and 1 s is 1_000_000_000 ns.
-    stamp - newest > 100_000_000 => 1_000 * (stamp - newest) > 100_000_000
-    newest - stamp > 1_000_000_000 => 1_000 * (newest - stamp) > 1_000_000_000
-
-you write the limits in another unit than the stamps: 0.1 s are 100_000_000 ns, and 1 s is 1_000_000_000 ns.
-    stamp - newest > 100_000_000 => stamp - newest > 0.1
-    newest - stamp > 1_000_000_000 => newest - stamp > 1
-
-you compute seconds as floats, which are rounded: count and return whole nanoseconds.
-    Time.from_msg(message.header.stamp).nanoseconds => Time.from_msg(message.header.stamp).nanoseconds / 1e9
-    stamp - newest > 100_000_000 => stamp - newest > 0.1
-    newest - stamp > 1_000_000_000 => newest - stamp > 1.0
-
-you compute seconds as floats, which are rounded: count and return whole nanoseconds.
-    stamp - newest > 100_000_000 => stamp / 1e9 - newest / 1e9 > 0.1
-    newest - stamp > 1_000_000_000 => newest / 1e9 - stamp / 1e9 > 1.0
-
-you subtract unsigned integers, which become huge below 0: subtract Python's own, int(...).
-    stamp - newest > => (stamp - newest) % 2**64 >
-    newest - stamp > => (newest - stamp) % 2**64 >
-
-you compare with >=. Exactly 0.1 s ahead, or exactly 1 s back, is nothing yet: compare with >.
-    stamp - newest > => stamp - newest >=
-
-you compare with >=. Exactly 0.1 s ahead, or exactly 1 s back, is nothing yet: compare with >.
-    newest - stamp > => newest - stamp >=
-
-you swap the two stamps: the newest so far comes first, then the message's.
-    newest, stamp)) => stamp, newest))
-
-you return gaps and restarts apart from each other: keep the bag's order.
-    return found => return sorted(found, key=lambda each: each[0])
-    => return sorted(found, key=lambda each: each[0], reverse=True)
-
-you leave out what equals an earlier gap or restart. It has happened again: report it again.
-    return found => return [*dict.fromkeys(found)]
-
-you leave out what equals an earlier gap or restart. It has happened again: report it again.
-    found.append(("restart" => ("restart", newest, stamp) in found or found.append(("restart"
-
-you report only the first restart, or only the first gap: report every one.
-    found.append(("restart", => any("restart" in each for each in found) or found.append(("restart",
-
-you report only the first restart, or only the first gap: report every one.
-    found.append(("gap", => any("gap" in each for each in found) or found.append(("gap",
-
-you return how much time has passed: return the two stamps, before and after.
-    "gap", newest, stamp)) => "gap", newest, stamp - newest))
-    "restart", newest, stamp)) => "restart", newest, newest - stamp)) => "restart", newest, stamp - newest))
-
-after a restart, you set newest to 0 or leave it unchanged: set it to the new message's stamp.
-    "restart", newest, stamp)) => "restart", newest, stamp)) // stamp = 0 => "restart", newest, stamp)) // continue
-
-you always return an empty list: compare each stamp with the newest so far, and let no `try` hide an error.
-    return found => return []
-
-#
-Compare your steps with these: newest is the newest stamp since the last restart, in nanoseconds. Compare each stamp
-with it, append ("gap", newest, stamp) or ("restart", newest, stamp) if one has happened, and then move newest on.
-
-# 20 ms apart
-Nothing has happened here. You probably have a newest stamp before the first message, or limits in another unit: start
-with None, and 0.1 s are 100_000_000 ns.
-
-# a gap after 0 s
-You probably take the stamp 0 for no stamp: ask whether newest `is None`.
-
-# the bag
-you compare the bag's own times. They say when a message was received, not when it was made: compare the stamps.
-    Time.from_msg(message.header.stamp).nanoseconds => _
-
-# s without a message
-You probably have another limit, or append something else. If a stamp is more than 100_000_000 ns ahead, append
-("gap", newest, stamp), in nanoseconds, and only then set newest = stamp.
-
-# full second
-you use only sec or only nanosec, which starts at 0 again with every second: a stamp is both together.
-    Time.from_msg(message.header.stamp).nanoseconds => message.header.stamp.nanosec
-    => message.header.stamp.sec * 1_000_000_000
-
-# full second
-You probably use only sec or only nanosec, which starts at 0 again with every second: a stamp is both together.
-
-# fraction
-# robot's
-You probably compute seconds as floats, which are rounded: count in whole nanoseconds.
-
-# exactly
-You probably compare with >=, or compare floats, which are rounded. Exactly 0.1 s ahead, or exactly 1 s back, is nothing
-yet: compare whole nanoseconds with >.
-
-# restart from 0
-# s back
-# half a second late
-You probably have another limit for a restart: it is more than 1_000_000_000 ns before the newest stamp.
-
-# late
-You probably compare each stamp with the one before it, or take any step back for a restart: compare it with the newest
-so far.
-
-# no message
-You probably expect at least one message: return an empty list for an empty bag.
-
-# two bags
-You probably keep the list from call to call: make a new one in each call.
-"""
+MISTAKES = [
+    Mistake("you sort the messages, which hides a restart: take them in the bag's order.",
+            replace("in messages:", "in sorted(messages, key=lambda pair: stamps_of([pair])):")),
+    Mistake("you start with a newest stamp of 0, so the first message already counts as a gap: start with None.",
+            replace("newest = None", "newest = 0")),
+    Mistake("you compare each stamp with the one before it, which "
+            "may have been late: compare it with the newest so far.",
+            replace("newest = max(newest, stamp)", "newest = stamp")),
+    Mistake("you take every step back for a restart: up to 1 s before the newest stamp, a message is only late.",
+            replace("newest - stamp > 1_000_000_000", "newest - stamp > 0")),
+    Mistake("you use 0.1 s as the limit for restarts, too: it is 1 s, 1_000_000_000 ns.",
+            replace("newest - stamp > 1_000_000_000", "newest - stamp > 100_000_000")),
+    Mistake("you swap the two limits: a gap is more than 0.1 s ahead, a restart more than 1 s back.",
+            both(replace("newest - stamp > 1_000_000_000", "newest - stamp > 100_000_000"),
+                 replace("stamp - newest > 100_000_000", "stamp - newest > 1_000_000_000"))),
+    Mistake("you write the limits in another unit than the stamps: "
+            "0.1 s are 100_000_000 ns, and 1 s is 1_000_000_000 ns.",
+            both(replace("stamp - newest > 100_000_000", "1_000 * (stamp - newest) > 100_000_000"),
+                 replace("newest - stamp > 1_000_000_000", "1_000 * (newest - stamp) > 1_000_000_000"))),
+    Mistake("you write the limits in another unit than the stamps: "
+            "0.1 s are 100_000_000 ns, and 1 s is 1_000_000_000 ns.",
+            both(replace("stamp - newest > 100_000_000", "stamp - newest > 0.1"),
+                 replace("newest - stamp > 1_000_000_000", "newest - stamp > 1"))),
+    Mistake("you compute seconds as floats, which are rounded: count and return whole nanoseconds.",
+            both(replace("Time.from_msg(message.header.stamp).nanoseconds",
+                         "Time.from_msg(message.header.stamp).nanoseconds / 1e9"),
+                 replace("stamp - newest > 100_000_000", "stamp - newest > 0.1"),
+                 replace("newest - stamp > 1_000_000_000", "newest - stamp > 1.0"))),
+    Mistake("you compute seconds as floats, which are rounded: count and return whole nanoseconds.",
+            both(replace("stamp - newest > 100_000_000", "stamp / 1e9 - newest / 1e9 > 0.1"),
+                 replace("newest - stamp > 1_000_000_000", "newest / 1e9 - stamp / 1e9 > 1.0"))),
+    Mistake("you subtract unsigned integers, which become huge below 0: subtract Python's own, int(...).",
+            both(replace("stamp - newest >", "(stamp - newest) % 2**64 >"),
+                 replace("newest - stamp >", "(newest - stamp) % 2**64 >"))),
+    Mistake("you compare with >=. Exactly 0.1 s ahead, or exactly 1 s back, is nothing yet: compare with >.",
+            replace("stamp - newest >", "stamp - newest >=")),
+    Mistake("you compare with >=. Exactly 0.1 s ahead, or exactly 1 s back, is nothing yet: compare with >.",
+            replace("newest - stamp >", "newest - stamp >=")),
+    Mistake("you swap the two stamps: the newest so far comes first, then the message's.",
+            replace("newest, stamp))", "stamp, newest))")),
+    Mistake("you return gaps and restarts apart from each other: keep the bag's order.",
+            replace("return found", "return sorted(found, key=lambda each: each[0])",
+                    "return sorted(found, key=lambda each: each[0], reverse=True)")),
+    Mistake("you leave out what equals an earlier gap or restart. It has happened again: report it again.",
+            replace("return found", "return [*dict.fromkeys(found)]")),
+    Mistake("you leave out what equals an earlier gap or restart. It has happened again: report it again.",
+            replace('found.append(("restart"', '("restart", newest, stamp) in found or found.append(("restart"')),
+    Mistake("you report only the first restart, or only the first gap: report every one.",
+            replace('found.append(("restart",',
+                    'any("restart" in each for each in found) or found.append(("restart",')),
+    Mistake("you report only the first restart, or only the first gap: report every one.",
+            replace('found.append(("gap",', 'any("gap" in each for each in found) or found.append(("gap",')),
+    Mistake("you return how much time has passed: return the two stamps, before and after.",
+            both(replace('"gap", newest, stamp))', '"gap", newest, stamp - newest))'),
+                 replace('"restart", newest, stamp))', '"restart", newest, newest - stamp))',
+                         '"restart", newest, stamp - newest))'))),
+    Mistake("after a restart, you set newest to 0 or leave it unchanged: set it to the new message's stamp.",
+            replace('"restart", newest, stamp))', '"restart", newest, stamp))\nstamp = 0',
+                    '"restart", newest, stamp))\ncontinue')),
+    Mistake("you always return an empty list: compare each stamp "
+            "with the newest so far, and let no `try` hide an error.",
+            replace("return found", "return []")),
+]  # fmt: skip
+MEANING = ("Compare your steps with these: newest is the newest stamp since the last restart, "
+           'in nanoseconds. Compare each stamp with it, append ("gap", newest, stamp) or '
+           '("restart", newest, stamp) if one has happened, and then move newest on.')  # fmt: skip
 A_LIST = (
     'Return a list of tuples such as ("gap", 1_200_000_000, 1_500_000_000), or an empty list if nothing has happened.'
 )
@@ -244,39 +183,64 @@ def whole(number: Any) -> str | float:
     return f"{int(number):_}" if is_exact else float(number)
 
 
-TRIED = {
-    "20 ms apart": bag(1.0, 1.02, 1.04, 1.06, 1.08, 1.1, 1.12, 1.14),
-    "the bag's times are 3 s apart, the stamps 20 ms": bag(1.0, 1.02, 1.04, every=3.0),
-    "0.09 s without a message": bag(1.0, 1.02, 1.11, 1.13),
-    "0.3 s without a message": bag(1.0, 1.02, 1.32, 1.34),
-    "the bag's times are equal, the stamps 0.3 s apart": bag(1.0, 1.02, 1.32, 1.34, every=0.0),
-    "a gap across a full second": bag(2.9, 2.95, 3.08, 3.1),
-    "a full second, and no gap": bag(2.96, 2.98, 3.0, 3.02),
-    "stamps with a fraction of a millisecond": bag(1.000000137, 1.019999861, 1.290000449, 1.310000071),
-    "a restart from 0": bag(3.96, 3.98, 0.0, 0.02),
-    "a late message, no gap": bag(1.0, 1.08, 1.02, 1.14, 1.16),
-    "a late message after a gap": bag(1.0, 1.6, 1.1, 1.62),
-    "a late message before a gap": bag(1.0, 1.02, 1.01, 1.14),
-    "half a second late": bag(1.0, 1.02, 0.52, 1.04),
-    "a late message, then a restart": bag(5.0, 4.2, 3.9, 3.92),
-    "equal stamps": bag(1.0, 1.0, 1.02, 1.02),
-    "exactly 0.1 s apart": bag(0.8, 0.9, 1.0, 1.1),
-    "exactly 1 s back": bag(2.0, 1.0, 2.02),
-    "1 s and 1 ns back": bag(2.0, 0.999999999),
-    "1.8 s back": bag(3.9, 2.1, 2.12),
-    "a gap after 0 s": bag(0.0, 0.5, 0.52),
-    "a restart, then a gap": bag(3.98, 0.0, 0.02, 0.42, 0.44),
-    "two restarts": bag(3.98, 0.0, 2.0, 2.02, 0.5, 0.52),
-    "a restart from 50 s": bag(100.0, 100.02, 50.0, 50.02),
-    "the same restart twice, and the same gap": bag(5.0, 0.0, 5.0, 0.0, 5.0),
-    "two gaps of equal length": bag(1.0, 1.2, 1.4),
-    "half a minute without a message": bag(1.0, 1.02, 31.02, 31.04),
-    "a robot's stamps, exactly 0.1 s apart": bag(0.826, 0.926, 0.946, since=SINCE_1970),
-    "a robot's stamps, 0.1 s and 1 ns apart": bag(0.028000037, 0.128000038, since=SINCE_1970),
-    "two bags, one after the other": two,
-    "no message": bag(),
-    "a single message": bag(1.0),
-}
+A_GAP = ("You probably have another limit, or append something else. If a stamp is more than 100_000_000 "
+         'ns ahead, append ("gap", newest, stamp), in nanoseconds, and only then set newest = stamp.')  # fmt: skip
+BOTH_PARTS = ("You probably use only sec or only nanosec, which starts "
+              "at 0 again with every second: a stamp is both together.")  # fmt: skip
+FRACTION = "You probably compute seconds as floats, which are rounded: count in whole nanoseconds."
+RESTART_FROM_0 = ("You probably have another limit for a restart: it is "
+                  "more than 1_000_000_000 ns before the newest stamp.")  # fmt: skip
+NEWEST = ("You probably compare each stamp with the one before it, or take "
+          "any step back for a restart: compare it with the newest so far.")  # fmt: skip
+EXACTLY = ("You probably compare with >=, or compare floats, which are rounded. Exactly 0.1 "
+           "s ahead, or exactly 1 s back, is nothing yet: compare whole nanoseconds with >.")  # fmt: skip
+CASES = [
+    Case("20 ms apart", bag(1.0, 1.02, 1.04, 1.06, 1.08, 1.1, 1.12, 1.14),
+         "Nothing has happened here. You probably have a newest stamp before the first "
+         "message, or limits in another unit: start with None, and 0.1 s are 100_000_000 ns."),
+    Case("the bag's times are 3 s apart, the stamps 20 ms", bag(1.0, 1.02, 1.04, every=3.0), mistakes=[
+        Mistake("you compare the bag's own times. They say when a message "
+                "was received, not when it was made: compare the stamps.",
+                replace("Time.from_msg(message.header.stamp).nanoseconds", "_"))]),
+    Case("0.09 s without a message", bag(1.0, 1.02, 1.11, 1.13), A_GAP),
+    Case("0.3 s without a message", bag(1.0, 1.02, 1.32, 1.34), A_GAP),
+    Case("the bag's times are equal, the stamps 0.3 s apart", bag(1.0, 1.02, 1.32, 1.34, every=0.0),
+         "Most likely you compare the bag's own times. They say when a "
+         "message was received, not when it was made: compare the stamps."),
+    Case("a gap across a full second", bag(2.9, 2.95, 3.08, 3.1), BOTH_PARTS, mistakes=[
+        Mistake("you use only sec or only nanosec, which starts at 0 "
+                "again with every second: a stamp is both together.",
+                replace("Time.from_msg(message.header.stamp).nanoseconds", "message.header.stamp.nanosec",
+                        "message.header.stamp.sec * 1_000_000_000"))]),
+    Case("a full second, and no gap", bag(2.96, 2.98, 3.0, 3.02), BOTH_PARTS),
+    Case("stamps with a fraction of a millisecond", bag(1.000000137, 1.019999861, 1.290000449, 1.310000071), FRACTION),
+    Case("a restart from 0", bag(3.96, 3.98, 0.0, 0.02), RESTART_FROM_0),
+    Case("a late message, no gap", bag(1.0, 1.08, 1.02, 1.14, 1.16), NEWEST),
+    Case("a late message after a gap", bag(1.0, 1.6, 1.1, 1.62), NEWEST),
+    Case("a late message before a gap", bag(1.0, 1.02, 1.01, 1.14), NEWEST),
+    Case("half a second late", bag(1.0, 1.02, 0.52, 1.04), RESTART_FROM_0),
+    Case("a late message, then a restart", bag(5.0, 4.2, 3.9, 3.92), NEWEST),
+    Case("equal stamps", bag(1.0, 1.0, 1.02, 1.02)),
+    Case("exactly 0.1 s apart", bag(0.8, 0.9, 1.0, 1.1), EXACTLY),
+    Case("exactly 1 s back", bag(2.0, 1.0, 2.02), EXACTLY),
+    Case("1 s and 1 ns back", bag(2.0, 0.999999999), RESTART_FROM_0),
+    Case("1.8 s back", bag(3.9, 2.1, 2.12), RESTART_FROM_0),
+    Case("a gap after 0 s", bag(0.0, 0.5, 0.52),
+         "You probably take the stamp 0 for no stamp: ask whether newest `is None`."),
+    Case("a restart, then a gap", bag(3.98, 0.0, 0.02, 0.42, 0.44)),
+    Case("two restarts", bag(3.98, 0.0, 2.0, 2.02, 0.5, 0.52)),
+    Case("a restart from 50 s", bag(100.0, 100.02, 50.0, 50.02)),
+    Case("the same restart twice, and the same gap", bag(5.0, 0.0, 5.0, 0.0, 5.0)),
+    Case("two gaps of equal length", bag(1.0, 1.2, 1.4)),
+    Case("half a minute without a message", bag(1.0, 1.02, 31.02, 31.04)),
+    Case("a robot's stamps, exactly 0.1 s apart", bag(0.826, 0.926, 0.946, since=SINCE_1970), FRACTION),
+    Case("a robot's stamps, 0.1 s and 1 ns apart", bag(0.028000037, 0.128000038, since=SINCE_1970), FRACTION),
+    Case("two bags, one after the other", two,
+         "You probably keep the list from call to call: make a new one in each call."),
+    Case("no message", bag(), "You probably expect at least one message: return an empty list for an empty bag.",
+         crashes=True),
+    Case("a single message", bag(1.0)),
+]  # fmt: skip
 
 
 def say(found: Found) -> str:
@@ -288,10 +252,9 @@ def say(found: Found) -> str:
     return ", ".join(said[:count]) + f" and {len(said) - count} more" * (count < len(said)) or "nothing"
 
 
-TABLE = read_table(TRIED, MISTAKES, crashes=["no message"])
 gaps = Exercise(
     "gaps",
     __doc__,
-    Cases(find_gaps, TABLE.cases, TABLE.mistakes, TABLE.meaning, say),
+    Cases(find_gaps, CASES, MISTAKES, MEANING, say),
     imports=("from rclpy.time import Time",),
 )

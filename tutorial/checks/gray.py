@@ -41,11 +41,11 @@ from rclpy.time import Time
 from sensor_msgs.msg import Image
 
 from tutorial.body import Body
+from tutorial.checks.engine.cases import Case, Mistake, both, replace
 from tutorial.checks.engine.exceptions import AT_ONCE
 from tutorial.checks.engine.failure import Misuse
 from tutorial.checks.engine.publishing import Publishing, compared, compared_stamps
 from tutorial.checks.engine.rig import Rig, Sent
-from tutorial.checks.engine.tables import read_publisher_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
@@ -91,81 +91,51 @@ class GrayPublisher(SimpleController):
         self.node.destroy_publisher(self.publisher)
 
 
-MISTAKES = """
-you give message.data an array with rows. It takes one byte after the other: array('B', ....tobytes()).
-    array("B", pixels.mean(axis=2).astype(np.uint8).tobytes()) => pixels.mean(axis=2).astype(np.uint8)
-
-you take one colour, the sum or another mean, or compute in bytes, which overflow and cut off: take pixels.mean(axis=2).
-    pixels.mean(axis=2) => pixels[:, :, 0] => pixels[:, :, 1] => pixels[:, :, 2] => pixels.sum(axis=2)
-    => (pixels.sum(axis=2, dtype=np.uint8) / 3) => (pixels//3).sum(axis=2) => pixels.max(axis=2) => pixels.min(axis=2)
-    => (pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)
-
-you average over rows or columns. The colours are the last axis: pixels.mean(axis=2).
-    pixels.mean(axis=2) => pixels.mean(axis=0) => pixels.mean(axis=1) => pixels.mean()
-
-you send three bytes per pixel. mono8 has one: take pixels.mean(axis=2), one row has message.width bytes.
-    pixels.mean(axis=2) => pixels.mean(axis=2).repeat(3) => pixels
-    message.step = message.width => message.step = 3 * message.width
-    "mono8" => "rgb8"
-
-you weight the colours, as the eye does. This exercise wants the plain mean, pixels.mean(axis=2).
-    pixels.mean(axis=2) => (pixels @ [0.299, 0.587, 0.114]) => np.rint(pixels @ [0.299, 0.587, 0.114])
-
-you divide by 255. In mono8, white is 255, as in the pixels.
-    pixels.mean(axis=2) => (pixels.mean(axis=2) / 255)
-
-you turn the picture upside down, mirror it, or swap rows and columns: the top row comes first, each from left to right.
-    pixels.mean(axis=2) => pixels[::-1].mean(axis=2) => pixels[:, ::-1].mean(axis=2) => pixels[::-1, ::-1].mean(axis=2)
-    => pixels.mean(axis=2).T
-
-you stamp each picture with the time of its delivery: pass the time of asking on, as an argument of capture.
-    Time(nanoseconds=time_ns) => Time(nanoseconds=self.io.time_ns)
-
-you keep one time for all pictures, and asking for the next one changes it: pass each one's time on, through capture.
-    self.camera.capture( => self.asked = self.io.time_ns // self.camera.capture(
-    Time(nanoseconds=time_ns) => Time(nanoseconds=self.asked)
-
-you ask for the next picture only after the last one has come, and one may never come: ask at every due time.
-    self.steps_per_picture == 0: => self.steps_per_picture == 0 and not vars(self).get("waits"):
-    self.camera.capture( => self.waits = True // self.camera.capture(
-    message = Image() => self.waits = False // message = Image()
-
-you leave out a picture that equals an earlier one. It is still a message: publish each.
-    message = Image() => message, w = Image(), vars(self).setdefault("w", [])
-    self.publisher.publish(message) => message.data in w[-1:] or self.publisher.publish(message) // w += [message.data]
-    => message.data in w or self.publisher.publish(message) // w += [message.data]
-
-#
-Compare your bytes with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()). The last axis holds the colours, and
-each pixel becomes one byte, row by row.
-
-# the size
-You probably swap width and height, leave them out or hard-code them: message.height, message.width, _ = pixels.shape.
-
-# the encoding
-You probably leave out the encoding, or name a different one: one byte per pixel is called "mono8", in lower case.
-
-# the row
-You probably leave out step, or count three bytes per pixel: a row has message.step = message.width bytes.
-
-# the stamp
-You probably don't pass the time of asking on, or not all of it: self.camera.capture(self.publish, self.io.time_ns), and
-then both sec and nanosec.
-
-# pictures that come late, or not at all
-You probably don't ask at every due time, or don't stamp each picture with the time of asking for it. Pass that time on:
-self.camera.capture(self.publish, self.io.time_ns).
-
-# the frame
-You probably hard-code or leave out the body, or name another frame: f"{self.io.body.name}/{self.camera.name}_optical".
-
-# after stop
-You probably don't close the camera in stop, or have looked up several: look it up in initialize, and let stop call
-self.camera.close().
-
-# nothing moves
-You probably leave out a picture that equals an earlier one. It is still a message: publish each.
-"""
+MISTAKES = [
+    Mistake("you give message.data an array with rows. It takes one byte after the other: array('B', ....tobytes()).",
+            replace('array("B", pixels.mean(axis=2).astype(np.uint8).tobytes())',
+                    "pixels.mean(axis=2).astype(np.uint8)")),
+    Mistake("you take one colour, the sum or another mean, or compute in "
+            "bytes, which overflow and cut off: take pixels.mean(axis=2).",
+            replace("pixels.mean(axis=2)", "pixels[:, :, 0]", "pixels[:, :, 1]", "pixels[:, :, 2]",
+                    "pixels.sum(axis=2)", "(pixels.sum(axis=2, dtype=np.uint8) / 3)", "(pixels//3).sum(axis=2)",
+                    "pixels.max(axis=2)", "pixels.min(axis=2)", "(pixels.max(axis=2) / 2 + pixels.min(axis=2) / 2)")),
+    Mistake("you average over rows or columns. The colours are the last axis: pixels.mean(axis=2).",
+            replace("pixels.mean(axis=2)", "pixels.mean(axis=0)", "pixels.mean(axis=1)", "pixels.mean()")),
+    Mistake("you send three bytes per pixel. mono8 has one: take pixels.mean(axis=2), one row has message.width bytes.",
+            both(replace("pixels.mean(axis=2)", "pixels.mean(axis=2).repeat(3)", "pixels"),
+                 replace("message.step = message.width", "message.step = 3 * message.width"),
+                 replace('"mono8"', '"rgb8"'))),
+    Mistake("you weight the colours, as the eye does. This exercise wants the plain mean, pixels.mean(axis=2).",
+            replace("pixels.mean(axis=2)", "(pixels @ [0.299, 0.587, 0.114])",
+                    "np.rint(pixels @ [0.299, 0.587, 0.114])")),
+    Mistake("you divide by 255. In mono8, white is 255, as in the pixels.",
+            replace("pixels.mean(axis=2)", "(pixels.mean(axis=2) / 255)")),
+    Mistake("you turn the picture upside down, mirror it, or swap rows and "
+            "columns: the top row comes first, each from left to right.",
+            replace("pixels.mean(axis=2)", "pixels[::-1].mean(axis=2)", "pixels[:, ::-1].mean(axis=2)",
+                    "pixels[::-1, ::-1].mean(axis=2)", "pixels.mean(axis=2).T")),
+    Mistake("you stamp each picture with the time of its delivery: "
+            "pass the time of asking on, as an argument of capture.",
+            replace("Time(nanoseconds=time_ns)", "Time(nanoseconds=self.io.time_ns)")),
+    Mistake("you keep one time for all pictures, and asking for the next "
+            "one changes it: pass each one's time on, through capture.",
+            both(replace("self.camera.capture(", "self.asked = self.io.time_ns\nself.camera.capture("),
+                 replace("Time(nanoseconds=time_ns)", "Time(nanoseconds=self.asked)"))),
+    Mistake("you ask for the next picture only after the last one "
+            "has come, and one may never come: ask at every due time.",
+            both(replace("self.steps_per_picture == 0:",
+                         'self.steps_per_picture == 0 and not vars(self).get("waits"):'),
+                 replace("self.camera.capture(", "self.waits = True\nself.camera.capture("),
+                 replace("message = Image()", "self.waits = False\nmessage = Image()"))),
+    Mistake("you leave out a picture that equals an earlier one. It is still a message: publish each.",
+            both(replace("message = Image()", 'message, w = Image(), vars(self).setdefault("w", [])'),
+                 replace("self.publisher.publish(message)",
+                         "message.data in w[-1:] or self.publisher.publish(message)\nw += [message.data]",
+                         "message.data in w or self.publisher.publish(message)\nw += [message.data]"))),
+]  # fmt: skip
+MEANING = ("Compare your bytes with array('B', pixels.mean(axis=2).astype(np.uint8).tobytes()). "
+           "The last axis holds the colours, and each pixel becomes one byte, row by row.")  # fmt: skip
 
 Pixels = NDArray[np.uint8]  # (height, width, 3)
 SIZES = {"Rover": (8, 6), "Lift": (5, 7)}  # [px]
@@ -290,17 +260,30 @@ def frame(frame_id: str) -> str:
     return repr("Rover/CAMERA_optical" if frame_id == "CAMERA" else frame_id)
 
 
-TRIED = {
-    "what is sent": PUBLISHING.sent(0.7),
-    "the size": PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.width} x {sent[-1].message.height}"),
-    "the encoding": PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.encoding)),
-    "the row": PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
-    "the frame": PUBLISHING.sent(0.3, lambda _, sent: frame(sent[-1].message.header.frame_id)),
-    "the stamp": stamps,
-    "pictures that come late, or not at all": lambda answer: stamps(answer, delay=40, missed=2),
-    "nothing moves, so all pictures are equal": still,
-    "after stop": left_open,
-}
+CASES = [
+    Case("what is sent", PUBLISHING.sent(0.7)),
+    Case("the size", PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.width} x {sent[-1].message.height}"),
+         "You probably swap width and height, leave them out or hard-code "
+         "them: message.height, message.width, _ = pixels.shape."),
+    Case("the encoding", PUBLISHING.sent(0.3, lambda _, sent: repr(sent[-1].message.encoding)),
+         "You probably leave out the encoding, or name a different "
+         'one: one byte per pixel is called "mono8", in lower case.'),
+    Case("the row", PUBLISHING.sent(0.3, lambda _, sent: f"{sent[-1].message.step} bytes"),
+         "You probably leave out step, or count three bytes per pixel: a row has message.step = message.width bytes."),
+    Case("the frame", PUBLISHING.sent(0.3, lambda _, sent: frame(sent[-1].message.header.frame_id)),
+         "You probably hard-code or leave out the body, or name another "
+         'frame: f"{self.io.body.name}/{self.camera.name}_optical".'),
+    Case("the stamp", stamps,
+         "You probably don't pass the time of asking on, or not all of it: "
+         "self.camera.capture(self.publish, self.io.time_ns), and then both sec and nanosec."),
+    Case("pictures that come late, or not at all", lambda trial: stamps(trial, delay=40, missed=2),
+         "You probably don't ask at every due time, or don't stamp each picture with the time of "
+         "asking for it. Pass that time on: self.camera.capture(self.publish, self.io.time_ns)."),
+    Case("nothing moves, so all pictures are equal", still,
+         "You probably leave out a picture that equals an earlier one. It is still a message: publish each."),
+    Case("after stop", left_open,
+         "You probably don't close the camera in stop, or have looked up several: "
+         "look it up in initialize, and let stop call self.camera.close()."),
+]  # fmt: skip
 PARTS = ("configure", "initialize", "control", "publish", "stop", "unconfigure")
-TABLE = read_publisher_table(PUBLISHING, TRIED, MISTAKES)
-gray = Exercise("gray", __doc__, PUBLISHING.cases(GrayPublisher, TABLE.cases, TABLE.mistakes, TABLE.meaning), PARTS)
+gray = Exercise("gray", __doc__, PUBLISHING.cases(GrayPublisher, CASES, MISTAKES, MEANING), PARTS)

@@ -43,9 +43,9 @@ from numpy.typing import NDArray
 from rclpy.time import Time
 from sensor_msgs.msg import Imu
 
+from tutorial.checks.engine.cases import Case, Mistake, both, replace
 from tutorial.checks.engine.publishing import Publishing, compared
 from tutorial.checks.engine.rig import Rig, Sent
-from tutorial.checks.engine.tables import read_publisher_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
@@ -85,73 +85,62 @@ class GyroPublisher(SimpleController):
         self.node.destroy_publisher(self.publisher)
 
 
-MISTAKES = """
-you read the sensor only once, in initialize. Its value is a copy: read self.sensor.value in every step.
-    self.sensor = io.body.sensor("GYRO") => self.sensor = io.body.sensor("GYRO") // self.once = self.sensor.value
-    self.sensor.value) => self.once)
-
-you send a single measurement, the newest or the oldest. Keep one from every step, and send their average.
-    np.mean(self.samples, axis=0) => self.samples[-1] => self.samples[0]
-
-you send the sum, or divide it by the wrong number. Divide it by the number of measurements in it.
-    np.mean(self.samples, axis=0) => np.sum(self.samples, axis=0) => (np.sum(self.samples, axis=0) * self.io.time_step)
-    => (np.sum(self.samples, axis=0) / self.steps_per_message)
-
-you average only two values at a time, or take the median. Add up all measurements, and divide by their number.
-    np.mean(self.samples, axis=0) => [*accumulate(self.samples, lambda a, b: (a + b) / 2)][-1]
-    => np.median(self.samples, axis=0) => ((self.samples[0] + self.samples[-1]) / 2)
-
-you average over all numbers at once, or over x, y and z. Average each component by itself, with axis=0.
-    np.mean(self.samples, axis=0) => np.full(3, np.mean(self.samples)) => np.mean(self.samples, axis=1)
-
-you don't start again after a message, so older measurements still count. Empty the list, or set sum and count to 0.
-    self.samples.clear() => pass
-
-you reset only the sum or only the count after a message. Reset both; for a sum make a new
-array, because += changes the old one.
-    self.samples: list[NDArray[np.float64]] = [] => self.samples, self.all = [], []
-    self.samples.append(self.sensor.value) => self.samples.append(self.sensor.value) // self.all += self.samples[-1:]
-    np.mean(self.samples, axis=0) => (sum(self.all) / len(self.samples)) => (sum(self.samples) / len(self.all))
-
-you publish before you add the step's own measurement. Add it first.
-    self.samples: list[NDArray[np.float64]] = [] => self.samples, self.late = [], []
-    self.samples.append(self.sensor.value) => self.samples += self.late // self.late = [self.sensor.value]
-    if self.io.step % => if self.io.step % => if self.samples and self.io.step %
-    np.mean(self.samples, => np.mean(self.samples, => np.mean(self.samples or [np.zeros(3)],
-
-you mix up x, y and z, or send only z. The sensor's value has all three, in this order.
-    velocity.x, velocity.y, velocity.z = => velocity.z, velocity.y, velocity.x = => velocity.y, velocity.x, velocity.z =
-    => velocity.x, velocity.z, velocity.y = => _, _, velocity.z =
-
-you use the frame of the chassis. The crane's sensor is at the tip of its jib: use the sensor's own frame, ".../GYRO".
-    {self.sensor.name}" => base_link"
-
-you change the sign. Send what the sensor measures.
-    self.sensor.value) => -self.sensor.value)
-
-you convert the angular velocity. Send it unchanged: the sensor measures in rad/s, and the message has rad/s, too.
-    self.sensor.value) => np.degrees(self.sensor.value)) => np.radians(self.sensor.value))
-
-you publish nothing while the robot doesn't turn. Publish every message: receivers can't tell rest from a lost
-connection.
-    self.publisher.publish(message) => velocity != vars(self).get("last") and PUB // self.last = velocity
-    => velocity != Imu().angular_velocity and PUB
-    PUB => self.publisher.publish(message)
-
-#
-You probably leave out measurements, count some twice, or weight them. Publish the plain average of all since the last
-message, one from each step.
-
-# the frame
-You probably leave out the name of the body or the sensor: message.header.frame_id = f"{self.io.body.name}/GYRO".
-
-# what is not measured
-You probably mark too little or too much. Put -1.0 into orientation_covariance[0] and linear_acceleration_covariance[0],
-and nowhere else.
-
-# on a robot with a gyroscope alone
-You probably use the accelerometer, too, and this robot has none. Send only what the gyroscope measures.
-"""
+MISTAKES = [
+    Mistake("you read the sensor only once, in initialize. Its value is a copy: read self.sensor.value in every step.",
+            both(replace('self.sensor = io.body.sensor("GYRO")',
+                         'self.sensor = io.body.sensor("GYRO")\nself.once = self.sensor.value'),
+                 replace("self.sensor.value)", "self.once)"))),
+    Mistake("you send a single measurement, the newest or the oldest. "
+            "Keep one from every step, and send their average.",
+            replace("np.mean(self.samples, axis=0)", "self.samples[-1]", "self.samples[0]")),
+    Mistake("you send the sum, or divide it by the wrong number. Divide it by the number of measurements in it.",
+            replace("np.mean(self.samples, axis=0)", "np.sum(self.samples, axis=0)",
+                    "(np.sum(self.samples, axis=0) * self.io.time_step)",
+                    "(np.sum(self.samples, axis=0) / self.steps_per_message)")),
+    Mistake("you average only two values at a time, or take the median. "
+            "Add up all measurements, and divide by their number.",
+            replace("np.mean(self.samples, axis=0)", "[*accumulate(self.samples, lambda a, b: (a + b) / 2)][-1]",
+                    "np.median(self.samples, axis=0)", "((self.samples[0] + self.samples[-1]) / 2)")),
+    Mistake("you average over all numbers at once, or over x, y and z. Average each component by itself, with axis=0.",
+            replace("np.mean(self.samples, axis=0)", "np.full(3, np.mean(self.samples))",
+                    "np.mean(self.samples, axis=1)")),
+    Mistake("you don't start again after a message, so older measurements "
+            "still count. Empty the list, or set sum and count to 0.",
+            replace("self.samples.clear()", "pass")),
+    Mistake("you reset only the sum or only the count after a message. Reset "
+            "both; for a sum make a new array, because += changes the old one.",
+            both(replace("self.samples: list[NDArray[np.float64]] = []", "self.samples, self.all = [], []"),
+                 replace("self.samples.append(self.sensor.value)",
+                         "self.samples.append(self.sensor.value)\nself.all += self.samples[-1:]"),
+                 replace("np.mean(self.samples, axis=0)", "(sum(self.all) / len(self.samples))",
+                         "(sum(self.samples) / len(self.all))"))),
+    Mistake("you publish before you add the step's own measurement. Add it first.",
+            both(replace("self.samples: list[NDArray[np.float64]] = []", "self.samples, self.late = [], []"),
+                 replace("self.samples.append(self.sensor.value)",
+                         "self.samples += self.late\nself.late = [self.sensor.value]"),
+                 replace("if self.io.step %", "if self.io.step %", "if self.samples and self.io.step %"),
+                 replace("np.mean(self.samples,", "np.mean(self.samples,", "np.mean(self.samples or [np.zeros(3)],"))),
+    Mistake("you mix up x, y and z, or send only z. The sensor's value has all three, in this order.",
+            replace("velocity.x, velocity.y, velocity.z =", "velocity.z, velocity.y, velocity.x =",
+                    "velocity.y, velocity.x, velocity.z =", "velocity.x, velocity.z, velocity.y =",
+                    "_, _, velocity.z =")),
+    Mistake("you use the frame of the chassis. The crane's sensor is at "
+            "the tip of its jib: use the sensor's own frame, \".../GYRO\".",
+            replace('{self.sensor.name}"', 'base_link"')),
+    Mistake("you change the sign. Send what the sensor measures.",
+            replace("self.sensor.value)", "-self.sensor.value)")),
+    Mistake("you convert the angular velocity. Send it unchanged: the "
+            "sensor measures in rad/s, and the message has rad/s, too.",
+            replace("self.sensor.value)", "np.degrees(self.sensor.value))", "np.radians(self.sensor.value))")),
+    Mistake("you publish nothing while the robot doesn't turn. Publish every "
+            "message: receivers can't tell rest from a lost connection.",
+            both(replace("self.publisher.publish(message)",
+                         'velocity != vars(self).get("last") and PUB\nself.last = velocity',
+                         "velocity != Imu().angular_velocity and PUB"),
+                 replace("PUB", "self.publisher.publish(message)"))),
+]  # fmt: skip
+MEANING = ("You probably leave out measurements, count some twice, or weight them. "
+           "Publish the plain average of all since the last message, one from each step.")  # fmt: skip
 
 SIGNAL = np.random.default_rng(4).exponential((0.2, 0.3, 0.5), (700, 3)) - (0.1, 0.4, 0.2)  # [rad/s], at each step
 GYROSCOPE_ALONE = """
@@ -204,14 +193,18 @@ def frame(_rig: Rig, sent: list[Sent]) -> str:
 
 PUBLISHING = Publishing(Imu, "gyro", 10, shaken, means)
 RESTING = dataclasses.replace(PUBLISHING, scene=partial(shaken, signal=np.zeros((1, 3))))
-TRIED = {
-    "what is sent": PUBLISHING.sent(0.45, ms=2),
-    "what is not measured": PUBLISHING.sent(0.25, look=marks),
-    "the frame": PUBLISHING.sent(0.25, look=frame),
-    "the frame, on the crane Lift": PUBLISHING.sent(0.25, look=frame, model="crane", name="Lift"),
-    "on the crane, 20 ms a step": PUBLISHING.sent(0.45, model="crane", ms=20),
-    "on a robot that doesn't turn": RESTING.rate(10),
-    "on a robot with a gyroscope alone": PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
-}
-TABLE = read_publisher_table(PUBLISHING, TRIED, MISTAKES)
-gyro = Exercise("gyro", __doc__, PUBLISHING.cases(GyroPublisher, TABLE.cases, TABLE.mistakes, TABLE.meaning))
+FRAME = ("You probably leave out the name of the body or the sensor: "
+         'message.header.frame_id = f"{self.io.body.name}/GYRO".')  # fmt: skip
+CASES = [
+    Case("what is sent", PUBLISHING.sent(0.45, ms=2)),
+    Case("what is not measured", PUBLISHING.sent(0.25, look=marks),
+         "You probably mark too little or too much. Put -1.0 into orientation_covariance[0] "
+         "and linear_acceleration_covariance[0], and nowhere else."),
+    Case("the frame", PUBLISHING.sent(0.25, look=frame), FRAME),
+    Case("the frame, on the crane Lift", PUBLISHING.sent(0.25, look=frame, model="crane", name="Lift"), FRAME),
+    Case("on the crane, 20 ms a step", PUBLISHING.sent(0.45, model="crane", ms=20)),
+    Case("on a robot that doesn't turn", RESTING.rate(10)),
+    Case("on a robot with a gyroscope alone", PUBLISHING.sent(0.45, model=GYROSCOPE_ALONE),
+         "You probably use the accelerometer, too, and this robot has none. Send only what the gyroscope measures."),
+]  # fmt: skip
+gyro = Exercise("gyro", __doc__, PUBLISHING.cases(GyroPublisher, CASES, MISTAKES, MEANING))

@@ -32,9 +32,8 @@ from typing import Any
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.engine.cases import Cases
+from tutorial.checks.engine.cases import Case, Cases, Mistake, both, replace
 from tutorial.checks.engine.failure import Misuse
-from tutorial.checks.engine.tables import read_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 
@@ -59,87 +58,51 @@ class Pairs:
         return None
 
 
-MISTAKES = """
-you compare the stamps as objects, with `is` or id. Every message has its own: compare their sec and nanosec.
-    message.header.stamp.sec, message.header.stamp.nanosec => id(message.header.stamp)
-
-you compare only sec, or only nanosec: a stamp is both.
-    together = => stamp = stamp[0] // together = => stamp = stamp[1] // together =
-
-you drop everything that waits when a pair is complete: drop only what came before the pair's first message.
-    while stamp in self.waiting: => self.waiting.clear() // while False:
-
-you keep what came before a pair. It is past: drop it, even if its partner still comes.
-    while stamp in self.waiting: => self.waiting.pop(stamp) // while False:
-
-you drop what came before a pair from one topic only: drop it from both.
-    while stamp in self.waiting: => self.waiting = dropped_by_half(self.waiting, stamp, stream) // while False:
-
-you keep only the newest message of each topic. One topic may be ahead of the other: keep up to 50.
-    together = => self.waiting = {key: it for key, it in self.waiting.items() if {*it} != {stream}} // together =
-
-you ask which stamp is larger to know what is past. After a restart stamps begin at 0: go by the order of arrival.
-    while stamp in self.waiting: => self.waiting = dict(sorted(self.waiting.items())) // while stamp in self.waiting:
-
-you refuse stamps that are smaller than an earlier one. After a restart they begin at 0: go by the order of arrival.
-    while stamp in self.waiting: => self.last = stamp // while stamp in self.waiting:
-    together = => if stamp < vars(self).setdefault("last", (0, 0)): return None // together =
-
-you take two messages of one topic for a pair: a pair has one of each topic.
-    together[stream] = message => together[stream * (1 + (stream in together))] = message
-    together["joints"], together["pose"] => tuple(together[key] for key in sorted(together))
-
-you return the two messages in the order of arrival: return joints, pose.
-    together["joints"], together["pose"] => tuple(together.values())
-
-you don't limit the number of messages that wait: if there are more than 50, drop the one that came first.
-    len(self.waiting) > 50 => False
-
-you drop a message too early, though 50 may wait: look for the partner first, then drop one if there are more than 50.
-    len(self.waiting) > 50 => len(self.waiting) >= 50
-
-you drop the wrong one when more than 50 messages wait: drop the one that came first.
-    len(self.waiting) > 50: => len(self.waiting) > 50 and not self.waiting.pop(stamp):
-    => len(self.waiting) > 50 and not self.waiting.pop(min(self.waiting)):
-
-you drop everything when more than 50 messages wait: drop only the one that came first.
-    len(self.waiting) > 50: => len(self.waiting) > 50 and self.waiting.clear():
-
-#
-Compare your steps with these: a message waits by its stamp until the other topic's message with the same stamp comes,
-whichever is first. Then take both out, and return them as joints, pose.
-
-# the pose first
-You probably expect the joint states first: either message may come first. Always return joints, pose, in this order.
-
-# two objects
-You probably keep what waits on the class, or in the default of an argument: make it in __init__.
-
-# another second
-You probably compare only nanosec: a stamp is sec and nanosec.
-
-# nanosecond
-You probably round the stamps, as floats do, or take nearly equal ones for equal: every nanosecond counts.
-
-# three
-You probably keep only one message of a topic, or refuse smaller stamps: what came after a pair still waits.
-
-# digits
-You probably join sec and nanosec as text, without leading zeros: compare the two numbers.
-
-# late
-You probably drop too little or too much: a complete pair drops what came before its first message, of both topics.
-
-# start
-You probably ask which stamp is larger. After a restart they begin at 0: go by the order of arrival.
-
-# 50
-# 51
-# 60
-# 200
-You probably let fewer or more than 50 messages wait, or drop the wrong ones: of more than 50, drop the one that came
-first.
-"""
+MISTAKES = [
+    Mistake("you compare the stamps as objects, with `is` or id. "
+            "Every message has its own: compare their sec and nanosec.",
+            replace("message.header.stamp.sec, message.header.stamp.nanosec", "id(message.header.stamp)")),
+    Mistake("you compare only sec, or only nanosec: a stamp is both.",
+            replace("together =", "stamp = stamp[0]\ntogether =", "stamp = stamp[1]\ntogether =")),
+    Mistake("you drop everything that waits when a pair is complete: "
+            "drop only what came before the pair's first message.",
+            replace("while stamp in self.waiting:", "self.waiting.clear()\nwhile False:")),
+    Mistake("you keep what came before a pair. It is past: drop it, even if its partner still comes.",
+            replace("while stamp in self.waiting:", "self.waiting.pop(stamp)\nwhile False:")),
+    Mistake("you drop what came before a pair from one topic only: drop it from both.",
+            replace("while stamp in self.waiting:",
+                    "self.waiting = dropped_by_half(self.waiting, stamp, stream)\nwhile False:")),
+    Mistake("you keep only the newest message of each topic. One topic may be ahead of the other: keep up to 50.",
+            replace("together =",
+                    "self.waiting = {key: it for key, it in self.waiting.items() if {*it} != {stream}}\ntogether =")),
+    Mistake("you ask which stamp is larger to know what is past. After "
+            "a restart stamps begin at 0: go by the order of arrival.",
+            replace("while stamp in self.waiting:",
+                    "self.waiting = dict(sorted(self.waiting.items()))\nwhile stamp in self.waiting:")),
+    Mistake("you refuse stamps that are smaller than an earlier one. "
+            "After a restart they begin at 0: go by the order of arrival.",
+            both(replace("while stamp in self.waiting:", "self.last = stamp\nwhile stamp in self.waiting:"),
+                 replace("together =", 'if stamp < vars(self).setdefault("last", (0, 0)): return None\ntogether ='))),
+    Mistake("you take two messages of one topic for a pair: a pair has one of each topic.",
+            both(replace("together[stream] = message", "together[stream * (1 + (stream in together))] = message"),
+                 replace('together["joints"], together["pose"]', "tuple(together[key] for key in sorted(together))"))),
+    Mistake("you return the two messages in the order of arrival: return joints, pose.",
+            replace('together["joints"], together["pose"]', "tuple(together.values())")),
+    Mistake("you don't limit the number of messages that wait: if "
+            "there are more than 50, drop the one that came first.",
+            replace("len(self.waiting) > 50", "False")),
+    Mistake("you drop a message too early, though 50 may wait: look for "
+            "the partner first, then drop one if there are more than 50.",
+            replace("len(self.waiting) > 50", "len(self.waiting) >= 50")),
+    Mistake("you drop the wrong one when more than 50 messages wait: drop the one that came first.",
+            replace("len(self.waiting) > 50:", "len(self.waiting) > 50 and not self.waiting.pop(stamp):",
+                    "len(self.waiting) > 50 and not self.waiting.pop(min(self.waiting)):")),
+    Mistake("you drop everything when more than 50 messages wait: drop only the one that came first.",
+            replace("len(self.waiting) > 50:", "len(self.waiting) > 50 and self.waiting.clear():")),
+]  # fmt: skip
+MEANING = ("Compare your steps with these: a message waits by its stamp until "
+           "the other topic's message with the same stamp comes, whichever is "
+           "first. Then take both out, and return them as joints, pose.")  # fmt: skip
 NO_PAIR = "Return the two messages themselves, joints, pose, or None as long as one of them is missing."
 AT_ONCE = "Return a pair when its second message comes, and only once."
 
@@ -215,35 +178,53 @@ def dropped_by_half(waiting: dict[Any, Any], stamp: Any, stream: str) -> dict[An
     return {key: it for key, it in waiting.items() if key in after or {*it} == {stream}}
 
 
-TRIED = {
-    "two objects, each with one half of a pair": tried(*in_turn(20), objects=2),
-    "in turn": tried(*in_turn(20, 40, 60)),
-    "the pose first": tried(*poses(20), *joints(20), *poses(40), *joints(40)),
-    "three joint states, then their poses": tried(*joints(20, 40, 60), *poses(20, 40, 60)),
-    "three poses, then their joint states": tried(*poses(20, 40, 60), *joints(20, 40, 60)),
-    "a pose is missing": tried(*in_turn(20), *joints(40), *in_turn(60)),
-    "joints are missing": tried(*in_turn(20), *poses(40, 60), *joints(60)),
-    "equal nanosec, another second": tried(*joints(1020), *poses(2020), *joints(2020)),
-    "a nanosecond apart": tried((JOINTS, 20 * MS), (POSE, 20 * MS + 1), (JOINTS, 20 * MS + 1)),
-    "a nanosecond apart, on today's date": tried((JOINTS, TODAY), (POSE, TODAY + 1), (JOINTS, TODAY + 1)),
-    "the same digits": tried((JOINTS, S + 23), (POSE, 12 * S + 3), (JOINTS, 3 * S + 12), (JOINTS, 12 * S + 3)),
-    "a partner that comes too late": tried(*in_turn(20), *joints(40), *in_turn(60), *poses(40), *in_turn(80)),
-    "poses that come too late": tried(*joints(20, 40, 60, 80), *poses(80, 20, 40, 60), *in_turn(100)),
-    "joints that come too late": tried(*in_turn(20), *poses(40), *in_turn(60), *joints(40), *in_turn(80)),
-    "a late pose, poses first": tried(*joints(40), *poses(60), *joints(60), *poses(40), *in_turn(80)),
-    "late joints, poses first": tried(*poses(40, 60), *joints(60), *joints(40), *in_turn(80)),
-    "a pose that comes twice": tried(*in_turn(20), *poses(20), *in_turn(40)),
-    "the same joints twice, then their pose": tried(*joints(20, 20), *poses(20)),
-    "a restart from 0": tried(*in_turn(5000, 5020, 0, 20)),
-    "joints from before a restart": tried(*joints(5000), *in_turn(0, 20), *poses(5000)),
-    "60 joint states, then the last 40 poses": tried(*joints(*range(0, 1200, 20)), *poses(*range(400, 1200, 20))),
-    "50 joint states, then the pose of the first": tried(*joints(*range(0, 1000, 20)), *poses(0)),
-    "50 joint states, 1 s apart, then the pose of the first": tried(*joints(*range(0, 50000, 1000)), *poses(0)),
-    "51 joint states, then the pose of the first": tried(*joints(*range(0, 1020, 20)), *poses(0)),
-    "51 poses, then the joints of the first": tried(*poses(*range(0, 1020, 20)), *joints(0)),
-    "200 without a partner, then the pose of the first": tried(*joints(*range(0, 4000, 20)), *poses(0)),
-    "200 without a partner, then a restart": tried(*joints(*range(9000, 13000, 20)), *in_turn(0, 20)),
-}  # fmt: skip
+STILL_WAITING = ("You probably keep only one message of a topic, or refuse "
+                 "smaller stamps: what came after a pair still waits.")  # fmt: skip
+NANOSECONDS = ("You probably round the stamps, as floats do, or take "
+               "nearly equal ones for equal: every nanosecond counts.")  # fmt: skip
+PAST = ("You probably drop too little or too much: a complete pair "
+        "drops what came before its first message, of both topics.")  # fmt: skip
+NEW_START = "You probably ask which stamp is larger. After a restart they begin at 0: go by the order of arrival."
+FIFTY = ("You probably let fewer or more than 50 messages wait, or drop "
+         "the wrong ones: of more than 50, drop the one that came first.")  # fmt: skip
+CASES = [
+    Case("two objects, each with one half of a pair", tried(*in_turn(20), objects=2),
+         "You probably keep what waits on the class, or in the default of an argument: make it in __init__."),
+    Case("in turn", tried(*in_turn(20, 40, 60))),
+    Case("the pose first", tried(*poses(20), *joints(20), *poses(40), *joints(40)),
+         "You probably expect the joint states first: either message "
+         "may come first. Always return joints, pose, in this order."),
+    Case("three joint states, then their poses", tried(*joints(20, 40, 60), *poses(20, 40, 60)), STILL_WAITING),
+    Case("three poses, then their joint states", tried(*poses(20, 40, 60), *joints(20, 40, 60)), STILL_WAITING),
+    Case("a pose is missing", tried(*in_turn(20), *joints(40), *in_turn(60))),
+    Case("joints are missing", tried(*in_turn(20), *poses(40, 60), *joints(60))),
+    Case("equal nanosec, another second", tried(*joints(1020), *poses(2020), *joints(2020)),
+         "You probably compare only nanosec: a stamp is sec and nanosec."),
+    Case("a nanosecond apart", tried((JOINTS, 20 * MS), (POSE, 20 * MS + 1), (JOINTS, 20 * MS + 1)), NANOSECONDS),
+    Case("a nanosecond apart, on today's date", tried((JOINTS, TODAY), (POSE, TODAY + 1), (JOINTS, TODAY + 1)),
+         NANOSECONDS),
+    Case("the same digits", tried((JOINTS, S + 23), (POSE, 12 * S + 3), (JOINTS, 3 * S + 12), (JOINTS, 12 * S + 3)),
+         "You probably join sec and nanosec as text, without leading zeros: compare the two numbers."),
+    Case("a partner that comes too late", tried(*in_turn(20), *joints(40), *in_turn(60), *poses(40), *in_turn(80)),
+         PAST),
+    Case("poses that come too late", tried(*joints(20, 40, 60, 80), *poses(80, 20, 40, 60), *in_turn(100)), PAST),
+    Case("joints that come too late", tried(*in_turn(20), *poses(40), *in_turn(60), *joints(40), *in_turn(80)), PAST),
+    Case("a late pose, poses first", tried(*joints(40), *poses(60), *joints(60), *poses(40), *in_turn(80)), PAST),
+    Case("late joints, poses first", tried(*poses(40, 60), *joints(60), *joints(40), *in_turn(80)), PAST),
+    Case("a pose that comes twice", tried(*in_turn(20), *poses(20), *in_turn(40))),
+    Case("the same joints twice, then their pose", tried(*joints(20, 20), *poses(20))),
+    Case("a restart from 0", tried(*in_turn(5000, 5020, 0, 20)), NEW_START),
+    Case("joints from before a restart", tried(*joints(5000), *in_turn(0, 20), *poses(5000)), NEW_START),
+    Case("60 joint states, then the last 40 poses", tried(*joints(*range(0, 1200, 20)), *poses(*range(400, 1200, 20))),
+         FIFTY),
+    Case("50 joint states, then the pose of the first", tried(*joints(*range(0, 1000, 20)), *poses(0)), FIFTY),
+    Case("50 joint states, 1 s apart, then the pose of the first", tried(*joints(*range(0, 50000, 1000)), *poses(0)),
+         FIFTY),
+    Case("51 joint states, then the pose of the first", tried(*joints(*range(0, 1020, 20)), *poses(0)), FIFTY),
+    Case("51 poses, then the joints of the first", tried(*poses(*range(0, 1020, 20)), *joints(0)), FIFTY),
+    Case("200 without a partner, then the pose of the first", tried(*joints(*range(0, 4000, 20)), *poses(0)), FIFTY),
+    Case("200 without a partner, then a restart", tried(*joints(*range(9000, 13000, 20)), *in_turn(0, 20)), NEW_START),
+]  # fmt: skip
 
 
 def say(returned: Sequence[Any]) -> str:
@@ -264,5 +245,4 @@ def _time(stamp: int) -> str:
     return f"{stamp // MS}" + f".{stamp % MS:06}" * (stamp % MS > 0) + " ms"
 
 
-TABLE = read_table(TRIED, MISTAKES)
-pair = Exercise("pair", __doc__, Cases(Pairs, TABLE.cases, TABLE.mistakes, TABLE.meaning, say))
+pair = Exercise("pair", __doc__, Cases(Pairs, CASES, MISTAKES, MEANING, say))

@@ -35,9 +35,8 @@ from unittest.mock import patch
 from rclpy.logging import get_logger
 from rclpy.time import Time
 
-from tutorial.checks.engine.cases import Cases, Run
+from tutorial.checks.engine.cases import Case, Cases, Mistake, Run, both, replace
 from tutorial.checks.engine.failure import Failure, Misuse
-from tutorial.checks.engine.tables import read_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import SimpleController
@@ -63,53 +62,47 @@ class MyRecorder(QueueRecorder):
         self.bag.close()
 
 
-MISTAKES = """
-you close the bag while the thread may still write: call self.writer.join() before, without a timeout.
-    self.writer.join() => pass => self.bag.close() // self.writer.join()
-
-you put None into the queue while messages may still come, and those behind it are lost: stop listening first.
-    self.node.destroy => self.received.put(None) // self.node.destroy
-
-you call get twice for one entry, and each call takes one out: call it once, keep the entry, and write that.
-    received := self.received.get() => self.received.get()
-    *received) => *self.received.get())
-
-you end the thread when the queue is empty, as with `while not empty()` or get(timeout=...): let get() wait for more.
-    while received := self.received.get(): => while not self.received.empty() and (received := self.received.get()):
-
-you end the thread before it has written what waits in the queue: let only None end it, as the last entry.
-    received := self.received.get() => not vars(self).get("ends") and (received := self.received.get())
-    self.received.put(None) => self.ends = True // self.received.put(None)
-
-you keep the messages until the end, and lose them if the program crashes: write each one before you take the next.
-    while received := self.received.get(): => for received in [*iter(self.received.get, None)]:
-
-you leave out a message that says the same as an earlier one. It is still a message: write every entry.
-    self.bag.write( => received[1] in vars(self).setdefault("w", []) or self.w.append(received[1]) or self.bag.write(
-    => received[1] in vars(self).setdefault("w", [])[-1:] or self.w.append(received[1]) or self.bag.write(
-    => received in vars(self).setdefault("w", []) or self.w.append(received) or self.bag.write(
-
-you leave out a message with an empty payload: write every entry.
-    self.bag.write( => received[1] and self.bag.write(
-
-you leave out a message with the time of the one before it. Two may come at once: write every entry.
-    self.bag.write( => received[0] <= vars(self).get("t", 0) or setattr(self, "t", received[0]) or self.bag.write(
-
-you write only one entry: repeat it until None comes.
-    while received := => if received :=
-
-you take entries and write in unconfigure, too, beside the thread: leave both to the thread.
-    self.received.put( => while not self.received.empty(): self.bag.write(THE_REST) // self.received.put(
-    THE_REST => self.connection, *self.received.get()
-
-# one by one
-You probably don't end at None, or change an entry: take one, leave the loop if it is None, and otherwise write it
-unchanged, with self.bag.write(self.connection, time_ns, payload).
-
-#
-Compare your steps with these: stop listening, put None, join, close. Only the thread takes entries and writes, and only
-None ends it.
-"""
+MISTAKES = [
+    Mistake("you close the bag while the thread may still write: call self.writer.join() before, without a timeout.",
+            replace("self.writer.join()", "pass", "self.bag.close()\nself.writer.join()")),
+    Mistake("you put None into the queue while messages may still "
+            "come, and those behind it are lost: stop listening first.",
+            replace("self.node.destroy", "self.received.put(None)\nself.node.destroy")),
+    Mistake("you call get twice for one entry, and each call takes "
+            "one out: call it once, keep the entry, and write that.",
+            both(replace("received := self.received.get()", "self.received.get()"),
+                 replace("*received)", "*self.received.get())"))),
+    Mistake("you end the thread when the queue is empty, as with `while "
+            "not empty()` or get(timeout=...): let get() wait for more.",
+            replace("while received := self.received.get():",
+                    "while not self.received.empty() and (received := self.received.get()):")),
+    Mistake("you end the thread before it has written what waits "
+            "in the queue: let only None end it, as the last entry.",
+            both(replace("received := self.received.get()",
+                         'not vars(self).get("ends") and (received := self.received.get())'),
+                 replace("self.received.put(None)", "self.ends = True\nself.received.put(None)"))),
+    Mistake("you keep the messages until the end, and lose them if the "
+            "program crashes: write each one before you take the next.",
+            replace("while received := self.received.get():", "for received in [*iter(self.received.get, None)]:")),
+    Mistake("you leave out a message that says the same as an earlier one. It is still a message: write every entry.",
+            replace("self.bag.write(",
+                    'received[1] in vars(self).setdefault("w", []) or self.w.append(received[1]) or self.bag.write(',
+                    'received[1] in vars(self).setdefault("w", [])[-1:] '
+                    "or self.w.append(received[1]) or self.bag.write(",
+                    'received in vars(self).setdefault("w", []) or self.w.append(received) or self.bag.write(')),
+    Mistake("you leave out a message with an empty payload: write every entry.",
+            replace("self.bag.write(", "received[1] and self.bag.write(")),
+    Mistake("you leave out a message with the time of the one before it. Two may come at once: write every entry.",
+            replace("self.bag.write(",
+                    'received[0] <= vars(self).get("t", 0) or setattr(self, "t", received[0]) or self.bag.write(')),
+    Mistake("you write only one entry: repeat it until None comes.", replace("while received :=", "if received :=")),
+    Mistake("you take entries and write in unconfigure, too, beside the thread: leave both to the thread.",
+            both(replace("self.received.put(",
+                         "while not self.received.empty(): self.bag.write(THE_REST)\nself.received.put("),
+                 replace("THE_REST", "self.connection, *self.received.get()"))),
+]  # fmt: skip
+MEANING = ("Compare your steps with these: stop listening, put None, join, close. "
+           "Only the thread takes entries and writes, and only None ends it.")  # fmt: skip
 NEVER = "You probably put None after join, or not at all: put it before, so that the thread ends."
 PAST_NONE = "You probably go on after None: leave the loop when you take it."
 STOLEN = "You probably take None out of the queue outside of the thread: only write, on the thread, calls get."
@@ -293,13 +286,12 @@ def tried(*waiting: Any, coming: Sequence[Any] = ()) -> Run:
 
 
 A, B, C = (5, b"A"), (7, b"B"), (7, b"")  # the time [ns], and the payload, which may be empty
-TRIED = {
-    "messages come one by one": tried(coming=[A, B, None]),
-    "three messages wait in the queue": tried(A, B, C),
-    "equal messages wait in the queue": tried(A, B, B, (9, b"A")),
-    "a message comes while it stops listening": tried(A, coming=[B]),
-}
-TABLE = read_table(TRIED, MISTAKES, crashes=["one by one"])
-record = Exercise(
-    "record", __doc__, Cases(MyRecorder, TABLE.cases, TABLE.mistakes, TABLE.meaning), ("write", "unconfigure")
-)
+CASES = [
+    Case("messages come one by one", tried(coming=[A, B, None]),
+         "You probably don't end at None, or change an entry: take one, leave the loop if it is None, "
+         "and otherwise write it unchanged, with self.bag.write(self.connection, time_ns, payload).", crashes=True),
+    Case("three messages wait in the queue", tried(A, B, C)),
+    Case("equal messages wait in the queue", tried(A, B, B, (9, b"A"))),
+    Case("a message comes while it stops listening", tried(A, coming=[B])),
+]  # fmt: skip
+record = Exercise("record", __doc__, Cases(MyRecorder, CASES, MISTAKES, MEANING), ("write", "unconfigure"))

@@ -32,10 +32,9 @@ from typing import Any
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
-from tutorial.checks.engine.cases import Run
-from tutorial.checks.engine.publishing import Publishing
+from tutorial.checks.engine.cases import Case, Mistake, Run, replace
+from tutorial.checks.engine.publishing import SHARED_BY_ROBOTS, Publishing
 from tutorial.checks.engine.rig import Rig, Sent
-from tutorial.checks.engine.tables import read_publisher_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 from tutorial.controller import ControllerConfig, ControllerIO, SimpleController
@@ -71,73 +70,59 @@ class ThriftyPublisher(SimpleController):
         self.node.destroy_publisher(self.publisher)
 
 
-MISTAKES = """
-your first message lacks joints. Nothing was sent before it, so begin with an empty self.sent, and all joints are new.
-    : dict[str, float] = {} => = {j.name: j.position for j in io.body.joints} => = dict.fromkeys(io.body.joint_names, 0)
-
-you send every joint every time. Name those that have moved, and store what you have sent for them.
-    if n not in self.sent or abs(q - self.sent[n]) > 0.001} => }
-
-you take a last position of 0 for none, as in `if not last`. Check whether the name is in self.sent.
-    n not in self.sent or => not self.sent.get(n) or
-
-you send all joints as soon as one has moved. Name only those that have moved.
-    message = => news = positions // message =
-
-you name only one of the joints that have moved, perhaps because of a break. Name all of them.
-    if news: => news = dict([*news.items()][:1]) // if news: => news = dict([*news.items()][-1:]) // if news:
-    => news = dict([*news.items()][: 1 if self.sent else None]) // if news:
-
-you send a message even if no joint has moved. Send nothing then.
-    if news: => if True:
-
-you compare with the positions of 1/50 s ago, or of the last message. Compare with what was last sent for each joint.
-    if news: => self.sent = positions // if news: => self.sent = positions if news else self.sent // if news:
-
-you ask how fast a joint moves. What counts is how far it is from the position that was last sent: abs(a - b) > 0.001.
-    abs(q - self.sent[n]) > 0.001 => abs(self.io.body.joint(n).velocity) > 0.001
-    => abs(self.io.body.joint(n).velocity) > 0.05
-
-you compare a position with itself: you update self.sent too early, or keep the joint, not the number. Compare first.
-    n not in self.sent or abs(q - self.sent[n]) > 0.001 => n not in self.sent
-
-you add up the changes of all joints. Compare each joint by itself with 0.001.
-    abs(q - self.sent[n]) > => sum(abs(p - self.sent[m]) for m, p in positions.items()) >
-
-you compare rounded positions. What counts is their distance: abs(a - b) > 0.001.
-    abs(q - self.sent[n]) > 0.001 => round(q, 3) != round(self.sent[n], 3) => int(q * 1000) != int(self.sent[n] * 1000)
-
-you compare without abs, or take abs of each position. A joint moves in both directions: abs(a - b) > 0.001.
-    abs(q - self.sent[n]) => (q - self.sent[n]) => (self.sent[n] - q) => abs(abs(q) - abs(self.sent[n]))
-
-you don't store what you have sent, or forget the other joints by self.sent = ... Write self.sent.update(news).
-    self.sent.update(news) => self.sent = news | self.sent => self.sent = news
-
-your threshold is too small, or missing. Send a joint only if it is more than 0.001 rad (or m) away.
-    > 0.001 => > 0 => > 0.0001 => > radians(0.001)
-
-your threshold is too large. Send a joint as soon as it is more than 0.001 rad (or m) away.
-    > 0.001 => > 0.1 => > 0.01
-
-you also fill velocity or effort. Leave both empty: only what is new is sent.
-    self.publisher.publish(message)
-    => message.velocity = [self.io.body.joint(n).velocity for n in message.name] // self.publisher.publish(message)
-    => message.effort = [self.io.body.joint(n).effort for n in message.name] // self.publisher.publish(message)
-
-#
-Compare yours: when io.step % steps_per_look == 0, compare each joint's position with what was last sent for it. Each
-message has new lists: the names of the joints that have moved, and their positions, nothing else.
-
-# each position
-You probably send how far the joint has moved, or a rounded or converted position. Send joint.position, unchanged.
-
-# after a restart
-You probably keep self.sent from the run before, or wait for step 0. Create self.sent in initialize, which runs again.
-
-# the joints of the tank
-you hard-code the joints' names, or how many there are. Take all joints of the body: io.body.joints.
-    self.io.body.joints => self.io.body.joints[:2] => map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))
-"""
+MISTAKES = [
+    Mistake("your first message lacks joints. Nothing was sent before it, "
+            "so begin with an empty self.sent, and all joints are new.",
+            replace(": dict[str, float] = {}", "= {j.name: j.position for j in io.body.joints}",
+                    "= dict.fromkeys(io.body.joint_names, 0)")),
+    Mistake("you send every joint every time. Name those that have moved, and store what you have sent for them.",
+            replace("if n not in self.sent or abs(q - self.sent[n]) > 0.001}", "}")),
+    Mistake("you take a last position of 0 for none, as in `if not last`. Check whether the name is in self.sent.",
+            replace("n not in self.sent or", "not self.sent.get(n) or")),
+    Mistake("you send all joints as soon as one has moved. Name only those that have moved.",
+            replace("message =", "news = positions\nmessage =")),
+    Mistake("you name only one of the joints that have moved, perhaps because of a break. Name all of them.",
+            replace("if news:", "news = dict([*news.items()][:1])\nif news:",
+                    "news = dict([*news.items()][-1:])\nif news:",
+                    "news = dict([*news.items()][: 1 if self.sent else None])\nif news:")),
+    Mistake("you send a message even if no joint has moved. Send nothing then.", replace("if news:", "if True:")),
+    Mistake("you compare with the positions of 1/50 s ago, or of the last "
+            "message. Compare with what was last sent for each joint.",
+            replace("if news:", "self.sent = positions\nif news:",
+                    "self.sent = positions if news else self.sent\nif news:")),
+    Mistake("you ask how fast a joint moves. What counts is how far it "
+            "is from the position that was last sent: abs(a - b) > 0.001.",
+            replace("abs(q - self.sent[n]) > 0.001", "abs(self.io.body.joint(n).velocity) > 0.001",
+                    "abs(self.io.body.joint(n).velocity) > 0.05")),
+    Mistake("you compare a position with itself: you update self.sent "
+            "too early, or keep the joint, not the number. Compare first.",
+            replace("n not in self.sent or abs(q - self.sent[n]) > 0.001", "n not in self.sent")),
+    Mistake("you add up the changes of all joints. Compare each joint by itself with 0.001.",
+            replace("abs(q - self.sent[n]) >", "sum(abs(p - self.sent[m]) for m, p in positions.items()) >")),
+    Mistake("you compare rounded positions. What counts is their distance: abs(a - b) > 0.001.",
+            replace("abs(q - self.sent[n]) > 0.001", "round(q, 3) != round(self.sent[n], 3)",
+                    "int(q * 1000) != int(self.sent[n] * 1000)")),
+    Mistake("you compare without abs, or take abs of each position. "
+            "A joint moves in both directions: abs(a - b) > 0.001.",
+            replace("abs(q - self.sent[n])", "(q - self.sent[n])", "(self.sent[n] - q)",
+                    "abs(abs(q) - abs(self.sent[n]))")),
+    Mistake("you don't store what you have sent, or forget the other "
+            "joints by self.sent = ... Write self.sent.update(news).",
+            replace("self.sent.update(news)", "self.sent = news | self.sent", "self.sent = news")),
+    Mistake("your threshold is too small, or missing. Send a joint only if it is more than 0.001 rad (or m) away.",
+            replace("> 0.001", "> 0", "> 0.0001", "> radians(0.001)")),
+    Mistake("your threshold is too large. Send a joint as soon as it is more than 0.001 rad (or m) away.",
+            replace("> 0.001", "> 0.1", "> 0.01")),
+    Mistake("you also fill velocity or effort. Leave both empty: only what is new is sent.",
+            replace("self.publisher.publish(message)",
+                    "message.velocity = [self.io.body.joint(n).velocity for "
+                    "n in message.name]\nself.publisher.publish(message)",
+                    "message.effort = [self.io.body.joint(n).effort for "
+                    "n in message.name]\nself.publisher.publish(message)")),
+]  # fmt: skip
+MEANING = ("Compare yours: when io.step % steps_per_look == 0, compare each joint's "
+           "position with what was last sent for it. Each message has new lists: the "
+           "names of the joints that have moved, and their positions, nothing else.")  # fmt: skip
 
 LOOK = 0.02  # [s]
 Move = tuple[float, float, float]  # [m, rad, rad] of the crane's joints
@@ -188,20 +173,26 @@ def moved(*moves: Move, look: Any = None, **options: Any) -> Run:
     return PUBLISHING.sent(LOOK * (len(moves) + 2), look, ms=1, moves=moves, **{"model": "crane", **options})
 
 
-TRIED = {
-    "with steps of 0.5 ms": PUBLISHING.rate(0.5),
-    "nothing moves": moved(*[REST] * 4),
-    "SLEW moves far, then a little, then rests": moved((0.0, 2.0, 0.0), (0.0, 0.0015, 0.0), REST),
-    "no joint moves by more than 0.001": moved((0.001, 0.0006, 0.0006)),
-    "LUFF moves, then trembles": moved(*[(0.0, 0.0, by) for by in (0.2996, 0.0007, -0.0009, 0.0007)]),
-    "LUFF creeps": moved(*[(0.0, 0.0, 0.00035)] * 8),
-    "BRIDGE and SLEW move": moved((0.006, 0.05, 0.0)),
-    "LUFF creeps on while SLEW moves": moved(*[(0.0, 0.05, 0.00035)] * 9),
-    "BRIDGE moves back": moved((0.02, 0.0, 0.0), (-0.04, 0.0, 0.0), REST, REST),
-    "each position": moved((0.1, 0.3004, -0.2004), SLEW, (0.0, 0.0, 0.05), look=positions),
-    "the joints of the tank": moved(SLEW, model="tank"),
-    "two robots in turns": lambda answer: PUBLISHING.two(answer, moves=(REST,), model="crane"),
-    "after a restart": lambda answer: PUBLISHING.restarted(answer, moves=(REST,), model="crane"),
-}
-TABLE = read_publisher_table(PUBLISHING, TRIED, MISTAKES)
-thrift = Exercise("thrift", __doc__, PUBLISHING.cases(ThriftyPublisher, TABLE.cases, TABLE.mistakes, TABLE.meaning))
+CASES = [
+    Case("with steps of 0.5 ms", PUBLISHING.rate(0.5), PUBLISHING.wrong_steps),
+    Case("nothing moves", moved(*[REST] * 4)),
+    Case("SLEW moves far, then a little, then rests", moved((0.0, 2.0, 0.0), (0.0, 0.0015, 0.0), REST)),
+    Case("no joint moves by more than 0.001", moved((0.001, 0.0006, 0.0006))),
+    Case("LUFF moves, then trembles", moved(*[(0.0, 0.0, by) for by in (0.2996, 0.0007, -0.0009, 0.0007)])),
+    Case("LUFF creeps", moved(*[(0.0, 0.0, 0.00035)] * 8)),
+    Case("BRIDGE and SLEW move", moved((0.006, 0.05, 0.0))),
+    Case("LUFF creeps on while SLEW moves", moved(*[(0.0, 0.05, 0.00035)] * 9)),
+    Case("BRIDGE moves back", moved((0.02, 0.0, 0.0), (-0.04, 0.0, 0.0), REST, REST)),
+    Case("each position", moved((0.1, 0.3004, -0.2004), SLEW, (0.0, 0.0, 0.05), look=positions),
+         "You probably send how far the joint has moved, or a rounded "
+         "or converted position. Send joint.position, unchanged."),
+    Case("the joints of the tank", moved(SLEW, model="tank"), mistakes=[
+        Mistake("you hard-code the joints' names, or how many there are. Take all joints of the body: io.body.joints.",
+                replace("self.io.body.joints", "self.io.body.joints[:2]",
+                        'map(self.io.body.joint, ("TURRET_Y", "TURRET_P"))'))]),
+    Case("two robots in turns", lambda trial: PUBLISHING.two(trial, moves=(REST,), model="crane"), SHARED_BY_ROBOTS),
+    Case("after a restart", lambda trial: PUBLISHING.restarted(trial, moves=(REST,), model="crane"),
+         "You probably keep self.sent from the run before, or wait for "
+         "step 0. Create self.sent in initialize, which runs again."),
+]  # fmt: skip
+thrift = Exercise("thrift", __doc__, PUBLISHING.cases(ThriftyPublisher, CASES, MISTAKES, MEANING))

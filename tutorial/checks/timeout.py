@@ -27,9 +27,8 @@ from typing import Any
 import numpy as np
 from sensor_msgs.msg import Joy
 
-from tutorial.checks.engine.cases import Cases, Run
+from tutorial.checks.engine.cases import Case, Cases, Mistake, Run, both, replace
 from tutorial.checks.engine.failure import Misuse
-from tutorial.checks.engine.tables import read_table
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 
@@ -48,73 +47,48 @@ class CommandTimeout:
         return seconds - self.since <= 0.5
 
 
-MISTAKES = """
-you set self.since too often, or your limit isn't 0.5 s. Set it only if message is not self.message; keep no copy.
-    return seconds - self.since <= 0.5 => return True
-
-you count calls. A step may take any time: subtract seconds, seconds - self.since.
-    self.since = seconds => self.since, self.calls = seconds, 0
-    return seconds - self.since <= 0.5 => self.calls += 1 // return self.calls <= 500
-
-you measure the time since the last call. Set self.since only in the call in which the message is new.
-    return seconds - self.since <= 0.5 => self.since, since = seconds, self.since // return seconds - since <= 0.5
-
-you subtract the message's stamp, which may be empty. Keep the seconds of the call in which the message is new.
-    return seconds - self.since => return seconds - message.header.stamp.sec - message.header.stamp.nanosec / 1e9
-
-you compare what the messages hold. A held stick sends equal messages: compare the objects, with `is not`.
-    message is not self.message => message != self.message => message.axes != getattr(self.message, "axes", None)
-
-you keep the message's id, and a later message may get the same one. Keep the message itself, and compare with `is not`.
-    message is not self.message => id(message) != self.message
-    self.message = message => self.message = id(message)
-
-you keep the time of the first message only. Set self.since for every new message.
-    if message is not self.message: => if self.message is None:
-
-once a message is too old, all later ones are, too. Each new message is fresh again.
-    self.message: Joy | None = None => self.message, self.old = None, False
-    return seconds - self.since <= 0.5 => self.old = self.old or seconds - self.since > 0.5 // return not self.old
-
-you return True only in the call in which the message is new. It stays fresh for 0.5 s.
-    return seconds - self.since <= 0.5 => return seconds == self.since
-
-you exchange True and False. A fresh message gives True: seconds - self.since <= 0.5.
-    <= 0.5 => > 0.5
-
-your limit excludes 0.5 s. A message is fresh if it came at most 0.5 s ago: <= 0.5.
-    <= 0.5 => < 0.5
-
-you compute the age with whole seconds. Don't round: seconds - self.since.
-    return seconds - self.since => return int(seconds - self.since) => return int(seconds) - int(self.since)
-
-your first message comes at 0 s, whenever it comes. Set self.since in the first call, too.
-    self.message: Joy | None = None => self.message, self.since = None, 0.0
-    if message is not => if self.message is None: self.message = message // if message is not
-
-#
-You probably compute a wrong age. In every call it is seconds - self.since, not rounded, and at most 0.5.
-
-# one message, at 0
-You probably don't set self.since exactly when the message is new. The first one is new, and 0 is a time like any other.
-
-# one message, at 12
-You probably don't set self.since in the first call. Keep the seconds of the call in which the message is new.
-
-# A at 3
-# B at 1.25
-You probably miss a new message. Set self.since whenever the message is another object than in the call before.
-
-# held stick
-You probably compare what the messages hold, or look for the message among all earlier ones. Compare with the last one,
-by `is not`.
-
-# 40 new
-You probably keep id(message), and a later message may get the same one. Keep the message itself, and use `is not`.
-
-# 1000 calls
-You probably count calls. A step may take any time: subtract seconds, seconds - self.since.
-"""
+MISTAKES = [
+    Mistake("you set self.since too often, or your limit isn't 0.5 s. "
+            "Set it only if message is not self.message; keep no copy.",
+            replace("return seconds - self.since <= 0.5", "return True")),
+    Mistake("you count calls. A step may take any time: subtract seconds, seconds - self.since.",
+            both(replace("self.since = seconds", "self.since, self.calls = seconds, 0"),
+                 replace("return seconds - self.since <= 0.5", "self.calls += 1\nreturn self.calls <= 500"))),
+    Mistake("you measure the time since the last call. Set self.since only in the call in which the message is new.",
+            replace("return seconds - self.since <= 0.5",
+                    "self.since, since = seconds, self.since\nreturn seconds - since <= 0.5")),
+    Mistake("you subtract the message's stamp, which may be empty. "
+            "Keep the seconds of the call in which the message is new.",
+            replace("return seconds - self.since",
+                    "return seconds - message.header.stamp.sec - message.header.stamp.nanosec / 1e9")),
+    Mistake("you compare what the messages hold. A held stick sends "
+            "equal messages: compare the objects, with `is not`.",
+            replace("message is not self.message", "message != self.message",
+                    'message.axes != getattr(self.message, "axes", None)')),
+    Mistake("you keep the message's id, and a later message may get the "
+            "same one. Keep the message itself, and compare with `is not`.",
+            both(replace("message is not self.message", "id(message) != self.message"),
+                 replace("self.message = message", "self.message = id(message)"))),
+    Mistake("you keep the time of the first message only. Set self.since for every new message.",
+            replace("if message is not self.message:", "if self.message is None:")),
+    Mistake("once a message is too old, all later ones are, too. Each new message is fresh again.",
+            both(replace("self.message: Joy | None = None", "self.message, self.old = None, False"),
+                 replace("return seconds - self.since <= 0.5",
+                         "self.old = self.old or seconds - self.since > 0.5\nreturn not self.old"))),
+    Mistake("you return True only in the call in which the message is new. It stays fresh for 0.5 s.",
+            replace("return seconds - self.since <= 0.5", "return seconds == self.since")),
+    Mistake("you exchange True and False. A fresh message gives True: seconds - self.since <= 0.5.",
+            replace("<= 0.5", "> 0.5")),
+    Mistake("your limit excludes 0.5 s. A message is fresh if it came at most 0.5 s ago: <= 0.5.",
+            replace("<= 0.5", "< 0.5")),
+    Mistake("you compute the age with whole seconds. Don't round: seconds - self.since.",
+            replace("return seconds - self.since", "return int(seconds - self.since)",
+                    "return int(seconds) - int(self.since)")),
+    Mistake("your first message comes at 0 s, whenever it comes. Set self.since in the first call, too.",
+            both(replace("self.message: Joy | None = None", "self.message, self.since = None, 0.0"),
+                 replace("if message is not", "if self.message is None: self.message = message\nif message is not"))),
+]  # fmt: skip
+MEANING = "You probably compute a wrong age. In every call it is seconds - self.since, not rounded, and at most 0.5."
 TRUTH = "Return True or False: return seconds - self.since <= 0.5."
 
 
@@ -148,20 +122,29 @@ def fresh(trial: Trial, timeout: Any, message: Joy, seconds: float) -> bool:
 
 NEW = ", ".join(f"N {i / 4}" for i in range(40))
 OFTEN = ", ".join(f"A {i / 4096}" for i in range(1000))
-TRIED = {
-    "one message, at 0, 0.25, 0.5 and 0.75 s": tried("A 0, A 0.25, A 0.5, A 0.75"),
-    "one message, at 12, 12.44, 12.53, 14 and 14.25 s": tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
-    "message A at 3 and 4 s, B at 4.25, 4.5 and 5 s, C at 6 and 6.25 s": tried(
-        "A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"
-    ),
-    "a held stick, an equal message every 0.25 s": tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
-    "message A at 1 s, B at 1.25, 1.625 and 2 s": tried("A 1, B 1.25, B 1.625, B 2"),
-    "40 new messages, each after the one before is deleted": lambda answer: [all(tried(NEW)(answer))],
-    "one message, 1000 calls in a quarter of a second": lambda answer: [all(tried(OFTEN)(answer))],
-    "two robots in turns, message A at 0 s, B at 0.25 s, A and B at 0.75 s": tried(
-        "A 0, B 0.25, A 0.75, B 0.75", objects=2
-    ),
-}
+A_AT_3 = ("You probably miss a new message. Set self.since whenever "
+          "the message is another object than in the call before.")  # fmt: skip
+CASES = [
+    Case("one message, at 0, 0.25, 0.5 and 0.75 s", tried("A 0, A 0.25, A 0.5, A 0.75"),
+         "You probably don't set self.since exactly when the message "
+         "is new. The first one is new, and 0 is a time like any other."),
+    Case("one message, at 12, 12.44, 12.53, 14 and 14.25 s", tried("A 12, A 12.4375, A 12.53125, A 14, A 14.25"),
+         "You probably don't set self.since in the first call. "
+         "Keep the seconds of the call in which the message is new."),
+    Case("message A at 3 and 4 s, B at 4.25, 4.5 and 5 s, C at 6 and 6.25 s",
+         tried("A 3, A 4, B 4.25, B 4.5, B 5, C 6, C 6.25"), A_AT_3),
+    Case("a held stick, an equal message every 0.25 s", tried("A 1, a 1.25, A 1.5, a 1.75, A 2"),
+         "You probably compare what the messages hold, or look for the message "
+         "among all earlier ones. Compare with the last one, by `is not`."),
+    Case("message A at 1 s, B at 1.25, 1.625 and 2 s", tried("A 1, B 1.25, B 1.625, B 2"), A_AT_3),
+    Case("40 new messages, each after the one before is deleted", lambda trial: [all(tried(NEW)(trial))],
+         "You probably keep id(message), and a later message may get "
+         "the same one. Keep the message itself, and use `is not`."),
+    Case("one message, 1000 calls in a quarter of a second", lambda trial: [all(tried(OFTEN)(trial))],
+         "You probably count calls. A step may take any time: subtract seconds, seconds - self.since."),
+    Case("two robots in turns, message A at 0 s, B at 0.25 s, A and B at 0.75 s",
+         tried("A 0, B 0.25, A 0.75, B 0.75", objects=2)),
+]  # fmt: skip
 
 
 def say(seen: list[bool]) -> str:
@@ -169,5 +152,4 @@ def say(seen: list[bool]) -> str:
     return ", ".join(map(str, seen))
 
 
-TABLE = read_table(TRIED, MISTAKES)
-timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, TABLE.cases, TABLE.mistakes, TABLE.meaning, say))
+timeout = Exercise("timeout", __doc__, Cases(CommandTimeout, CASES, MISTAKES, MEANING, say))

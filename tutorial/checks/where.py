@@ -30,8 +30,7 @@ import numpy as np
 from geometry_msgs.msg import Quaternion, TransformStamped
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial.checks.engine.cases import Cases
-from tutorial.checks.engine.tables import read_table
+from tutorial.checks.engine.cases import Case, Cases, Mistake, both, replace
 from tutorial.checks.engine.trial import Trial
 from tutorial.checks.exercise import Exercise
 
@@ -50,92 +49,57 @@ def where_is(transforms: Sequence[TransformStamped], point: ArrayLike) -> ArrayL
     return point
 
 
-MISTAKES = """
-you go through the list from the first transform to the last: start with the last, which knows the point's frame.
-    reversed( => list(
-
-you use only the last transform or only the first, or you leave one of these out. Use each of them.
-    (transforms): => (transforms[-1:]): => (transforms[:1]): => (transforms[:-1]): => (transforms[1:]):
-
-you turn the point only once, and add the other translations without a turn. Every transform turns, and then adds.
-    stamped.transform.rotation => (stamped.transform.rotation if stamped is transforms[-1] else Quaternion(w=1.0))
-    => (stamped.transform.rotation if stamped is transforms[0] else Quaternion(w=1.0))
-
-you multiply the rotations in the wrong order: the outer one stands on the left, outer * inner.
-    reversed(transforms): => transforms:
-    for stamped => place, rotations = np.zeros(3), [] // for stamped
-    point = turned(stamped.transform.rotation, point) + np.array( => place = place + in_order(rotations,
-    [t.x, t.y, t.z]) => [t.x, t.y, t.z]) // rotations.append(stamped.transform.rotation)
-    return point => return place + in_order(rotations, point)
-
-you go the wrong way, from the parent into the child: turn by the rotation, then add the translation.
-    turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) -
-    [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
-    reversed( => list( => reversed(
-
-you turn the wrong way round: keep the signs of the quaternion's x, y and z; with a matrix, don't transpose it.
-    [q.x, q.y, q.z] => [-q.x, -q.y, -q.z]
-
-you turn about z only. A frame may be tilted, too: use the whole quaternion.
-    axis, point = => q = Quaternion(z=q.z, w=q.w) // axis, point =
-    => q = about(UP, atan2(q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2)) // axis, point =
-
-you take the quaternion's four numbers in the wrong order. ROS has x, y, z, w, with w last; MuJoCo has w first.
-    axis, point = => q = Quaternion(w=q.x, x=q.y, y=q.z, z=q.w) // axis, point =
-    => q = Quaternion(x=q.w, y=q.x, z=q.y, w=q.z) // axis, point =
-
-you divide by the length of the axis, or by a sine. Both are 0 where nothing is turned: use turned(q, point).
-    return np.asarray( => axis = axis if any(axis) else axis * nan // return np.asarray(
-    => axis = axis if any(axis) else axis * (1 % 0) // return np.asarray(
-
-you add the translation before the turn, so it is turned, too: turn first, then add.
-    turned(stamped.transform.rotation, point) + np.array( => turned(stamped.transform.rotation, np.array(point) +
-
-you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.
-    [t.x, t.y, t.z]) => [t.x, t.y, t.z]) // point = np.round(point, 3)
-    => [t.x, t.y, t.z]) // point = np.round(point, 2)
-
-you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.
-    return point => return np.round(point, 3) => return np.round(point, 2) => return np.round(point, 1)
-
-you return nothing if the list is empty: return the point unchanged then.
-    return point => return point if transforms else None
-
-#
-Compare your steps with these: go from the last transform to the first. Each one turns the point, and then adds all of
-its translation, x, y and z.
-
-# only moved
-Nothing is turned here: x, y and z of the quaternion are 0 and w is 1. You probably read w from another place (in ROS it
-comes last), don't add all of the translation, or look for a certain frame.
-
-# a quarter of a turn to the left
-You probably have a mistake in the turn itself: compare with turned(q, point). ROS has x, y, z, w, with w last.
-
-# moved, and turned to the left
-A move alone and a turn alone come out right. You probably combine them in the wrong order: turn first, then add.
-
-# about y
-# about x
-A turn about z comes out right, and one about another axis doesn't. You probably have a mistake in the terms with x and
-y: compare with turned(q, point).
-
-# about a slanting axis
-Turns about x, y and z come out right. You probably combine the three wrongly: compare with turned(q, point).
-
-# quaternions with all signs changed
-q and -q are the same rotation. You probably use the sign of w without those of x, y and z.
-
-# transforms
-You probably expect a certain number of transforms, or a certain frame. Go from the last to the first, whatever their
-number: each one turns what the transforms after it have made of the point, and then adds.
-
-# of ints
-An array that is made of ints holds ints only. You probably lose the fractions there: start with np.array(point, float).
-
-# no transform
-You probably take a first transform for granted. If the list is empty, return the point unchanged.
-"""
+MISTAKES = [
+    Mistake("you go through the list from the first transform to the "
+            "last: start with the last, which knows the point's frame.",
+            replace("reversed(", "list(")),
+    Mistake("you use only the last transform or only the first, or you leave one of these out. Use each of them.",
+            replace("(transforms):", "(transforms[-1:]):", "(transforms[:1]):", "(transforms[:-1]):",
+                    "(transforms[1:]):")),
+    Mistake("you turn the point only once, and add the other translations "
+            "without a turn. Every transform turns, and then adds.",
+            replace("stamped.transform.rotation",
+                    "(stamped.transform.rotation if stamped is transforms[-1] else Quaternion(w=1.0))",
+                    "(stamped.transform.rotation if stamped is transforms[0] else Quaternion(w=1.0))")),
+    Mistake("you multiply the rotations in the wrong order: the outer one stands on the left, outer * inner.",
+            both(replace("reversed(transforms):", "transforms:"),
+                 replace("for stamped", "place, rotations = np.zeros(3), []\nfor stamped"),
+                 replace("point = turned(stamped.transform.rotation, point) + np.array(",
+                         "place = place + in_order(rotations,"),
+                 replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\nrotations.append(stamped.transform.rotation)"),
+                 replace("return point", "return place + in_order(rotations, point)"))),
+    Mistake("you go the wrong way, from the parent into the child: turn by the rotation, then add the translation.",
+            both(replace("turned(stamped.transform.rotation, point) + np.array(",
+                         "turned(stamped.transform.rotation, np.array(point) -"),
+                 replace("[q.x, q.y, q.z]", "[-q.x, -q.y, -q.z]"), replace("reversed(", "list(", "reversed("))),
+    Mistake("you turn the wrong way round: keep the signs of the "
+            "quaternion's x, y and z; with a matrix, don't transpose it.",
+            replace("[q.x, q.y, q.z]", "[-q.x, -q.y, -q.z]")),
+    Mistake("you turn about z only. A frame may be tilted, too: use the whole quaternion.",
+            replace("axis, point =", "q = Quaternion(z=q.z, w=q.w)\naxis, point =",
+                    "q = about(UP, atan2(q.w * q.z + q.x * q.y, 0.5 - q.y**2 - q.z**2))\naxis, point =")),
+    Mistake("you take the quaternion's four numbers in the wrong order. "
+            "ROS has x, y, z, w, with w last; MuJoCo has w first.",
+            replace("axis, point =", "q = Quaternion(w=q.x, x=q.y, y=q.z, z=q.w)\naxis, point =",
+                    "q = Quaternion(x=q.w, y=q.x, z=q.y, w=q.z)\naxis, point =")),
+    Mistake("you divide by the length of the axis, or by a sine. Both "
+            "are 0 where nothing is turned: use turned(q, point).",
+            replace("return np.asarray(", "axis = axis if any(axis) else axis * nan\nreturn np.asarray(",
+                    "axis = axis if any(axis) else axis * (1 % 0)\nreturn np.asarray(")),
+    Mistake("you add the translation before the turn, so it is turned, too: turn first, then add.",
+            replace("turned(stamped.transform.rotation, point) + np.array(",
+                    "turned(stamped.transform.rotation, np.array(point) +")),
+    Mistake("you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.",
+            replace("[t.x, t.y, t.z])", "[t.x, t.y, t.z])\npoint = np.round(point, 3)",
+                    "[t.x, t.y, t.z])\npoint = np.round(point, 2)")),
+    Mistake("you round the numbers. Up to half a millimetre is lost with three digits: return them unrounded.",
+            replace("return point", "return np.round(point, 3)", "return np.round(point, 2)",
+                    "return np.round(point, 1)")),
+    Mistake("you return nothing if the list is empty: return the point unchanged then.",
+            replace("return point", "return point if transforms else None")),
+]  # fmt: skip
+MEANING = ("Compare your steps with these: go from the last transform to the first. "
+           "Each one turns the point, and then adds all of its translation, x, y and z.")  # fmt: skip
 XYZ = "Return the three numbers x, y and z in a list, a tuple or an array. A message such as Point is none of these."
 
 Chain = Sequence[tuple[Any, Any, float]]  # translation [m], axis and angle of the rotation [deg]
@@ -187,20 +151,38 @@ def three(returned: Any) -> list[float]:
     return [x, y, z]
 
 
-TRIED = {
-    "a frame that is only moved": tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
-    "a quarter of a turn to the left": tried([(HERE, UP, 90.0)], (0.3, 0.1, 0.0)),
-    "moved, and turned to the left": tried([((2.0, 1.0, 0.1), UP, 90.0)], (0.3, 0.0, 0.2)),
-    "turned about y, nose up": tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)),
-    "turned about x, on its side": tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)),
-    "turned about a slanting axis": tried([((0.25, -1.0, 0.1), (1.0, -2.0, 0.5), 110.0)], (0.3, 0.2, -0.1)),
-    "two transforms": tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0)),
-    "quaternions with all signs changed": tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
-    "five transforms": tried(LONG, (0.3, 0.1, -0.2)),
-    "a point of ints": tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2)),
-    "a point that is an array": tried(LONG[2:], (0.3, 0.1, -0.2), np.array),
-    "no transform": tried([], (1.0, 2.0, 3.0)),
-}
+ABOUT_Y = ("A turn about z comes out right, and one about another axis doesn't. You probably "
+           "have a mistake in the terms with x and y: compare with turned(q, point).")  # fmt: skip
+IN_TURN = ("You probably expect a certain number of transforms, or a certain frame. "
+           "Go from the last to the first, whatever their number: each one turns "
+           "what the transforms after it have made of the point, and then adds.")  # fmt: skip
+CASES = [
+    Case("a frame that is only moved", tried([((1.0, 2.0, 0.5), UP, 0.0)], (0.3, 0.1, 0.2)),
+         "Nothing is turned here: x, y and z of the quaternion are 0 and w is 1. You probably read w from "
+         "another place (in ROS it comes last), don't add all of the translation, or look for a certain frame."),
+    Case("a quarter of a turn to the left", tried([(HERE, UP, 90.0)], (0.3, 0.1, 0.0)),
+         "You probably have a mistake in the turn itself: compare "
+         "with turned(q, point). ROS has x, y, z, w, with w last."),
+    Case("moved, and turned to the left", tried([((2.0, 1.0, 0.1), UP, 90.0)], (0.3, 0.0, 0.2)),
+         "A move alone and a turn alone come out right. You probably "
+         "combine them in the wrong order: turn first, then add."),
+    Case("turned about y, nose up", tried([((0.0, 0.0, 0.1), LEFT, -30.0)], (0.3, 0.0, 0.05)), ABOUT_Y),
+    Case("turned about x, on its side", tried([((0.5, 0.0, 0.0), AHEAD, 75.0)], (0.1, 0.2, 0.3)), ABOUT_Y),
+    Case("turned about a slanting axis", tried([((0.25, -1.0, 0.1), (1.0, -2.0, 0.5), 110.0)], (0.3, 0.2, -0.1)),
+         "Turns about x, y and z come out right. You probably "
+         "combine the three wrongly: compare with turned(q, point)."),
+    Case("two transforms", tried([((2.0, 1.0, 0.1), UP, 90.0), INNER], (0.3, 0.0, 0.0)), IN_TURN, crashes=True),
+    Case("quaternions with all signs changed", tried([((0.5, 0.0, 0.1), UP, 560.0), TILT], (0.1, 0.2, 0.3)),
+         "q and -q are the same rotation. You probably use the sign of w without those of x, y and z."),
+    Case("five transforms", tried(LONG, (0.3, 0.1, -0.2)), IN_TURN, crashes=True),
+    Case("a point of ints", tried([((0.5, 0.3, 0.2), UP, 30.0)], (3, 1, 2)),
+         "An array that is made of ints holds ints only. You probably "
+         "lose the fractions there: start with np.array(point, float).", crashes=True),
+    Case("a point that is an array", tried(LONG[2:], (0.3, 0.1, -0.2), np.array)),
+    Case("no transform", tried([], (1.0, 2.0, 3.0)),
+         "You probably take a first transform for granted. If the list is empty, return the point unchanged.",
+         crashes=True),
+]  # fmt: skip
 
 
 def say(numbers: Sequence[float]) -> str:
@@ -208,5 +190,4 @@ def say(numbers: Sequence[float]) -> str:
     return ", ".join(f"{round(number, 4):zg}" for number in numbers)
 
 
-TABLE = read_table(TRIED, MISTAKES, crashes=["transform", "of ints"])
-where = Exercise("where", __doc__, Cases(where_is, TABLE.cases, TABLE.mistakes, TABLE.meaning, say, beside=(turned,)))
+where = Exercise("where", __doc__, Cases(where_is, CASES, MISTAKES, MEANING, say, beside=(turned,)))
