@@ -143,9 +143,9 @@ def first_cases(post: str) -> list[Case]:
         Case("messages come", steps(hands_over(*MESSAGES)), mistakes=[
             Mistake("you skip a message that repeats the one before. Post a "
                     "call for each one: a robot at rest sends equal messages.",
-                    replace(POST,
-                            'if message.position == getattr(self, "before", None): '
-                            f"return\nself.before = message.position\n{POST}"))]),
+                    replace(post,
+                            'if message.position == getattr(self, "before", None): return\n'
+                            f"self.before = message.position\n{post}"))]),
         Case("a message", steps(state("Y P", (0.1, 0.2)), Viewer.where),
              "You probably don't set the positions, or change them on "
              "the way: self.body.set_joint_positions(positions), in rad.", mistakes=[
@@ -224,7 +224,7 @@ CASES = [
                           replace("positions, report =", "message = self.message\npositions, report ="))),
              Mistake("you post with call_latest, which replaces a call that "
                      "still waits. Post with call_later, which keeps every call.",
-                     replace("config.call_later", 'partial(config.call_latest, "joints")'))]),
+                     replace("config.call_later", 'lambda *call: config.call_latest("joints", *call)'))]),
     *LAST,
 ]  # fmt: skip
 show = Exercise("show", __doc__, viewing(MyViewer, "joint_state", SWAPPED, CASES))
