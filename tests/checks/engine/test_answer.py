@@ -2,7 +2,8 @@
 
 import pytest
 
-from tutorial.checks.engine.answer import is_empty, name_of
+from tutorial.checks.engine.answer import files_of, is_empty, name_of
+from tutorial.checks.engine.memory_node import MemoryNode
 
 EMPTY = ("...", "'Yours.'", "raise NotImplementedError", "raise NotImplementedError('yours')", "return None")
 WRITTEN = ("return 1", "print()", "return {}")
@@ -17,3 +18,13 @@ def test_what_counts_as_empty(body):
 
 def test_names():
     assert [name_of(each) for each in (len, int, 1)] == ["len", "int", "int"]
+
+
+def test_functions_of_the_engine_are_not_the_answers():
+    class Keeps:
+        kept = MemoryNode.create_timer
+
+        def own(self):
+            pass
+
+    assert files_of(Keeps) == {__file__}

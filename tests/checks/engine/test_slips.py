@@ -22,6 +22,10 @@ def test_slips(cause):
     assert after in [fault.made_in(before) for fault in slips(kind, before) if fault.cause == cause]
 
 
+def test_no_docstring_is_left_out():
+    assert [fault.cause[:3] for fault in slips(missing, "'Text.'\nf()")] == ["`f("]
+
+
 def test_the_changed_line_is_the_right_one():
     (_, fault) = slips(missing, "if a:\n    f()\nelse:\n    f()")
     assert fault.made_in("if a:\n    f()\nelse:\n    f()") is not None

@@ -14,6 +14,8 @@ def test_twins_are_the_solution_with_mistakes():
     assert toys.TWINS.make(add, multiply)(4) == 18
     assert toys.TWINS.make(add, add) is None
     assert toys.TWINS.alone(toys.CASES[1], add) == 6
+    (partly,) = cases.Mistake("", cases.replace("2 * x", "partial(max, 9)(x)")).faults()
+    assert toys.TWINS.make(partly)(4) == 10
 
 
 def test_what_they_print_and_how_long_they_take_is_not_the_answers_doing(capsys):

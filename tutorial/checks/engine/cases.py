@@ -52,7 +52,7 @@ def replace(old: str, *new: str) -> Ways:
     """Replace a part of the solution's source. Each replacement is a way of its own to make the mistake.
 
     Change as little as possible: two mistakes can only be found together if they change different texts. The new text
-    may use what the exercise's module, `asyncio`, `math` and `itertools` define.
+    may use what the exercise's module, `asyncio`, `functools`, `math` and `itertools` define.
 
     Args:
         old: the part. If it occurs several times, all of them are replaced.

@@ -3,6 +3,7 @@
 from __future__ import annotations  # for the compiled twins, too: an edit may break an annotation
 
 import asyncio
+import functools
 import inspect
 import itertools
 import math
@@ -76,7 +77,8 @@ class Twins:
         if source is None:
             return None
         solution = self.cases.solution
-        names = {**vars(asyncio), **vars(math), **vars(itertools), **vars(sys.modules[solution.__module__])}
+        modules = asyncio, functools, math, itertools, sys.modules[solution.__module__]
+        names = {name: value for module in modules for name, value in vars(module).items()}
         with suppress(SyntaxError):  # one mistake may leave half a statement to the next one
             exec(compile(source, A_MISTAKE, "exec"), names)
             return names[solution.__name__]
