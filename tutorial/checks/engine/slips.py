@@ -26,8 +26,9 @@ def slips(kind: Kind, source: str) -> Iterator[Fault]:
 
 
 def missing(node: ast.AST) -> Slips:
-    """Leave out a statement."""
-    if isinstance(node, ast.Expr | ast.Assign | ast.AnnAssign | ast.Return):
+    """Leave out a statement, but no docstring."""
+    is_docstring = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+    if isinstance(node, ast.Expr | ast.Assign | ast.AnnAssign | ast.Return) and not is_docstring:
         yield f"`{ast.unparse(node)}` is missing, or not reached.", node, ast.Pass()
 
 
