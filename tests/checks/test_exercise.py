@@ -105,7 +105,7 @@ class Pushy:
 FIRST_LOOK = [
     (drive, "Tank", "An object of the class str was given. Give the class itself: await drive.check(GentleTank)."),
     (drive, unwritten, "unwritten was given. Give the class itself: await drive.check(GentleTank)."),
-    (drive, Pushy, "Pushy is not made from SimpleController. Begin it with: class GentleTank(SimpleController):"),
+    (drive, Pushy, "Pushy does not inherit from SimpleController. Begin it with: class GentleTank(SimpleController):"),
     (by_name, Pushy, "Pushy was given. Give the function itself: await by_name.check(match_by_name)."),
 ]
 

@@ -43,11 +43,11 @@ def test_each_requirement_of_a_viewer_refuses_something(domain):
 
 SLIPS = {
     "`self.samples.clear()` is missing, or not reached.": "gyro",
-    "`dq` is missing, or always 0: it is `dq_ref - dq`.": "aim",
-    "a sign is wrong: it is `q_ref - q`.": "aim",
-    "the comparison is another: it is `stamp - newest > 100000000`.": "gaps",
-    "`name in joint_names` is not asked: it is `name in joint_names and isfinite(position)`.": "by_name",
-    "`news` is not asked.": "thrift",
+    "`dq` is missing, or always 0. It is `dq_ref - dq`.": "aim",
+    "a sign is wrong. It is `q_ref - q`.": "aim",
+    "you use another comparison. It is `stamp - newest > 100000000`.": "gaps",
+    "you don't test `name in joint_names`. It is `name in joint_names and isfinite(position)`.": "by_name",
+    "you don't test `news`.": "thrift",
 }
 
 

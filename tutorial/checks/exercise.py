@@ -90,10 +90,10 @@ class Exercise:
         except Failure as failure:
             yield finding_of(failure, answer)
         except TutorialError as error:
-            yield wrong(str(error), "The check could not go on from there.")
+            yield wrong(str(error), "The check ended there.")
         except Exception as error:  # noqa: BLE001 - whatever an odd answer leads to, the learner has to know
-            text = f"the check could not go on: {type(error).__name__}: {error}"
-            yield wrong(text, f"Something unusual is in the way: compare with {self.name}.solution().")
+            text = f"the check cannot go on: {type(error).__name__}: {error}"
+            yield wrong(text, f"Something unusual happened. Compare your answer with {self.name}.solution().")
 
     def _judge(self, answer: Any, instruments: Instruments) -> Iterator[Finding]:
         twins = Twins(self.cases, instruments.begin, self._seen)

@@ -19,7 +19,7 @@ def test_timers():
         assert rung == [1.0, 2.0]
         assert len(loop.timers) == 1
         assert 3.0 <= trial.ahead < 3.01
-        with pytest.raises(Misuse, match="in place of a function"):
+        with pytest.raises(Misuse, match="instead of a function"):
             loop.call_later(1.0, None)
         with ThreadPoolExecutor(1) as other, pytest.raises(RuntimeError, match="Non-thread-safe"):
             other.submit(loop.call_soon, print).result()

@@ -25,14 +25,14 @@ class Answer(SimpleController):
 
 
 SENTENCES = {
-    "Most likely self is missing: def control(self):": lambda: Answer().control(),
-    "Most likely parentheses are missing: Answer alone is the class": lambda: Answer.on_joy(message=1),
-    "Most likely the callback is called at once: give it without parentheses": lambda: Answer().configure(0),
-    "A tuple is in its place: take it apart": lambda: (1,).header,
-    "Most likely self is missing in initialize: self.io = ...": lambda: Answer().io,
-    "Most likely configure does not keep it: self.node = config.node.": lambda: Answer().node,
-    "Most likely it is read before anything has set it: configure comes first": lambda: Answer().message,
-    "Most likely it asks for the event loop": asyncio.get_running_loop,
+    "You probably forgot self: def control(self):": lambda: Answer().control(),
+    "You probably forgot the parentheses: Answer alone is the class": lambda: Answer.on_joy(message=1),
+    "You probably call the callback at once. Pass it without parentheses": lambda: Answer().configure(0),
+    "This is a tuple. Unpack it": lambda: (1,).header,
+    "You probably forgot self in initialize: self.io = ...": lambda: Answer().io,
+    "You probably don't keep it in configure: self.node = config.node.": lambda: Answer().node,
+    "You probably read it before anything has set it: configure comes first": lambda: Answer().message,
+    "You probably use the event loop": asyncio.get_running_loop,
     "A list cannot be the key of a dict": lambda: {[]: 1},
     "Leave it out: the program has called rclpy.init, spins its node": lambda: rclpy.spin_once(None),
     "Did you mean 'join'?": lambda: "".jion,

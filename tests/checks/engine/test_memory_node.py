@@ -27,10 +27,10 @@ def test_what_is_left():
     publisher.destroy()
     with pytest.raises(Failure, match="unconfigure") as info:
         node.check_left()
-    assert str(info.value.error) == "the node still has 1 of 1 topics and was not told of its end"
+    assert str(info.value.error) == "the node still has 1 of 1 topics and does not know that they are destroyed"
     assert node.destroy_publisher(publisher)
     assert node.check_left() == "nothing is left"
-    with pytest.raises(Misuse, match="with a publisher that is destroyed"):
+    with pytest.raises(Misuse, match="with a destroyed publisher"):
         publisher.publish(Imu())
 
 
@@ -38,7 +38,7 @@ async def coroutine(message):
     pass
 
 
-@pytest.mark.parametrize(("callback", "said"), [(None, "is given None in place"), (coroutine, "nobody awaits it")])
+@pytest.mark.parametrize(("callback", "said"), [(None, "gets None instead"), (coroutine, "nobody awaits it")])
 def test_callbacks_that_cannot_work(callback, said):
     with pytest.raises(Misuse, match=said):
         made().create_subscription(Joy, "joy", callback, 1)

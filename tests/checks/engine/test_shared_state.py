@@ -17,8 +17,8 @@ def test_what_changes_is_named():
     assert state.changed() == ""
     Keeps().keep()
     assert state.changed() == "Keeps.seen"
-    assert "self.seen = ..., and make it in __init__" in cause_of_sharing(Keeps, "Keeps.seen")
-    assert "within it" in cause_of_sharing(Keeps.keep, "KEPT")
+    assert "self.seen = ..., in __init__" in cause_of_sharing(Keeps, "Keeps.seen")
+    assert "inside the call" in cause_of_sharing(Keeps.keep, "KEPT")
 
 
 def test_what_is_outside():

@@ -6,13 +6,13 @@ from tutorial.checks.engine.slips import another, missing, slips
 
 SLIPS = {
     "`y = x` is missing, or not reached.": (missing, "y = x", "pass"),
-    "`b` is missing, or always 0: it is `a - b`.": (another, "a - b", "a - (0)"),
-    "a sign is wrong: it is `a - b`.": (another, "a - b", "(-a) - b"),
-    "the comparison is another: it is `a > b`.": (another, "a > b", "(a >= b)"),
-    "`a` is not asked: it is `a and b`.": (another, "a and b", "(True) and b"),
-    "`a` is not asked.": (another, "if a: pass", "if (True): pass"),
-    "the condition is turned round: it is `a`.": (another, "[0 for a in b if a]", "[0 for a in b if (not a)]"),
-    "the number is another, or none: it is `a + 3`.": (another, "a + 3", "a + (3 * 10)"),
+    "`b` is missing, or always 0. It is `a - b`.": (another, "a - b", "a - (0)"),
+    "a sign is wrong. It is `a - b`.": (another, "a - b", "(-a) - b"),
+    "you use another comparison. It is `a > b`.": (another, "a > b", "(a >= b)"),
+    "you don't test `a`. It is `a and b`.": (another, "a and b", "(True) and b"),
+    "you don't test `a`.": (another, "if a: pass", "if (True): pass"),
+    "your condition is the opposite. It is `a`.": (another, "[0 for a in b if a]", "[0 for a in b if (not a)]"),
+    "a number differs or is missing. It is `a + 3`.": (another, "a + 3", "a + (3 * 10)"),
 }
 
 

@@ -38,7 +38,7 @@ def misfit(answer: Any, name: str, base: type | None, call: str) -> str:
     if isinstance(answer, type) != (base is not None) or not callable(answer):
         return f"{getattr(answer, '__name__', f'An object of the class {type(answer).__name__}')} was given. {instead}"
     if base is not None and not issubclass(answer, base):
-        return f"{answer.__name__} is not made from {base.__name__}. Begin it with: class {name}({base.__name__}):"
+        return f"{answer.__name__} does not inherit from {base.__name__}. Begin it with: class {name}({base.__name__}):"
     return ""
 
 
@@ -112,9 +112,9 @@ def _what_to_write(answer: type, part: str) -> str:
     others = [name for name in vars(answer) if not (name.startswith("__") or hasattr(SimpleController, name))]
     near = get_close_matches(part, others, n=1)
     if near:
-        return f"Most likely its name is misspelled: {near[0]} should be {part}."
+        return f"You probably misspelled its name: {near[0]} should be {part}."
     made = getattr(vars(answer).get("__init__"), "__code__", None)
     if made is not None and made.co_argcount > 1 and issubclass(answer, SimpleController):
-        return f"Most likely __init__ does its work. {NO_ARGUMENTS}"
-    more = " What is simulated is io.body." * (part == "initialize")
+        return f"You probably do its work in __init__. {NO_ARGUMENTS}"
+    more = " The simulated body is io.body." * (part == "initialize")
     return f"Write the method {part}; it is part of the answer.{more}"

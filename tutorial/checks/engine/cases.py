@@ -21,7 +21,7 @@ from tutorial.checks.engine.trial import Trial
 # Tries `trial.answer` and returns what it observes: numbers of about 1, texts, or lists or dicts of these.
 Run = Callable[[Trial], Any]
 
-CLOCK = "Most likely the computer's clock is asked: what counts is the time that is given."
+CLOCK = "You probably ask the computer's clock. Only the simulated time that you are given counts."
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ TURN = 2.0**-17  # [s] that each turn of the loop takes, so that time also passe
 TURNS = 20  # of the loop after a timer: for what the timer calls, and for what that calls
 
 OTHER_THREAD = "Non-thread-safe operation invoked on an event loop other than the current one"  # as asyncio says it
-AT_ONCE = "Most likely the parentheses call it at once: give call_later the function itself, self.land."
+AT_ONCE = "You probably call it at once, with parentheses. Pass the function itself, such as self.land."
 
 
 class ClockedLoop(asyncio.SelectorEventLoop):
@@ -44,7 +44,7 @@ class ClockedLoop(asyncio.SelectorEventLoop):
         """Keep a timer, as asyncio does; `call_later` calls this, too."""
         self._check()
         if not callable(callback):
-            raise Misuse(f"the timer is given {callback} in place of a function", AT_ONCE)
+            raise Misuse(f"the timer gets {callback} instead of a function", AT_ONCE)
         timer = super().call_at(when, self.wrap(callback), *args, context=context)
         self._timers.append(timer)
         return timer

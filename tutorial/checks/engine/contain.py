@@ -24,7 +24,7 @@ DONE = b"done\n"
 LIMIT = 120.0  # [s] for a whole check; the watchdog ends what takes long far earlier
 OUTPUT_KEPT = 20_000  # bytes
 REST = 1.0  # [s] for reading what was printed, if a process that the answer has started still holds the pipe
-CLINGS = "The answer is run in a process of its own: let it take what it needs from config, io or its arguments."
+CLINGS = "The answer runs in a process of its own: let it take what it needs from config, io or its arguments."
 _FRAME = re.compile(r'File "(.+)", line (\d+) in (\S+)')
 
 
@@ -115,10 +115,10 @@ def _bad_end(trace: str, files: Collection[str], status: int) -> Finding:
         text, cause = "Python itself has come to a halt", "A call into C did not return, and let nothing else run."
     elif status >= 0:
         text = f"the process was ended, with exit status {status}"
-        cause = "Most likely something in it ended the whole process, as os._exit does: a controller only returns."
+        cause = "You probably end the whole process, as os._exit does. A controller only returns."
     else:
         text = f"the process was ended by the signal {signal.Signals(-status).name}"
-        cause = "Most likely something outside of Python went wrong, such as a library that was used wrongly."
+        cause = "Something outside of Python probably went wrong, such as a wrong call of a library."
     return wrong(text, cause, place)
 
 

@@ -12,36 +12,36 @@ from typing import Any
 
 from tutorial.controller import SimpleController
 
-AT_ONCE = "Most likely the callback is called at once: give it without parentheses, self.{}."
-NO_ARGUMENTS = "__init__ is given nothing: config comes to configure(self, config), and io to initialize(self, io)."
-_STEPS = "{} is called once for every step and returns at once; the loop is the simulation's. To wait, count steps."
+AT_ONCE = "You probably call the callback at once. Pass it without parentheses: self.{}."
+NO_ARGUMENTS = "__init__ gets no arguments: configure(self, config) gets config, and initialize(self, io) gets io."
+_STEPS = "The simulation calls {} once per step, so the loop is the simulation's: return at once. To wait, count steps."
 _RETURNS = {
     "control": _STEPS,
     "aim": _STEPS,
-    "unconfigure": "to wait for a thread's end, join it; that its queue is empty is not its end.",
-    "update": "{} runs on the main thread, and nothing else is drawn or answered meanwhile: draw, and return.",
-    "callback": "{} is a callback: it puts the message away, or posts a call, and returns; it never waits or repeats.",
+    "unconfigure": "To wait for a thread's end, join it. An empty queue does not mean that the thread has ended.",
+    "update": "{} runs on the main thread, which does nothing else until it returns: draw, and return.",
+    "callback": "{} is a callback: it keeps the message or posts a call, and returns. It never waits or repeats.",
 }
 """Why a method has to return at once, by its name."""
 _PROGRAMS = "Leave it out: the program has called rclpy.init, spins its node, config.node, and shuts rclpy down."
 _CALLED_ONCE = {"init", "create_node", "spin", "spin_once", "spin_until_future_complete", "shutdown"}
 _CONFIG = ("body", "node", "call_later", "call_latest")
 _KEEP = {
-    "io": "initialize does not keep it: self.io = io.",
-    **{each: f"configure does not keep it: self.{each} = config.{each}." for each in _CONFIG},
+    "io": "You probably don't keep it in initialize: self.io = io.",
+    **{each: f"You probably don't keep it in configure: self.{each} = config.{each}." for each in _CONFIG},
 }
-_UNSET = "it is read before anything has set it: "
+_UNSET = "You probably read it before anything has set it: "
 _LIFE = "configure comes first, then initialize, then control; a message may come as soon as there is a subscription."
-_CLASS = "Most likely parentheses are missing: {0} alone is the class, {0}(...) makes an object of it."
-_GENERAL = "Mend this line first; what comes after it has not been looked at."
+_CLASS = "You probably forgot the parentheses: {0} alone is the class, {0}(...) makes an object of it."
+_GENERAL = "Fix this line first. The check has not tried what comes after it."
 _CAUSES = {
-    r"RuntimeError: .*event loop": "Most likely it asks for the event loop, or calls it, on another thread than the "
-    "main one: a callback posts, self.call_later(self.update, message), and what is posted may ask for the loop.",
-    r"AttributeError: 'tuple'": "A tuple is in its place: take it apart, as in positions, report = match_joints(...).",
+    r"RuntimeError: .*event loop": "You probably use the event loop on another thread than the main one. Post a "
+    "call, self.call_later(self.update, message): the posted call may use the loop.",
+    r"AttributeError: 'tuple'": "This is a tuple. Unpack it, as in positions, report = match_joints(...).",
     r"AttributeError: type object '(\w+)'": _CLASS,
-    r"AttributeError: .* has no attribute '(?:nano)?sec'": "Most likely the stamp is a number, or a Time that is no "
-    "message: Time(nanoseconds=self.io.time_ns).to_msg() makes one.",
-    r"TypeError: unhashable type: '(\w+)'": "A {0} cannot be the key of a dict: take a tuple of numbers, or a name.",
+    r"AttributeError: .* has no attribute '(?:nano)?sec'": "The stamp is probably a number, or a Time that "
+    "is not a message. Make a message of it: Time(nanoseconds=self.io.time_ns).to_msg().",
+    r"TypeError: unhashable type: '(\w+)'": "A {0} cannot be the key of a dict. Use a tuple of numbers, or a name.",
     r"TypeError: (?:\w+\.)*(\w+)\.\w+\(\) missing 1 required positional argument: 'self'": _CLASS,
     r"TypeError: \S*__init__\(\) missing": NO_ARGUMENTS,
     r"TypeError: (?:\S+\.)?(on_\w+)\(\) missing 1 required positional argument": AT_ONCE,
@@ -74,12 +74,14 @@ def likely_cause(error: BaseException, answer: Any) -> str:
 
 def slept(method: str) -> str:
     """Say what to change in a method that sleeps."""
-    return f"Leave out what sleeps or waits: {_returns(method) or 'nothing else goes on until it returns.'}"
+    return f"Don't sleep or wait. {_returns(method) or 'Nothing else goes on until it returns.'}"
 
 
 def endless(method: str) -> str:
     """Say why a method probably does not return."""
-    return _returns(method) or "Most likely the condition of a loop never becomes false, or it waits for something."
+    return (
+        _returns(method) or "The condition of a loop probably never becomes false, or the method waits for something."
+    )
 
 
 def _returns(method: str) -> str:
@@ -93,7 +95,7 @@ def _no_self(function: Any) -> str:
     arguments = code.co_varnames[: code.co_argcount]
     if code.co_flags & inspect.CO_VARARGS or arguments[:1] == ("self",):
         return ""
-    return f"Most likely self is missing: def {code.co_name}({', '.join(('self', *arguments))}):"
+    return f"You probably forgot self: def {code.co_name}({', '.join(('self', *arguments))}):"
 
 
 def _unset(answer: type, name: str) -> str:
@@ -101,11 +103,11 @@ def _unset(answer: type, name: str) -> str:
     codes = {each: value.__code__ for each, value in vars(answer).items() if inspect.isfunction(value)}
     for method, code in codes.items():
         if name in code.co_varnames[code.co_argcount :]:
-            return f"Most likely self is missing in {method}: self.{name} = ..."
+            return f"You probably forgot self in {method}: self.{name} = ..."
     life = _LIFE if issubclass(answer, SimpleController) else "let __init__ set it."
     steps = [step for code in codes.values() for step in dis.get_instructions(code)]
     is_set = any(step.opname == "STORE_ATTR" and step.argval == name for step in steps)
-    return f"Most likely {_UNSET + life if is_set else _KEEP.get(name, _UNSET + life)}"
+    return _UNSET + life if is_set else _KEEP.get(name, _UNSET + life)
 
 
 def _what_there_is(owner: Any, name: str) -> str:

@@ -15,7 +15,7 @@ from tutorial.checks.engine.trial import Trial
 TURN = 0.05  # [s]; a thread that waits for a lock of the interrupted function would wait for ever
 MESSAGES = 100  # that arrive while a controller is configured, one at each instruction
 
-EARLY = "Most likely the subscription is created before what its callback uses, so it finds nothing: create it last."
+EARLY = "You probably create the subscription before what its callback uses, so it finds nothing. Create it last."
 
 
 def interleave(trial: Trial, function: Callable[[], object], between: Callable[[], object], at: int | None) -> bool:

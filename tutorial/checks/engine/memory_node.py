@@ -14,10 +14,12 @@ from tutorial.checks.engine.exceptions import AT_ONCE
 from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.trial import Trial
 
-IN_STOP = "Most likely stop destroys what configure has made, and a restart finds none: do so in unconfigure."
-THE_NODE = "config.node belongs to the whole program: unconfigure destroys only the {0}, {1}."
-TOO_MANY = "Most likely one is made at every start, or by super().configure(config), too: make one {0}, in configure."
-LEFT = "Most likely unconfigure is missing, or lacks {1}: a flag, None or self.{0}.destroy() does not tell the node."
+IN_STOP = "You probably destroy it in stop, so a restart finds none. Destroy it in unconfigure."
+THE_NODE = "config.node belongs to the whole program. In unconfigure destroy only the {0}: {1}."
+TOO_MANY = (
+    "You probably make one at every start, or super().configure(config) makes another. Make one {0}, in configure."
+)
+LEFT = "unconfigure is probably missing, or lacks {1}. A flag, None or self.{0}.destroy() does not tell the node."
 
 
 class Endpoint:
@@ -40,7 +42,7 @@ class Endpoint:
     def publish(self, message: Any) -> None:
         """Hand a message to the node."""
         if self.destroyed:
-            raise Misuse(f"it publishes on {self.topic_name} with a publisher that is destroyed", IN_STOP)
+            raise Misuse(f"it publishes on {self.topic_name} with a destroyed publisher", IN_STOP)
         if not isinstance(message, self.kind):
             raise TypeError(f"Expected {self.kind}, got {type(message)}")
         self._node.publish(self, message)
@@ -121,7 +123,7 @@ class MemoryNode:
         """
         if not self.kept and not self.destroyed:
             return "nothing is left"
-        alone = " and was not told of its end" * any(each.destroyed for each in self.kept)
+        alone = " and does not know that they are destroyed" * any(each.destroyed for each in self.kept)
         left = f"the node still has {len(self.kept)} of {len(self.made)} topics{alone}"
         cause = TOO_MANY if len(self.kept) < len(self.made) else LEFT
         if self.destroyed:
@@ -149,8 +151,8 @@ class MemoryNode:
 def _check_callback(callback: Any, message_type: type) -> None:
     name = "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in message_type.__name__)
     if not callable(callback):
-        text = f"create_subscription is given {callback!r} in place of a function"
+        text = f"create_subscription gets {callback!r} instead of a function"
         raise Misuse(text, AT_ONCE.format(f"on{name}"))
     if inspect.iscoroutinefunction(callback):
         text = f"{callback.__name__} is a coroutine function, async def, and nobody awaits it"
-        raise Misuse(text, "A callback is a plain function: it puts the message away, or posts a call, and returns.")
+        raise Misuse(text, "Write def, not async def. A callback keeps the message or posts a call, and returns.")

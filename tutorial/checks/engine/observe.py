@@ -15,7 +15,7 @@ from tutorial.checks.engine.trial import Trial
 from tutorial.checks.engine.verdict import Place
 
 TOLERANCE = 1e-4
-UNLIKE = "Most likely something has the wrong type, such as a number or an array in place of a list or a message."
+UNLIKE = "Something probably has the wrong type, such as a number or an array instead of a list or a message."
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ def attempt(run: Run, trial: Trial) -> Any:
     except Failure as failure:
         return failure
     except Exception as error:  # noqa: BLE001 - an odd answer may lead to anything
-        text = f"what it has made cannot be read: {type(error).__name__}: {error}"
+        text = f"the check cannot read what it has made: {type(error).__name__}: {error}"
         return Failure(name_of(trial.answer), error if isinstance(error, Misuse) else Misuse(text, UNLIKE))
 
 

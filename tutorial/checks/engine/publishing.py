@@ -15,11 +15,9 @@ from tutorial.checks.engine.rig import APART, Rig, Sent
 from tutorial.checks.engine.trial import Trial
 
 NOTHING = "no message"
-TOGETHER = "Most likely each joint has a message of its own, or publish is called twice: send one message with all."
-SHARED_BY_ROBOTS = "Most likely what is kept belongs to the class: make it in initialize."
-RESTART = (
-    "Most likely something of the run before is kept, or steps or times are counted from 0: after stop, time goes on."
-)
+TOGETHER = "You probably send a message for each joint, or call publish twice. Send one message with all joints."
+SHARED_BY_ROBOTS = "You probably keep something on the class, which all robots share. Set it on self, in initialize."
+RESTART = "You probably keep something of the run before, or count steps or times from 0. Time goes on after stop."
 
 # Observes something, given the rig and the messages that were sent.
 Look = Callable[[Any, list[Sent]], Any]
@@ -68,8 +66,8 @@ class Publishing:
 
     def _first(self) -> list[Case]:
         made = f'config.node.create_publisher({self.kind.__name__}, f"{{config.body.name}}/{self.topic}", 1)'
-        topic = f"Compare with {made}, in configure, no slash in front."
-        condition = f"Most likely the condition is another: one message comes when {self.when}."
+        topic = f"You probably use another topic or type. Compare with {made}, in configure, without a slash in front."
+        condition = f"You probably test another condition. A message is due when {self.when}."
         return [
             Case("on the body Rover", self.topics("/"), topic),
             *[Case("on the body Rover, in the namespace /lab", self.topics("/lab"), topic)] * self.namespaces,
@@ -79,10 +77,10 @@ class Publishing:
 
     def _mistakes(self) -> list[Mistake]:
         return [
-            Mistake("it asks the displayed copy, config.body, on which nothing moves: what is simulated is io.body.",
+            Mistake("you use the displayed copy, config.body, on which nothing moves. The simulated body is io.body.",
                     both(replace("self.node = config.node", "self.node, self.shown = config.node, config.body"),
                          replace("self.io = io", "self.io, io.body = io, self.shown"))),
-            Mistake(f"control publishes at every step: it does so only if {self.when}.",
+            Mistake(f"you publish at every step. Publish only if {self.when}.",
                     replace("self.io.step %", "0 * self.io.step %")),
         ]  # fmt: skip
 
@@ -95,15 +93,15 @@ class Publishing:
     def wrong_steps(self) -> str:
         """The meaning of a case in which messages come too often or too rarely."""
         return (
-            "Most likely the number of steps is written down for another step, cut off or not rounded, or counted in a "
-            f"time: publish when {self.when}."
+            "You probably hard-code the number of steps, cut it off, don't round it, or count time. "
+            f"Publish when {self.when}."
         )
 
     @property
     def _stamp(self) -> str:
         return (
-            "Most likely it is left out, counted, or another clock's, or sec and nanosec are exchanged, or one is "
-            f"missing: set both, for each message, with Time(nanoseconds={self.time}).to_msg()."
+            "You probably leave out the stamp, count it, take it from another clock, or swap or forget sec or nanosec. "
+            f"Set both, for each message: Time(nanoseconds={self.time}).to_msg()."
         )
 
     def messages(self, rig: Rig) -> list[Sent]:

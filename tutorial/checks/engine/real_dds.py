@@ -35,7 +35,7 @@ def send(node: Any, topic: str, message: Any, done: Callable[[], object]) -> Non
     publisher = node.create_publisher(type(message), topic, 10)
     wait(publisher.get_subscription_count, "no message reaches the subscription. Is its QoS 1?")
     publisher.publish(message)
-    wait(done, "nothing comes of a message from another program")
+    wait(done, "a message from another program has no effect")
 
 
 def wait(condition: Callable[[], object], complaint: str) -> None:

@@ -18,7 +18,9 @@ from tutorial.controller import ControllerConfig, ControllerIO
 
 QUIET = 0.05  # [s] after which a thread of the learner's has published everything
 
-APART = "Most likely a timer or a thread publishes, by the wall clock: publish in control, and count steps, io.step."
+APART = (
+    "You probably publish from a timer or a thread, by the wall clock. Publish in control, and count steps: io.step."
+)
 
 
 @dataclass(frozen=True)

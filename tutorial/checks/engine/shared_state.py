@@ -43,10 +43,10 @@ def cause_of_sharing(answer: Any, name: str) -> str:
         name: what is shared, as `SharedState.changed` returns it.
     """
     if not isinstance(answer, type) or name.startswith(_DEFAULT):
-        return f"Most likely {name} is kept from call to call: make what the call needs anew, within it."
+        return f"You keep {name} from call to call. Make everything that a call needs inside the call."
     return (
-        f"Most likely {name} is shared by all objects of the class: keep in each what is its own, "
-        f"self.{name.rpartition('.')[2]} = ..., and make it in __init__, configure or initialize."
+        f"{name} is shared by all objects of the class. Give each object its own, "
+        f"self.{name.rpartition('.')[2]} = ..., in __init__, configure or initialize."
     )
 
 

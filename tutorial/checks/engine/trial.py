@@ -13,7 +13,9 @@ from tutorial.checks.engine.exceptions import slept
 from tutorial.checks.engine.failure import Failure, Misuse
 from tutorial.checks.engine.verdict import Place
 
-CHANGED = "Most likely sort, reverse, pop, del, append, += or = did it: make one of your own; np.asarray makes none."
+CHANGED = (
+    "You probably change it with sort, reverse, pop, del, append, += or =. Copy it first; np.asarray makes no copy."
+)
 
 
 class Call:
@@ -85,14 +87,14 @@ class Trial:
             returned = self.answer(*given)
             changed = [type(each).__name__ for each, said in zip(given, before) if str(each) != said]
             if changed:
-                raise Misuse(f"the {changed[0]} that was given is not the same afterwards", CHANGED)
+                raise Misuse(f"it changes the {changed[0]} that it is given", CHANGED)
             if isinstance(returned, Iterator):
-                wanted = f"With yield, or in parentheses, something makes an iterator. {wanted}"
+                wanted = f"yield and parentheses make an iterator. {wanted}"
             else:
                 with suppress(AttributeError, TypeError, ValueError):
                     return read(returned)
             if returned is None:
-                raise Misuse("it returns None", f"Most likely return is missing. {wanted}")
+                raise Misuse("it returns None", f"You probably forgot return. {wanted}")
             raise Misuse(f"it returns a {type(returned).__name__}", wanted)
 
     @contextmanager

@@ -93,7 +93,7 @@ class Verdict:
         if self.right:
             lines.append(f"All right. {self.notice}")
         elif len(self.causes) > WRONG_SHOWN:
-            lines.append("More is not right yet; mend this first.")
+            lines.append("More is wrong. Fix this first.")
         lines += _quoted(self.output)
         if self.advice and not self.right:
             lines.append(self.advice)

@@ -23,7 +23,7 @@ from tutorial.commands.checking.messages import Judged, Opened, Outcome
 from tutorial.commands.checking.sandbox import limit
 from tutorial.errors import TutorialError
 
-UNDEFINED = "Most likely the answer needs something of a cell that only works in a running notebook."
+UNDEFINED = "The answer probably needs something of a cell that only works in a running notebook."
 
 
 def main() -> NoReturn:
